@@ -118,7 +118,7 @@ def test_a_flexible_body_stands_in_place_of_a_rigid_one(read):
     ("text", "message"),
     [
         (CASE.replace("arm.xml", "none.xml"), "line 3, machine.mujoco: there is no file"),
-        (CASE.replace('"arm.xml"', '"case.toml"'), "machine.mujoco: .*MuJoCo refuses it"),
+        (CASE.replace('"arm.xml"', '"case.toml"'), "machine.mujoco: .*MuJoCo rejects it"),
         (CASE.replace("[simulation]", 'leave_out = ["wheels"]\nbody = 1\n[simulation]'), "machine.body"),
         (
             CASE + BODY + "position = [0, 0, 0]\n",

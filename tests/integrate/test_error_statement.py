@@ -32,13 +32,13 @@ def test_the_largest_part_is_named_with_its_remedy():
     whole = stated(basis=part(1e-5), step=part(4e-4, "halve the step"), newton=part(1e-6), model=part(2e-6))
     assert whole.total == whole.at_least == pytest.approx(4.13e-4)
     assert whole.largest == "step"
-    assert whole.advice == "the step costs 40 times the basis: halve the step"
+    assert whole.advice == "the error of the step is 40 times that of the basis: halve the step"
 
 
 def test_a_part_without_a_number_leads_and_keeps_the_sum_from_any_limit():
     unknown = ErrorStatement("positions", 0.5, basis=part(np.inf), step=part(1e-3), allowed=1.0)
     assert unknown.largest == "basis"
-    assert unknown.advice == "the part of the basis is unknown: mend it"
+    assert unknown.advice == "the error of the basis is unknown: mend it"
     assert not unknown.is_met
 
 

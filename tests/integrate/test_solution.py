@@ -90,11 +90,11 @@ def test_a_motion_of_another_type_is_refused_with_its_fields():
     nodal = NodalMotion(places, places, places, values, values, values)
     solution = Solution(np.array([0.0, 1.0]), {"bar": nodal}, {}, Statistics())
     refused = (
-        "body 'bar': its motion is of type NodalMotion, and this needs FramedMotion: .* nodes, velocities"
+        "body 'bar': its motion is of type NodalMotion, but FramedMotion is needed: .* nodes, velocities"
     )
     with pytest.raises(ModelError, match=refused):
         solution.motion("bar", FramedMotion)
-    with pytest.raises(ModelError, match=r"needs NodalMotion: .* position, rotation, coordinates"):
+    with pytest.raises(ModelError, match=r"NodalMotion is needed: .* position, rotation, coordinates"):
         chunk([0.0]).motion("link", NodalMotion)
 
 

@@ -28,9 +28,7 @@ def driving(element, name="clock"):
 
 
 def test_an_element_that_is_driven_does_not_stand_among_the_loads():
-    words = (
-        r"controller 'clock' drives TorqueBetween on ground \('motor'\), which also stands among the loads"
-    )
+    words = r"controller 'clock' drives TorqueBetween on ground \('motor'\), which is also among the loads"
     with pytest.raises(ModelError, match=words + ".*act twice: leave it out of loads"):
         wheel(loads=[TORQUE], controllers=[driving(TORQUE)])
     sampled = m.SampledController(
@@ -43,7 +41,7 @@ def test_an_element_that_is_driven_does_not_stand_among_the_loads():
 
 
 def test_an_element_is_driven_by_one_output():
-    words = "controller 'b' drives TorqueBetween on ground, which is driven already"
+    words = "controller 'b' drives TorqueBetween on ground, which another output drives already"
     with pytest.raises(ModelError, match=words + ".*an element of its own"):
         wheel(controllers=[driving(TORQUE, "a"), driving(TORQUE, "b")])
     wheel(controllers=[driving(TORQUE, "a"), driving(replace(TORQUE), "b")])
@@ -56,22 +54,22 @@ def test_a_servo_moves_what_its_joint_leaves_free():
     def along(axis):
         return m.SlideServo(**ENDS, axis=axis, slide=0.1, stiffness=2.0)
 
-    words = r"AngleServo on ground: it has no effect, as joint 'hinge' holds its ends along its axis "
+    words = r"AngleServo on ground: it has no effect, because joint 'hinge' fixes its ends along its axis "
     with pytest.raises(
         ModelError, match=words + r"\(1, 0, 0\): give it an axis along \[0.0, 0.0, 1.0\], which the joint "
     ):
         wheel(loads=[angle((1, 0, 0))])
     with pytest.raises(
-        ModelError, match=r"SlideServo on ground: it has no effect, .* give it ends between which"
+        ModelError, match=r"SlideServo on ground: it has no effect, .* give it ends that can move"
     ):
         wheel(loads=[along((0, 0, 1))])
-    with pytest.raises(ModelError, match="joint 'slide' holds its ends"):
+    with pytest.raises(ModelError, match="joint 'slide' fixes its ends"):
         wheel(joint=SLIDE, loads=[along((0, 1, 0))])
-    with pytest.raises(ModelError, match="joint 'slide' holds its ends"):
+    with pytest.raises(ModelError, match="joint 'slide' fixes its ends"):
         wheel(joint=SLIDE, controllers=[driving(angle((1, 0, 0)))])
     curve, swapped = m.Curve((0.0, 1.0), (1.0, 0.0)), {"first": "wheel.axle", "second": "ground"}
     motor = m.MotorCurve(**swapped, axis=(0, 1, 0), torque=curve)
-    with pytest.raises(ModelError, match="joint 'hinge' holds its ends"):
+    with pytest.raises(ModelError, match="joint 'hinge' fixes its ends"):
         wheel(loads=[motor])
     for system in (
         wheel(loads=[angle((0, 0, -1))]),

@@ -70,7 +70,7 @@ def test_a_dead_force_may_name_body_and_interface_together():
 
 
 def test_a_dead_force_acts_on_a_body():
-    with pytest.raises(ModelError, match="DeadForce on nodes: give the body that they belong to"):
+    with pytest.raises(ModelError, match="DeadForce on nodes: give the body of these nodes"):
         DeadForce(at=[1, 2], force=[0.0, 0.0, 1.0])
     with pytest.raises(ModelError, match="DeadForce acts on the ground: give a body's interface"):
         DeadForce(at="ground", force=[0.0, 0.0, 1.0])

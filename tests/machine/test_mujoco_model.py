@@ -223,11 +223,11 @@ def test_flexible_bodies_stand_in_place_of_rigid_ones():
     system = read_mujoco(text.replace("PLACE", "4"), bodies={"beams": beam})
     assert system.bodies[0].body is beam
     np.testing.assert_allclose(system.bodies[0].position, [0, 0, 1])
-    with pytest.raises(ModelError, match=r"its interface 'tip' lies 0\.5 off the joint"):
+    with pytest.raises(ModelError, match=r"its interface 'tip' is 0\.5 away from the joint"):
         read_mujoco(text.replace("PLACE", "3.5"), bodies={"beams": beam})
     with pytest.raises(ModelError, match=r"no body 'wing' to replace; the machine has 'beams', 'load'"):
         read_mujoco(text.replace("PLACE", "4"), bodies={"wing": beam})
-    with pytest.raises(ModelError, match="is to stand in place of 'load': give it this name"):
+    with pytest.raises(ModelError, match="replaces 'load': give it this name"):
         read_mujoco(text.replace("PLACE", "4"), bodies={"load": beam})
 
 
@@ -237,9 +237,9 @@ def test_what_is_not_read():
     with pytest.raises(ModelError, match=r"actuators \(1\).*friction \(1\).*armature \(1\).*leave_out="):
         read_mujoco(text)
     assert len(read_mujoco(text, leave_out=["actuators", "friction", "armature"]).joints) == 1
-    with pytest.raises(ModelError, match="moves by slide and slide, which is no joint here"):
+    with pytest.raises(ModelError, match="moves by slide and slide, which no joint here allows"):
         read_mujoco(with_joints('<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>'))
-    with pytest.raises(ModelError, match="stops are within half a turn"):
+    with pytest.raises(ModelError, match="stops must be within half a revolution"):
         read_mujoco(with_joints('<joint name="j" limited="true" range="-4 4"/>'))
     assert not read_mujoco(with_joints('<joint limited="true" range="-4 4"/>'), leave_out=["limits"]).loads
     two = '<joint axis="1 0 0" {}/><joint axis="0 1 0"/>'
@@ -247,7 +247,7 @@ def test_what_is_not_read():
         read_mujoco(with_joints(two.format('damping="1"')))
     with pytest.raises(ModelError, match="limits of the balls and universal joints are not read"):
         read_mujoco(with_joints('<joint type="ball" limited="true" range="0 1"/>'))
-    with pytest.raises(ImportFormatError, match="MuJoCo refuses it"):
+    with pytest.raises(ImportFormatError, match="MuJoCo rejects it"):
         read_mujoco("<mujoco><worldbody><body><joint/></body></worldbody></mujoco>")
     with pytest.raises(ImportFormatError, match="no such file"):
         read_mujoco("missing.xml")

@@ -71,7 +71,7 @@ def test_parts_have_the_mass_of_the_whole_and_keep_its_interfaces():
 
 def test_an_interface_across_a_cut_is_refused():
     model = shell_model(STRIP, HomogeneousSection(STEEL, 5e-3))
-    with pytest.raises(ModelError, match=r"interface 'axis': its nodes lie in several of the 2 parts"):
+    with pytest.raises(ModelError, match=r"interface 'axis': its nodes are in several of the 2 parts"):
         split_body("arm", model, AlongAxis(2), (RigidInterface("axis", "axis"),))
 
 

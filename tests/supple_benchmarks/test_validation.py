@@ -10,8 +10,8 @@ import pytest
 from typer import Typer
 from typer.testing import CliRunner
 
-from supple_benchmarks.validation import every_case
 from supple_benchmarks.commands import validation
+from supple_benchmarks.validation import every_case
 from supple_benchmarks.validation.report import markdown_table, with_table
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, largest_difference
 

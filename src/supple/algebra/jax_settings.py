@@ -8,10 +8,10 @@
 - Loops become functions of machine code (`XLA_FLAGS`), as XLA otherwise interprets a list of operations one
   by one. A program is one piece of machine code, as one thread compiles it. Read when JAX starts; earlier
   settings are kept.
-- Compiled programs of any size are cached between processes: in the folder of JAX_COMPILATION_CACHE_DIR, or in
-  the user's cache, unless another folder was set before.
-- They are released before they exhaust a process (`bound_programs`): Linux limits the number of memory maps of
-  a process, a program takes several, and beyond the limit the compiler ends the process.
+- Compiled programs of any size are cached between processes: in the folder of JAX_COMPILATION_CACHE_DIR, or
+  in the user's cache, unless another folder was set before.
+- They are released before they exhaust a process (`bound_programs`): Linux limits the number of memory maps
+  of a process, a program takes several, and beyond the limit the compiler ends the process.
 """
 
 from __future__ import annotations

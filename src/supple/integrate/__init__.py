@@ -1,4 +1,4 @@
-"""Time integrators and the march through time: they know equations, not bodies."""
+"""Time integrators and the integration of a run; independent of the kinds of bodies."""
 
 from supple.integrate.engine import *
 from supple.integrate.error_statement import *

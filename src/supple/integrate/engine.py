@@ -1,4 +1,4 @@
-"""What differs between the methods: how a machine starts, marches and is written down."""
+"""Interface of the methods: start, time integration and results of a machine."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ S = TypeVar("S")
 Progress = Callable[[float], None]
 """Called with the completed fraction of a run, 0 to 1."""
 StepProgress = Callable[[str, float], None]
-"""Called with the step at work, in words, and the completed fraction of it, 0 to 1."""
+"""Called with the name of the current step of the work, and the completed fraction of it, 0 to 1."""
 Recorder = Callable[[Solution], None]
 """Called with each completed leg of a run; the first begins with the initial state."""
 
 
 @dataclass(frozen=True)
 class Leg(Generic[S]):
-    """A stretch of a run: the states at those of its output times that were reached.
+    """A part of a run: the states at its output times, as far as they were reached.
 
-    states : the states reached, stacked or listed as the engine likes them
+    states : the states reached, stacked or listed as the engine needs
     n_reached : int         their number
-    last : S                the state to go on from
+    last : S                the state from which to continue
     statistics : Statistics
-    stopped : str | None    why the leg ended before its last output time, in words
+    stopped : str | None    cause of an end before its last output time
     """
 
     states: Any
@@ -41,18 +41,18 @@ class Leg(Generic[S]):
 
 
 class Engine(Protocol[S]):
-    """A machine made ready for one method; S is whatever its state is."""
+    """A machine prepared for one method; S is the type of its state."""
 
     def start(self, time: float) -> S:
         """The initial state, consistent: joints closed, constraints independent."""
         ...
 
     def resumed(self, last: Solution) -> S:
-        """The state at the end of a recorded part, exact where the part kept the `engine_state`."""
+        """The state at the end of a recorded part, exact if the part includes the `engine_state`."""
         ...
 
     def march(self, state: S, times: np.ndarray) -> Leg[S]:
-        """Go on to each of the output times (k,), of which the first may be the state's own."""
+        """Integrate to each of the output times (k,); the first may be the state's own."""
         ...
 
     def solution(self, leg: Leg[S]) -> Solution:

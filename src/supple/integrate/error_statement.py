@@ -1,4 +1,4 @@
-"""How wrong a run is: the parts of its error, their sum, and what makes the largest of them smaller."""
+"""Error of a run: its parts, their sum, and the remedy for the largest."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from supple.summary import Summarized, Summary
 __all__ = ["PARTS", "ErrorPart", "ErrorStatement"]
 
 PARTS = ("basis", "step", "newton", "model")
-"""What the error of a run is made of, in the order of tables."""
+"""Parts of the error of a run, in the order of tables."""
 
 
 @dataclass(frozen=True)
 class ErrorPart:
     """One part of the error of a run.
 
-    value : float   in the unit of what is stated; infinite where it is not known
-    how : str       how it was found, in words
-    remedy : str    what makes it smaller, in words
+    value : float   in the unit of the quantity; infinite where it is unknown
+    how : str       method of the estimate
+    remedy : str    change that reduces it
     """
 
     value: float
@@ -33,15 +33,15 @@ class ErrorPart:
 class ErrorStatement(Summarized):
     """The error of a run in one quantity, part by part.
 
-    of : str            the quantity and the norm, in words
-    size : float        largest value of the quantity, in its unit: what an error is small against
-    basis : ErrorPart   motion that the columns of a reduced body cannot show
+    of : str            the quantity and the norm
+    size : float        largest value of the quantity, in its unit: the reference of a relative error
+    basis : ErrorPart   motion outside the columns of reduced bodies
     step : ErrorPart    of the time integration
-    newton : ErrorPart  equations left unbalanced; never below the floor of the integration
-    model : ErrorPart   strains that rotations against the frame make, ties included
-    allowed : float     that the sum was to keep to; None where nothing was asked for
+    newton : ErrorPart  of the residuals; never below the rounding error of the integration
+    model : ErrorPart   of the kinematics: strains caused by rotations relative to the frame, ties included
+    allowed : float     tolerance of the sum; None without one
 
-    A part is None where nobody looked; the error is then at least the sum of the others.
+    A part is None if it was not estimated; the error is then at least the sum of the others.
     """
 
     of: str
@@ -53,7 +53,7 @@ class ErrorStatement(Summarized):
     allowed: float | None = None
 
     def summary(self) -> Summary:
-        """The sum, what was allowed, the parts and the remedy."""
+        """Sum, tolerance, parts and remedy."""
         bound = "at least " if self.missing else ""
         rows = [("size of the quantity", f"{self.size:.3g}")]
         rows += [] if self.allowed is None else [("allowed", f"{self.allowed:.2g}")]
@@ -75,7 +75,7 @@ class ErrorStatement(Summarized):
 
     @property
     def at_least(self) -> float:
-        """Sum of the parts that were estimated: they may all err to one side."""
+        """Sum of the estimated parts, for errors of equal sign."""
         return sum((part.value for part in self.parts.values()), 0.0)
 
     @property
@@ -93,7 +93,7 @@ class ErrorStatement(Summarized):
 
     @property
     def advice(self) -> str:
-        """The largest part, by how much it leads, and its remedy, in a sentence."""
+        """The largest part, its ratio to the second, and its remedy, in a sentence."""
         name = self.largest
         if name is None:
             return ""
@@ -101,20 +101,21 @@ class ErrorStatement(Summarized):
         remedy = self.parts[name].remedy
         second = max((key for key in values if key != name), key=lambda key: values[key], default=None)
         if not isfinite(values[name]):
-            said = f"the part of the {_WORD[name]} is unknown"
+            said = f"the error of the {_WORD[name]} is unknown"
         elif second is None or values[second] <= 0:
-            said = f"the {_WORD[name]} makes all of the error"
+            said = f"the {_WORD[name]} causes all of the error"
         else:
-            said = f"the {_WORD[name]} costs {values[name] / values[second]:.2g} times the {_WORD[second]}"
+            ratio = f"{values[name] / values[second]:.2g}"
+            said = f"the error of the {_WORD[name]} is {ratio} times that of the {_WORD[second]}"
         return f"{said}: {remedy}" if remedy else said
 
     @property
     def is_met(self) -> bool:
-        """Whether the estimated parts keep to what is allowed; true where nothing was asked for."""
+        """Whether the estimated parts are within the tolerance; true without one."""
         return self.allowed is None or self.at_least <= self.allowed
 
     def plain(self) -> dict[str, Any]:
-        """Numbers and words for JSON; what is not finite is None."""
+        """Numbers and texts for JSON; None for values that are not finite."""
         return {
             "of": self.of,
             "size": self.size,
@@ -131,7 +132,7 @@ class ErrorStatement(Summarized):
 
     @classmethod
     def from_plain(cls, numbers: Mapping[str, Any]) -> ErrorStatement:
-        """The statement of which `plain` made the mapping."""
+        """The statement from the mapping of `plain`."""
         parts = {
             name: ErrorPart(
                 float("inf") if part["value"] is None else part["value"], part["how"], part["remedy"]

@@ -16,11 +16,11 @@ class RungeKutta4:
 
 @dataclass(frozen=True)
 class ResidualRungeKutta4:
-    """The same for the lowest modes, which bind the step; the higher ones follow them at rest.
+    """The same rule for the lowest modes, which limit the step; the higher ones follow them statically.
 
-    n_kept : int            modes that stay dynamic, the rigid ones included
-    sweeps : int            of the search for the others, at each of the rule's four stages
-    largest_contraction : float     of the search; the run ends where it converges more slowly
+    n_kept : int            number of dynamic modes, rigid ones included
+    sweeps : int            iterations for the higher modes at each of the rule's four stages
+    largest_contraction : float     of these iterations; the run ends where they converge more slowly
     """
 
     n_kept: int
@@ -32,10 +32,10 @@ class ResidualRungeKutta4:
         if self.n_kept < 1:
             raise ValueError(f"n_kept must be at least 1, got {self.n_kept}")
         if self.sweeps < 2:
-            raise ValueError(f"sweeps must be at least 2, got {self.sweeps}: one says nothing of contraction")
+            raise ValueError(f"sweeps must be at least 2, got {self.sweeps}: contraction needs two of them")
         if not 0 < self.largest_contraction < 1:
             raise ValueError(f"largest_contraction must lie between 0 and 1, got {self.largest_contraction}")
 
 
 FirstOrderRule = RungeKutta4 | ResidualRungeKutta4
-"""A step rule that only equations of first order take."""
+"""A step rule for first-order equations only."""

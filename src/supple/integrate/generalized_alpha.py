@@ -41,7 +41,7 @@ class Coefficients(NamedTuple):
 
 
 class TimeIntegrator(Protocol):
-    """A member of the family: anything that states its four coefficients."""
+    """A member of the family, defined by its four coefficients."""
 
     @property
     def coefficients(self) -> Coefficients:
@@ -50,7 +50,7 @@ class TimeIntegrator(Protocol):
 
 
 def damps_joint_forces(method: TimeIntegrator) -> bool:
-    """Whether oscillations of the multipliers die out: `gamma > 1/2`, spectral radius at infinity below 1."""
+    """Whether oscillations of the multipliers decay: `gamma > 1/2`, spectral radius at infinity below 1."""
     return method.coefficients.gamma > 0.5 + 1e-12
 
 
@@ -63,8 +63,8 @@ def _second_order(alpha_m: float, alpha_f: float) -> Coefficients:
 class GeneralizedAlpha:
     """Generalized-alpha: second order, with the spectral radius `rho_inf` in [0, 1] at infinite frequency.
 
-    1 keeps all energy, 0 removes what the step cannot resolve within one step. With joints, values near 1
-    keep spurious oscillations of the multipliers alive.
+    1 conserves all energy, 0 removes unresolved motion within one step. With joints, spurious oscillations of
+    the multipliers persist for values near 1.
     """
 
     rho_inf: float = 0.8
@@ -83,7 +83,7 @@ class GeneralizedAlpha:
 
 @dataclass(frozen=True)
 class Newmark:
-    """Newmark's trapezoidal rule (`beta = 1/4`, `gamma = 1/2`): no numerical damping at all."""
+    """Newmark's trapezoidal rule (`beta = 1/4`, `gamma = 1/2`), without numerical damping."""
 
     @property
     def coefficients(self) -> Coefficients:
@@ -109,7 +109,7 @@ class HilberHughesTaylor:
 
 
 class StepFactors(NamedTuple):
-    """How position and velocity follow a change of the new true acceleration, for the tangent of a step.
+    """Derivatives of position and velocity by the new true acceleration, for the tangent of a step.
 
     With `kappa = (1 - alpha_f)/(1 - alpha_m)`, the derivative of the auxiliary acceleration, these are the
     `1/beta'` and `gamma'/beta'` of Arnold & Bruels: `beta h^2 kappa` and `gamma h kappa`.
@@ -122,7 +122,7 @@ class StepFactors(NamedTuple):
 
 
 class StepRule(NamedTuple):
-    """The family's update for one step size `h`: plain arithmetic, for NumPy and JAX arrays alike."""
+    """The family's update for one step size `h`, for NumPy and JAX arrays."""
 
     coefficients: Coefficients
     h: Any

@@ -1,4 +1,4 @@
-"""Motions that joints and their laws determine alone."""
+"""Option for motions that joints and their laws determine alone."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ __all__ = ["Kinematic"]
 
 @dataclass(frozen=True)
 class Kinematic:
-    """In the place of an integrator: a machine whose joints leave nothing free is moved by them alone.
+    """Kinematic analysis instead of time integration, for machines with zero degrees of freedom.
 
         g(q, t) = 0,      G v = -g_t,      G vdot = -d2g/dt2 at constant v
 
-    and the joints' forces follow from the motion (inverse dynamics). Nothing is integrated: each instant is
-    as exact as the joints are closed. The run's step is how far one instant may lie from the next, for of
-    several configurations in which the joints fit the nearest is taken. Bodies keep their shape.
+    and the joint forces follow from the motion (inverse dynamics). Each instant is solved by itself to the
+    accuracy of the closed joints. The run's step is the largest interval between two instants: of several
+    configurations that satisfy the joints, the nearest is taken. Bodies keep their shape.
 
     Source: [Nikravesh1988] chapter 3; for the forces chapter 8.
     """

@@ -1,4 +1,4 @@
-"""Motions of a body over time: arrays with one row per output time, of one kind per form of a body."""
+"""Motions of a body over time: arrays with one row per output time, of one type per form of a body."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ _M = TypeVar("_M", bound="Motion")
 
 @dataclass(frozen=True, repr=False)
 class Motion(Summarized):
-    """A motion of a body, whatever its form: all fields are arrays with one row per output time."""
+    """A motion of a body of any form: all fields are arrays with one row per output time."""
 
     kind: ClassVar[str]
     """Written to result files; `register_motion` makes a kind readable."""
     dimensions: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
-    """Of a field, behind the time; ("axis",) of those that are not named."""
+    """Axes of a field after the time; ("axis",) for fields not listed."""
 
     def summary(self) -> Summary:
-        """Of every array its shape and the largest size of a value."""
+        """Shape and largest absolute value of every array."""
         arrays = self.arrays()
         n_times = len(next(iter(arrays.values())))
         rows = [
@@ -43,18 +43,18 @@ class Motion(Summarized):
         return type(self)(**{name: array[rows] for name, array in self.arrays().items()})
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """The fields by name, of which `type(self)(**arrays)` makes the same motion."""
+        """The fields by name; `type(self)(**arrays)` creates the same motion."""
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
     def of_type(self, expected: type[_M], what: str = "body") -> _M:
-        """The motion as one of the expected type, which gives it that type's fields.
+        """The motion as one of the expected type, with that type's fields.
 
-        what : of which body, for the message
+        what : name of the body, for the message
         Raises ModelError for a motion of another type.
         """
         if not isinstance(self, expected):
             raise ModelError(
-                f"{what}: its motion is of type {type(self).__name__}, and this needs {expected.__name__}: "
+                f"{what}: its motion is of type {type(self).__name__}, but {expected.__name__} is needed: "
                 f"give a body of that form, or read the fields of this one: {', '.join(self.arrays())}"
             )
         return self
@@ -62,7 +62,7 @@ class Motion(Summarized):
     def to_xarray(self, times: np.ndarray) -> Any:
         """An `xarray.Dataset` of the fields over `time`.
 
-        times : (t,), of the solution that the motion is of
+        times : (t,) of the solution with this motion
         Raises MissingPackageError where xarray is not installed.
         """
         xarray = optional_package("xarray", "a data set", "xarray")
@@ -77,7 +77,7 @@ _KINDS: dict[str, type[Motion]] = {}
 
 
 def register_motion(motion: type[_M]) -> type[_M]:
-    """Class decorator: result files with motions of this `kind` can be read."""
+    """Class decorator that makes motions of this `kind` readable from result files."""
     _KINDS[motion.kind] = motion
     return motion
 
@@ -85,20 +85,23 @@ def register_motion(motion: type[_M]) -> type[_M]:
 def motion_from_arrays(kind: str, arrays: Mapping[str, np.ndarray]) -> Motion:
     """The motion of a kind from its arrays; KeyError for a kind that no imported method registers."""
     if kind not in _KINDS:
-        raise KeyError(f"motions of kind '{kind}', which this supple does not know")
+        raise KeyError(
+            f"motions of kind '{kind}' are unknown to this version of supple: update it, or import the "
+            "method that defines them"
+        )
     return _KINDS[kind](**arrays)
 
 
 @dataclass(frozen=True, repr=False)
 class FramedMotion(Motion):
-    """A motion of a body that deforms in axes which move with it: floating, or intrinsic."""
+    """A motion of a body that deforms in moving axes: floating, or intrinsic."""
 
     position: np.ndarray
     """(t, 3) origin of the body's axes, global components."""
     rotation: np.ndarray
     """(t, 3, 3) rotation matrix, body components to global ones."""
     coordinates: np.ndarray
-    """(t, r) deformation coordinates, which the form of the body defines."""
+    """(t, r) deformation coordinates, defined by the form of the body."""
     velocity: np.ndarray
     """(t, 3) velocity of the origin, global components."""
     angular_velocity: np.ndarray
@@ -129,10 +132,10 @@ class FloatingMotion(FramedMotion):
     coordinate_accelerations: np.ndarray
     """(t, r)."""
     error: ClassVar[ErrorStatement | None] = None
-    """How wrong the motion is, where it was estimated; no array, and not in `arrays`."""
+    """Error of the motion, if estimated; no array, and not in `arrays`."""
 
     def with_error(self, error: ErrorStatement | None) -> Self:
-        """The same motion, which knows how wrong it is."""
+        """The same motion with its error."""
         assessed = replace(self)
         object.__setattr__(assessed, "error", error)
         return assessed

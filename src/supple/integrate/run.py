@@ -1,4 +1,4 @@
-"""The one march through time that all methods share: legs, recording, progress, resumption, failure."""
+"""Time integration shared by all methods: legs, recording, progress, resumption, failure."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["leg_size", "run"]
 S = TypeVar("S")
 
 LEGS = 50
-"""A run is handed on in so many parts."""
+"""Number of parts in which a run is recorded."""
 
 
 def run(
@@ -29,14 +29,14 @@ def run(
     record: Recorder | None = None,
     check: bool = True,
 ) -> Solution:
-    """March an engine through the output times of a run.
+    """Integrate a machine through the output times of a run by its engine.
 
     Parameters
     ----------
     times : (t,)            all output times of the run, the initial one first
-    resume : Solution       the part that is there already: the march goes on from its last time
+    resume : Solution       the recorded part: the run continues from its last time
     progress, record : called as legs are completed, `record` before `progress`
-    check : bool            raise where the run ends early; otherwise `Solution.stopped` says why
+    check : bool            raise where the run ends early; otherwise `Solution.stopped` states the cause
 
     Returns
     -------
@@ -45,11 +45,11 @@ def run(
     Raises
     ------
     ValueError          nothing is left to simulate
-    ConvergenceError    the run ended early; what was computed until then has been handed to `record`
+    ConvergenceError    the run ended early; the results until then were passed to `record`
     """
     began = perf_counter()
     if resume is None:
-        # The initial state is a leg of its own: it is kept before the first step is tried.
+        # The initial state is a leg of its own: it is recorded before the first step is tried.
         legs = [times[:1], *_legs(times, times[1:])]
         state = engine.start(float(times[0]))
     else:
@@ -80,23 +80,23 @@ def run(
 
 
 def _legs(times: np.ndarray, left: np.ndarray) -> list[np.ndarray]:
-    """What is left of a run, leg by leg."""
+    """Remaining output times of a run, leg by leg."""
     size = leg_size(len(times))
     return [left[begin : begin + size] for begin in range(0, len(left), size)]
 
 
 def leg_size(n_times: int) -> int:
-    """Output times of every leg but the first and the last, however often a run is interrupted."""
+    """Output times of every leg but the first and the last, independent of interruptions."""
     return max(1, int(np.ceil((n_times - 1) / LEGS)))
 
 
 def _times_left(times: np.ndarray, reached: float) -> np.ndarray:
-    """Output times beyond the one reached; ValueError when there are none."""
+    """Output times beyond the last one reached; ValueError when there are none."""
     tolerance = 1e-6 * float(times[1] - times[0])
     left = times[times > reached + tolerance]
     if not left.size:
         raise ValueError(
             f"nothing is left to simulate: the recorded part ends at t = {reached:g} and "
-            f"the run at t = {times[-1]:g}"
+            f"the run at t = {times[-1]:g}; give a longer duration to continue"
         )
     return left

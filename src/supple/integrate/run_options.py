@@ -1,4 +1,4 @@
-"""What a run covers and how it is stepped: all that simulations of one machine have in common."""
+"""Options of a run that all simulations of a machine share: its time span and its steps."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from supple.summary import Summarized, Summary
 __all__ = ["MOST_OUTPUT_TIMES", "Run", "Validity"]
 
 MOST_OUTPUT_TIMES = 10_000_000
-"""Of one run: what a stored motion may hold before the memory of any machine is spent on it."""
+"""Largest number of output times of a run, which limits the memory of a stored motion."""
 
 
 @dataclass(frozen=True)
 class Validity:
-    """How strictly the limits of a run are held: of kinematics, of the initial state, of the steps.
+    """Limits of validity of a run: of the kinematics, the initial state, and the steps.
 
-    strict : what passes a limit is an error (raised when it is seen) instead of a warning
-    spin_ratio : part of a linear body's lowest frequency at which its spin becomes a mistake; at 0.3 the
-        missing centrifugal stiffness is already about 10 % of the elastic one; likewise of a reduced body
+    strict : exceeding a limit is an error, raised when it is detected, instead of a warning
+    spin_ratio : largest angular velocity of a linear body, relative to its lowest frequency; at 0.3 the
+        missing centrifugal stiffness is already about 10 % of the elastic one; likewise for a reduced body
         whose condensed motion has no inertia
     """
 
@@ -42,16 +42,16 @@ class Validity:
 
 @dataclass(frozen=True, repr=False)
 class Run(Summarized):
-    """A span of time, its output times, and how it is stepped through.
+    """A span of time, its output times, and its time integration.
 
     duration, output_step : float   unit of time; the duration is a multiple of the output step
-    step : FixedStep | AdaptiveStep     where None a fixed step equal to the output step; of machines with
-        intrinsic bodies one chosen from the periods of their modes, of explicit parts what is stable
-    method : GeneralizedAlpha (rho_inf = 0.8) | Newmark | HilberHughesTaylor; of machines of intrinsic bodies
-        alone also RungeKutta4 | ResidualRungeKutta4; Kinematic where the joints leave nothing free; of
-        explicit parts supple.methods.explicit.Explicit, also where it is left out
+    step : FixedStep | AdaptiveStep     default a fixed step equal to the output step; for machines with
+        intrinsic bodies one from the periods of their modes, for explicit parts the stable step
+    method : GeneralizedAlpha (rho_inf = 0.8) | Newmark | HilberHughesTaylor; for machines of intrinsic bodies
+        alone also RungeKutta4 | ResidualRungeKutta4; Kinematic for zero degrees of freedom; for explicit
+        parts supple.methods.explicit.Explicit, which is also their default
     tolerances : Tolerances
-    validity : Validity     warn of a motion beyond what the kinematics allow, or stop at it
+    validity : Validity     warn about a motion beyond the limits of the kinematics, or stop
     start : float           time of the initial state
     Raises ValueError for a duration or output step that is not positive, not a multiple of the other, or has
         over `MOST_OUTPUT_TIMES` output times.
@@ -79,10 +79,8 @@ class Run(Summarized):
         if ratio > MOST_OUTPUT_TIMES:
             raise ValueError(
                 f"a duration of {self.duration:g} with an output step of {self.output_step:g} has "
-                f"{ratio:.3g} "
-                f"output times; at most {MOST_OUTPUT_TIMES} are stored: give a longer output step (the "
-                "time step "
-                "may stay)"
+                f"{ratio:.3g} output times; at most {MOST_OUTPUT_TIMES} are stored: give a longer output "
+                "step (the time step may stay)"
             )
         n = round(ratio)
         if n < 1 or abs(n * self.output_step - self.duration) > 1e-6 * self.output_step:
@@ -92,7 +90,7 @@ class Run(Summarized):
             )
 
     def summary(self) -> Summary:
-        """Its span, and how it is stepped through."""
+        """Its span and its steps."""
         span = f"{self.start:g} to {self.start + self.duration:g}"
         rows = [
             ("times", f"{span}, {self.times.size} output times, every {self.output_step:g}"),
@@ -111,31 +109,31 @@ class Run(Summarized):
 
     @property
     def step_control(self) -> StepControl:
-        """How the step size is chosen."""
+        """Control of the step size."""
         return self.step or FixedStep(self.output_step)
 
     @property
     def n_steps(self) -> float:
-        """How many steps of the first size it takes: where steps are fixed, all."""
+        """Number of steps of the first size; with fixed steps, of all."""
         return self.duration / float(self.step_control.first)
 
     @property
     def second_order_method(self) -> TimeIntegrator:
-        """The step rule, where it is an implicit one of second order; ValueError for others."""
+        """The step rule, if it is an implicit one of second order; ValueError for others."""
         if isinstance(self.method, ExplicitRule):
             raise ValueError(
-                f"{type(self.method).__name__} steps modal and finite-element parts of an explicit march "
-                "only; bodies in floating frames take GeneralizedAlpha(rho_inf), Newmark() or "
+                f"{type(self.method).__name__} supports modal and finite-element parts of an explicit run "
+                "only; for bodies in floating frames use GeneralizedAlpha(rho_inf), Newmark() or "
                 "HilberHughesTaylor(alpha)"
             )
         if isinstance(self.method, FirstOrderRule):
             raise ValueError(
-                f"{type(self.method).__name__} steps machines of intrinsic bodies only; bodies in floating "
-                "frames take GeneralizedAlpha(rho_inf), Newmark() or HilberHughesTaylor(alpha)"
+                f"{type(self.method).__name__} supports machines of intrinsic bodies only; for bodies in "
+                "floating frames use GeneralizedAlpha(rho_inf), Newmark() or HilberHughesTaylor(alpha)"
             )
         if isinstance(self.method, Kinematic):
             raise ValueError(
-                "a kinematic run integrates nothing, and this needs a step rule: give the run a "
+                "a kinematic run has no time integration, but a step rule is needed here: give the run a "
                 "GeneralizedAlpha(rho_inf), Newmark() or HilberHughesTaylor(alpha)"
             )
         return self.method

@@ -1,4 +1,4 @@
-"""The outcome of a simulation: the motion of every body at the output times, and what it cost."""
+"""Result of a simulation: the motion of every body at the output times, and its cost."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ _M = TypeVar("_M", bound=Motion)
 JOINT_COMPONENTS = ("force x", "force y", "force z", "moment x", "moment y", "moment z")
 """Columns of the forces of a joint."""
 JOINT_AXES = "joint axes that turn with the first end, z along the axis of the joint"
-"""What these components are along."""
+"""Axes of these components."""
 
 
 @dataclass(frozen=True)
 class Statistics:
-    """What a run cost, and how long its steps were for the motion.
+    """Cost of a run, and the size of its steps relative to the motion.
 
     steps, iterations, rejected_steps : accepted steps, Newton iterations, rejected steps
-    seconds, compile_seconds : after and of compiling
-    largest_error : local error of an accepted step, as `AdaptiveStep` measures it
-    largest_turn : rotation of a body within an accepted step, rad
-    factorizations : of the tangent; 0 where an engine does not count them
-    decades : powers of ten by which all iterations together made the residual smaller; 0 likewise
+    seconds, compile_seconds : run time without compilation, and compilation time
+    largest_error : largest local error of an accepted step, as `AdaptiveStep` measures it
+    largest_turn : largest rotation of a body within an accepted step, rad
+    factorizations : number of factored tangents; 0 where an engine does not count them
+    decades : reduction of the residual by all iterations together, in powers of ten; 0 likewise
     """
 
     steps: int = 0
@@ -48,7 +48,7 @@ class Statistics:
 
     @property
     def contraction(self) -> float | None:
-        """Factor of the residual in an iteration, the geometric mean; None where it is not known."""
+        """Geometric mean of the residual's factor in an iteration; None where it is unknown."""
         return 10 ** (-self.decades / self.iterations) if self.iterations and self.decades else None
 
     def __add__(self, other: Statistics) -> Statistics:
@@ -60,7 +60,7 @@ class Statistics:
 
 
 LARGEST = ("largest_error", "largest_turn")
-"""Statistics of which the parts of a run keep the largest; the others add up."""
+"""Statistics whose largest value over the parts of a run is kept; the others add up."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -70,30 +70,30 @@ class Solution(Summarized):
     times: np.ndarray
     """(t,) output times."""
     bodies: Mapping[str, Motion]
-    """Body name to its motion, of the type that belongs to the form of the body; see `motion`."""
+    """Body name to its motion, of the type of the body's form; see `motion`."""
     joint_forces: Mapping[str, np.ndarray]
     """Joint name to (t, 6) force and moment on the joint's second end, at that end's point: x, y, z of the
     force, then of the moment, along the joint axes that turn with the first end (z is the joint's axis)."""
     statistics: Statistics
     stopped: str | None = None
-    """Why the run ended before its last output time, in words; None where it did not."""
+    """Cause of an end before the last output time; None for a complete run."""
     engine_state: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
-    """What the engine has to know besides the motion to go on from the last output time exactly, in its own
-    words; empty where that is not known."""
+    """State of the engine beyond the motion, for an exact resume from the last output time; empty if
+    unknown."""
     multipliers: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
-    """Joint name to (t, m) Lagrange multipliers of its constraint equations, in their order, whose signs and
-    units they have: what the engine solves for. Empty for an engine that has none."""
+    """Joint name to (t, m) Lagrange multipliers of its constraint equations, in their order, with their signs
+    and units, as the engine solves for them. Empty for an engine without multipliers."""
     series: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
-    """Name to (t, c) numbers of the whole machine, such as its energies; which, the method says."""
+    """Name to (t, c) quantities of the whole machine, such as its energies, depending on the method."""
     errors: Mapping[str, ErrorStatement] = field(default_factory=lambda: MappingProxyType({}))
-    """How wrong the run is, by body, or by quantity of interest; empty where it was not estimated."""
+    """Error of the run, by body or by quantity of interest; empty if it was not estimated."""
     truncation: Mapping[str, ErrorPart] = field(default_factory=lambda: MappingProxyType({}))
-    """By intrinsic body: what the modes that it leaves out change, as the end of the run found it."""
+    """By intrinsic body: the error due to its omitted modes, estimated at the end of the run."""
     columns: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: MappingProxyType({}))
-    """By elastic body: numbers that distinguish its columns from those of others; empty where not known."""
+    """By elastic body: numbers that identify its columns; empty if unknown."""
 
     def summary(self) -> Summary:
-        """Its times, bodies, joints, cost, and how wrong it is."""
+        """Its times, bodies, joints, cost and error."""
         cost = self.statistics
         span = f"{self.times[0]:g} to {self.times[-1]:g}" if self.times.size else "none"
         rows = [
@@ -110,7 +110,7 @@ class Solution(Summarized):
         return Summary(f"Solution of {len(self.bodies)} bodies at {self.times.size} times", rows)
 
     def motion(self, body: str, expected: type[_M]) -> _M:
-        """The motion of a body as one of a type: `solution.motion("blade", FloatingMotion).coordinates`.
+        """The motion of a body with its type: `solution.motion("blade", FloatingMotion).coordinates`.
 
         Raises ModelError for a body that the solution does not have, and for a motion of another type.
         """
@@ -119,7 +119,7 @@ class Solution(Summarized):
         return self.bodies[body].of_type(expected, f"body '{body}'")
 
     def with_errors(self, errors: Mapping[str, ErrorStatement]) -> Solution:
-        """The same run with what is known of its error; bodies find theirs in `motion.error` as well."""
+        """The same run with its error estimates; also in `motion.error` for bodies."""
 
         def assessed(name: str, motion: Motion) -> Motion:
             known = isinstance(motion, FloatingMotion) and name in errors

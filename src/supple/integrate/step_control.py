@@ -1,4 +1,4 @@
-"""How a run steps through time, and when an iteration counts as converged."""
+"""Control of the step size, and of the convergence of iterations."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ def _check_smallest(smallest: float, first: float) -> None:
         )
 
 
-# Of the first step: relative, so that a run does not depend on the unit of time.
+# Relative to the first step, so that a run does not depend on the unit of time.
 SMALLEST = 1e-6
 
 
 @dataclass(frozen=True)
 class FixedStep:
-    """Steps of one size, in the unit of time; a step that does not converge is halved, and reported.
+    """Steps of one size, in the unit of time; a step that does not converge is halved and reported.
 
-    The size is shortened slightly, if need be, so that a whole number of steps spans each output interval.
+    The size is reduced slightly where needed for a whole number of steps in each output interval.
     """
 
     size: float
     smallest: float | None = None
-    """Below it the run ends; a millionth of the size when omitted."""
+    """Smallest step; the run ends below it; default a millionth of the size."""
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -45,12 +45,12 @@ class FixedStep:
 
     @property
     def first(self) -> float:
-        """The step to begin with."""
+        """The first step."""
         return self.size
 
     @property
     def largest(self) -> float:
-        """The step never to exceed."""
+        """The largest step."""
         return self.size
 
     @property
@@ -60,7 +60,7 @@ class FixedStep:
 
     @property
     def tolerance(self) -> float:
-        """No local error is too large for a fixed step."""
+        """Infinite: a fixed step has no limit of its local error."""
         return float("inf")
 
 
@@ -76,7 +76,7 @@ class AdaptiveStep:
     largest: float = 1e-2
     tolerance: float = 1e-6
     smallest: float | None = None
-    """Below it the run ends; a millionth of the first when omitted."""
+    """Smallest step; the run ends below it; default a millionth of the first."""
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -92,18 +92,18 @@ class AdaptiveStep:
 
 
 StepControl = FixedStep | AdaptiveStep
-"""How the step size is chosen."""
+"""Control of the step size."""
 
 
 @dataclass(frozen=True)
 class Tolerances:
-    """When Newton's iteration has converged.
+    """Convergence criteria of Newton's iteration.
 
-    `residual` bounds, for forces, moments and generalised forces separately, the unbalanced part relative to
-    the largest of the terms in balance (inertia, internal, applied, joint). Constraint equations are divided
-    by `beta h^2`, which makes accelerations of them, and held to the same relative bound. What lies below
-    rounding error (a correction that moves nothing by more than 1e-13 of the system's size) counts as
-    converged, so that a tighter tolerance costs iterations, never the result.
+    `residual` bounds the residual of forces, moments and generalised forces separately, relative to the
+    largest of the terms in balance (inertia, internal, applied, joint). Constraint equations are divided by
+    `beta h^2`, which gives them the unit of accelerations, and have the same relative bound. A residual at
+    rounding error (a correction below 1e-13 of the system's size) counts as converged, so that a tighter
+    tolerance costs iterations but never prevents a result.
     """
 
     residual: float = 1e-6

@@ -1,4 +1,4 @@
-"""What a machine is made of, without any equation of motion: bodies placed, joints, forces, laws of time."""
+"""Parts of a machine, without equations of motion: placed bodies, joints, forces, laws of time."""
 
 from supple.machine.contacts import *
 from supple.machine.control.controller import *

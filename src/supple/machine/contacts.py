@@ -1,4 +1,4 @@
-"""What holds and stops the nodes of explicit parts: supports, rigid obstacles, surfaces of other parts."""
+"""Supports and contacts of explicit parts: rigid obstacles, and surfaces of other parts."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ __all__ = ["Contact", "Support", "SurfaceContact"]
 
 @dataclass(frozen=True)
 class Contact:
-    """Nodes that must not enter a rigid obstacle, by penalty: force = stiffness * depth, at each node.
+    """Nodes that must not penetrate a rigid obstacle, by penalty: force = stiffness * depth, at each node.
 
     nodes : At(part, node set)
     obstacle : RigidPlane(..), RigidCylinder(..) or RigidSphere(..)
-    stiffness : N/m a node; where left out, `fraction` of what the node's mass bears at the step limit
+    stiffness : N/m per node; default `fraction` of the stiffness at the step limit of the node's mass
     fraction : of m omega_max^2; it shortens the step by sqrt(1 + fraction)
     """
 
@@ -34,13 +34,13 @@ class Contact:
 
 @dataclass(frozen=True)
 class SurfaceContact:
-    """Nodes of a part that must not enter the faces of another, by penalty: stiffness * depth at each.
+    """Nodes of a part that must not penetrate the faces of another: penalty force stiffness * depth at each.
 
     nodes : At(part, node set)
-    surface : At(part, node set)    the outer faces all of whose corners are in the set; give the coarser,
-        or stiffer, side
-    stiffness : N/m a node; where left out, `fraction` of what the lightest node of either side bears at the
-        step limit
+    surface : At(part, node set)    outer faces with all corners in the set; choose the coarser, or
+        stiffer, side
+    stiffness : N/m per node; default `fraction` of the stiffness at the step limit of the lightest node of
+        either side
     fraction : of m omega_max^2; it shortens the step by no more than sqrt(1 + 2 fraction)
     """
 
@@ -54,16 +54,16 @@ class SurfaceContact:
         _check_stiffness(self.stiffness, self.fraction)
         if self.nodes.body == self.surface.body:
             raise ModelError(
-                f"contact of '{self.nodes}' with '{self.surface}': both are of one part; a part does not "
-                "touch itself here, make two parts of it"
+                f"contact of '{self.nodes}' with '{self.surface}': both belong to one part; contact of a "
+                "part with itself is not supported, split it in two"
             )
 
 
 @dataclass(frozen=True)
 class Support:
-    """Nodes of finite elements that are held.
+    """Fixed nodes of finite elements.
 
-    nodes : At(part, node set);   axes : which of x, y, z are held, 0 to 2; of shells also rotations about
+    nodes : At(part, node set);   axes : fixed directions x, y, z, 0 to 2; for shells also rotations about
         them, 3 to 5
     """
 

@@ -21,14 +21,14 @@ class At(NamedTuple):
 
 
 GROUND = At("ground", "")
-"""The end that does not move."""
+"""The fixed end."""
 
 
 def as_end(value: Any) -> At:
-    """The end meant by an `At`, by a pair of names, by "BODY.INTERFACE", or by "ground".
+    """The end from an `At`, a pair of names, "BODY.INTERFACE", or "ground".
 
-    A body's name ends at the first dot; where it has a dot itself, write `At(body, interface)`.
-    Raises ModelError for anything else. That there is such a body and interface, the `System` checks.
+    A body's name ends at the first dot; for a name with a dot, write `At(body, interface)`.
+    Raises ModelError for anything else. The `System` checks that the body and the interface exist.
     """
     if isinstance(value, str):
         body, dot, interface = value.partition(".")

@@ -1,6 +1,6 @@
-"""Machines from URDF and MJCF, which MuJoCo compiles: bodies, joints, limits, springs, dampers, ground.
+"""Import of machines from URDF and MJCF by MuJoCo: bodies, joints, limits, springs, dampers, ground.
 
-A joint's angle or slide counts from the configuration in which the file draws the machine (qpos0).
+A joint's angle or slide is relative to the configuration of the machine in the file (qpos0).
 Source: E. Todorov, T. Erez, Y. Tassa, MuJoCo: a physics engine for model-based control, IROS 2012; the fields
 of mjModel in MuJoCo's API reference.
 """
@@ -41,12 +41,12 @@ _FREE, _BALL, _SLIDE, _HINGE = 0, 1, 2, 3
 _CONNECT, _WELD = 0, 1
 _PARALLEL = 1e-6
 _PLACE = 1e-6
-"""Of the machine's size: what an interface may be off the joint that it bears."""
+"""Largest distance of an interface from its joint, relative to the machine's size."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Group:
-    """Bodies that are one, being welded: mass, centre and inertia in the axes of the first."""
+    """Welded bodies as one: mass, centre and inertia in the axes of the first."""
 
     name: str
     position: Array
@@ -68,24 +68,25 @@ def read_mujoco(
     bodies: Mapping[str, Any] | None = None,
     leave_out: Collection[str] = (),
 ) -> System:
-    """The machine of a URDF or MJCF file (.urdf, .xml), or of such a text.
+    """The machine of a URDF or MJCF file (.urdf, .xml), or of a text in these formats.
 
-    Bodies are rigid, those welded together are one. Hinges, slides and balls are joints of the same name, on
-    interfaces of the same name; a slide and a hinge along one axis are cylindrical, two hinges across each
-    other universal, connect and weld close loops. Limits are stops, as stiff as MuJoCo holds them; stiffness
-    and damping of joints are springs and dampers. Shapes of bodies are not read: they touch nothing.
+    Bodies are rigid; welded ones are merged. Hinges, slides and balls become joints of the same name, on
+    interfaces of the same name. A slide and a hinge along one axis become a cylindrical joint, two
+    perpendicular hinges a universal one; connect and weld close loops. Limits become stops with the stiffness
+    of MuJoCo; stiffness and damping of joints become springs and dampers. Shapes of bodies are not read, so
+    there is no contact.
 
     Parameters
     ----------
-    bodies : by name, what stands in place of a rigid body, such as a ReducedBody: in the axes of the file's
-        body, with an interface by the name of each of its joints, at the place of the joint
+    bodies : by name, replacements of rigid bodies, such as a ReducedBody: in the axes of the file's body,
+        with an interface named as each of its joints, at the position of the joint
     leave_out : features of the file that are omitted: "actuators", "tendons", "friction", "armature",
         "equality", "limits" (of more than a turn)
     Raises
     ------
-    ImportFormatError   mujoco missing (install `supple[mujoco]`); a file that it refuses
-    ModelError          joints that are no joint of ours; what is not read and not to be left out; bodies that
-                        the file lacks, or whose interfaces do not fit its joints
+    ImportFormatError   mujoco missing (install `supple[mujoco]`); a file that MuJoCo rejects
+    ModelError          joints without an equivalent here; features that are not read, unless left out; bodies
+                        that are not in the file, or whose interfaces do not fit its joints
     """
     model, data = _compiled(source)
     reader = _Reader(model, data)
@@ -123,7 +124,7 @@ def _compiled(source: str | Path) -> tuple[Any, Any]:
             mujoco.MjModel.from_xml_string(source) if is_text else mujoco.MjModel.from_xml_path(str(source))
         )
     except ValueError as error:
-        raise ImportFormatError(f"{'the text' if is_text else source}: MuJoCo refuses it: {error}") from error
+        raise ImportFormatError(f"{'the text' if is_text else source}: MuJoCo rejects it: {error}") from error
     data = mujoco.MjData(made)
     mujoco.mj_kinematics(made, data)
     return made, data
@@ -143,23 +144,25 @@ def _check_left_out(reader: _Reader, allowed: set[str]) -> None:
     if missed:
         listed = "; ".join(f"{name} ({n}): {remedy}" for name, n, remedy in missed)
         names = ", ".join(f'"{name}"' for name, _, _ in missed)
-        raise ModelError(f"{reader.name}: not read, and part of the motion: {listed}; or leave_out=[{names}]")
+        raise ModelError(
+            f"{reader.name}: features that affect the motion are not read: {listed}; or leave_out=[{names}]"
+        )
 
 
 class _Reader:
-    """The compiled model, where the file draws it."""
+    """The compiled model, in the configuration of the file."""
 
     def __init__(self, model: Any, data: Any) -> None:
         self.model, self.data = model, data
         self.name = bytes(model.names).split(b"\0")[0].decode() or "the machine"
 
     def label(self, addresses: Any, number: int, else_: str) -> str:
-        """The name of an object, or another."""
+        """The name of an object, or a substitute."""
         found = bytes(self.model.names)[addresses[number] :].split(b"\0")[0].decode()
         return found or else_
 
     def groups(self) -> dict[int, _Group]:
-        """Welded bodies as one each, by the number of the first; none of the ground."""
+        """Groups of welded bodies, by the number of the first; none for the ground."""
         model, data = self.model, self.data
         result = {}
         for first in np.unique(model.body_weldid[1:]).tolist():
@@ -186,7 +189,7 @@ class _Reader:
         return result
 
     def end(self, groups: dict[int, _Group], body: int, name: str, point: Array) -> At:
-        """An interface of a body, made there."""
+        """A new interface of a body."""
         group = groups.get(int(self.model.body_weldid[body]))
         if group is None:
             return GROUND
@@ -204,7 +207,7 @@ class _Reader:
         *,
         limits: bool,
     ) -> None:
-        """The joint between a body and its parent, and what acts in it."""
+        """The joint between a body and its parent, and its springs, dampers and stops."""
         model, data = self.model, self.data
         kinds = [int(model.jnt_type[j]) for j in own]
         if kinds == [_FREE]:
@@ -233,7 +236,7 @@ class _Reader:
             words = {_FREE: "free", _BALL: "ball", _SLIDE: "slide", _HINGE: "hinge"}
             raise ModelError(
                 f"{self.name}: body '{self.label(model.name_bodyadr, body, str(body))}' moves by "
-                f"{' and '.join(words[kind] for kind in kinds)}, which is no joint here; put a body of "
+                f"{' and '.join(words[kind] for kind in kinds)}, which no joint here allows; put a body of "
                 "small mass between them"
             )
         for j in own:
@@ -286,22 +289,23 @@ class _Reader:
             if kind == _HINGE and not -np.pi < lower <= upper < np.pi:
                 raise ModelError(
                     f"{self.name}: joint '{self.label(model.name_jntadr, j, str(j))}' is limited to "
-                    f"{lower:.4g} .. {upper:.4g} rad from where it is drawn; stops are within half a turn: "
-                    'leave_out=["limits"], or draw it elsewhere'
+                    f"{lower:.4g} .. {upper:.4g} rad from its position in the file; stops must be within "
+                    "half a "
+                    'revolution: leave_out=["limits"], or draw it in another position'
                 )
             stop = AngleStop if kind == _HINGE else SlideStop
             found.append(stop(**ends, axis=axis, lower=lower, upper=upper, penalty=self._penalty(j, dof)))
         return found
 
     def _penalty(self, j: int, dof: int) -> Penalty:
-        """Against its effective inertia as stiff as MuJoCo's reference spring: k = I / (tau zeta)^2."""
+        """Penalty for its effective inertia, as stiff as MuJoCo's reference spring: k = I / (tau zeta)^2."""
         time, ratio = (float(value) for value in self.model.jnt_solref[j])
         inertia = 1 / max(float(self.model.dof_invweight0[dof]), np.finfo(float).tiny)
         rate = 1 / (time * ratio) ** 2 if time > 0 else -time  # negative: stiffness and damping themselves
         return Penalty(stiffness=inertia * rate)
 
     def close_loops(self, groups: dict[int, _Group], joints: list[Joint]) -> None:
-        """Joints of connect and weld."""
+        """Joints of the file's connect and weld constraints."""
         model, data = self.model, self.data
         for number in range(model.neq):
             kind = int(model.eq_type[number])
@@ -325,21 +329,20 @@ class _Reader:
 
 
 def _placed(group: _Group, other: Any) -> Placed:
-    """The rigid body, or what stands in its place."""
+    """The rigid body, or its replacement."""
     rigid = RigidBody(group.name, group.mass, group.centre, group.inertia, group.points)
     form = rigid if other is None else other
     if other is not None:
         if other.name != group.name:
             raise ModelError(
-                f"body '{other.name}' is to stand in place of '{group.name}': give it this name, which "
-                "joints use"
+                f"body '{other.name}' replaces '{group.name}': give it this name, which joints use"
             )
         size = max(float(np.abs(list(group.points.values())).max(initial=0.0)), np.finfo(float).tiny)
         for name, point in group.points.items():
             off = float(np.linalg.norm(other.interface(name).position - point))
             if off > _PLACE * size:
                 raise ModelError(
-                    f"body '{group.name}': its interface '{name}' lies {off:.3g} off the joint, which is at "
-                    f"{point.tolist()} in the axes of the file's body; move the mesh, or the interface"
+                    f"body '{group.name}': its interface '{name}' is {off:.3g} away from the joint, which is "
+                    f"at {point.tolist()} in the axes of the file's body; move the mesh, or the interface"
                 )
     return Placed(form, position=group.position, rotation=group.rotation)

@@ -1,4 +1,4 @@
-"""Rigid obstacles: planes, cylinders, spheres, fixed, driven at a velocity, or free with a mass."""
+"""Rigid obstacles: planes, cylinders, spheres; fixed, driven at a velocity, or free with a mass."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ Vector = tuple[float, float, float]
 class Obstacle(Protocol):
     """A rigid surface that translates; frozen and hashable.
 
-    velocity : (3,) at the start;   mass : kg, infinite where the velocity is kept
+    velocity : (3,) at the start;   mass : kg, infinite for a constant velocity
     """
 
     @property
     def velocity(self) -> Vector:
-        """At the start, m/s."""
+        """Initial velocity, m/s."""
         ...
 
     @property
@@ -34,7 +34,7 @@ class Obstacle(Protocol):
         ...
 
     def gap(self, x: Array) -> tuple[Array, Array]:
-        """Distance (n,) of points (3, n) from the surface where it stood at first, and its normals (3, n)."""
+        """Distance (n,) of points (3, n) from the surface at its initial position, and its normals (3, n)."""
         ...
 
 
@@ -88,7 +88,7 @@ class RigidSphere:
 
 @dataclass(frozen=True)
 class RigidCylinder:
-    """A cylinder without end.
+    """An infinite cylinder.
 
     point, axis : (3,);   radius : m;   velocity : (3,) m/s;   mass : kg
     """
@@ -124,7 +124,7 @@ def _from_core(arm: Array, radius: float) -> tuple[Array, Array]:
 def _check_mass(mass: float) -> None:
     if not mass > 0:
         raise ModelError(
-            f"the mass of an obstacle must be positive (infinite: its velocity is kept), got {mass}"
+            f"the mass of an obstacle must be positive (infinite for a constant velocity), got {mass}"
         )
 
 

@@ -1,4 +1,4 @@
-"""Vectors and rotations that place something in space, as they are given by users."""
+"""Checks of the vectors and rotations that place bodies in space."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["rotation_matrix", "space_vector"]
 
 
 def space_vector(what: str, value: object) -> np.ndarray:
-    """Three finite numbers (3,), read-only; ModelError names what they are of."""
+    """Three finite numbers (3,), read-only; ModelError with the name of the quantity."""
     check_numbers(what, value)
     array = np.array(value, dtype=float)
     if array.shape != (3,) or not np.isfinite(array).all():
@@ -22,9 +22,9 @@ def space_vector(what: str, value: object) -> np.ndarray:
 
 
 def rotation_matrix(what: str, value: object) -> np.ndarray:
-    """The matrix (3, 3), read-only, of a rotation given as a vector (3,), rad, or as a matrix.
+    """Rotation matrix (3, 3), read-only, from a rotation vector (3,), rad, or a matrix.
 
-    Raises ModelError for a matrix that is not orthonormal or mirrors.
+    Raises ModelError for a matrix that is not orthonormal, or that mirrors.
     """
     check_numbers(what, value)
     matrix = np.array(value, dtype=float)

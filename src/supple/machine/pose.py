@@ -1,4 +1,4 @@
-"""What joints and forces see of a body, whatever its form: where a marker is, and how it moves."""
+"""Pose of a marker and wrench on it, the data of joints and forces for a body of any form."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ import jax
 __all__ = ["Parameters", "Pose", "Wrench", "Wrenches"]
 
 Parameters = Sequence[jax.Array]
-"""Numbers of a force element, and arrays of them, as its equations see them."""
+"""Numbers of a force element, and arrays of them, in its equations."""
 
 
 class Pose(NamedTuple):
-    """Place and motion of one end of a joint or force, global components."""
+    """Position and motion of one end of a joint or force, global components."""
 
     point: jax.Array
     """(3,)"""
     axes: jax.Array
-    """(3, 3), as columns: the axes of the joint or force, which turn with the interface"""
+    """(3, 3), as columns: the axes of the joint or force, which rotate with the interface"""
     velocity: jax.Array
-    """(3,) of the point; zero for joints, whose equations see positions alone"""
+    """(3,) of the point; zero for joints, whose equations depend on positions alone"""
     angular_velocity: jax.Array
-    """(3,) of the axes; likewise"""
+    """(3,) of the axes; zero for joints"""
 
 
 class Wrench(NamedTuple):

@@ -1,4 +1,4 @@
-"""A machine that turns steadily: which of its bodies, about which axis, how fast."""
+"""Steady rotation of a machine: its axis, its rate, and its rotating bodies."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["Spin"]
 
 @dataclass(frozen=True, eq=False)
 class Spin:
-    """A steady rotation about an axis that stands in space.
+    """A steady rotation about an axis fixed in space.
 
         dR/dt = w x (R - p),        w = rate * axis
 
@@ -27,7 +27,7 @@ class Spin:
     rate : float    rad/s, of either sign
     axis : (3,)     global; of any length
     point : (3,)    p, any point on the axis
-    bodies : names of the bodies that turn; all of them unless given
+    bodies : names of the rotating bodies; default all
 
     Raises
     ------
@@ -54,7 +54,7 @@ class Spin:
             object.__setattr__(self, "bodies", tuple(self.bodies))
 
     def angular_velocities(self, system: System) -> np.ndarray:
-        """Angular velocity of every body, (nb, 3), global; zero for those that stand.
+        """Angular velocity of every body, (nb, 3), global; zero for bodies that do not rotate.
 
         Raises ModelError for a name that no body has.
         """

@@ -1,4 +1,4 @@
-"""A flexible body split into several, each of which gets a floating frame of its own."""
+"""Split of a flexible body into several parts, each with a floating frame of its own."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from supple.mesh import Cuts, DividedMesh, Division, cuts_at_sections, divided
 
 __all__ = ["SplitBody", "split_body"]
 
-# Changes of frequencies by the ties from which a run is another body's.
+# Relative change of frequencies by the ties from which a warning is issued.
 NOTABLE = 0.02
 
 Interface = RigidInterface | AveragingInterface
@@ -29,12 +29,12 @@ Tie = Callable[..., Interface]
 
 @dataclass(frozen=True, eq=False)
 class SplitBody:
-    """The parts of a body, and the joints that hold them together.
+    """Parts of a body, and the joints between them.
 
-    name  : of the whole
-    mesh  : DividedMesh    which nodes and cells each part has
+    name  : of the whole body
+    mesh  : DividedMesh    nodes and cells of each part
     parts : FlexibleBody   named NAME-1, NAME-2, ..., all in the axes of the whole mesh
-    base  : At             where the first interface of the whole is now; None if it had none
+    base  : At             the first interface of the whole, on its part; None if there was none
     """
 
     name: str
@@ -44,7 +44,7 @@ class SplitBody:
 
     @property
     def joints(self) -> tuple[Fixed, ...]:
-        """One at each cut."""
+        """One joint at each cut."""
         return tuple(
             Fixed(
                 first=At(part_name(self.name, cut.first), cut.name),
@@ -56,14 +56,14 @@ class SplitBody:
 
     @property
     def bases(self) -> Mapping[str, At]:
-        """From where the deflections of each part are seen, by its name: the first interface of the whole."""
+        """Reference of the deflections of each part, by its name: the first interface of the whole."""
         return {} if self.base is None else {part.name: self.base for part in self.parts}
 
     def frequencies(self, count: int) -> NDArray[np.float64]:
         """The lowest elastic frequencies of the tied parts, free and undeformed, rad/s.
 
-        Beside those of the whole body they show what the ties change: rigid sections stiffen a body whose
-        sections would deform, averaging ones soften it.
+        Compared with those of the whole body they show the effect of the ties: rigid sections stiffen a body
+        whose sections would deform, averaging ones soften it.
         """
         first = np.cumsum([0, *(part.n for part in self.parts)])
         rows = []
@@ -88,7 +88,7 @@ class SplitBody:
 def frequency_changes(whole: FlexibleBody, split: SplitBody) -> NDArray[np.float64]:
     """Relative changes (3,) of the lowest free frequencies of a body by the ties between its parts.
 
-    A SuppleWarning where one of them reaches 2 %.
+    SuppleWarning if one of them reaches 2 %.
     """
     before = np.sqrt(whole.lowest_modes(3, (whole.mass @ whole.rigid_modes).T).values)
     changes = split.frequencies(3) / before - 1
@@ -96,8 +96,8 @@ def frequency_changes(whole: FlexibleBody, split: SplitBody) -> NDArray[np.float
         listed = ", ".join(f"{100 * change:+.2g}" for change in changes)
         warnings.warn(
             f"body '{whole.name}': its {len(split.parts)} parts, tied together, have other frequencies than "
-            f"the whole: the lowest free ones change by {listed} %. Sections that would deform are held in "
-            "shape where parts meet: cut where they do not, or try the other tie (rigid, averaging)",
+            f"the whole: the lowest free ones change by {listed} %. The ties keep sections rigid "
+            "that would deform: cut where they do not, or try the other tie (rigid, averaging)",
             SuppleWarning,
             stacklevel=3,
         )
@@ -113,26 +113,26 @@ def split_body(
     tie: Tie = RigidInterface,
     cuts: Cuts = cuts_at_sections,
 ) -> SplitBody:
-    """Split a body into parts that are tied where they meet, for rotations beyond what one frame allows.
+    """Split a body into tied parts, for rotations beyond the limit of one floating frame.
 
-    A floating frame describes rotations against itself up to a limit. With a frame a part, each of k equal
-    parts turns against its frame by about 1 / k of what the whole body would. A SuppleWarning states by how
-    much the ties change the lowest frequencies, where that is 2 % or more.
+    The rotations relative to a floating frame are limited. With k equal parts, each one rotates relative to
+    its own frame by about 1 / k of the rotation in the whole body. SuppleWarning states the change of the
+    lowest frequencies by the ties, if it is 2 % or more.
 
     Parameters
     ----------
     model      : of the whole body
-    division   : AlongAxis | ByCellSets     which cells make which part
+    division   : AlongAxis | ByCellSets     cells of each part
     interfaces : of the whole body; each belongs to the part that has all of its nodes
     tie        : RigidInterface (sections keep their shape) | AveragingInterface (sections may warp)
-    cuts       : cuts_at_sections | cuts_at_nodes, which ties each shared node alone: exact where nodes have
+    cuts       : cuts_at_sections | cuts_at_nodes, which ties each shared node: exact for nodes with
         rotations, six constraints a node
 
     Raises
     ------
-    MeshError    a part without cells, or that does not hang together
-    ModelError   an interface, spring, mass or tie whose nodes lie in several parts; what `flexible_body`
-                 finds wrong with a part
+    MeshError    a part without cells, or that is not connected
+    ModelError   an interface, spring, mass or tie whose nodes are in several parts; errors of `flexible_body`
+                 for a part
     """
     mesh = divided(model.mesh, division, cuts)
     own: list[list[Interface]] = [[] for _ in mesh.parts]
@@ -143,7 +143,7 @@ def split_body(
         part = mesh.holder(nodes)
         if part is None:
             raise ModelError(
-                f"body '{name}', interface '{interface.name}': its nodes lie in several of the "
+                f"body '{name}', interface '{interface.name}': its nodes are in several of the "
                 f"{len(mesh.parts)} parts; move the cut away from it"
             )
         own[part].append(replace(interface, nodes=mesh.parts[part].numbers(nodes)))
@@ -161,5 +161,5 @@ def split_body(
 
 
 def part_name(name: str, part: int) -> str:
-    """Of a part of a body, counted from 0: `blade-1` is part 0."""
+    """Name of a part of a body, counted from 0: `blade-1` is part 0."""
     return f"{name}-{part + 1}"

@@ -36,11 +36,11 @@ _Form = TypeVar("_Form")
 
 
 _ACROSS = 1e-3
-"""Of a unit axis: what a joint leaves free of a servo's axis is less where it moves nothing."""
+"""Smallest free part of a servo's unit axis; with less, a joint prevents its motion."""
 # Members of every form of body that a machine uses.
 _BODY = ("name", "kind", "n_coordinates", "interfaces")
 _EXPLICIT = ("modal", "explicit")
-"""Kinds of bodies of explicit marches alone: parts on four-point frames, and of finite elements."""
+"""Kinds of bodies of explicit runs alone: parts on four-point frames, and of finite elements."""
 _OF_PARTS = {
     "ties": ((Tie,), "ties such as Tie(At(part, node set), on=part)"),
     "contacts": (
@@ -49,11 +49,11 @@ _OF_PARTS = {
     ),
     "supports": ((Support,), "supports such as Support(At(part, node set), axes)"),
 }
-"""What a system has lists of for these alone."""
+"""Lists of a system for explicit parts alone."""
 
 
 class AssembledPose(NamedTuple):
-    """Where a body's frame stood, undeformed, when the machine was put together."""
+    """Pose of an undeformed body's frame at assembly."""
 
     position: np.ndarray
     """(3,) global"""
@@ -70,13 +70,13 @@ class Placed(Summarized):
     velocity : (3,)           of the frame origin, global: of an elastic body the origin of its mesh
         (`with_centre_velocity` takes that of the centre of mass)
     angular_velocity : (3,)   body components, rad/s
-        Of the two, what is left out (None) is what joints, their laws and other bodies ask for at the start,
-        and zero where they ask for nothing; zeros that are given are kept where the joints allow.
-    coordinates, coordinate_rates : (r,) deformation at the start; zero unless given
-    assembled : Assembly      where it stood when joints and forces were put on, which fixes their points and
-        axes; where it starts unless given. An `equilibrium` starts elsewhere, in the same machine.
-    Raises ModelError for a vector of the wrong size, a matrix that is no rotation, or a FlexibleBody, which
-        must first be reduced or stand in full.
+        Where one of the two is omitted (None), it follows from joints, their laws and other bodies at the
+        start, and is zero where these leave it free; given zeros are kept where the joints allow it.
+    coordinates, coordinate_rates : (r,) deformation at the start; default zero
+    assembled : AssembledPose pose at assembly, which determines the points and axes of joints and forces;
+        default the initial pose. An `equilibrium` starts in another pose of the same machine.
+    Raises ModelError for a vector of the wrong size, a matrix that is not a rotation, or a FlexibleBody,
+        which must first be reduced, or placed as a FullBody.
     """
 
     body: BodyForm
@@ -89,7 +89,7 @@ class Placed(Summarized):
     assembled: AssembledPose | None = None
 
     def summary(self) -> Summary:
-        """Where and how fast the body starts."""
+        """Initial position and velocity of the body."""
         angles = Rotation.from_matrix(self.rotation).as_rotvec()
         rows = [("position", point(self.position)), ("rotation vector, rad", point(angles))]
         for name in ("velocity", "angular_velocity"):
@@ -125,12 +125,12 @@ class Placed(Summarized):
 
     @property
     def assembly(self) -> AssembledPose:
-        """Where it stood when joints and forces were put on."""
+        """Pose at assembly of joints and forces."""
         return self.assembled or AssembledPose(self.position, self.rotation)
 
     @property
     def twist(self) -> np.ndarray:
-        """Velocity and angular velocity (6,) as given, zero where left out."""
+        """Velocity and angular velocity (6,) as given, zero if omitted."""
         given = (self.velocity, self.angular_velocity)
         return np.concatenate([np.zeros(3) if part is None else part for part in given])
 
@@ -151,7 +151,7 @@ class Placed(Summarized):
 
             v = v_c - A (w x c)
 
-        The angular velocity is the given one, or zero where it was left out.
+        The angular velocity is the given one, or zero if it was omitted.
         """
         turning = np.zeros(3) if self.angular_velocity is None else self.angular_velocity
         centre = space_vector(f"centre velocity of body '{self.body.name}'", velocity)
@@ -159,36 +159,36 @@ class Placed(Summarized):
         return replace(self, velocity=origin, angular_velocity=turning)
 
     def moved_to(self, position: np.ndarray, rotation: np.ndarray) -> Placed:
-        """Placed elsewhere, its joints and forces on the same points and axes of it.
+        """The body in another pose, with its joints and forces at the same points and axes.
 
-        rotation : (3, 3), of which the rounding errors of many turns are taken off
+        rotation : (3, 3); the rounding errors of many rotations are removed
         """
         left, _, right = np.linalg.svd(rotation)
         return replace(self, position=position, rotation=left @ right, assembled=self.assembly)
 
     def positions(self, nodes: ArrayLike | slice = slice(None)) -> np.ndarray:
-        """Positions `R + A (x + u)` (k, 3) in space of some of its nodes, or all, deformed as it starts."""
+        """Positions `R + A (x + u)` (k, 3) in space of some or all nodes, in the initial deformation."""
         own = nodes if isinstance(nodes, slice) else np.asarray(nodes)
         local = self.body.nodes[own] + self.body.expand(self.coordinates, own)
         return self.position + local @ self.rotation.T
 
 
 Load = ForceElement | NodalLoad | BaseAcceleration
-"""Whatever acts on the bodies besides joints and gravity."""
+"""Anything that acts on the bodies besides joints and gravity."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class System(Summarized):
     """Bodies, joints, loads and gravity; checked when built.
 
-    bodies : Placed, one per body, names unique; a body that is not placed stands at the origin, at rest
+    bodies : Placed, one per body, names unique; a body that is not placed is at the origin, at rest
     joints : Joint, names unique
     loads : ForceElement | NodalLoad | BaseAcceleration
     gravity : (3,) global, e.g. (0, 0, -9.81)
     controllers : Controller | SampledController, names unique
-    ties, contacts, supports : Tie, Contact | SurfaceContact, Support: of the parts of an explicit march
-    Raises ModelError: no body, a name used twice, a joint or load on a body or interface that is not there, a
-        quantity over time of the wrong shape, a controller that reads a joint that is not there.
+    ties, contacts, supports : Tie, Contact | SurfaceContact, Support: for explicit parts
+    Raises ModelError: no body, a name used twice, a joint or load on a body or interface that does not exist,
+        a quantity over time of the wrong shape, a controller with a reading of a joint that does not exist.
     """
 
     bodies: Sequence[Placed | Any]
@@ -224,7 +224,7 @@ class System(Summarized):
                         f"{kind} name '{name}' is used {seen.count(name)} times: names must differ"
                     )
         if GROUND.body in names:
-            raise ModelError("no body may be named 'ground', which joints use for the fixed frame")
+            raise ModelError("no body may be named 'ground', the fixed frame of joints: rename it")
         for joint in self.joints:
             self._check_end(f"joint '{joint.name}'", joint.first)
             self._check_end(f"joint '{joint.name}'", joint.second)
@@ -251,14 +251,14 @@ class System(Summarized):
         named |= {item: [each.nodes for each in getattr(self, item)] for item in _OF_PARTS}
         rest = [(item, listed(names)) for item, names in named.items() if names]
         rest += [("gravity", point(self.gravity))] if self.gravity.any() else []
-        # Long chains: what acts on the machine stands above the tail of its joints.
+        # In long chains the loads are listed before the last joints.
         most = N_LINES - 2 - len(rest)
         if len(rows) > most:
             rows = [*rows[:most], ("...", f"{len(rows) - most} bodies and joints more")]
         return Summary(f"System: {', '.join(sizes)}", rows + rest)
 
     def _check_parts(self) -> None:
-        """Ties, contacts and supports act on node sets of explicit parts; other methods have none."""
+        """Check that ties, contacts and supports act on node sets of explicit parts."""
         for item, (kinds, expected) in _OF_PARTS.items():
             for each in getattr(self, item):
                 check_instance(f"System, {item}", each, kinds, expected)
@@ -267,7 +267,7 @@ class System(Summarized):
                     self._check_end(what, end)
                     if (body := self.placed(end.body, what).body).kind not in _EXPLICIT:
                         raise ModelError(
-                            f"{what}: it acts on parts of an explicit march, and body '{body.name}' is "
+                            f"{what}: it acts on explicit parts, but body '{body.name}' is "
                             f"{body.kind}: make it a modal_subdomain or an explicit_subdomain, or leave this "
                             "out"
                         )
@@ -275,12 +275,12 @@ class System(Summarized):
                     self.body_index(each.on, what)
 
     def check_has_frames(self) -> None:
-        """ModelError for explicit finite elements, whose equations no other method has."""
+        """Raise ModelError for explicit finite elements, whose equations no other method has."""
         for body in (placed.body for placed in self.bodies):
             if not body.has_frame:
                 raise ModelError(
-                    f"body '{body.name}' is of explicit finite elements, which `simulate` alone takes; for "
-                    "statics, modes, batches and error estimates reduce the body, or stand it in full"
+                    f"body '{body.name}' has explicit finite elements, which only `simulate` supports; for "
+                    "statics, modes, batches and error estimates reduce the body, or use a FullBody"
                 )
 
     def _check_controllers(self) -> None:
@@ -308,19 +308,19 @@ class System(Summarized):
         for number, (own, element) in enumerate(drivers):
             if any(element is other for _, other in drivers[:number]):
                 raise ModelError(
-                    f"controller '{own.name}' drives {element.label}, which is driven already, so that its "
-                    "own law would act twice: give each output an element of its own"
+                    f"controller '{own.name}' drives {element.label}, which another output drives already, "
+                    "so its own law would act twice: give each output an element of its own"
                 )
 
     def _check_acts_once(self, what: str, element: ForceElement) -> None:
         if any(element is load for load in self.loads):
             raise ModelError(
-                f"{what}, which also stands among the loads, so that its own law would act twice: leave it "
-                "out of loads; in a case file, remove its table and make it in the controller's function"
+                f"{what}, which is also among the loads, so its own law would act twice: leave it "
+                "out of loads; in a case file, remove its table and create it in the controller's function"
             )
 
     def _check_moves_something(self, element: ForceElement) -> None:
-        """ModelError for a servo or motor across the directions that a joint of its two ends holds."""
+        """Raise ModelError for a servo or motor along directions that a joint of its two ends fixes."""
         if not isinstance(element, AxialElement) or not element.held_by:
             return
         for joint in self.joints:
@@ -337,8 +337,8 @@ class System(Summarized):
                     f"give it an axis along {ways}, which the joint leaves free, or" if ways else "give it"
                 )
                 raise ModelError(
-                    f"{element.label}: it has no effect, as joint '{joint.name}' holds its ends along its "
-                    f"axis {tuple(element.axis)}: {remedy} ends between which something moves"
+                    f"{element.label}: it has no effect, because joint '{joint.name}' fixes its ends along "
+                    f"its axis {tuple(element.axis)}: {remedy} ends that can move relative to each other"
                 )
 
     def _check_load(self, load: Load) -> None:
@@ -382,7 +382,7 @@ class System(Summarized):
         check_law_shape(load.label, load.law, *load.value_shapes)
 
     def initial_point(self, end: At) -> np.ndarray:
-        """Global position of an interface when the machine was put together, bodies undeformed, (3,)."""
+        """Global position of an interface at assembly, bodies undeformed, (3,)."""
         placed = self.bodies[self.body_index(end.body)]
         position, rotation = placed.assembly
         return position + rotation @ placed.body.interface(end.interface).position
@@ -394,32 +394,32 @@ class System(Summarized):
 
     @property
     def constraint_slices(self) -> dict[str, slice]:
-        """Where the equations of each joint stand among those of all, by its name."""
+        """Slice of each joint's equations among all equations, by its name."""
         ends = np.cumsum([0, *(joint.n_constraints for joint in self.joints)])
         spans = zip(self.joints, pairwise(ends), strict=True)
         return {joint.name: slice(int(begin), int(end)) for joint, (begin, end) in spans}
 
     def placed(self, name: str, what: str = "lookup") -> Placed:
-        """The body of that name as it is placed."""
+        """The placed body of that name."""
         return self.bodies[self.body_index(name, what)]
 
     @property
     def rigid_contacts(self) -> tuple[Contact, ...]:
-        """With rigid obstacles, in the order of these in results."""
+        """Contacts with rigid obstacles, in their order in results."""
         return tuple(contact for contact in self.contacts if isinstance(contact, Contact))
 
     @property
     def surface_contacts(self) -> tuple[SurfaceContact, ...]:
-        """Between parts."""
+        """Contacts between parts."""
         return tuple(contact for contact in self.contacts if isinstance(contact, SurfaceContact))
 
     def node_numbers(self, end: At) -> np.ndarray:
-        """Of the nodes (n,) of a node set, within its explicit part."""
+        """Numbers of the nodes (n,) of a node set, within its explicit part."""
         part: Any = self.placed(end.body).body
         return part.interface(end.interface).nodes
 
     def mesh_of(self, part: str) -> Mesh:
-        """Of the elements of an explicit part."""
+        """Mesh of the elements of an explicit part."""
         body: Any = self.placed(part).body
         return body.mesh
 

@@ -27,7 +27,7 @@ def test_law_of_a_law_a_function_and_a_number():
 
 
 def test_constant_with_nan():
-    with pytest.raises(ValueError, match="a constant quantity holds NaN or infinite entries"):
+    with pytest.raises(ValueError, match="a constant quantity has NaN or infinite entries"):
         as_time_law([0.0, float("inf"), 0.0])
 
 

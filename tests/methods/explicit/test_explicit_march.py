@@ -118,14 +118,14 @@ def test_a_run_ends_where_an_element_turns_over_and_keeps_what_was_computed():
     part = Placed(bar, velocity=(20.0, 0, 0))
     wall = Contact(At("bar", "tip"), RigidPlane((4.1, 0, 0), (-1, 0, 0)))
     kept = []
-    with pytest.raises(ConvergenceError, match="turned over"):
+    with pytest.raises(ConvergenceError, match="an element inverted"):
         marched(System([part], contacts=[wall]), 1.0, 50, record=kept.append)
     assert sum(len(part.times) for part in kept) > 1
 
 
 def test_a_step_above_the_limit_is_refused():
     part = explicit_bar(CellType.HEXA8)
-    with pytest.raises(ModelError, match="above the limit"):
+    with pytest.raises(ModelError, match="above the stability limit"):
         marched(System([part]), 1.0, step=1.1 * part.step_limit)
 
 
@@ -137,7 +137,7 @@ def test_energy_from_nothing_stops_the_run():
     part = Placed(bar, velocity=(9.0, 0, 0))
     wall = Contact(At("bar", "tip"), RigidPlane((4.05, 0, 0), (-1, 0, 0)))
     step = 0.95 * part.body.step_limit / np.sqrt(1.2)
-    with pytest.raises(ConvergenceError, match=r"negative|open|turned over|not a number"):
+    with pytest.raises(ConvergenceError, match=r"negative|balance|inverted|not finite"):
         marched(System([part], contacts=[wall]), 1.0, 50, step)
 
 

@@ -81,7 +81,7 @@ def test_the_step_limit_is_below_the_true_one_and_near_it():
     K = body.model.stiffness.toarray()
     true = 2 / np.sqrt(np.linalg.eigvalsh(K / np.sqrt(diagonal[:, None] * diagonal))[-1])
     assert 0.5 * true < body.step_limit <= true
-    with pytest.raises(ModelError, match="above the limit"):
+    with pytest.raises(ModelError, match="above the stability limit"):
         ExplicitEngine(System([body]), stepped(Run(1.0, 1.0), step=1.01 * body.step_limit))
 
 

@@ -225,7 +225,7 @@ def test_a_mass_on_a_spring_and_damper_swings_as_the_closed_form():
     assert e["damping"][-1] == pytest.approx(k * z0**2 / 2 - left, rel=0.02)
     # The longest stable step: h^2 w^2 / 4 + h c / 2m = 1.
     limit = 2 / (c / mass / 2 + np.sqrt((c / mass / 2) ** 2 + k / mass))
-    with pytest.raises(ModelError, match=f"above the limit of {limit:.4g} s"):
+    with pytest.raises(ModelError, match=f"above the stability limit of {limit:.4g} s"):
         simulate(system, stepped(Run(1.0, 0.02), 1.01 * limit))
 
 

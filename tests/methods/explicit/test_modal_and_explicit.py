@@ -154,7 +154,7 @@ def test_a_force_that_follows_the_frame_turns_with_it():
 
 
 def test_interfaces_that_do_not_meet_are_refused():
-    with pytest.raises(ModelError, match="does not meet"):
+    with pytest.raises(ModelError, match="does not match the other"):
         ExplicitEngine(system(start=4.5), Run(1.0, 1.0))
 
 

@@ -288,18 +288,18 @@ def test_every_node_leaves_out_what_follows_from_the_rest():
 
 def test_what_cannot_be_tied_is_refused():
     left, right = half(*LEFT), half(*RIGHT)
-    with pytest.raises(ModelError, match="by ProjectedDifference"):
+    with pytest.raises(ModelError, match="need ProjectedDifference"):
         marched(pair(left, right), 1.0, scheme=PublishedScheme())
-    with pytest.raises(ModelError, match=r"fly apart by 1 m/s"):
+    with pytest.raises(ModelError, match=r"differ by 1 m/s"):
         marched(
             System([Placed(left, velocity=(1, 0, 0)), right], ties=[Tie(At("left", "tip"), "right")]), 1.0
         )
     fe = explicit_subdomain(_model(8, 2, (2, 2, 2)), name="end")
     with pytest.raises(ModelError, match="'end' is explicit; tie its nodes"):
         marched(System([right, fe], ties=[Tie(At("right", "tip"), "end")]), 1.0)
-    with pytest.raises(ModelError, match="not tied to itself"):
+    with pytest.raises(ModelError, match="cannot be tied to itself"):
         marched(System([right], ties=[Tie(At("right", "tip"), "right")]), 1.0)
-    with pytest.raises(ModelError, match="does not meet"):
+    with pytest.raises(ModelError, match="does not match the other"):
         marched(pair(left, half(*RIGHT, shift=0.5)), 1.0)
     with pytest.raises(ModelError, match="tolerance of a tie"):
         EveryNode(0.0)
@@ -311,5 +311,5 @@ def test_an_explicit_node_hangs_on_one_modal_part():
     ties = [Tie(At("pin", "root"), name) for name in ("left", "right")]
     flying = Placed(pin, angular_velocity=SPIN, velocity=(0.1, 0, 0))
     system = pair(half(*LEFT), half(*RIGHT), parts=[flying], ties=ties)
-    with pytest.raises(ModelError, match="is tied on 'left' and 'right'"):
+    with pytest.raises(ModelError, match="is tied to 'left' and 'right'"):
         marched(system, 1.0)

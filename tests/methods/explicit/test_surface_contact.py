@@ -152,7 +152,7 @@ def test_the_face_of_a_modal_part_takes_part(which):
 def test_what_cannot_touch_is_refused():
     with pytest.raises(ModelError, match="inside the surface"):
         ExplicitEngine(rods(gap=-0.02, cells=4), Run(1.0, 1.0))
-    with pytest.raises(ModelError, match="does not touch itself"):
+    with pytest.raises(ModelError, match="with itself is not supported"):
         SurfaceContact(At("first", "tip"), At("first", "root"))
     with pytest.raises(ModelError, match="stiffness of a contact"):
         rods(cells=4, stiffness=-1.0)

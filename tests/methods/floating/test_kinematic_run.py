@@ -108,7 +108,7 @@ def test_a_run_cut_in_two_is_the_same_run(rod):
 def test_what_the_joints_leave_free_is_refused(rod):
     system = slider_crank(rod)
     hinge = Revolute(first=GROUND, second=At("crank", "left"), axis=Z, name="motor")
-    with pytest.raises(ModelError, match="the joints leave 1 motion free"):
+    with pytest.raises(ModelError, match="the joints leave 1 degree of freedom"):
         simulate(replace(system, joints=(hinge, *system.joints[1:])), kinematic(1.0, 10))
 
 
@@ -129,7 +129,7 @@ def test_a_step_that_is_too_long_is_warned_of(rod):
         simulate(slider_crank(rod, angle=ConstantRate(1.0)), Run(6.0, 1.2, method=Kinematic()))
 
 
-@pytest.mark.filterwarnings("ignore:body '.*' is held in the shape:supple.errors.ValidityWarning")
+@pytest.mark.filterwarnings("ignore:body '.*' is treated as rigid:supple.errors.ValidityWarning")
 @pytest.mark.slow
 @pytest.mark.parametrize("form", ["full", "reduced", "intrinsic"])
 def test_a_body_of_any_form_is_moved_as_a_rigid_one_of_its_mass(rod, blade, form):

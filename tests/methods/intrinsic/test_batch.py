@@ -135,7 +135,7 @@ def test_what_no_batch_takes_is_named():
     run = Run(0.1, 0.05, step=FixedStep(1e-3), method=RungeKutta4())
     drive = FollowerForce(first="beam.tip", force=(0, 0, 0))
     control = Controller(reads={}, drives={"drive": drive}, outputs=lambda *_: {"drive": np.zeros(3)})
-    with pytest.raises(ModelError, match="connect intrinsic bodies do not take RungeKutta4"):
+    with pytest.raises(ModelError, match="between intrinsic bodies do not support RungeKutta4"):
         simulate_batch([replace(held(1.0), controllers=(control,))], run)
     bob = System([RigidBody("bob", 2.0, np.zeros(3), np.eye(3), {"hinge": np.zeros(3)})])
     with pytest.raises(ModelError, match="case 1 differs from the first in more than numbers"):

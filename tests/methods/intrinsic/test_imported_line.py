@@ -109,10 +109,10 @@ def test_grids_hang_on_one_another_in_the_order_of_the_file_unless_paths_are_giv
     ("paths", "message"),
     [
         ([[40, 10, 20, 30]], "grid 5 of .* is on no load path"),
-        ([[40, 10, 20, 30], [20, 5, 99]], "path names grid 99, which .* does not define"),
-        ([[40, 10, 20, 30], [77, 5]], "begins at grid 77, which no path before it reaches"),
-        ([[40, 10, 20, 30, 10], [20, 5]], "grid 10 is reached twice"),
-        ([[40]], "two grids at least"),
+        ([[40, 10, 20, 30], [20, 5, 99]], "grid 99 of its path is not defined"),
+        ([[40, 10, 20, 30], [77, 5]], "begins at grid 77, which is on no earlier path"),
+        ([[40, 10, 20, 30, 10], [20, 5]], "grid 10 occurs twice"),
+        ([[40]], "at least two grids"),
     ],
 )
 def test_paths_that_do_not_fit_are_named(tmp_path, tree, paths, message):
@@ -127,10 +127,10 @@ def test_matrices_that_are_no_condensation_are_refused(tmp_path, tree):
 
     refused("stiffness is negative at station", files(tmp_path, tree, stiffness=-tree.stiffness))
     refused("mass is negative at station", files(tmp_path, tree, mass=-tree.mass))
-    refused("leave root_mass out", files(tmp_path, tree), root_mass=np.eye(6))
+    refused("leave out root_mass", files(tmp_path, tree), root_mass=np.eye(6))
     grounded = tree.stiffness.copy()
     grounded[:6, :6] += 1e3 * np.eye(6)
-    refused(r"resists rigid motion by .* \(read from", files(tmp_path, tree, stiffness=grounded))
+    refused(r"rigid motion causes forces .* \(read from", files(tmp_path, tree, stiffness=grounded))
     middle = files(tmp_path, tree, rows=np.array([0, 1, 3, 4]))
     refused("grid 20 of its path is in no matrix", middle)
 
@@ -144,5 +144,5 @@ def test_a_grid_with_some_of_its_freedoms_is_refused(tmp_path, tree):
     kept = [line for line in kept if not line.startswith("*                      5               6")]
     punch = tmp_path / "cut.pch"
     punch.write_text("\n".join(kept) + "\n")
-    with pytest.raises(ModelError, match=r"grid 5 has freedoms 12345 .* 123456 of every station"):
+    with pytest.raises(ModelError, match=r"grid 5 has freedoms 12345 .* 123456 of all stations"):
         read_condensed_line("beam", paths=PATHS, **(given | {"stiffness": punch}))

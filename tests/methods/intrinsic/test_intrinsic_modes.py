@@ -123,7 +123,7 @@ def test_axial_modes_are_the_analytic_ones_signs_included():
 def test_modes_that_there_are_not_are_refused():
     line = beam_line(straight(2.0, 3), **SECTION)
     for number in (5, 100):
-        with pytest.raises(ModelError, match=f"{number} modes asked for; it has 24 with mass, of which 6"):
+        with pytest.raises(ModelError, match=f"{number} modes requested; it has 24 with mass, of which 6"):
             intrinsic_modes(line, FREE, number)
     with pytest.raises(ModelError, match="of which 6 are rigid"):
         intrinsic_modes(line, FREE).truncated(5)
@@ -138,7 +138,7 @@ def test_truncated_modes_are_the_lowest_ones():
 
 def test_a_root_that_moves_without_mass_is_refused():
     line = beam_line(straight(2.0, 4), **SECTION | {"radius": 0.0})
-    with pytest.raises(ModelError, match="in which no mass moves"):
+    with pytest.raises(ModelError, match="moves no mass"):
         intrinsic_modes(line, hinged((1, 0, 0)))
 
 
@@ -155,5 +155,5 @@ def test_a_station_that_hangs_loose_is_refused():
 def test_modes_that_are_not_orthonormal_are_refused(broken):
     modes = intrinsic_modes(tree_line(), CLAMPED, 4)
     spoiled = replace(modes, **{broken: 1.001 * getattr(modes, broken)})
-    with pytest.raises(AccuracyError, match=r"its modes are orthonormal to .* \(velocities\)"):
+    with pytest.raises(AccuracyError, match=r"its modes are orthonormal only to .* \(velocities\)"):
         checked_modes(spoiled)

@@ -111,9 +111,9 @@ def test_controllers_ask_for_released_bodies():
         outputs=lambda *_: {"motor": jnp.zeros(())},
     )
     machine = System([clamped], [clamp], controllers=[own])
-    with pytest.raises(ModelError, match=r"its modes hold its root.*place released\(body\)"):
+    with pytest.raises(ModelError, match=r"its modes belong to a supported root.*place released\(body\)"):
         simulate(machine, RUN)
-    with pytest.raises(ModelError, match=r"its modes hold its root.*place released\(body\)"):
+    with pytest.raises(ModelError, match=r"its modes belong to a supported root.*place released\(body\)"):
         equilibrium(machine)
 
 

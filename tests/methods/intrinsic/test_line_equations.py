@@ -98,7 +98,9 @@ def test_modal_damping_takes_power_of_strain_rates():
     d1, _ = line_rates(model, slow, 0 * q2)
     linear = -2 * ratios * modes.omega[6:] * slow[6:]
     assert d1[6:] == pytest.approx(np.asarray(linear), abs=1e-3 * np.abs(linear).max())
-    with pytest.raises(ModelError, match="LinearRayleighDamping is of the stiffness in a floating frame"):
+    with pytest.raises(
+        ModelError, match="LinearRayleighDamping belongs to the stiffness in a floating frame"
+    ):
         line_model(modes, LinearRayleighDamping(0.0, 0.01))
     with pytest.raises(ModelError, match="is relative to the interface 'root', which needs a body in a"):
         line_model(modes, ModalDamping(0.02, held="root"))

@@ -31,8 +31,8 @@ def test_ancestors_double_their_distance_until_all_have_reached_the_root():
     ("points", "parents", "message"),
     [
         (POINTS, [-1, 0, 1, 4, 3, 2], "loop through station 3"),
-        (POINTS, [-1, 0, 1, -1, 3, 2], "station 3 .* which there is not"),
-        (POINTS, [-1, 0, 9, 1, 3, 2], "hangs on station 9"),
+        (POINTS, [-1, 0, 1, -1, 3, 2], "station 3 .* which does not exist"),
+        (POINTS, [-1, 0, 9, 1, 3, 2], "has parent 9, which does not exist"),
         (POINTS, [-1, 5, 1, 1, 3, 0], "station 1 .* comes after it"),
         (POINTS, [0, 0, 1, 1, 3, 2], "must be its root"),
         (POINTS, [-1, 0], "6 stations needs 6"),

@@ -94,5 +94,5 @@ def test_a_released_body_keeps_what_its_modes_leave_out(whole):
 
 def test_all_modes_need_no_others(whole):
     assert whole.truncated(whole.n_coordinates) is whole
-    with pytest.raises(ModelError, match="121 elastic modes asked for; it has 120 with mass"):
+    with pytest.raises(ModelError, match="121 elastic modes requested; it has only 120 with mass"):
         whole.truncated(121)

@@ -176,5 +176,5 @@ def test_the_bend_of_45_degrees_stands_where_it_is_published():
 def test_a_free_line_flies_and_a_single_station_is_refused():
     body = intrinsic_body(section_line("beam", prismatic(L), 5), FREE)
     assert body.modes.n_rigid == 6
-    with pytest.raises(ModelError, match=r"line 'beam': it needs two stations at least, its ends, not 1"):
+    with pytest.raises(ModelError, match=r"line 'beam': it needs at least two stations, its ends, not 1"):
         section_line("beam", prismatic(L), 1)

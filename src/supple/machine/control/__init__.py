@@ -1,1 +1,1 @@
-"""Controllers: laws that depend on what they read of the machine, in every step or at sampling instants."""
+"""Controllers: laws that depend on readings of the machine, in every step or at sampling instants."""

@@ -1,4 +1,4 @@
-"""Controllers: what they read, what they drive, and the law between."""
+"""Controllers: their readings, their outputs, and the law between them."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ class Controller:
 
         dz/dt = rates(t, readings, z),     u = outputs(t, readings, z)
 
-    Each output adds to what the law of time of a force element gives: the torque of a `TorqueBetween`, the
-    command of a `MotorCurve`, ... Its states obey the trapezoidal rule, of second order and stable for
-    every step, together with the motion: outputs and motion of a step belong together, nothing lags.
+    Each output adds to the law of time of a force element: the torque of a `TorqueBetween`, the command of a
+    `MotorCurve`, ... The states follow the trapezoidal rule, of second order and stable for every step,
+    together with the motion: outputs and motion of a step are simultaneous, without lag.
 
     Both functions are written with `jax.numpy`, and are part of the compiled program, as a `TimeFunction` is.
 
     reads : by name, JointReading or EndReading
-    drives : by name, force elements with a law of time; they are not listed among the machine's loads
-    outputs : `(time, readings, states) -> {name: value}`, a value for every element that is driven;
+    drives : by name, force elements with a law of time; they must not be among the machine's loads
+    outputs : `(time, readings, states) -> {name: value}`, a value for every driven element;
         `readings` is a dictionary of `AxialMotion` and `Pose`, `states` an array (k,)
     rates : `(time, readings, states) -> (k,)`; None without states
     initial : (k,) states at the start
@@ -65,15 +65,15 @@ class Controller:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SampledController:
-    """A law in plain Python, called between steps: its outputs are held until the next sampling instant.
+    """A law in plain Python, called between steps; its outputs are constant until the next sampling instant.
 
-    The march stops at every instant `start + i every` of a run; there the function is called once, and
-    accelerations begin anew with its outputs. Its memory is kept in result files, so that a run
-    that was cut off goes on as if it had not been.
+    The time integration stops at every instant `start + i every` of a run, where the function is called once,
+    and accelerations are computed again for its outputs. Its memory is stored in result files, so that an
+    interrupted run continues exactly.
 
     reads, drives : as of a `Controller`; readings are NumPy arrays and numbers
-    law : `(time, readings, memory) -> (outputs, memory)`, outputs `{name: value}` of every element driven
-    memory : what it is given the first time: numbers and arrays by name, which keep their shapes
+    law : `(time, readings, memory) -> (outputs, memory)`, outputs `{name: value}` for every driven element
+    memory : initial memory: numbers and arrays by name, whose shapes are fixed
     every : sampling period
     Raises ModelError for an element without a law of time, or a period that is not positive.
     """
@@ -95,7 +95,7 @@ class SampledController:
 
 
 def as_memory(name: str, memory: Any) -> dict[str, np.ndarray]:
-    """The memory of a controller, as arrays of floats; ModelError if it is no dictionary of numbers."""
+    """The memory of a controller as arrays of floats; ModelError unless it is a dictionary of numbers."""
     if not isinstance(memory, Mapping) or not all(isinstance(key, str) for key in memory):
         raise ModelError(
             f"controller '{name}': its memory must be a dictionary of numbers and arrays by name, got "
@@ -105,7 +105,7 @@ def as_memory(name: str, memory: Any) -> dict[str, np.ndarray]:
         return {key: np.array(value, dtype=float) for key, value in sorted(memory.items())}
     except (TypeError, ValueError) as error:
         raise ModelError(
-            f"controller '{name}': its memory must hold numbers and arrays of them, for they are kept in "
+            f"controller '{name}': its memory must hold numbers and arrays of them, because it is stored in "
             f"result files ({error})"
         ) from error
 
@@ -121,6 +121,6 @@ def _check_ends(controller: Controller | SampledController) -> None:
         check_instance(f"{what}, drives", element, ForceElement, "force elements such as TorqueBetween(..)")
         if element.law is None:
             raise ModelError(
-                f"{what} cannot drive {element.label}, in which nothing varies with time; drive one such as "
+                f"{what} cannot drive {element.label}, which has no law of time; drive an element such as "
                 "TorqueBetween, ForceBetween, MotorCurve, FollowerForce or a servo"
             )

@@ -1,4 +1,4 @@
-"""What a controller reads of a machine: places and velocities, not accelerations, which it changes itself."""
+"""Readings of a controller: positions and velocities, not accelerations, which depend on its outputs."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ __all__ = ["EndReading", "JointReading"]
 
 @dataclass(frozen=True)
 class JointReading:
-    """Angle, rate, slide and speed of a joint, an `AxialMotion`: as a `JointMotionSensor` reads them.
+    """Angle, rate, slide and speed of a joint, an `AxialMotion`, as of a `JointMotionSensor`.
 
-    The angle goes on beyond pi, as long as a step turns the joint by less than half a turn.
+    The angle continues beyond pi, as long as a step rotates the joint by less than half a revolution.
     """
 
     joint: str
-    """Its name"""
+    """Name of the joint"""
 
 
 @dataclass(frozen=True)
 class EndReading:
-    """Place and motion of an interface, a `Pose`: point, axes, velocity, angular velocity; global."""
+    """Position and motion of an interface, a `Pose`: point, axes, velocity, angular velocity; global."""
 
     at: At | Any
     """"BODY.INTERFACE" or `At(body, interface)`; its axes are global ones at assembly"""

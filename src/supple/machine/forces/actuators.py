@@ -1,4 +1,4 @@
-"""Torque about an axis and force along it between two ends: what motors and cylinders exert."""
+"""Torque about an axis and force along it between two ends, as of motors and cylinders."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class TorqueBetween(AxialElement):
     """A torque on the second end about an axis of the first, and its opposite on the first."""
 
     torque: Any = 0.0
-    """a number or a law of time; what a controller gives adds to it"""
+    """a number or a law of time; the output of a controller adds to it"""
 
     @property
     def law(self) -> TimeLaw:
@@ -36,10 +36,10 @@ class TorqueBetween(AxialElement):
 
 @dataclass(frozen=True, kw_only=True)
 class ForceBetween(AxialElement):
-    """A force on the second end along an axis of the first, and what balances it on the first."""
+    """A force on the second end along an axis of the first, and its balance on the first."""
 
     force: Any = 0.0
-    """a number or a law of time; what a controller gives adds to it"""
+    """a number or a law of time; the output of a controller adds to it"""
 
     @property
     def law(self) -> TimeLaw:

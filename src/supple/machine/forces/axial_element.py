@@ -1,4 +1,4 @@
-"""What elements about or along an axis share: the axis, which stays with their first end."""
+"""Base of elements about or along an axis, which is fixed to their first end."""
 
 from __future__ import annotations
 
@@ -15,20 +15,19 @@ __all__ = ["AxialElement"]
 
 @dataclass(frozen=True, kw_only=True)
 class AxialElement(ForceElement):
-    """An element about or along an axis of its first end; the subclasses say what it does.
+    """An element about or along an axis of its first end; subclasses define its force.
 
-    axis : direction at the start, global axes; it stays with the first end
+    axis : direction at the start, global axes; it is fixed to the first end
     """
 
     axis: tuple[float, float, float]
 
     held_by: ClassVar[tuple[str, ...]] = ()
-    """Beginnings of the names of a joint's equations that leave it nothing to move; none where it may push
-    against a joint."""
+    """First words of the joint equations that prevent its motion; empty where it may act against a joint."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        axes_along(self.axis)  # which refuses what is no direction
+        axes_along(self.axis)  # raises for a vector without direction
 
     @property
     def initial_axes(self) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Bushing: stiffness and damping against all six relative motions of its ends."""
+"""Bushing: stiffness and damping for all six relative motions of its ends."""
 
 from __future__ import annotations
 
@@ -23,18 +23,17 @@ _SYMMETRIC = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Bushing(AxialElement):
-    """Forces and moments `K x + C dx/dt` against `x = (d, theta)`, seen in the first end's axes.
+    """Forces and moments `K x + C dx/dt` for `x = (d, theta)`, in the first end's axes.
 
         d = A_1^T (r_2 - r_1) - d_0,    exp(theta) = A_1^T A_2,    force on x: Q = - K x - C dx/dt
 
-    `d_0` is the offset of the ends when the machine is put together, where the bushing is undeformed. `Q` is
-    the force that does work on x, so that `x^T K x / 2` is kept without damping; the angle of theta must stay
-    below pi.
+    `d_0` is the offset of the ends at assembly, where the bushing is undeformed. `Q` is the force conjugate
+    to x, so that `x^T K x / 2` is conserved without damping; the angle of theta must stay below pi.
 
     axis : z of the bushing at the start, global axes
     x_axis : direction near which x lies
     stiffness, damping : (6,) diagonal, or (6, 6) symmetric and not negative; translations first
-    Raises ModelError for a matrix that is none of these.
+    Raises ModelError for any other matrix.
     """
 
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
@@ -42,7 +41,7 @@ class Bushing(AxialElement):
     stiffness: Any
     damping: Any = (0.0,) * 6
     offset: tuple[float, float, float] | None = None
-    """d_0, in the bushing's axes; that of its ends when the machine is put together, unless given"""
+    """d_0, in the bushing's axes; default that of its ends at assembly"""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -61,7 +60,7 @@ class Bushing(AxialElement):
         return (np.array(self.stiffness), np.array(self.damping), np.array(self.offset or np.zeros(3)))
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> Bushing:
-        """With the offset of its ends."""
+        """The bushing with the offset of its ends."""
         if self.offset is not None:
             return self
         return replace(self, offset=tuple((self.initial_axes.T @ (second - first)).tolist()))
@@ -102,10 +101,10 @@ def _matrix(what: str, given: Any) -> tuple[tuple[float, ...], ...]:
     size = abs(matrix).max()
     if abs(matrix - matrix.T).max() > _SYMMETRIC * size:
         raise ModelError(f"{what} must be symmetric: otherwise it would generate energy")
-    # By units of its own for every freedom: moments are not compared with forces.
+    # Scaled by freedom, so that moments are not compared with forces.
     own = np.sqrt(np.abs(np.diag(matrix)))
     scale = np.where(own > 0, own, np.sqrt(size) if size else 1.0)
     scaled = matrix / np.outer(scale, scale)
     if np.linalg.eigvalsh(scaled).min() < -_SYMMETRIC:
-        raise ModelError(f"{what} must not be negative in any direction")
+        raise ModelError(f"{what} must not be negative in any direction: check its signs")
     return tuple(map(tuple, matrix.tolist()))

@@ -1,4 +1,4 @@
-"""Quantities over one variable or two, as tables: joined by straight lines, held beyond their ends."""
+"""Tables over one variable or two: linear interpolation, constant beyond their ends."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ __all__ = ["Curve", "Surface"]
 
 @dataclass(frozen=True)
 class Curve:
-    """`z(x)` through rows of a table, straight between them, held beyond its ends.
+    """`z(x)` through rows of a table, linear between them, constant beyond its ends.
 
     x : (n,) ascending      z : (n,)
-    Raises ModelError for another shape, for what is not finite or does not ascend.
+    Raises ModelError for another shape, and for numbers that are not finite or do not ascend.
     """
 
     x: Any
@@ -36,20 +36,20 @@ class Curve:
 
     @property
     def parameters(self) -> tuple[np.ndarray, ...]:
-        """As arrays."""
+        """The table as arrays."""
         return (np.array(self.x), np.array(self.z))
 
     def __call__(self, x: ArrayLike) -> jax.Array:
-        """The value at a place."""
+        """The value at x."""
         return curve_at(x, self.parameters)
 
 
 @dataclass(frozen=True)
 class Surface:
-    """`z(x, y)` through a table, bilinear between its rows and columns, held beyond its edges.
+    """`z(x, y)` through a table, bilinear between its rows and columns, constant beyond its edges.
 
     x : (n,) ascending      y : (m,) ascending      z : (n, m)
-    Raises ModelError for another shape, for what is not finite or does not ascend.
+    Raises ModelError for another shape, and for numbers that are not finite or do not ascend.
     """
 
     x: Any
@@ -68,11 +68,11 @@ class Surface:
 
     @property
     def parameters(self) -> tuple[np.ndarray, ...]:
-        """As arrays."""
+        """The table as arrays."""
         return (np.array(self.x), np.array(self.y), np.array(self.z))
 
     def __call__(self, x: ArrayLike, y: ArrayLike) -> jax.Array:
-        """The value at a place."""
+        """The value at x and y."""
         return surface_at(x, y, self.parameters)
 
 
@@ -93,13 +93,13 @@ def surface_at(x: ArrayLike, y: ArrayLike, parameters: Sequence[ArrayLike]) -> j
 
 
 def _interval(x: ArrayLike, places: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """The row before a place, and the share of the way to the next one."""
+    """The row before a value, and the relative distance to the next one."""
     row = jnp.clip(jnp.searchsorted(places, x, side="right") - 1, 0, len(places) - 2)
     return row, jnp.clip((x - places[row]) / (places[row + 1] - places[row]), 0.0, 1.0)
 
 
 def _freeze(table: Any, *names: str) -> None:
-    # As tuples, by which elements of equal numbers are equal.
+    # As tuples, so that elements of equal numbers are equal.
     for name in names:
         check_numbers(f"{type(table).__name__}, {name}", getattr(table, name))
         array = np.asarray(getattr(table, name), dtype=float)

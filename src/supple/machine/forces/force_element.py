@@ -1,4 +1,4 @@
-"""What every force between two markers is: ends, parameters, and the wrenches it exerts on them."""
+"""Base of all forces between two markers: ends, parameters, and wrenches on the ends."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ __all__ = ["ForceElement"]
 
 @dataclass(frozen=True, kw_only=True)
 class ForceElement(ABC):
-    """A force law between two markers; tangents follow from it by differentiation."""
+    """A force law between two markers; its tangent follows by differentiation."""
 
     first: At | Any
-    """An end: "BODY.INTERFACE", `At(body, interface)`, or "ground"; kept as an `At`."""
+    """An end: "BODY.INTERFACE", `At(body, interface)`, or "ground"; stored as an `At`."""
     second: At | Any = GROUND
-    """The other one."""
+    """The other end."""
 
     value_shape: ClassVar[tuple[int, ...]] = ()
-    """Shape of what the law gives, where there is one."""
+    """Shape of the law's value, if there is a law."""
     acts_along_line: ClassVar[bool] = False
     """True when the law needs a line between its ends, which must then stay apart."""
 
     reads_reaction: ClassVar[bool] = False
-    """True when the value of `wrenches` is what a joint carries, instead of a law's: a `JointFriction`."""
+    """True when `wrenches` depends on a joint force instead of a law: a `JointFriction`."""
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -56,31 +56,31 @@ class ForceElement(ABC):
 
     @property
     def ground_point(self) -> np.ndarray | None:
-        """Where the force takes hold of the ground (3,); None: where its other end starts."""
+        """Point of action on the ground (3,); None: the initial position of its other end."""
         return None
 
     @property
     def law(self) -> TimeLaw | None:
-        """The quantity that varies with time, where there is one."""
+        """The law of time, if there is one."""
         return None
 
     @property
     def parameters(self) -> tuple[Any, ...]:
-        """The numbers, and arrays of them, that `wrenches` needs."""
+        """Numbers and arrays for `wrenches`."""
         return ()
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> Self:  # noqa: ARG002 - most need no places
-        """The element with what it takes from where its ends (3,) are when the machine is put together."""
+        """The element completed by data from the positions (3,) of its ends at assembly."""
         return self
 
     @staticmethod
     @abstractmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
-        """Wrenches on the two ends; `value` is the law's at this time, None without a law."""
+        """Wrenches on the two ends; `value` is that of the law at this time, None without a law."""
 
     @staticmethod
     def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
-        """Energy that the element has stored and can give back; zero for most."""
+        """Recoverable energy stored in the element; zero for most."""
         return 0.0
 
 

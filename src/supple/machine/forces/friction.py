@@ -1,4 +1,4 @@
-"""Coulomb friction, regularised: what resists sliding however slow it is, and its two joints."""
+"""Coulomb friction, regularised at zero velocity, and its elements for two joints."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ __all__ = ["Coulomb", "PrismaticFriction", "RevoluteFriction"]
 class Coulomb:
     """Friction `mu N v / sqrt(|v|^2 + w^2)` against the sliding velocity v of a contact.
 
-    Below the width w it acts as a damper: what would stick creeps. With a tangential force T < mu N it slides
-    at `v = w s / sqrt(1 - s^2)`, `s = T/(mu N)`.
+    Below the width w it acts as a damper: contacts creep instead of sticking. With a tangential force T < mu
+    N the velocity is `v = w s / sqrt(1 - s^2)`, `s = T/(mu N)`.
 
     coefficient : mu, not negative
     width : w, a velocity, positive
@@ -39,8 +39,8 @@ class Coulomb:
             raise ModelError(f"a friction coefficient must be finite, not negative, got {self.coefficient}")
         if not (np.isfinite(self.width) and self.width > 0):
             raise ModelError(
-                f"the width of a friction must be a positive velocity, got {self.width}: below it what "
-                "would stick creeps; a thousandth of the sliding velocities is usual"
+                f"the width of a friction must be a positive velocity, got {self.width}: below it contacts "
+                "creep; a thousandth of the sliding velocities is usual"
             )
 
 
@@ -53,8 +53,9 @@ def regularized_direction(velocity: jax.Array, width: jax.Array) -> jax.Array:
 class RevoluteFriction(AxialElement):
     """Moment `M v / sqrt(v^2 + w^2)` against the rate v of the angle about the axis of a hinge.
 
-    M does not follow the force in the joint: it is that of a preload, `mu N r` of a normal force N at a
-    radius r, a number or a law of time. Friction under the normal force of the motion is that of contacts.
+    M does not depend on the joint force: it is that of a preload, `mu N r` of a normal force N at a radius r,
+    a number or a law of time. For friction under the normal force of the motion use contacts or
+    `HingeFriction`.
 
     moment : M              width : w, rad per time, below which it acts as a damper
     """
@@ -83,7 +84,7 @@ class RevoluteFriction(AxialElement):
 class PrismaticFriction(AxialElement):
     """Force `F v / sqrt(v^2 + w^2)` against the speed v of the slide along an axis.
 
-    F does not follow the force in the joint: it is that of a preload, `mu N`, a number or a law of time.
+    F does not depend on the joint force: it is that of a preload, `mu N`, a number or a law of time.
 
     force : F               width : w, a velocity, below which it acts as a damper
     """

@@ -1,4 +1,4 @@
-"""Gear: teeth of two wheels on parallel axes, which give way elastically."""
+"""Gear: elastic mesh of two wheels on parallel axes."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ class Gear(AxialElement):
 
         s = l (z_1 phi_1 + z_2 phi_2) / (z_1 + z_2),      l = |r_2 - r_1|
 
-    with the angles of both wheels against the line of centres, about the axis: the line may turn with a
-    carrier, as of planets, which need not be named. The phase is taken within half a tooth, so that
-    the wheels may turn as often as they like; a load beyond half a tooth makes them skip one.
+    with the angles of both wheels relative to the line of centres, about the axis. The line may rotate with a
+    carrier, as for planets; no carrier body is needed. The phase is taken within half a tooth, so the number
+    of revolutions is not limited; a load beyond half a tooth makes them skip one.
 
     Their joints must keep the axes of both wheels parallel.
 
-    teeth : of both wheels, z_1 and z_2; negative of a ring with inner teeth
+    teeth : of both wheels, z_1 and z_2; negative for a ring with inner teeth
     stiffness : k of the tooth mesh, force per length
     damping : c of the tooth mesh, force per velocity
     anchor : centre of a wheel on the ground, global axes, a length
@@ -46,7 +46,7 @@ class Gear(AxialElement):
     damping: NotNegative = 0.0
     anchor: tuple[float, float, float] | None = None
     line: tuple[float, float, float] | None = None
-    """From the first centre to the second when the machine is put together; unless given, it is found"""
+    """From the first centre to the second at assembly; default from the positions of the ends"""
 
     acts_along_line: ClassVar[bool] = True
 
@@ -76,7 +76,7 @@ class Gear(AxialElement):
         return (*map(float, self.teeth), self.stiffness, self.damping)
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> Gear:
-        """With its line of centres."""
+        """The gear with its line of centres."""
         return self if self.line else replace(self, line=tuple((second - first).tolist()))
 
     @staticmethod

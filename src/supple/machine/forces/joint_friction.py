@@ -1,4 +1,4 @@
-"""Coulomb friction under the force that a joint carries."""
+"""Coulomb friction that depends on the force in a joint."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ __all__ = ["HingeFriction", "JointFriction", "SlideFriction"]
 
 @dataclass(frozen=True, kw_only=True)
 class JointFriction(ForceElement):
-    """Friction `mu N v / sqrt(v^2 + w^2)` in a joint, N the force that it carries across its axis.
+    """Friction `mu N v / sqrt(v^2 + w^2)` in a joint, with N its force across the axis.
 
-    N follows the motion: it is the joint's own multipliers at the same instant. Forces along the axis and
-    tilting moments make no friction.
+    N depends on the motion: it follows from the joint's multipliers at the same instant. Forces along the
+    axis and tilting moments cause no friction.
 
     joint : of the machine          coefficient : mu, not negative
     width : w, below which it acts as a damper
@@ -38,11 +38,11 @@ class JointFriction(ForceElement):
     width: Positive
     first: At | Any = GROUND
     second: At | Any = GROUND
-    """Both ends are the joint's."""
+    """Both ends are those of the joint."""
 
     reads_reaction: ClassVar[bool] = True
     kinds: ClassVar[tuple[type[Joint], ...]] = ()
-    """Of joints in which it acts"""
+    """Types of joints that it supports"""
 
     def __post_init__(self) -> None:
         names = " or ".join(kind.__name__ for kind in self.kinds)
@@ -58,7 +58,7 @@ class JointFriction(ForceElement):
 
     @property
     def initial_axes(self) -> np.ndarray:
-        """The joint's."""
+        """Axes of the joint."""
         return self.joint.initial_axes
 
 
@@ -110,6 +110,6 @@ class SlideFriction(JointFriction):
 
 
 def _size(across: jax.Array) -> jax.Array:
-    """Length of the force, without a derivative at zero that is no number."""
+    """Length of the force, with a finite derivative at zero."""
     square = across @ across
     return jnp.where(square > 0, jnp.sqrt(jnp.where(square > 0, square, 1.0)), 0.0)

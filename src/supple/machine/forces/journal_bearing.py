@@ -1,4 +1,4 @@
-"""Bearing of a rotor: stiffness and damping across its axis, with cross terms, by speed."""
+"""Rotor bearing: stiffness and damping across its axis, with cross terms, by speed."""
 
 from __future__ import annotations
 
@@ -23,15 +23,14 @@ __all__ = ["JournalBearing"]
 class JournalBearing(AxialElement):
     """Force `- K(Omega) u - C(Omega) du/dt` on the journal, the second end, across the bearing's axis.
 
-    `u` (2,) are the journal's motions along x and y of the bearing, the first end, from where both were when
-    the machine was put together; `Omega` is the rate at which the journal turns about the axis. Cross terms
-    of opposite sign feed energy into whirl. Between the speeds of the table the numbers are interpolated,
-    beyond them held.
+    `u` (2,) are the journal's displacements along x and y of the bearing, the first end, relative to
+    assembly; `Omega` is the angular velocity of the journal about the axis. Cross terms of opposite sign feed
+    energy into whirl. The numbers are interpolated between the speeds of the table, and constant beyond them.
 
     x_axis : direction near which x lies
     stiffness, damping : (2, 2), or (n, 2, 2) with speeds
     speeds : (n,) rad per time, ascending, two or more
-    Raises ModelError for other shapes, or what is not finite.
+    Raises ModelError for other shapes, and for numbers that are not finite.
     """
 
     x_axis: tuple[float, float, float] | None = None
@@ -68,7 +67,7 @@ class JournalBearing(AxialElement):
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """On the journal, and what balances it on the bearing."""
+        """Wrenches on the bearing and the journal, in balance."""
         speeds, stiffness, damping = parameters
         speed = axial_motion(first, second).rate
         across = first.axes[:, :2]

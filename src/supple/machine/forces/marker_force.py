@@ -1,4 +1,4 @@
-"""Forces and torques over time at one interface: dead (fixed in space) or follower (turning with it)."""
+"""Forces and torques over time at one interface: dead (fixed in space) or follower (rotating with it)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def _at_rest() -> Wrench:
 
 @dataclass(frozen=True, kw_only=True)
 class FollowerForce(ForceElement):
-    """A force that turns with the interface it acts on."""
+    """A force that rotates with its interface."""
 
     force: Any
     """(3,) components along the interface's axes, which in the initial configuration are the global ones."""
@@ -41,7 +41,7 @@ class FollowerForce(ForceElement):
 
 @dataclass(frozen=True, kw_only=True)
 class FollowerTorque(ForceElement):
-    """A torque that turns with the interface it acts on."""
+    """A torque that rotates with its interface."""
 
     torque: Any
     """(3,) components along the interface's axes, which in the initial configuration are the global ones."""
@@ -61,7 +61,7 @@ class FollowerTorque(ForceElement):
 
 @dataclass(frozen=True, kw_only=True)
 class DeadTorque(ForceElement):
-    """A torque whose direction stays fixed in space."""
+    """A torque with a direction fixed in space."""
 
     torque: Any
     """(3,) global components."""

@@ -1,4 +1,4 @@
-"""A motor: torque over the speed it runs at, and over its command."""
+"""Motor: torque over its speed and its command."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ _OF_A_CURVE = 2
 
 @dataclass(frozen=True, kw_only=True)
 class MotorCurve(AxialElement):
-    """Torque on the second end about an axis of the first, by the rate at which it turns.
+    """Torque on the second end about an axis of the first, as a function of the relative rate.
 
-    torque : Curve over the rate, which the command multiplies; or Surface over rate (rows) and command
-    command : a number or a law of time; what a controller gives adds to it
+    torque : Curve over the rate, multiplied by the command; or Surface over rate (rows) and command
+    command : a number or a law of time; the output of a controller adds to it
     """
 
     torque: Curve | Surface
@@ -38,7 +38,7 @@ class MotorCurve(AxialElement):
 
     @property
     def parameters(self) -> tuple[Any, ...]:
-        """Of the table."""
+        """Arrays of the table."""
         return self.torque.parameters
 
     @staticmethod

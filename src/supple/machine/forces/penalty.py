@@ -1,4 +1,4 @@
-"""Penalty against penetration: a spring that only pushes, with damping that vanishes with the depth."""
+"""Penalty force of contacts: a spring in compression only, with damping proportional to the depth."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ __all__ = ["Penalty"]
 
 @dataclass(frozen=True, kw_only=True)
 class Penalty:
-    """What holds two surfaces apart: `F = k depth^n (1 + a d depth/dt)`, never a pull.
+    """Contact force `F = k depth^n (1 + a d depth/dt)`, never tensile.
 
-    As the force begins and ends at zero it does not jump, and the speed after a blow is known: for a speed v
-    before it the speed w after it obeys, whatever mass, k and n,
+    The force begins and ends at zero, without a jump. For a speed v before an impact, the speed w after it
+    is, for any mass, k and n,
 
         v/a - ln(1 + a v)/a^2 = - w/a - ln(1 - a w)/a^2
 
     so that the restitution w/v is near 1 - 2 a v/3 for small a v.
 
     stiffness : k, force per length or moment per rad, to the power of the exponent
-    exponent : n >= 1; 1.5 of two spheres (Hertz)
+    exponent : n >= 1; 1.5 for two spheres (Hertz)
     dissipation : a, one per velocity; restitution is about 1 - 2/3 dissipation v
     Raises ModelError for a stiffness that is not positive, an exponent below 1, a negative dissipation.
     Source: [HuntCrossley1975]
@@ -56,10 +56,10 @@ class Penalty:
 
 
 def penalty_force(depth: jax.Array, rate: jax.Array, parameters: Parameters) -> jax.Array:
-    """`k depth^n (1 + a rate)` where there is depth and it pushes, else zero."""
+    """`k depth^n (1 + a rate)` for a positive depth and a compressive force, else zero."""
     stiffness, exponent, dissipation = parameters
     touches = depth > 0
-    # `where` evaluates both branches: powers of what is not positive have no derivative.
+    # `where` evaluates both branches: powers have no derivative at zero or negative depth.
     inside = jnp.where(touches, depth, 1.0)
     push = stiffness * inside**exponent * jnp.maximum(1 + dissipation * rate, 0.0)
     return jnp.where(touches, push, 0.0)

@@ -1,4 +1,4 @@
-"""How the second end of an element moves against the first, and forces that hold each other in balance."""
+"""Motion of the second end of an element relative to the first, and pairs of balanced forces."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class AxialMotion(NamedTuple):
     """Motion of the second end about and along the first end's z axis."""
 
     angle: jax.Array
-    """phi in (-pi, pi], zero when the machine was put together"""
+    """phi in (-pi, pi], zero at assembly"""
     rate: jax.Array
     """dphi/dt"""
     slide: jax.Array
@@ -26,12 +26,12 @@ class AxialMotion(NamedTuple):
 
 
 def axial_motion(first: Pose, second: Pose) -> AxialMotion:
-    """`tan(phi) = (y_1 . x_2 - x_1 . y_2) / (x_1 . x_2 + y_1 . y_2)`, which small tilts do not change."""
+    """`tan(phi) = (y_1 . x_2 - x_1 . y_2) / (x_1 . x_2 + y_1 . y_2)`, invariant under small tilts."""
     x, y, z = first.axes.T
     sine = y @ second.axes[:, 0] - x @ second.axes[:, 1]
     cosine = x @ second.axes[:, 0] + y @ second.axes[:, 1]
     between = second.point - first.point
-    # Seen in axes that turn with the first end.
+    # Relative to axes that rotate with the first end.
     moving = second.velocity - first.velocity - jnp.cross(first.angular_velocity, between)
     return AxialMotion(
         angle=jnp.arctan2(sine, cosine),
@@ -48,11 +48,11 @@ def moment_pair(first: Pose, moment: jax.Array) -> tuple[Wrench, Wrench]:
 
 
 def force_pair(first: Pose, second: Pose, force: jax.Array, moment: jax.Array) -> tuple[Wrench, Wrench]:
-    """Force and moment on the second end, and what balances both on the first: free bodies keep momentum."""
+    """Force and moment on the second end, and their balance on the first: free bodies keep their momentum."""
     arm = second.point - first.point
     return Wrench(-force, -moment - jnp.cross(arm, force)), Wrench(force, moment)
 
 
 def wrapped(angle: jax.Array) -> jax.Array:
-    """An angle in (-pi, pi] that differs by whole turns."""
+    """An angle in (-pi, pi] that differs by whole revolutions."""
     return angle - 2 * jnp.pi * jnp.ceil((angle - jnp.pi) / (2 * jnp.pi))

@@ -1,4 +1,4 @@
-"""Screw, and rack and pinion: a slide coupled with an angle by an elastic mesh."""
+"""Screw, and rack and pinion: a slide and an angle coupled by an elastic mesh."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ __all__ = ["RackAndPinion", "Screw"]
 
 @dataclass(frozen=True, kw_only=True)
 class Screw(AxialElement):
-    """The second end advances along the axis by the pitch in every turn about it.
+    """Advance of the second end along the axis by the pitch in every revolution about it.
 
         s = x - x_0 - pitch phi / (2 pi),    force -(k s + c ds/dt),    moment pitch/(2 pi) (k s + c ds/dt)
 
     with angle and slide of the second end about and along the first end's axis. The phase is taken within
-    half a turn of the thread, so that the screw may turn as often as it likes. What keeps the second end on
-    the axis is a cylindrical joint.
+    half a revolution of the thread, so the number of revolutions is not limited. A cylindrical joint must
+    keep the second end on the axis.
 
     pitch : advance in one revolution, a length; positive for a right-hand thread
     stiffness : k along the axis, force per length
@@ -37,7 +37,7 @@ class Screw(AxialElement):
     stiffness: Positive
     damping: NotNegative = 0.0
     offset: float | None = None
-    """x_0; the slide when the machine is put together, unless given"""
+    """x_0; default the slide at assembly"""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -50,13 +50,13 @@ class Screw(AxialElement):
         return (self.pitch / (2 * np.pi), self.stiffness, self.damping, self.offset or 0.0)
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> Screw:
-        """With the slide of its ends."""
+        """The screw with the slide of its ends."""
         slide = float(self.initial_axes[:, 2] @ (second - first))
         return self if self.offset is not None else replace(self, offset=slide)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """Along and about the axis."""
+        """Force along and moment about the axis."""
         advance, stiffness, damping, offset = parameters
         motion = axial_motion(first, second)
         slip = advance * wrapped((motion.slide - offset) / advance - motion.angle)
@@ -75,17 +75,18 @@ class Screw(AxialElement):
 
 @dataclass(frozen=True, kw_only=True)
 class RackAndPinion(AxialElement):
-    """The second end, a pinion, rolls along the first, a rack.
+    """Rolling of the second end, a pinion, along the first, a rack.
 
         s = x - x_0 + radius phi,      force -(k s + c ds/dt) on the pinion where it touches the rack
 
-    with the way x of the pinion's centre along the rack and its angle phi about the axis, both seen from the
-    rack. The phase is taken within half a turn of the pinion, which may turn as often as it likes.
+    with the displacement x of the pinion's centre along the rack and its angle phi about the axis, both
+    relative to the rack. The phase is taken within half a revolution of the pinion, whose revolutions are not
+    limited.
 
     axis : of the pinion at the start, global axes
-    direction : of the rack at the start, global axes, across the axis; both stay with the rack
-    radius : of the pitch circle, a length; the pinion touches on the side of `- axis x direction`, if
-        negative on the other one
+    direction : of the rack at the start, global axes, across the axis; both are fixed to the rack
+    radius : of the pitch circle, a length; contact is on the side of `- axis x direction`, on the other
+        one if negative
     stiffness : k of the tooth mesh along the rack, force per length
     damping : c of the tooth mesh along the rack, force per velocity
     """
@@ -95,7 +96,7 @@ class RackAndPinion(AxialElement):
     stiffness: Positive
     damping: NotNegative = 0.0
     offset: float | None = None
-    """x_0; the way when the machine is put together, unless given"""
+    """x_0; default the displacement at assembly"""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -114,13 +115,13 @@ class RackAndPinion(AxialElement):
         return (self.radius, self.stiffness, self.damping, self.offset or 0.0)
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> RackAndPinion:
-        """With the way of its ends."""
+        """The pinion with the displacement of its ends."""
         way = float(self.initial_axes[:, 0] @ (second - first))
         return self if self.offset is not None else replace(self, offset=way)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """Along the rack, at the pitch point."""
+        """Force along the rack, at the pitch point."""
         radius, stiffness, damping, _ = parameters
         along, across, _ = first.axes.T
         between = second.point - first.point

@@ -1,4 +1,4 @@
-"""Servos: an angle or a slide that follows a law of time, by a spring and damper with a limit."""
+"""Servos: an angle or a slide that follows a law of time by a spring and damper, within a limit."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ __all__ = ["AngleServo", "SlideServo"]
 
 @dataclass(frozen=True, kw_only=True)
 class AngleServo(AxialElement):
-    """Moment `k (phi_0 - phi) + c (dphi_0/dt - dphi/dt)` about a hinge, held within a limit.
+    """Moment `k (phi_0 - phi) + c (dphi_0/dt - dphi/dt)` about a hinge, limited in size.
 
-    The difference of the angles is taken in (-pi, pi]: the hinge may turn as often as the law does, but must
-    not lag behind it by half a turn.
+    The difference of the angles is taken in (-pi, pi]: revolutions of the hinge are not limited, but it must
+    not lag behind the law by half a revolution.
 
     angle : phi_0(t), rad, a number or a law of time        limit : largest moment
     stiffness : k, moment per rad
@@ -65,7 +65,7 @@ class AngleServo(AxialElement):
 
 @dataclass(frozen=True, kw_only=True)
 class SlideServo(AxialElement):
-    """Force `k (x_0 - x) + c (dx_0/dt - dx/dt)` along an axis of the first end, held within a limit.
+    """Force `k (x_0 - x) + c (dx_0/dt - dx/dt)` along an axis of the first end, limited in size.
 
     slide : x_0(t) of `x = z_1 . (r_2 - r_1)`, a number or a law of time        limit : largest force
     stiffness : k, force per length

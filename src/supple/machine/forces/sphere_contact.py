@@ -24,14 +24,14 @@ _NO_FRICTION = (0.0, 1.0)
 
 @dataclass(frozen=True, kw_only=True)
 class SphereContact(AxialElement):
-    """A sphere about the first end against a surface that belongs to the second.
+    """A sphere about the first end against a surface fixed to the second.
 
-    Where they overlap, the penalty pushes along the normal n, and friction acts against the velocity v at
-    which the surfaces slide over each other at the point of the sphere that is deepest:
+    Where they overlap, the penalty force acts along the normal n, and friction against the sliding velocity v
+    at the deepest point of the sphere:
 
         F = N n - mu N v / sqrt(|v|^2 + w^2),      N = k depth^n (1 + a d depth/dt)
 
-    A disc or a wheel is a sphere as long as its axis is parallel to the surface.
+    A disc or a wheel is equal to a sphere as long as its axis is parallel to the surface.
 
     axis : normal of the plane, or axis of the cylinder, at the start, global axes
     radius : radius of the sphere, a length; 0 for a point, such as an interface at a node
@@ -67,18 +67,18 @@ class SphereOnPlane(SphereContact):
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """On sphere and plane."""
+        """Wrenches on sphere and plane."""
         return _pushed(first, second, _on_plane(first, second, parameters[0]), parameters)
 
     @staticmethod
     def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
-        """Of the penalty."""
+        """Energy of the penalty."""
         return penalty_energy(_on_plane(first, second, parameters[0]).depth, parameters[3:])
 
 
 @dataclass(frozen=True, kw_only=True)
 class SphereOnCylinder(SphereContact):
-    """A sphere (first end) outside a cylinder about `axis` through the second end: a cam, a roller.
+    """A sphere (first end) outside a cylinder about `axis` through the second end, as a cam or a roller.
 
     cylinder_radius : radius of the cylinder, a length
     """
@@ -90,17 +90,17 @@ class SphereOnCylinder(SphereContact):
 
     @property
     def parameters(self) -> tuple[float, ...]:
-        """Those of contacts, and the cylinder's radius."""
+        """Parameters of contacts, and the cylinder's radius."""
         return (*super().parameters, self.cylinder_radius)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """On sphere and cylinder."""
+        """Wrenches on sphere and cylinder."""
         return _pushed(first, second, _on_cylinder(first, second, parameters), parameters[:-1])
 
     @staticmethod
     def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
-        """Of the penalty."""
+        """Energy of the penalty."""
         return penalty_energy(_on_cylinder(first, second, parameters).depth, parameters[3:-1])
 
 
@@ -123,17 +123,17 @@ class SphereInCylinder(SphereContact):
 
     @property
     def parameters(self) -> tuple[float, ...]:
-        """Those of contacts, and the cylinder's radius."""
+        """Parameters of contacts, and the cylinder's radius."""
         return (*super().parameters, self.cylinder_radius)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """On sphere and cylinder."""
+        """Wrenches on sphere and cylinder."""
         return _pushed(first, second, _in_cylinder(first, second, parameters), parameters[:-1])
 
     @staticmethod
     def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
-        """Of the penalty."""
+        """Energy of the penalty."""
         return penalty_energy(_in_cylinder(first, second, parameters).depth, parameters[3:-1])
 
 
@@ -149,12 +149,12 @@ def _on_plane(first: Pose, second: Pose, radius: jax.Array) -> _Touch:
 
 
 def _from_axis(first: Pose, second: Pose) -> tuple[jax.Array, jax.Array]:
-    """Distance of the sphere's centre from the cylinder's axis, and the direction out of it."""
+    """Distance of the sphere's centre from the cylinder's axis, and the outward direction."""
     axis = second.axes[:, 2]
     between = first.point - second.point
     between = between - (axis @ between) * axis
     square = between @ between
-    # On the axis there is no direction; nor is there a contact that needs one.
+    # On the axis the direction is undefined, but there is no contact either.
     distance = jnp.sqrt(jnp.where(square > 0, square, 1.0))
     return jnp.where(square > 0, distance, 0.0), between / distance
 

@@ -43,7 +43,7 @@ class SpringDamper(ForceElement):
         return None if self.anchor is None else np.asarray(self.anchor, dtype=float)
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> SpringDamper:
-        """With the distance of its ends as its length, where none is given."""
+        """The spring with the distance of its ends as its length, if none is given."""
         if self.rest_length is not None:
             return self
         return replace(self, rest_length=float(np.linalg.norm(second - first)))

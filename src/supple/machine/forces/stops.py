@@ -1,4 +1,4 @@
-"""Stops: an angle, a slide or a distance that is held within limits by penalty."""
+"""Stops: limits of an angle, a slide or a distance, by penalty."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["AngleStop", "DistanceStop", "SlideStop"]
 
 @dataclass(frozen=True, kw_only=True)
 class AngleStop(AxialElement):
-    """Holds the angle of the second end about the first end's axis in `lower <= phi <= upper`, by a moment.
+    """Limits the angle of the second end about the first end's axis to `lower <= phi <= upper`, by a moment.
 
     lower, upper : limits of the angle, rad, between -pi and pi
     penalty : Penalty   of the angle beyond a limit
@@ -46,19 +46,19 @@ class AngleStop(AxialElement):
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """A moment back between the limits."""
+        """A moment towards the range between the limits."""
         motion = axial_motion(first, second)
         return moment_pair(first, _push(motion.angle, motion.rate, parameters))
 
     @staticmethod
     def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
-        """Of the penalty."""
+        """Energy of the penalty."""
         return _stored(axial_motion(first, second).angle, parameters)
 
 
 @dataclass(frozen=True, kw_only=True)
 class SlideStop(AxialElement):
-    """Holds the slide `z_1 . (r_2 - r_1)` along the first end's axis in `lower <= x <= upper`, by a force.
+    """Limits the slide `z_1 . (r_2 - r_1)` along the first end's axis to `lower <= x <= upper`, by a force.
 
     lower, upper : limits of the slide, a length; infinite without a stop
     penalty : Penalty   of the slide beyond a limit
@@ -79,20 +79,20 @@ class SlideStop(AxialElement):
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """A force back between the limits."""
+        """A force towards the range between the limits."""
         motion = axial_motion(first, second)
         push = _push(motion.slide, motion.speed, parameters)
         return force_pair(first, second, push * first.axes[:, 2], jnp.zeros(3))
 
     @staticmethod
     def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
-        """Of the penalty."""
+        """Energy of the penalty."""
         return _stored(axial_motion(first, second).slide, parameters)
 
 
 @dataclass(frozen=True, kw_only=True)
 class DistanceStop(ForceElement):
-    """Holds the distance of two points in `lower <= l <= upper`: a rope, a bump stop.
+    """Limits the distance of two points to `lower <= l <= upper`, as a rope or a bump stop.
 
     lower, upper : limits of the distance, a length; upper is infinite without a stop
     penalty : Penalty   of the distance beyond a limit
@@ -133,13 +133,13 @@ class DistanceStop(ForceElement):
 
     @staticmethod
     def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
-        """Of the penalty."""
+        """Energy of the penalty."""
         between = second.point - first.point
         return _stored(jnp.sqrt(between @ between), parameters)
 
 
 def _push(place: jax.Array, rate: jax.Array, parameters: Parameters) -> jax.Array:
-    """Upwards below the lower limit, downwards above the upper one."""
+    """Positive force below the lower limit, negative above the upper one."""
     lower, upper, *penalty = parameters
     return penalty_force(lower - place, -rate, penalty) - penalty_force(place - upper, rate, penalty)
 
@@ -150,5 +150,5 @@ def _stored(place: jax.Array, parameters: Parameters) -> jax.Array:
 
 
 def _check_limits(stop: Any, lower: float, upper: float) -> None:
-    if not lower <= upper:  # also what is not a number
+    if not lower <= upper:  # also for NaN
         raise ModelError(f"{stop.label}: lower must not be above upper, got {lower} and {upper}")

@@ -1,4 +1,4 @@
-"""Springs and dampers given by tables of force over position and velocity."""
+"""Springs and dampers defined by tables of force over position and velocity."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class TabledTorque(AxialElement):
 
     @property
     def parameters(self) -> tuple[Any, ...]:
-        """Of the table."""
+        """Arrays of the table."""
         return self.torque.parameters
 
     @staticmethod
@@ -42,7 +42,7 @@ class TabledForce(AxialElement):
 
     @property
     def parameters(self) -> tuple[Any, ...]:
-        """Of the table."""
+        """Arrays of the table."""
         return self.force.parameters
 
     @staticmethod

@@ -22,7 +22,7 @@ __all__ = ["TorsionSpringDamper"]
 class TorsionSpringDamper(ForceElement):
     """Moment `k (phi - phi_0(t)) + c dphi/dt` about an axis; the angle phi is taken in (-pi, pi].
 
-    axis : direction at the start, global axes; it stays with the first end
+    axis : direction at the start, global axes; it is fixed to the first end
     stiffness : k, moment per rad
     damping : c, moment per angular velocity
     """
@@ -31,7 +31,7 @@ class TorsionSpringDamper(ForceElement):
     stiffness: NotNegative = 0.0
     damping: NotNegative = 0.0
     rest_angle: Any = 0.0
-    """Angle of the second end against the first at rest, rad: a number or a law of time (a servo)."""
+    """Rest angle of the second end relative to the first, rad: a number or a law of time (a servo)."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

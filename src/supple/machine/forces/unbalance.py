@@ -1,4 +1,4 @@
-"""Unbalance of a rotor, by the force it exerts."""
+"""Unbalance of a rotor as a force."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ __all__ = ["Unbalance"]
 
 @dataclass(frozen=True, kw_only=True)
 class Unbalance(ForceElement):
-    """Force `- omega x (omega x U)` of a mass m beside an interface, at `U/m` from it.
+    """Force `- omega x (omega x U)` of an eccentric mass m at an interface, at `U/m` from it.
 
-    It is the centrifugal part alone: the mass itself, and the force while the speed changes, are left out, as
-    they are where m is small. A mass that counts is a rigid body of its own.
+    It is the centrifugal part alone. The mass itself, and the force of a changing speed, are neglected, as is
+    valid for a small m. For a larger mass use a rigid body.
 
     moment : U, mass times eccentricity: global axes at the start; rotates with the end
     """
@@ -41,7 +41,7 @@ class Unbalance(ForceElement):
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """On the first end."""
+        """Wrench on the first end."""
         arm, spin = first.axes @ jnp.stack(parameters), first.angular_velocity
         force = -jnp.cross(spin, jnp.cross(spin, arm))
         return Wrench(force, jnp.zeros(3)), Wrench(jnp.zeros(3), jnp.zeros(3))

@@ -29,5 +29,5 @@ class Fixed(Joint):
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:  # noqa: ARG004
-        """The vector between the points and the relative turn, (6,)."""
+        """The vector between the points and the relative rotation, (6,)."""
         return stack(closing(first, second), relative_turn(first, second))

@@ -1,9 +1,8 @@
-"""What every joint is: two ends, axes in the initial configuration, and constraint equations.
+"""Base of all joints: two ends, axes in the initial configuration, and constraint equations.
 
-The equations are written in the *joint frames* of both ends (`Pose`): points and axes that coincide in
-the initial configuration. They may depend on the frames through `A_1^T (r_2 - r_1)` and `A_1^T A_2` only, and
-affinely; Jacobian and geometric stiffness then follow (`joint_linearization`), so a new joint is one short
-function.
+The equations are functions of the *joint frames* of both ends (`Pose`): points and axes that coincide in the
+initial configuration. They may depend on `A_1^T (r_2 - r_1)` and `A_1^T A_2` only, and affinely. Jacobian and
+geometric stiffness then follow (`joint_linearization`), so a new joint is one short function.
 """
 
 from __future__ import annotations
@@ -32,13 +31,13 @@ def relative_turn(first: Pose, second: Pose) -> jax.Array:
 
 
 def tilt(first: Pose, second: Pose) -> jax.Array:
-    """`z_1 x z_2`: by what the second z axis is tilted about the first's x and y axes, (2,)."""
+    """`z_1 x z_2`: tilt of the second z axis about the first's x and y axes, (2,)."""
     x, y, _ = first.axes.T @ second.axes[:, 2]
     return jnp.stack([-y, x])
 
 
 def axes_along(axis: Any, hint: Any = None) -> np.ndarray:
-    """Right-handed unit axes, as columns, the third `axis`, the first as near `hint` as can be."""
+    """Right-handed unit axes, as columns, the third along `axis`, the first as near `hint` as possible."""
     check_numbers("the axis of a joint", axis)
     direction = _unit(axis)
     near = np.eye(3)[np.argmin(abs(direction))] if hint is None else _unit(hint)
@@ -50,7 +49,7 @@ def axes_along(axis: Any, hint: Any = None) -> np.ndarray:
 
 
 def _unit(axis: Any) -> np.ndarray:
-    """The direction of an axis of any length, also one whose square is no number any more."""
+    """Direction of an axis of any length, also where its square overflows."""
     direction = np.asarray(axis, dtype=float)
     if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
         raise ModelError(f"a joint axis must be three finite numbers, not all zero; got {axis}")
@@ -60,18 +59,18 @@ def _unit(axis: Any) -> np.ndarray:
 
 @dataclass(frozen=True, kw_only=True)
 class Joint(ABC):
-    """A joint between two ends; the subclasses say which motions it leaves free."""
+    """A joint between two ends; subclasses define its free motions."""
 
     first: At | Any
-    """An end: "BODY.INTERFACE", `At(body, interface)`, or "ground"; kept as an `At`."""
+    """An end: "BODY.INTERFACE", `At(body, interface)`, or "ground"; stored as an `At`."""
     second: At | Any
-    """The other one."""
+    """The other end."""
     name: str = ""
 
     n_constraints: ClassVar[int]
     """Number of constraint equations."""
     rows: ClassVar[tuple[str, ...]]
-    """What each constraint equation holds, for messages."""
+    """Name of the direction that each constraint equation fixes, for messages."""
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -84,7 +83,7 @@ class Joint(ABC):
         if self.first == self.second:
             raise ModelError(f"joint '{self.name}' joins '{self.first}' to itself: give another interface")
         check_law_kind(f"joint '{self.name}'", self)
-        _ = self.initial_axes  # which refuses what is no direction
+        _ = self.initial_axes  # raises for a vector without direction
 
     @property
     def initial_axes(self) -> np.ndarray:
@@ -93,15 +92,15 @@ class Joint(ABC):
 
     @property
     def law(self) -> TimeLaw | None:
-        """The prescribed motion, where the joint has one."""
+        """The prescribed motion, if the joint has one."""
         return None
 
     @staticmethod
     @abstractmethod
     def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:
-        """The equations `g = 0`, (n_constraints,), affine in the second frame as the first one sees it.
+        """The equations `g = 0`, (n_constraints,), affine in the second frame relative to the first.
 
-        `value` is the law's at this time, or None.
+        `value` is that of the law at this time, or None.
         """
 
 

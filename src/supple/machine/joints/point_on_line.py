@@ -19,7 +19,7 @@ class PointOnLine(Joint):
     """`x_1 . (r_2 - r_1) = y_1 . (r_2 - r_1) = 0`: a pin in a straight slot."""
 
     axis: tuple[float, float, float]
-    """Direction of the line in the initial configuration, global; it stays with the first end."""
+    """Direction of the line in the initial configuration, global; it is fixed to the first end."""
 
     n_constraints: ClassVar[int] = 2
     rows: ClassVar[tuple[str, ...]] = ("position x", "position y")

@@ -1,4 +1,4 @@
-"""Prescribed rotation: the second end turns about the axis, relative to the first, by a given angle."""
+"""Prescribed rotation: a given angle of the second end about the axis, relative to the first."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class PrescribedRotation(Joint):
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:
-        """The vector between the points, and the turn from the first frame turned by the angle, (6,)."""
+        """The vector between the points, and the rotation beyond the prescribed angle, (6,)."""
         cosine, sine = jnp.cos(value), jnp.sin(value)
         about_z = jnp.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
         turned = first._replace(axes=first.axes @ about_z)

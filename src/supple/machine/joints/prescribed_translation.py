@@ -1,4 +1,4 @@
-"""Prescribed translation: the second end slides along an axis of the first by a given distance."""
+"""Prescribed translation: a given displacement of the second end along an axis of the first."""
 
 from __future__ import annotations
 
@@ -41,6 +41,6 @@ class PrescribedTranslation(Joint):
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:
-        """The vector between the points beyond the given distance, and the relative turn, (6,)."""
+        """The vector between the points beyond the given distance, and the relative rotation, (6,)."""
         offset = closing(first, second) - value * jnp.array([0.0, 0.0, 1.0])
         return stack(offset, relative_turn(first, second))

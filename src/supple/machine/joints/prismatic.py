@@ -31,5 +31,5 @@ class Prismatic(Joint):
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:  # noqa: ARG004
-        """Offset from the axis and relative turn, (5,)."""
+        """Offset from the axis and relative rotation, (5,)."""
         return stack(closing(first, second)[:2], relative_turn(first, second))

@@ -1,4 +1,4 @@
-"""A quantity that does not change."""
+"""A constant quantity."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Constant(UnboundedLaw):
             return
         value = read_only(self.value)
         if not np.isfinite(value).all():
-            raise ModelError(f"a constant quantity holds NaN or infinite entries: {value}")
+            raise ModelError(f"a constant quantity has NaN or infinite entries: {value}; give finite numbers")
         object.__setattr__(self, "value", value)
 
     def __call__(self, time: ArrayLike) -> jax.Array:  # noqa: ARG002 - a law is called with the time, needed or not
@@ -41,7 +41,7 @@ class Constant(UnboundedLaw):
         return self.value
 
     def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002 - of the span nothing matters
-        """None."""
+        """No instants."""
         return np.zeros(0)
 
     def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002

@@ -1,4 +1,4 @@
-"""A quantity that grows at a constant rate: what a driver at constant speed prescribes."""
+"""A quantity with a constant rate, such as the angle of a drive at constant speed."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ __all__ = ["ConstantRate"]
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class ConstantRate(UnboundedLaw):
-    """`q(t) = start + rate t`: of a prescribed rotation, a driver at constant speed.
+    """`q(t) = start + rate t`, as a prescribed rotation: a drive at constant speed.
 
-    The bodies must start at that speed; otherwise the start changes it, with a warning.
+    The bodies must start at that speed; otherwise the start is corrected to it, with a warning.
 
     Raises ModelError for numbers that are not finite.
     """
@@ -38,7 +38,7 @@ class ConstantRate(UnboundedLaw):
         return self.start + self.rate * time
 
     def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002 - it never breaks
-        """None."""
+        """No instants."""
         return np.zeros(0)
 
     def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002

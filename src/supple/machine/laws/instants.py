@@ -1,4 +1,4 @@
-"""Instants at which a law of time breaks, and how briefly it varies: what a time step must not jump over."""
+"""Kinks and time scales of laws of time, which time steps must resolve."""
 
 from __future__ import annotations
 
@@ -13,42 +13,42 @@ from supple.machine.laws.time_law import TimeLaw
 __all__ = ["KnownLaw", "instants_of", "rows_that_bend", "shortest_scale_of", "within"]
 
 BENDS = 1e-6
-"""Of the range of a table: a row that bends the curve by less is no instant."""
+"""Smallest bend of a table's curve relative to its range that counts as an instant."""
 
 
 @runtime_checkable
 class KnownLaw(Protocol):
-    """A law that states its own shape. One that does not is sampled, and what is briefer remains unknown."""
+    """A law with known kinks and time scales; other laws are sampled, which can miss short features."""
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """Times strictly between at which a derivative jumps, or something brief begins or ends, (k,)."""
+        """Times strictly between at which a derivative jumps, or a short event begins or ends, (k,)."""
         ...
 
     def shortest_scale(self, begin: float, end: float) -> float:
-        """Shortest period, rise or distance of rows in the span; infinite where nothing varies."""
+        """Shortest period, rise or distance of rows in the span; infinite for a constant law."""
         ...
 
 
 def instants_of(law: TimeLaw, begin: float, end: float) -> np.ndarray:
-    """Ascending times (k,) strictly between `begin` and `end` that steps should meet exactly."""
+    """Ascending times (k,) strictly between `begin` and `end` that steps should end at."""
     if isinstance(law, KnownLaw):
         return law.instants(begin, end)
     return sampled_instants(law, begin, end)
 
 
 def shortest_scale_of(law: TimeLaw, begin: float, end: float) -> float:
-    """Shortest time in which the law is known to vary; infinite where it is not known."""
+    """Shortest time in which the law is known to vary; infinite if unknown."""
     return law.shortest_scale(begin, end) if isinstance(law, KnownLaw) else float("inf")
 
 
 def within(times: Iterable[float] | np.ndarray, begin: float, end: float) -> np.ndarray:
-    """Those of some times that lie strictly between two, each once, ascending."""
+    """The times strictly between two limits, without duplicates, ascending."""
     unique = np.unique(np.asarray(times, dtype=float))
     return unique[(unique > begin) & (unique < end)]
 
 
 def rows_that_bend(times: np.ndarray, values: np.ndarray, jumps: np.ndarray, power: int) -> np.ndarray:
-    """Times of a table's inner rows at which a derivative jumps by what matters; its first and last row.
+    """Times of a table's inner rows with a significant jump of a derivative; its first and last row.
 
     times : (k,)        values : (k, ...)
     jumps : (k - 2, m)      of the derivative of order `power` at the inner rows

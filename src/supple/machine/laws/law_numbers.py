@@ -1,4 +1,4 @@
-"""Numbers of a law of time, checked where they are given and left alone where JAX traces them."""
+"""Numbers of a law of time, checked when given, but not while JAX traces them."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ __all__ = ["OfRows", "are_numbers", "finite", "finite_and_positive", "increasing
 
 
 def are_numbers(*values: Any) -> bool:
-    """True of numbers and arrays of them; false of what JAX puts in their place while it traces.
+    """Whether all values are numbers or arrays of them, not the tracers of JAX.
 
-    ArgumentError for a word, which is neither.
+    ArgumentError for a text.
     """
     for value in values:
         if isinstance(value, (str, bytes, dict, type)):
@@ -61,7 +61,7 @@ def increasing_rows(times: Any, values: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 class OfRows:
-    """A law of rows: its span, and how near they are."""
+    """A law defined by rows: its span, and the smallest distance of rows."""
 
     times: Any
 
@@ -76,5 +76,5 @@ class OfRows:
         return float(self.times[-1])
 
     def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002 - of the whole table
-        """The least distance of two rows."""
+        """The smallest distance of two rows."""
         return float(np.diff(self.times).min())

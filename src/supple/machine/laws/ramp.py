@@ -1,4 +1,4 @@
-"""A quantity that sets in smoothly and then stays."""
+"""A quantity that rises smoothly to a constant value."""
 
 from __future__ import annotations
 
@@ -49,5 +49,5 @@ class Ramp(UnboundedLaw):
         return within([0.0, self.duration], begin, end)
 
     def shortest_scale(self, begin: float, end: float) -> float:
-        """The duration; infinite where the span has none of it."""
+        """The duration; infinite where the span does not include any of it."""
         return float(self.duration) if begin < self.duration and end > 0 else float("inf")

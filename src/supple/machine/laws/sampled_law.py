@@ -1,9 +1,9 @@
-"""Laws of unknown shape, found out by sampling: jumps, and the turning points that a step could jump over.
+"""Laws of unknown shape: jumps and turning points, found by sampling.
 
-A function of time written in Python has no known kinks. It is evaluated at some 17 000 even
-times of the run; where neighbouring samples differ much, jumps are closed in by repeated division. A pulse
-has a turning point: a step that meets it sees the pulse, and the estimate of its error does the rest. What is
-briefer than the distance of the samples stays unseen.
+The kinks of a function of time in Python are unknown. It is evaluated at some 17 000 equally spaced times of
+the run. Where neighbouring samples differ much, jumps are located by repeated subdivision. A pulse has a
+turning point: a step that ends there resolves the pulse, and the error estimate does the rest. Features
+shorter than the sampling distance are not found.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from supple.programs.kept_programs import KeptProgram
 __all__ = ["Jumps", "jumps", "sampled", "sampled_instants"]
 
 BLOCK = 64 * 33
-"""Times that are evaluated together: the divisions of all jumps in one round."""
+"""Times that are evaluated together: the subdivisions of all jumps in one round."""
 N_SAMPLES = 8 * BLOCK - 1
 MOST_NUMBERS = 4_000_000
-"""Of all samples together, for the field of a load on many nodes would not fit."""
+"""Largest number of values of all samples together; the field of a load on many nodes would not fit."""
 MOST_JUMPS = 64
 DIVISIONS, ROUNDS = 32, 5
-"""A jump is closed in to a 32^5 part of the distance of the samples."""
+"""Rounds of subdivision: a jump is located to a 32^5 part of the distance of the samples."""
 JUMPS = 1e-4
-"""Of the range of a function: what is left of its change in the closest bracket of a jump."""
+"""Change in the last bracket of a jump, relative to the range of the function."""
 TURNS = 1e-3
-"""Of the range: turning points that differ by less from those before and after are ripple."""
+"""Smallest difference of turning points to their neighbours, relative to the range; less is ripple."""
 MOST_TURNS = 512
-"""A function with more varies everywhere: no step can jump over all of it."""
+"""Most jumps or turning points; a function with more varies everywhere, and no step can miss all of it."""
 
 _OfTime = Callable[[jax.Array], jax.Array]
 
@@ -42,7 +42,7 @@ Sampled = Callable[[np.ndarray], np.ndarray]
 
 
 class Jumps(NamedTuple):
-    """Where a function jumps, ascending, (k,) each: the instants just before and just after."""
+    """Jumps of a function, ascending, (k,) each: the instants just before and just after."""
 
     before: np.ndarray
     after: np.ndarray
@@ -50,7 +50,7 @@ class Jumps(NamedTuple):
 
 def sampled(law: _OfTime, times: np.ndarray, *, order: int = 0) -> list[np.ndarray]:
     """Values of a law at times (k,), (k, m), and its derivatives up to an order, (k, m) each."""
-    # One program for any number of times: they go in blocks of one size.
+    # One program for any number of times, which are evaluated in blocks of one size.
     size = max(1, min(BLOCK, MOST_NUMBERS // _numbers(law)))
     blocks = np.pad(times, (0, -len(times) % size), mode="edge").reshape(-1, size)
     parts = [jax.device_get(_program(order)(law, block)) for block in blocks]
@@ -58,7 +58,7 @@ def sampled(law: _OfTime, times: np.ndarray, *, order: int = 0) -> list[np.ndarr
 
 
 def _numbers(law: _OfTime) -> int:
-    """How many numbers a law gives at a time."""
+    """Number of values of a law at one time."""
     shape = jax.eval_shape(lambda time: jnp.asarray(law(time)), jnp.zeros(())).shape
     return max(1, int(np.prod(shape)))
 
@@ -80,12 +80,12 @@ def _rate(function: _OfTime) -> _OfTime:
 
 
 def jumps(of_times: Sampled, times: np.ndarray, values: np.ndarray) -> Jumps:
-    """Jumps of a function, given its values (k, m) at even times (k,): at most `MOST_JUMPS` are found."""
+    """Jumps of a function from its values (k, m) at equally spaced times (k,), at most `MOST_JUMPS`."""
     size = float(np.max(np.ptp(values, axis=0), initial=0.0))
     change = np.abs(np.diff(values, axis=0)).max(axis=1)
     if size == 0 or not np.isfinite(size):
         return Jumps(np.zeros(0), np.zeros(0))
-    # A jump changes much more than the intervals on both sides of it; a steep but smooth piece does not.
+    # A jump changes much more than the intervals on both sides of it; a steep but smooth part does not.
     beside = np.minimum(np.append(change[1:], 0.0), np.insert(change[:-1], 0, 0.0))
     order = np.argsort(beside - change)[:MOST_JUMPS]
     left, right = times[order], times[order + 1]
@@ -103,14 +103,14 @@ def jumps(of_times: Sampled, times: np.ndarray, values: np.ndarray) -> Jumps:
 
 
 def sampled_instants(law: _OfTime, begin: float, end: float) -> np.ndarray:
-    """Times strictly between at which a function of unknown shape jumps (both sides) or turns back, (k,)."""
+    """Times strictly between with a jump (both sides) or turning point of a function, (k,)."""
     if not end > begin:
         return np.zeros(0)
     numbers = _numbers(law)
     n = min(N_SAMPLES, MOST_NUMBERS // numbers)
     times = np.linspace(begin, end, max(n, 2) + 1)
 
-    # Three numbers see what any of many components does.
+    # Three combinations of the components show every change of one of them.
     mix = np.random.default_rng(0).standard_normal((numbers, 3))
 
     def of_times(at: np.ndarray) -> np.ndarray:
@@ -125,13 +125,13 @@ def sampled_instants(law: _OfTime, begin: float, end: float) -> np.ndarray:
 
 
 def _turning_points(times: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Times at which samples (k,) of a function turn back; none of a function that turns everywhere."""
+    """Times of the turning points of samples (k,); none for a function that oscillates everywhere."""
     size = np.ptp(values)
     moving = np.flatnonzero(np.abs(np.diff(values)) > 1e-9 * size)
     if not moving.size:
         return np.zeros(0)
     signs = np.sign(np.diff(values)[moving])
-    # Both ends of a plateau count: the last sample before it that moves, and the first after it.
+    # Both ends of a plateau count: the last sample before it that differs, and the first after it.
     turn = np.flatnonzero(signs[1:] != signs[:-1])
     at = np.unique(np.concatenate([[0], moving[turn] + 1, moving[turn + 1], [len(values) - 1]]))
     steps = np.abs(np.diff(values[at]))

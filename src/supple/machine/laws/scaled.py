@@ -51,9 +51,9 @@ class Scaled:
         return self.factor.end
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """Those of the factor."""
+        """Instants of the factor."""
         return instants_of(self.factor, begin, end)
 
     def shortest_scale(self, begin: float, end: float) -> float:
-        """That of the factor."""
+        """Shortest time scale of the factor."""
         return shortest_scale_of(self.factor, begin, end)

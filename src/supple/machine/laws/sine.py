@@ -42,7 +42,7 @@ class Sine(UnboundedLaw):
         return self.amplitude * jnp.sin(2.0 * math.pi * self.frequency_hz * time)
 
     def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002 - it is smooth everywhere
-        """None."""
+        """No instants."""
         return np.zeros(0)
 
     def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002

@@ -22,16 +22,16 @@ __all__ = ["SpinUp"]
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class SpinUp(UnboundedLaw):
-    """Prescribed rotation that reaches the speed omega_s smoothly at the time T_s and then keeps it.
+    """Prescribed rotation that rises smoothly to the speed omega_s at the time T_s, then constant speed.
 
         theta(t) = omega_s / T_s [t^2 / 2 + (T_s / 2 pi)^2 (cos(2 pi t / T_s) - 1)]     t <= T_s
                  = omega_s (t - T_s / 2)                                                t >  T_s
 
-    Angle, speed and acceleration are continuous. As a displacement it is a run-up to the speed in m/s.
+    Angle, speed and acceleration are continuous. For a displacement the speed is in m/s.
 
     Parameters
     ----------
-    speed : float       omega_s, the final speed, rad/s; a negative one turns the other way
+    speed : float       omega_s, the final speed, rad/s; negative for the opposite direction
     rise_time : float   T_s, s, positive
 
     Raises

@@ -1,4 +1,4 @@
-"""A quantity given in rows, joined by a curve that is smooth enough for prescribed motion."""
+"""A quantity given in rows, interpolated smoothly enough for a prescribed motion."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ class Spline(OfRows):
     """Natural cubic spline through rows.
 
     Value, first and second derivative are continuous between the first row and the last; there the second
-    derivative is zero. Beyond them the value stays, and the law is not defined: a motion would stop at once.
+    derivative is zero. Beyond them the value is constant, and the law is not defined for a motion, which
+    would stop at once.
 
     times : (k,)        s, increasing, k >= 2
     values : (k, ...)   one row for each time
@@ -33,7 +34,7 @@ class Spline(OfRows):
     times: Any
     values: Any
     coefficients: Any = field(init=False, repr=False)
-    """(4, k - 1, ...) of the cubic on each piece, highest power first, in the time since its first row"""
+    """(4, k - 1, ...) coefficients of the cubic on each piece, highest power first, in time since its row"""
 
     def __post_init__(self) -> None:
         times, values = increasing_rows(self.times, self.values)
@@ -51,16 +52,16 @@ class Spline(OfRows):
         return jnp.polyval(jnp.asarray(self.coefficients)[:, piece], t - starts[piece])
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """The rows, but those at which the curve goes on as the cubic before them."""
+        """The rows, without those at which the cubic continues unchanged."""
         times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
         third = 6.0 * np.asarray(self.coefficients)[0].reshape(len(times) - 1, -1)
         return within(rows_that_bend(times, values, np.diff(third, axis=0), 3), begin, end)
 
     def excursions(self) -> np.ndarray:
-        """By how much each piece leaves the range of the rows around it, (k - 1,), in parts of all values'.
+        """Overshoot of each piece beyond the range of the rows around it, (k - 1,), relative to all values.
 
-        The rows are those at both ends of the piece and one more on either side. A spline through smooth data
-        stays within a per cent; through a jump it swings.
+        The rows are those at both ends of the piece and one more on either side. For smooth data the
+        overshoot is below a per cent; at a jump the spline oscillates.
         """
         times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
         values = values.reshape(len(times), -1)
@@ -78,7 +79,7 @@ def _leaves(law: Spline) -> tuple[tuple[Any, Any, Any], None]:
 
 
 def _from_leaves(_: None, leaves: Any) -> Spline:
-    # Past `__post_init__`: the coefficients of traced rows are leaves of their own, never computed anew.
+    # Without `__post_init__`: the coefficients of traced rows are leaves of their own, never computed again.
     law = object.__new__(Spline)
     for name, leaf in zip(("times", "values", "coefficients"), leaves, strict=True):
         object.__setattr__(law, name, leaf)

@@ -1,4 +1,4 @@
-"""A quantity given in rows, with straight lines between them."""
+"""A quantity given in rows, with linear interpolation."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ __all__ = ["Table"]
 class Table(OfRows):
     """Linear interpolation between rows.
 
-    The second derivative is zero between rows, and the first one jumps at them: fit for loads, not for a
-    prescribed motion, which takes a `Spline`.
+    The second derivative is zero between rows, and the first one jumps at them: suitable for loads, not for a
+    prescribed motion, which needs a `Spline`.
 
     times : (k,)        s, increasing, k >= 2
     values : (k, ...)   one row for each time
@@ -46,7 +46,7 @@ class Table(OfRows):
         return v0 + (v1 - v0) * ((time - t0) / (t1 - t0))
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """The rows, but those in line with their neighbours."""
+        """The rows, without those in line with their neighbours."""
         times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
         slopes = np.diff(values.reshape(len(times), -1), axis=0) / np.diff(times)[:, None]
         return within(rows_that_bend(times, values, np.diff(slopes, axis=0), 1), begin, end)

@@ -1,4 +1,4 @@
-"""A quantity given as a function of time of the user's own."""
+"""A quantity given as a user-defined function of time."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ class TimeFunction(UnboundedLaw):
 
     It must be smooth enough for its use: twice differentiable where it prescribes a motion.
 
-    The function is part of the compiled program, not of its data: another function compiles anew, and the
-    cases of a batch must share one object. Numbers that differ between runs or cases belong into the other
-    laws. A later process finds the program again where the function takes all that it uses from its
-    arguments, plain numbers, functions like it, `jax.numpy` and `math`.
+    The function is part of the compiled program, not of its data: another function needs a new compilation,
+    and the cases of a batch must share one object. For numbers that differ between runs or cases use the
+    other laws. A later process reuses the stored program if the function depends only on its arguments, plain
+    numbers, functions of this kind, `jax.numpy` and `math`.
     """
 
     function: Callable[[Any], Any] = field(metadata={"static": True})
@@ -38,7 +38,7 @@ class TimeFunction(UnboundedLaw):
 
 
 def traced(function: Callable[[Any], Any], name: str, time: ArrayLike) -> jax.Array:
-    """The value of a function of time; ModelError names it, and the remedy, where JAX cannot trace it."""
+    """The value of a function of time; ModelError, with the remedy, where JAX cannot trace it."""
     try:
         return function(time)
     except jax.errors.TracerArrayConversionError as error:
@@ -47,23 +47,20 @@ def traced(function: Callable[[Any], Any], name: str, time: ArrayLike) -> jax.Ar
         ) from error
     except (jax.errors.TracerBoolConversionError, jax.errors.NonConcreteBooleanIndexError) as error:
         raise ModelError(
-            f"its function of time ({name}) branches on a condition of the time (if, while, and, "
-            "or, max, "
+            f"its function of time ({name}) branches on a condition of the time (if, while, and, or, max, "
             "min of Python), which has no value yet when JAX compiles it; write jnp.where(condition, this, "
             "that)"
         ) from error
     except (jax.errors.JAXTypeError, jax.errors.JAXIndexError) as error:
         raise ModelError(
             f"its function of time ({name}) converts the time to a Python number (math.sin, float, int, "
-            "range, an "
-            "index), which has no value yet when JAX compiles it; write jnp.sin for math.sin, and jnp.where("
-            "condition, this, that) for a choice"
+            "range, an index), which has no value yet when JAX compiles it; write jnp.sin for math.sin, and "
+            "jnp.where(condition, this, that) for a choice"
         ) from error
     except SuppleError:
         raise
-    except Exception as error:  # whatever a function of somebody else's may run into
+    except Exception as error:  # any exception of a user's function
         raise ModelError(
-            f"its function of time ({name}) fails: {type(error).__name__}: {error}; it takes the time and "
-            "gives "
-            "a number or an array, written with jax.numpy (and jnp.where for a choice)"
+            f"its function of time ({name}) fails: {type(error).__name__}: {error}; it must return "
+            "a number or an array for a time, written with jax.numpy (and jnp.where for a choice)"
         ) from error

@@ -29,7 +29,7 @@ _EXPECTED = "a number, an array, a law such as Ramp(1.0, 2.0), or a function of 
 class TimeLaw(Protocol):
     """A value, or an array of them, over time: `law(time)`, defined from `law.begin` to `law.end`.
 
-    A law of one's own is a dataclass with these three, registered by `jax.tree_util.register_dataclass`.
+    A user-defined law is a dataclass with these three, registered by `jax.tree_util.register_dataclass`.
     """
 
     def __call__(self, time: ArrayLike) -> jax.Array:
@@ -47,7 +47,7 @@ class TimeLaw(Protocol):
 
 
 def as_time_law(value: Any) -> TimeLaw:
-    """The law meant by a law, a function of time, a number or an array."""
+    """The law from a law, a function of time, a number or an array."""
     if isinstance(value, type):  # which has the members of its objects
         raise ArgumentError(f"a quantity over time: expected {_EXPECTED}, got {given(value)}")
     if isinstance(value, TimeLaw):
@@ -62,7 +62,7 @@ def as_time_law(value: Any) -> TimeLaw:
 
 
 def check_law_kind(what: str, element: Any) -> None:
-    """Raise ArgumentError where the `law` of a joint or load is no quantity over time."""
+    """Raise ArgumentError unless the `law` of a joint or load is a quantity over time."""
     try:
         _ = element.law
     except ArgumentError as error:
@@ -91,12 +91,12 @@ def check_law_shape(what: str, law: TimeLaw, *shapes: tuple[int, ...]) -> None:
 
 @dataclass(frozen=True)
 class _LawStructure:
-    """What laws that differ in numbers alone have in common; equal for all of these."""
+    """Common structure of laws that differ in numbers alone; equal for all of these."""
 
     structure: Any
     shapes: tuple[tuple[int, ...], ...]
     law: TimeLaw = field(compare=False)
-    """One of them"""
+    """One of these laws"""
 
 
 def _value_of(law: TimeLaw) -> jax.ShapeDtypeStruct:
@@ -106,7 +106,7 @@ def _value_of(law: TimeLaw) -> jax.ShapeDtypeStruct:
     if all(isinstance(leaf, float) or _is_array(leaf) for leaf in leaves):
         try:
             hash(own)
-        except TypeError:  # of a part that has none
+        except TypeError:  # of a part without a hash
             pass
         else:
             return _traced_value(own)
@@ -114,7 +114,7 @@ def _value_of(law: TimeLaw) -> jax.ShapeDtypeStruct:
 
 
 def _is_array(leaf: Any) -> bool:
-    """Of plain numbers; not what JAX puts in their place while it traces."""
+    """Whether a leaf is a number or an array, not a tracer of JAX."""
     return isinstance(leaf, np.ndarray) and leaf.dtype == np.float64
 
 

@@ -1,4 +1,4 @@
-"""Vectors given in axes that turn."""
+"""Vectors given in rotating axes."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ from supple.machine.laws.time_law import as_time_law
 __all__ = ["Turning"]
 
 N_SPEEDS = 257
-"""Times at which the speed of the axes is sampled."""
+"""Number of times at which the speed of the axes is sampled."""
 
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class Turning:
-    """Vectors given in axes that turn: v(t) = R(axis, angle(t)) vectors(t), R by Rodrigues' formula.
+    """Vectors given in rotating axes: v(t) = R(axis, angle(t)) vectors(t), R by Rodrigues' formula.
 
-    vectors : a law of (..., 3), in the turning axes
+    vectors : a law of (..., 3), in the rotating axes
     axis : (3,) unit vector
     angle : a law, or a function of time, rad
 
-    Exact between the rows of a table, where a table of the turned vectors would cut corners.
+    Exact between the rows of a table; a table of the rotated vectors would interpolate along chords.
     Raises ModelError for an axis that is not a unit vector.
     """
 
@@ -53,7 +53,7 @@ class Turning:
         object.__setattr__(self, "angle", as_time_law(self.angle))
 
     def __call__(self, time: ArrayLike) -> jax.Array:
-        """The vectors at a time, in the axes that do not turn."""
+        """The vectors at a time, in the fixed axes."""
         v, a, angle = jnp.asarray(self.vectors(time)), jnp.asarray(self.axis), self.angle(time)
         along = (v @ a)[..., None] * a
         return along + jnp.cos(angle) * (v - along) + jnp.sin(angle) * jnp.cross(a, v)
@@ -69,12 +69,12 @@ class Turning:
         return min(self.vectors.end, self.angle.end)
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """Those of the vectors and of the angle."""
+        """Instants of the vectors and of the angle."""
         own = (instants_of(law, begin, end) for law in (self.vectors, self.angle))
         return np.unique(np.concatenate([*own]))
 
     def shortest_scale(self, begin: float, end: float) -> float:
-        """That of the vectors or of the angle, or the time of a turn at the highest speed."""
+        """Shortest time scale of vectors and angle, or the time of a revolution at the highest speed."""
         times = np.linspace(begin, end, N_SPEEDS)
         fastest = float(np.max(np.abs(sampled(self.angle, times, order=1)[1]), initial=0.0))
         turn = 2 * np.pi / fastest if fastest > 0 else float("inf")

@@ -18,7 +18,7 @@ __all__ = ["WithRate"]
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class WithRate:
-    """`(q(t), dq/dt)`, (2,), of a law of numbers."""
+    """`(q(t), dq/dt)`, (2,), for a law of single numbers."""
 
     of: TimeLaw
 
@@ -39,9 +39,9 @@ class WithRate:
         return self.of.end
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """Those of the law."""
+        """Instants of the law."""
         return instants_of(self.of, begin, end)
 
     def shortest_scale(self, begin: float, end: float) -> float:
-        """That of the law."""
+        """Shortest time scale of the law."""
         return shortest_scale_of(self.of, begin, end)

@@ -1,4 +1,4 @@
-"""Acceleration of the base that a machine stands on: a shaking table, an earthquake, a vehicle."""
+"""Acceleration of the base of a machine: a shaking table, an earthquake, a vehicle."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ __all__ = ["BaseAcceleration"]
 
 @dataclass(frozen=True, kw_only=True)
 class BaseAcceleration:
-    """The base accelerates; the motion is that seen from it.
+    """Accelerated base; the motion is relative to it.
 
-    On every mass acts `- m a(t)`, as gravity does: the ground of the joints, positions and displacements are
-    the base's. The energies of `balances` count gravity alone.
+    `- m a(t)` acts on every mass, as gravity does: the ground of the joints, positions and displacements are
+    relative to the base. The energies of `balances` include gravity alone.
     """
 
     acceleration: Any

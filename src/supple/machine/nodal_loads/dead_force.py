@@ -1,4 +1,4 @@
-"""Nodal forces fixed in space, given in time: one force or one per node."""
+"""Nodal forces fixed in space over time: one force for all nodes, or one per node."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class DeadForce(NodalLoad):
     """Forces in global components at an interface or at nodes of a body."""
 
     body: str = ""
-    """Its name; left out where `at` names it too."""
+    """Name of the body; may be omitted if `at` includes it."""
     at: str | Sequence[int] | np.ndarray
     """An interface's name, or node indices (k,), of the body; or "BODY.INTERFACE"."""
     force: Any
@@ -40,7 +40,7 @@ class DeadForce(NodalLoad):
         if self.body:
             return
         if not isinstance(self.at, str):
-            raise ModelError("DeadForce on nodes: give the body that they belong to")
+            raise ModelError("DeadForce on nodes: give the body of these nodes")
         end = as_end(self.at)
         if end == GROUND:
             raise ModelError("DeadForce acts on the ground: give a body's interface")

@@ -1,4 +1,4 @@
-"""Pressure on faces of a body, which follows their normals and areas as they deform."""
+"""Pressure on faces of a body, along their deformed normals and proportional to their deformed areas."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ __all__ = ["FollowerPressure"]
 
 @dataclass(frozen=True, kw_only=True)
 class FollowerPressure(NodalLoad):
-    """Pressure on triangles or quadrilaterals, pushing against their normals.
+    """Pressure on triangles or quadrilaterals, against their normals.
 
-    On a triangle with corners a, b, c, wherever they are, `f = - p (b - a) x (c - a) / 6` on each of them; a
-    quadrilateral counts as the mean of its two pairs of triangles. The corners run counter-clockwise seen
-    from the side on which the pressure acts.
+    A triangle with deformed corners a, b, c has `f = - p (b - a) x (c - a) / 6` on each of them; a
+    quadrilateral is the mean of its two pairs of triangles. The corners are counter-clockwise seen from the
+    side on which the pressure acts.
 
     Source: [BonetWood1997] section 6.5, one-point rule, exact for flat facets.
     """
@@ -74,12 +74,12 @@ class FollowerPressure(NodalLoad):
 
     @property
     def value_shapes(self) -> tuple[tuple[int, ...], ...]:
-        """One pressure for all."""
+        """One pressure for all faces."""
         return ((),)
 
     @staticmethod
     def facet_forces(places: jax.Array, rotation: jax.Array, value: jax.Array) -> jax.Array:  # noqa: ARG004
-        """`- p / 6 (b - a) x (c - a)` on every corner of a triangle; of a quadrilateral a quarter each."""
+        """`- p / 6 (b - a) x (c - a)` on every corner of a triangle; a quarter each for a quadrilateral."""
         if places.shape[0] == 3:
             area = jnp.cross(places[1] - places[0], places[2] - places[0]) / 2
         else:

@@ -1,7 +1,7 @@
-"""What every load on nodes is: forces on facets of a few nodes each, seen from the frame of their body.
+"""Base of all loads on nodes: forces on facets of a few nodes each, in the frame of their body.
 
-A load is one function, `facet_forces`; both engines take the forces of all facets and their derivatives from
-it. A facet is a single node where the load does not depend on its neighbours.
+A load is one function, `facet_forces`; both engines evaluate the forces of all facets and their derivatives
+by it. A facet is a single node where the load does not depend on neighbouring nodes.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class NodalLoad(ABC):
     follows_nodes: ClassVar[bool]
     """Whether the forces, in body components, change as the nodes are displaced."""
     turns_against_frame: ClassVar[bool]
-    """Whether they change as the frame turns."""
+    """Whether they change as the frame rotates."""
 
     @property
     @abstractmethod
@@ -39,7 +39,7 @@ class NodalLoad(ABC):
     @property
     @abstractmethod
     def law(self) -> TimeLaw:
-        """What varies with time."""
+        """The law of time."""
 
     @property
     @abstractmethod
@@ -54,14 +54,14 @@ class NodalLoad(ABC):
     @property
     @abstractmethod
     def value_shapes(self) -> tuple[tuple[int, ...], ...]:
-        """Shapes that the law's value may have; a leading axis of length k belongs to the facets."""
+        """Allowed shapes of the law's value; a leading axis of length k belongs to the facets."""
 
     @staticmethod
     @abstractmethod
     def facet_forces(places: jax.Array, rotation: jax.Array, value: jax.Array) -> jax.Array:
         """Forces (m, 3) on the nodes of a facet, body components.
 
-        places : (m, 3)     where they are, from the frame's origin, body components
+        places : (m, 3)     of the nodes, from the frame's origin, body components
         rotation : (3, 3)   of the frame, body to global
         value : of the law, at this time, for this facet
         """

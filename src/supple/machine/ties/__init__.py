@@ -1,1 +1,1 @@
-"""What ties the nodes of a part to another: where they meet, and what is equal there."""
+"""Ties of nodes to another part: matching points, and continuity."""

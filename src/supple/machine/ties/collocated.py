@@ -1,4 +1,4 @@
-"""Nodes that follow another mesh where they stand."""
+"""Nodes that follow another mesh at their own positions."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ __all__ = ["Collocated"]
 
 @dataclass(frozen=True)
 class Collocated:
-    """Each node at its own point: on a node of the other mesh, or between the corners of the face under it.
+    """Each node at its own point: tied to a node of the other mesh, or to the corners of the face under it.
 
-    Displacements that are linear pass unchanged. Forces go to the corners near each node only: where the
-    tied mesh is the coarser one, a constant traction does not arrive as one.
+    Linear displacements are transferred exactly. Forces act on the corners near each node only: where the
+    tied mesh is the coarser one, a constant traction is not transferred exactly.
     """
 
     def weights(
@@ -32,7 +32,7 @@ class Collocated:
         """Nodes (n, c) of a mesh that points (n, 3) follow, and their weights (n, c), which sum to one.
 
         faces : (T, 3) triangles of the tied side, by number of point;   within : m, between the sides
-        Raises ModelError where a point meets no face.
+        Raises ModelError for a point without a face.
         """
         met = meeting_nodes(points, mesh.nodes, within)
         if (met >= 0).all():

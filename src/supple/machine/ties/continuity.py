@@ -1,8 +1,8 @@
-"""What a tie of two modal sub-domains makes equal: combinations of the gap between their interfaces.
+"""Continuity of a tie of two modal sub-domains: combinations of the gap between their interfaces.
 
-Each basis can move its interface in a few directions only. Where all nodes must meet, only motions remain
-that both can do, and modes of free parts share few of them: everything else locks. So the choice is one of
-the model, and goes with the static shapes that the bases hold.
+Each basis allows only a few motions of its interface. If all nodes must coincide, only common motions remain.
+Modes of free parts have few of these, so the tie locks. So continuity is a choice of the model, which depends
+on the static shapes in the bases.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ __all__ = ["EveryNode", "MeanMotion"]
 
 FloatArray = NDArray[np.float64]
 
-_COLLINEAR = 1e-6  # of the size of an interface: what is narrower does not see a turn about its own line
+_COLLINEAR = 1e-6  # of the size of an interface: a narrower one has no rotation about its own line
 
 
 class Continuity(Protocol):
-    """The combinations of the gap of two interfaces that vanish."""
+    """Combinations of the gap of two interfaces that are set to zero."""
 
     def patterns(self, points: FloatArray, reach: FloatArray) -> FloatArray:
         """L (r, n, 3) with sum_c L_rc . gap_c = 0.
@@ -36,12 +36,12 @@ class Continuity(Protocol):
 
 @dataclass(frozen=True)
 class MeanMotion:
-    """Equal mean displacement and mean turn of the interfaces: the rigid motion that fits each one best.
+    """Equal mean displacement and mean rotation of the interfaces: the best-fit rigid motion of each.
 
-    Six combinations; five where the nodes lie on one line, about which the parts turn as on a hinge, three of
-    a single node. The forces of the tie are spread as those of an `AveragingInterface`, whose static answers
-    a `Rubin` basis holds: with these both parts bend as under the true force. Sections may warp apart, which
-    makes a joint of solids a little too soft.
+    Six combinations; five for nodes on one line, about which the parts rotate as on a hinge, three for a
+    single node. The forces of the tie are distributed as those of an `AveragingInterface`, whose static
+    responses a `Rubin` basis includes: with these both parts bend as under the true force. Sections may warp
+    independently, which makes a joint of solids slightly too soft.
     """
 
     def patterns(self, points: FloatArray, reach: FloatArray) -> FloatArray:  # noqa: ARG002 - of the protocol
@@ -57,12 +57,12 @@ class MeanMotion:
 
 @dataclass(frozen=True)
 class EveryNode:
-    """All nodes of the interfaces meet, as far as the two bases can move them apart.
+    """All nodes of the interfaces coincide, as far as the two bases can move them apart.
 
-    Of the 3 n combinations those are imposed that the parts can open by more than `tolerance` of what opens
-    farthest (singular values of the gap per motion of unit kinetic energy); the others follow from them to
-    first order. For bases that share the motions of their interface: static shapes of rigid interfaces, or
-    nearly all modes. Few free modes lock.
+    Of the 3 n combinations, those are imposed whose gap can exceed `tolerance` times the largest (singular
+    values of the gap per motion of unit kinetic energy); the others follow to first order. For bases with
+    common motions of their interface: static shapes of rigid interfaces, or nearly all modes. With few free
+    modes it locks.
     """
 
     tolerance: float = 1e-4

@@ -1,4 +1,4 @@
-"""Where nodes meet a mesh: on a node of it, or on a face of one of its cells."""
+"""Matching points of nodes on a mesh: a node of it, or a face of one of its cells."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ IntArray = NDArray[np.int64]
 
 
 def meeting_nodes(points: FloatArray, nodes: FloatArray, within: float) -> IntArray:
-    """Number of the node (n,) that each point (n, 3) meets, of nodes (N, 3); -1 where none is that near."""
+    """Number of the node (n,) at each point (n, 3), of nodes (N, 3); -1 where none is within the distance."""
     distance, nearest = KDTree(nodes).query(points)
     return np.where(distance <= within, nearest, -1)
 
@@ -25,8 +25,8 @@ def meeting_nodes(points: FloatArray, nodes: FloatArray, within: float) -> IntAr
 def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[IntArray, FloatArray]:
     """Corners (n, 3) of a face under each point (n, 3) and their weights (n, 3), which sum to one.
 
-    Linear on triangles, so that a tie of unlike meshes passes the patch test.
-    Raises ModelError where a point lies farther than `within` from every face: the interfaces do not meet.
+    Linear on triangles, so a tie of different meshes passes the patch test.
+    Raises ModelError where a point is farther than `within` from every face: the interfaces do not match.
     """
     triangles = np.concatenate(
         [
@@ -36,7 +36,7 @@ def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[
         ]
     )
     corners = mesh.nodes[triangles]
-    # Only faces near a point can hold it; their centres are searched within their own size.
+    # Only faces near a point can be under it; their centres are searched within their own size.
     centres, reach = corners.mean(axis=1), np.linalg.norm(np.ptp(corners, axis=1), axis=1).max()
     tree = KDTree(centres)
     found, weights = np.empty((len(points), 3), dtype=np.int64), np.empty((len(points), 3))
@@ -47,18 +47,16 @@ def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[
         best = int(np.argmin(gaps))
         if gaps[best] > within:
             raise ModelError(
-                f"{what}: the node at {np.array2string(point, precision=6)} does not meet the other "
-                f"part; the "
-                f"nearest face is {gaps[best]:.3g} away, allowed are {within:.3g}. Do the parts stand "
-                f"where they "
-                "should? `within` allows more"
+                f"{what}: the node at {np.array2string(point, precision=6)} does not match the other part; "
+                f"the nearest face is {gaps[best]:.3g} away, allowed are {within:.3g}. Check the positions "
+                "of the parts; `within` allows a larger distance"
             )
         found[number], weights[number] = triangles[near[best]], own[best]
     return found, weights
 
 
 def _gaps(point: FloatArray, corners: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distance of a point from triangles (t, 3, 3), and its area coordinates cut back into them."""
+    """Distance of a point from triangles (t, 3, 3), and its area coordinates limited to them."""
     edges = corners[:, 1:] - corners[:, :1]
     gram = np.einsum("tai,tbi->tab", edges, edges)
     right = np.einsum("tai,ti->ta", edges, point - corners[:, 0])

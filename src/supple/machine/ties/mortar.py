@@ -1,11 +1,11 @@
-"""Mortar tie of meshes that do not match: equal in the mean, weighted by dual functions of the tied side.
+"""Mortar tie of different meshes: equal in the mean, weighted by dual functions of the tied side.
 
     int psi_i (x_tied - x) dA = 0   ->   x_i = sum_m (int psi_i N_m dA / int N_i dA) x_m
 
 with linear shape functions N of both sides and psi_i = 4 N_i - 1 on each triangle of the tied side, which is
-biorthogonal to them (int psi_i N_j = delta_ij int N_i): each node follows the corners near it, no system is
-solved. Both integrals are exact: faces are cut where those of the other side have their edges. So linear
-displacements pass unchanged one way, and a constant traction the other.
+biorthogonal to them (int psi_i N_j = delta_ij int N_i). Each node follows the corners near it, without the
+solution of a system. Both integrals are exact: faces are cut along the edges of the other side. So linear
+displacements are transferred exactly one way, and a constant traction the other.
 
 B. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989-1012, on dual Lagrange multipliers.
 """
@@ -28,18 +28,18 @@ __all__ = ["Mortar"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-_INSIDE = 1e-12  # of a triangle, in area coordinates: on its rim
-_COVERED = 1e-6  # of the area of a face that may stick out
+_INSIDE = 1e-12  # in area coordinates: tolerance for points on an edge of a triangle
+_COVERED = 1e-6  # largest part of the area of a face outside the other side
 _MIDDLES = np.array([[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]])
-"""Of the sides of a triangle: equal weights there integrate polynomials of second degree exactly."""
+"""Mid-side points of a triangle: equal weights there integrate polynomials of second degree exactly."""
 
 
 @dataclass(frozen=True)
 class Mortar:
-    """Nodes follow the other mesh in the mean over the faces about them, by exact integrals.
+    """Nodes follow the other mesh in the mean over the faces around them, by exact integrals.
 
-    For faces with straight sides and corners alone, which the other mesh covers; flat ones, or as curved as
-    the `within` of the tie allows.
+    For faces with straight sides and corner nodes alone, covered by the other mesh; flat ones, or as curved
+    as the `within` of the tie allows.
     """
 
     def weights(
@@ -48,13 +48,13 @@ class Mortar:
         """Nodes (n, c) of a mesh that points (n, 3) follow, and their weights (n, c), which sum to one.
 
         faces : (T, 3) triangles of the tied side, by number of point;   within : m, between the sides
-        Raises ModelError for points that are no corner of a face, and faces that the mesh does not cover.
+        Raises ModelError for points that are not corners of a face, and faces that the mesh does not cover.
         """
         alone = np.setdiff1d(np.arange(len(points)), faces)
         if len(alone):
             raise ModelError(
-                f"{what}: the node at {np.array2string(points[alone[0]], precision=6)} is no corner of an "
-                "outer face with all its corners in the set, and a mortar is a mean over faces; name all "
+                f"{what}: the node at {np.array2string(points[alone[0]], precision=6)} is not a corner of an "
+                "outer face with all corners in the set, and a mortar is a mean over faces; name all "
                 "nodes of the interface, or tie by Collocated()"
             )
         others = outer_triangles(mesh, np.arange(mesh.n_nodes))
@@ -66,9 +66,9 @@ class Mortar:
             worst = int(short.argmax())
             at = np.array2string(points[faces[worst]].mean(axis=0), precision=6)
             raise ModelError(
-                f"{what}: {100 * short[worst]:.3g} % of the face about {at} does not meet the other part, "
-                "which must cover the interface for a mortar; do the parts stand where they should? `within` "
-                "allows more distance, Collocated() needs the nodes alone to meet"
+                f"{what}: {100 * short[worst]:.3g} % of the face about {at} has no match on the other part, "
+                "which must cover the interface for a mortar; check the positions of the parts. `within` "
+                "allows a larger distance; Collocated() needs matching nodes alone"
             )
         tributary = np.bincount(faces.ravel(), np.repeat(whole / 3, 3), minlength=len(points))
         rows, columns = np.broadcast_arrays(faces[own][:, :, None], others[other][:, None, :])
@@ -80,7 +80,7 @@ class Mortar:
 
 
 def _areas(corners: FloatArray) -> FloatArray:
-    """Of triangles (.., 3, 3)."""
+    """Areas of triangles (.., 3, 3)."""
     edges = corners[..., 1:, :] - corners[..., :1, :]
     return 0.5 * np.linalg.norm(np.cross(edges[..., 0, :], edges[..., 1, :]), axis=-1)
 
@@ -119,7 +119,7 @@ def _overlaps(own: FloatArray, other: FloatArray, within: float) -> tuple[FloatA
     at = np.einsum("gc,pvci->pvgi", _MIDDLES, fans)
     N_own = np.concatenate([1 - at.sum(axis=-1, keepdims=True), at], axis=-1)
     N_other = _area_coordinates(at, to_other)
-    # Faces that overlap only when looked at from far away are of other sides of the body.
+    # Faces that overlap only in projection, at a distance, are on other sides of the body.
     close = np.abs(np.einsum("pvgm,pm->pvg", N_other, height)).max(axis=(1, 2)) <= within
     weight = doubled * (_areas(own) * close)[:, None] / 3  # 2 A times doubled / 2, over three points
     coupling = np.einsum("pv,pvgi,pvgm->pim", weight, 4 * N_own - 1, N_other, optimize=True)
@@ -135,16 +135,16 @@ def _area_map(flat: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
 
 
 def _area_coordinates(at: FloatArray, to_other: FloatArray) -> FloatArray:
-    """(P, .., 3) of points (P, .., 2)."""
+    """Area coordinates (P, .., 3) of points (P, .., 2)."""
     lifted = np.concatenate([np.ones((*at.shape[:-1], 1)), at], axis=-1)
     return np.einsum("pmi,p...i->p...m", to_other, lifted)
 
 
 def _common_polygon(flat: FloatArray, to_other: FloatArray, upright: NDArray[np.bool_]) -> FloatArray:
-    """Corners (P, 15, 2), in order, of what triangles have in common with the reference triangle.
+    """Corners (P, 15, 2), in order, of the intersection of triangles with the reference triangle.
 
-    They are corners of one within the other, and where sides cross; the rest repeats the first of them. Pairs
-    with nothing in common have all at one point.
+    They are corners of one inside the other, and intersections of sides; the rest repeats the first of them.
+    Pairs without an intersection have all corners at one point.
     """
     reference = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
     count = len(flat)

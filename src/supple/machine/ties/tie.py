@@ -1,4 +1,4 @@
-"""Nodes that move with another part."""
+"""Tie of nodes to another part."""
 
 from __future__ import annotations
 
@@ -15,16 +15,15 @@ __all__ = ["Tie"]
 
 @dataclass(frozen=True)
 class Tie:
-    """Nodes that move with another part of an explicit march.
+    """Nodes that move with another part, in explicit runs.
 
     nodes : At(part, node set)
-    on : str    the part they are tied to: one of finite elements, whose nodes they must meet, or a modal
-                one, on whose material they hang wherever they lie on its cells. Nodes of a modal part are
-                tied on a modal one only
-    within : float      of the size of the set: how far from the part nodes may lie
-    transfer : Collocated() or Mortar()     how nodes follow a modal part where the meshes do not match
-    continuity : MeanMotion() or EveryNode(..)      continuity of two modal parts; nodes of finite
-                elements hang position for position
+    on : str    the part that they are tied to: one of finite elements, whose nodes they must match, or a
+                modal one, at any point of its cells. Nodes of a modal part can be tied to a modal one only
+    within : float      largest distance of the nodes from the part, relative to the size of the set
+    transfer : Collocated() or Mortar()     motion of nodes on a modal part with another mesh
+    continuity : MeanMotion() or EveryNode(..)      continuity of two modal parts; nodes of finite elements
+                are tied position by position
     """
 
     nodes: At

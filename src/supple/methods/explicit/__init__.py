@@ -1,4 +1,4 @@
-"""Explicit march: modal parts on four-point frames beside nonlinear finite elements."""
+"""Explicit time integration: modal parts on four-point frames, coupled to nonlinear finite elements."""
 
 from supple.methods.explicit.elements import BulkViscosity as BulkViscosity
 from supple.methods.explicit.engine import *

@@ -1,4 +1,4 @@
-"""What parts of solids and of shells have in common as bodies of a machine."""
+"""Common properties of solid and shell parts as bodies of a machine."""
 
 from __future__ import annotations
 
@@ -27,35 +27,35 @@ FloatArray = NDArray[np.float64]
 
 
 def refuse_beside_elements(what: str, model: FiniteElementModel) -> None:
-    """ModelError where more than elements and masses at nodes makes a part."""
+    """Raise ModelError for a part with more than elements and nodal masses."""
     refuse_attached(replace(model.attached, mass=None), what)
     node_masses(model)
 
 
 class ElementPart(FormDefaults):
-    """A `BodyForm` whose coordinates are the displacements of its nodes; it has no frame and any rotation."""
+    """`BodyForm` whose coordinates are the displacements of its nodes; without a frame, for any rotation."""
 
     name: str
     model: FiniteElementModel
 
     @cached_property
     def masses(self) -> FloatArray:
-        """(N,) lumped, kg."""
+        """(N,) lumped masses, kg."""
         raise NotImplementedError
 
     @property
     def kind(self) -> Literal["explicit"]:
-        """Explicit finite elements."""
+        """The literal "explicit"."""
         return "explicit"
 
     @property
     def has_frame(self) -> bool:
-        """False: its coordinates are those of its nodes in space."""
+        """False: its coordinates are the positions of its nodes in space."""
         return False
 
     @property
     def mesh(self) -> Mesh:
-        """Of its elements."""
+        """Mesh of its elements."""
         return self.model.mesh
 
     @property
@@ -65,7 +65,7 @@ class ElementPart(FormDefaults):
 
     @property
     def mass(self) -> float:
-        """Of all nodes, kg."""
+        """Total mass, kg."""
         return float(self.masses.sum())
 
     @property
@@ -75,7 +75,7 @@ class ElementPart(FormDefaults):
 
     @property
     def n_coordinates(self) -> int:
-        """Displacements of the nodes, three each."""
+        """Number of nodal displacements, three per node."""
         return self.nodes.size
 
     @cached_property
@@ -84,18 +84,18 @@ class ElementPart(FormDefaults):
         return node_sets(self, self.mesh.node_sets)
 
     def interface(self, name: str) -> NodeSet:
-        """The node set of that name; ModelError names the nearest, or those there are."""
+        """The node set of that name; ModelError with the nearest name, or all names."""
         return interface_named(self.name, name, self.interfaces)
 
     def expand(self, coordinates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)) -> FloatArray:
-        """Displacements (..., k, 3) of some nodes or all, of those (..., 3 N) of all."""
+        """Displacements (..., k, 3) of some or all nodes from the coordinates (..., 3 N)."""
         given = np.asarray(coordinates)
         return given.reshape(*given.shape[:-1], -1, 3)[..., nodes, :]
 
     def nodal_fields(
         self, coordinates: FloatArray, freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[FloatArray, None]:
-        """Nodal freedoms (n, t), which its coordinates (t, n) are."""
+        """Nodal freedoms (n, t), equal to its coordinates (t, n)."""
         return coordinates.T[freedoms], None
 
     def positions(self, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> FloatArray:
@@ -115,18 +115,21 @@ class ElementPart(FormDefaults):
 
     def motion_near(self, *_: FloatArray) -> FramedMotion:
         """ModelError: it has no frame about which a motion could be small."""
-        raise ModelError(f"body '{self.name}' is of explicit finite elements, which have no small motions")
+        raise ModelError(
+            f"body '{self.name}' has explicit finite elements, which have no small motions about a frame: "
+            "use a modal_subdomain or a reduced body"
+        )
 
     @property
     def is_linear(self) -> bool:
-        """False: its strains are those of any displacement."""
+        """False: its strains are nonlinear in the displacements."""
         return False
 
     @property
     def rotation_limit(self) -> float:
-        """None: any rotation."""
+        """None: rotations are not limited."""
         return np.inf
 
     def lowest_frequency(self) -> float:
-        """Not sought: nothing depends on it."""
+        """Not computed: nothing depends on it."""
         return np.inf

@@ -1,4 +1,4 @@
-"""The explicit engine: an `Engine` under the same run as the others."""
+"""Explicit engine: an `Engine` with the same run options as the others."""
 
 from __future__ import annotations
 
@@ -38,15 +38,15 @@ __all__ = ["CONTACTS", "ENERGIES", "OBSTACLES", "STEPS", "ExplicitEngine"]
 ENERGIES = "energies"
 """Name of the series of the energy balance of a run, in the order of `Energies`."""
 STEPS = "steps"
-"""Name of the series of the step of the elements, s, and of how many of them are in one of the frames."""
+"""Name of the series with the step of the elements, s, and the number of these in one step of the frames."""
 OBSTACLES = "obstacles"
-"""Name of the series of how far each obstacle has moved, (t, 3 o), and of its velocity."""
+"""Name of the series with the displacement of each obstacle, (t, 3 o), and its velocity."""
 CONTACTS = "contacts"
-"""Name of the series of the force on the nodes of each contact, and where it acts, (t, 6 c)."""
+"""Name of the series with the force on the nodes of each contact, and its point of action, (t, 6 c)."""
 
 
 class ExplicitEngine:
-    """An `Engine`; `MarchState` is its state."""
+    """`Engine` for explicit time integration; `MarchState` is its state."""
 
     def __init__(self, system: System, run: Run) -> None:
         before_compiled_code()
@@ -61,7 +61,7 @@ class ExplicitEngine:
 
     @property
     def built(self) -> Built:
-        """The system as it marches."""
+        """The system as arrays of the time integration."""
         return self._built
 
     def steps(self) -> tuple[float, int]:
@@ -77,7 +77,7 @@ class ExplicitEngine:
         return float(h), int(ratio)
 
     def start(self, time: float) -> MarchState:
-        """The parts as they are placed, or as joints let them be."""
+        """The parts as placed, corrected to the joints."""
         own = self._built
         if own.framed.change is not None:
             report_start(own.framed.change, self._run.validity)
@@ -89,7 +89,10 @@ class ExplicitEngine:
         leaves, structure = jax.tree.flatten(like)
         known = last.engine_state
         if sum(name.startswith("state ") for name in known) != len(leaves):
-            raise ModelError("this run was recorded by another engine, or of another system")
+            raise ModelError(
+                "this run was recorded by another engine, or for another system: resume it with its own "
+                "system"
+            )
         kept = [
             jnp.asarray(np.asarray(known[f"state {number}"]), dtype=leaf.dtype).reshape(leaf.shape)
             for number, leaf in enumerate(leaves)
@@ -97,13 +100,13 @@ class ExplicitEngine:
         return jax.tree.unflatten(structure, kept)
 
     def march(self, state: MarchState, times: np.ndarray) -> Leg[MarchState]:
-        """On to each of the output times; where controllers are sampled, from instant to instant."""
+        """Integrate to each of the output times; sampled controllers are called at their instants."""
         if self._sampling is None:
             return self._marched(state, times)
         return march_sampled(self._sampling, self._marched, self._sampled, state, times)
 
     def _sampled(self, state: MarchState) -> MarchState:
-        """After calling the controllers that are due."""
+        """The state after calling the controllers that are due."""
         own = self._built.model
         assert self._sampling is not None
         assert own.machine is not None
@@ -113,7 +116,7 @@ class ExplicitEngine:
         return state if control is None else state._replace(control=jax.tree.map(jnp.asarray, control))
 
     def _marched(self, state: MarchState, times: np.ndarray) -> Leg[MarchState]:
-        """On to each of the output times without a break."""
+        """Integrate to each of the output times without interruption."""
         began = clock.perf_counter()
         own = self._built
         ahead = times[times > float(state.time)]
@@ -169,7 +172,7 @@ class ExplicitEngine:
         if own.framed.machine is not None and own.framed.machine.joints:
             assert own.model.machine is not None
             active = own.model.machine.active
-            # The joints' forces are J^T mu here, -G^T lambda there.
+            # Joint forces are J^T mu here, -G^T lambda in the other engines.
             multipliers = joint_multipliers(own.framed.machine, active, -np.asarray(rows.pulls))
             forces = joint_wrenches(own.framed.machine, times, bodies, multipliers)
             kept["active"] = np.array(active, dtype=float)
@@ -184,7 +187,7 @@ class ExplicitEngine:
         )
 
     def _first_step(self) -> float:
-        """Step of the trial at the start, s: a hundredth of the longest of the frames."""
+        """Trial step at the start, s: a hundredth of the longest step of the frames."""
         limits = [float(each.step_limit) for each in self._built.model.frames]
         return 0.01 * min([self._run.output_step, self._fixed or np.inf, *limits])
 
@@ -197,64 +200,61 @@ class ExplicitEngine:
         if step is None:
             if np.isinf(limit):
                 raise ModelError(
-                    "rigid bodies without springs march explicitly at any step, so that none is known: give "
-                    "Run(step=FixedStep(size)), some hundredth of the time of a revolution or a swing"
+                    "rigid bodies without springs are stable at any explicit step, so there is no default: "
+                    "give Run(step=FixedStep(size)), about a hundredth of the period of a revolution or a "
+                    "swing"
                 )
             return
         if step > limit:
             raise ModelError(
-                f"the step {step:g} s is above the limit of {limit:.4g} s, at which the march blows up; "
+                f"the step {step:g} s is above the stability limit of {limit:.4g} s; "
                 f"leave it out, or give at most {0.9 * limit:.3g}"
             )
 
     def _told(self, row: Recorded, initial: float) -> str:
-        """Why a run ended, in words."""
+        """Message with the cause of the end of a run and its remedies."""
         when = f"t = {float(row.time):.6g}, step {int(row.steps)}"
         e = dict(zip(Energies._fields, np.asarray(row.energies), strict=True))
         match int(row.trouble):
             case 1:
                 return (
-                    f"an element turned over (det F <= 0) before {when}: refine there, delete elements "
-                    f"at a plastic "
-                    "strain, or choose a law that resists (NeoHookean)"
+                    f"an element inverted (det F <= 0) before {when}: refine the mesh there, delete "
+                    "elements at a plastic strain, or use a law that resists it (NeoHookean)"
                 )
             case 2:
                 return (
-                    f"the motion is not a number any more at {when}: the step is too long for the "
-                    f"deformed mesh"
+                    f"the motion is not finite at {when}: the step is too long for the "
+                    f"deformed mesh; take a smaller safety, or a shorter FixedStep"
                 )
             case 3:
                 drift = sum(e.values()) - 2 * e["external"] - initial
                 worst = max((name for name in e if name != "external"), key=lambda name: abs(e[name]))
                 return (
-                    f"the energy balance is open by {drift:.3g} J at {when}, more than 1 %; the largest "
-                    f"term is "
-                    f"{worst} ({e[worst]:.3g} J), the interface lost {e['interface']:.3g} J: take "
-                    f"shorter steps, or "
-                    "a smaller ratio between them"
+                    f"the energy balance has an error of {drift:.3g} J at {when}, more than 1 %; the "
+                    f"largest term is {worst} ({e[worst]:.3g} J), the interface lost {e['interface']:.3g} "
+                    "J: take shorter steps, or a smaller ratio between them"
                 )
             case 5:
-                verb = "lost" if e["interface"] > 0 else "won"
+                verb = "lost" if e["interface"] > 0 else "gained"
                 return (
                     f"the interface energy drifts: {abs(e['interface']):.3g} J were {verb} between parts "
-                    f"that march at different steps until {when}, more than 1 %; take a smaller ratio"
+                    f"with different steps until {when}, more than 1 %; take a smaller ratio"
                 )
             case _:
                 worst = min(("internal", "hourglass"), key=lambda name: e[name])
                 return (
-                    f"the {worst} energy is negative ({e[worst]:.3g} J) at {when}: energy comes from "
-                    f"nothing, for "
-                    "the step is above what is stable; take a smaller safety"
+                    f"the {worst} energy is negative ({e[worst]:.3g} J) at {when}: spurious energy, because "
+                    "the step is above the stability limit; take a smaller safety"
                 )
 
 
 def _padded(n: int) -> int:
-    """Output times of a compiled march of n: few lengths, so that one program serves runs of many."""
+    """Padded number of output times of a compiled run: few lengths, so that runs share a program."""
     return 1 << (n - 1).bit_length() if n <= 32 else -(-n // 32) * 32
 
 
 def _fixed_step(run: Run) -> float | None:
-    """Of the explicit nodes, s; None: what is stable."""
+    """Fixed step of the explicit nodes, s; None: the stable step."""
     match run.step:
         case None:
             return None
@@ -262,6 +262,6 @@ def _fixed_step(run: Run) -> float | None:
             return size
         case _:
             raise ModelError(
-                f"explicit steps are bounded by stability, not by an error: {type(run.step).__name__} has no "
-                "meaning here; give FixedStep(size), or none"
+                f"explicit steps are limited by stability, not by an error: {type(run.step).__name__} is not "
+                "supported; give FixedStep(size), or none"
             )

@@ -1,4 +1,4 @@
-"""An explicit sub-domain of shells: flat triangles of small strain and any rotation, with lumped inertias."""
+"""Explicit sub-domain of shells: flat triangles with small strain, any rotation, and lumped inertia."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ShellElements:
-    """Of E triangles of one section.
+    """Arrays of E triangles of one section.
 
     nodes : int (E, 3);   corners : (E, 3, 3) m;   stiffness : (E, 18, 18);   to_stress : (E, l, 6, 18)
     inertia : (E,) of each corner, kg m^2;   mass : (E,) of each corner, kg
@@ -57,7 +57,7 @@ class ShellElements:
 
 @dataclass(frozen=True, eq=False)
 class ExplicitShell(ElementPart):
-    """Shells of small strain; build it with `explicit_shell`.
+    """Shells of small strain; built by `explicit_shell`.
 
     name : str
     model : FiniteElementModel      of TRIANGLE3 cells with homogeneous sections
@@ -89,28 +89,30 @@ class ExplicitShell(ElementPart):
                 )
             if section.property.offset or section.property.added_mass or section.property.shear_factor:
                 raise ModelError(
-                    f"explicit shell '{self.name}': its wall has an offset, an added mass or a shear factor; "
-                    "explicit shells are plain walls about their nodes"
+                    f"explicit shell '{self.name}': its section has an offset, an added mass or a shear "
+                    "factor; explicit shells are plain sections about their nodes: leave these out"
                 )
             if self.law is not None and section.property.material != self.law.elastic:
                 raise ModelError(
                     f"explicit shell '{self.name}': its law has other elastic constants, or another density, "
-                    "than its sections; make a part of each material"
+                    "than its sections; make one part for each material"
                 )
         if self.layers < 2:
             raise ModelError(
-                f"explicit shell '{self.name}': {self.layers} layers do not bend; give at least 2"
+                f"explicit shell '{self.name}': {self.layers} layers have no bending stiffness; give at "
+                "least 2"
             )
         if not self.deletion > 0:
             raise ModelError(f"the plastic strain of deletion must be positive, got {self.deletion}")
         if self.damping is not None and self.damping.beta:
             raise ModelError(
-                f"explicit shell '{self.name}': damping by the rate of strain is of solids; give beta = 0"
+                f"explicit shell '{self.name}': strain-rate damping is available for solids only; give beta "
+                "= 0"
             )
 
     @cached_property
     def masses(self) -> FloatArray:
-        """(N,) lumped, kg."""
+        """(N,) lumped masses, kg."""
         return lumped_mass(self.model)[::6]
 
     @cached_property
@@ -125,8 +127,9 @@ class ExplicitShell(ElementPart):
     def elements(self) -> tuple[ShellElements, ...]:
         """The triangles of each section.
 
-        Their inertia is m (t^2/12 + A/8) a corner: the section's own would set the step by the rotations;
-        what is added vanishes with the square of the element (Hughes, Cohen and Haroun 1978).
+        Each corner has the inertia m (t^2/12 + A/8). With that of the section alone, rotations would
+        limit the step; the added inertia vanishes with the square of the element (Hughes, Cohen and Haroun
+        1978).
         """
         recovery = stress_recovery(self.model)
         made = []
@@ -183,11 +186,11 @@ def explicit_shell(
     deletion: float = float("inf"),
     damping: LinearRayleighDamping | None = None,
 ) -> ExplicitShell:
-    """Shells for an explicit march: small strains, any rotation; elastic, or yielding by a law.
+    """Shells for explicit time integration: small strains, any rotation; elastic, or plastic by a law.
 
     model : of TRIANGLE3 cells with HomogeneousSection(..)
     name, law, layers, deletion, damping : see `ExplicitShell`
-    Raises ModelError for other cells and sections, a law of other constants, fewer than 2 layers, and damping
-    by the rate of strain.
+    Raises ModelError for other cells and sections, a law of other constants, fewer than 2 layers, and
+    strain-rate damping.
     """
     return ExplicitShell(name, model, law, layers, deletion, damping)

@@ -1,4 +1,4 @@
-"""An explicit sub-domain: nonlinear finite elements with lumped mass, which may yield and break."""
+"""Explicit sub-domain: nonlinear finite elements with lumped mass, with plasticity and failure."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ExplicitSubdomain(ElementPart):
-    """Finite elements of one law; build it with `explicit_subdomain`.
+    """Finite elements of one law; built by `explicit_subdomain`.
 
     name : str
     model : FiniteElementModel      of solids
     law : Law
-    hourglass : float       stiffness of an hourglass mode of hexahedra over that of stretching
+    hourglass : float       stiffness of an hourglass mode of hexahedra relative to that of stretching
     deletion : float        plastic strain at which an element is deleted; infinite: never
-    damping : LinearRayleighDamping | None      beta acts on the rate of Green-Lagrange's strain
+    damping : LinearRayleighDamping | None      beta acts on the rate of the Green-Lagrange strain
     bulk_viscosity : BulkViscosity      spreads fronts over a few elements; BulkViscosity(0, 0): none
     """
 
@@ -60,8 +60,8 @@ class ExplicitSubdomain(ElementPart):
         refuse_beside_elements(f"explicit sub-domain '{self.name}'", self.model)
         if self.model.dofs_per_node != 3:
             raise ModelError(
-                f"explicit sub-domain '{self.name}': its law is of solids, its model of shells; "
-                "explicit_shell takes these"
+                f"explicit sub-domain '{self.name}': its law is for solids, its model has shells; "
+                "use explicit_shell"
             )
         if not 0 <= self.hourglass <= 1:
             raise ModelError(f"the hourglass stiffness is a fraction, 0 to 1, got {self.hourglass}")
@@ -70,9 +70,9 @@ class ExplicitSubdomain(ElementPart):
 
     @cached_property
     def masses(self) -> FloatArray:
-        """(N,) lumped, kg; positive on quadratic tetrahedra too (Hinton, Rock and Zienkiewicz 1976).
+        """(N,) lumped masses, kg; positive for quadratic tetrahedra too (Hinton, Rock and Zienkiewicz 1976).
 
-        With concentrated masses, which the density of the law leaves as they are.
+        Concentrated masses are included, independent of the density of the law.
         """
         beside = node_masses(self.model)
         return beside + (lumped_mass(self.model)[::3] - beside) * (self.law.elastic.density / self._density)
@@ -104,7 +104,7 @@ class ExplicitSubdomain(ElementPart):
 
     @cached_property
     def _element_masses(self) -> tuple[FloatArray, ...]:
-        """(E, k) lumped, kg, of each block."""
+        """(E, k) lumped masses, kg, of each block."""
         found = []
         for section, points in zip(self.model.sections, self.points, strict=True):
             element, corners = SOLID_ELEMENTS[section.cell_type], section.corners(self.model.mesh)
@@ -133,22 +133,20 @@ def explicit_subdomain(
     damping: LinearRayleighDamping | None = None,
     bulk_viscosity: BulkViscosity | None = None,
 ) -> ExplicitSubdomain:
-    """Nonlinear finite elements for an explicit march.
+    """Nonlinear finite elements for explicit time integration.
 
     model : of TETRA4, TETRA10 or HEXA8 cells; the hexahedra get one strain point with hourglass control
-    material : J2Plasticity(..), NeoHookean(..) or StVenantKirchhoff(..), the last of the model's own
-        constants
-        where it is left out
+    material : J2Plasticity(..), NeoHookean(..) or StVenantKirchhoff(..); default StVenantKirchhoff with the
+        constants of the model
     name, hourglass, deletion, damping : see `ExplicitSubdomain`
-    bulk_viscosity : BulkViscosity      with the usual coefficients where left out; BulkViscosity(0, 0): none
+    bulk_viscosity : BulkViscosity      default the usual coefficients; BulkViscosity(0, 0): none
     Raises ModelError for other cells, and for a model of several materials.
     """
     own = {section.property for section in model.sections}
     if len(own) != 1:
         raise ModelError(
-            f"explicit sub-domain '{name}' has {len(own)} materials; make a sub-domain of each, they "
-            f"are tied "
-            "where they share nodes"
+            f"explicit sub-domain '{name}' has {len(own)} materials; make one sub-domain for each: they are "
+            "tied where they share nodes"
         )
     (constants,) = own
     if material is None:

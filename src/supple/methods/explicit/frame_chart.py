@@ -1,15 +1,15 @@
-"""The floating frame of four points: its pose and rates, and the way of forces back to the points.
+"""Floating frame of four points: its pose and rates, and the map of its forces to the points.
 
-With P = [x_A - x_O, ..] of arms l, and X_O the place of O in the axes of the body,
+With P = [x_A - x_O, ..] of arms l, and X_O the position of O in the axes of the body,
 
     A = P / l,    R = x_O - A X_O,    W = P^T P' / l^2,    omega = ax (W - W^T) / 2
 
-R is linear in the points, and a force F on it, a moment m (in the axes of the body) on omega act on them by
+R is linear in the points. A force F on R and a moment m (in the axes of the body) on omega act on them by
 
     f = w_R F^T + E (P skew(m))^T / (2 l^2)
 
-w_R being the weights of R. A rigid motion of the points is one of the frame, to round-off; so pairs of forces
-that balance each other on frames do so on points.
+with w_R the weights of R. A rigid motion of the points is one of the frame, to round-off, so balanced pairs
+of forces on frames are also balanced on points.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ __all__ = [
 
 
 class FrameChart(NamedTuple):
-    """Of one frame.
+    """Constants of one frame.
 
     weights : (4,) of the origin R of the body's axes;   centre : (3,) X_O;   arm : l, m
-    turned : (k, k) coordinates of the body per mode of the march
+    turned : (k, k) coordinates of the body per mode of the time integration
     """
 
     weights: Array
@@ -53,7 +53,7 @@ class FrameChart(NamedTuple):
 
 
 def frame_chart(frame: ModalFrame) -> FrameChart:
-    """Of a modal or rigid part."""
+    """Chart of a modal or rigid part."""
     points = frame.body.points
     return FrameChart(
         jnp.asarray(points.weights(np.zeros((1, 3)))[0]),
@@ -64,7 +64,7 @@ def frame_chart(frame: ModalFrame) -> FrameChart:
 
 
 def configuration(charts: tuple[FrameChart, ...], states: tuple[FrameState, ...]) -> Configuration:
-    """Of all frames, as the equations of joints and forces read it."""
+    """Configuration of all frames, for the equations of joints and forces."""
     pairs = list(zip(charts, states, strict=True))
     return Configuration(
         jnp.stack([own.weights @ at.p for own, at in pairs]),
@@ -74,7 +74,7 @@ def configuration(charts: tuple[FrameChart, ...], states: tuple[FrameState, ...]
 
 
 def velocity(charts: tuple[FrameChart, ...], states: tuple[FrameState, ...]) -> Array:
-    """(dR, omega, dq) of all frames, (n,)."""
+    """Velocities (dR, omega, dq) of all frames, (n,)."""
     found = []
     for own, at in zip(charts, states, strict=True):
         spin = unskew(arms(at.p).T @ arms(at.vp) / own.arm**2)

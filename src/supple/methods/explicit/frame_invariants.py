@@ -1,4 +1,4 @@
-"""Momentum and energy of a frame over a step: what free flight must keep."""
+"""Momentum and energy of a frame over a step, which are invariant in free flight."""
 
 from __future__ import annotations
 
@@ -41,5 +41,5 @@ def kinetic_energy(model: FrameModel, state: FrameState, h: Array | float) -> Ar
 
 
 def strain_energy(model: FrameModel, state: FrameState, h: Array | float) -> Array:
-    """1/2 y_n-1 . K y_n, which leap-frog keeps with the kinetic energy of the step."""
+    """1/2 y_n-1 . K y_n, which leap-frog conserves together with the kinetic energy of the step."""
     return 0.5 * (state.y - h * state.vy) @ (model.stiffness @ state.y)

@@ -1,4 +1,4 @@
-"""A four-point frame with its modes, as compiled code holds it, and the state that it marches."""
+"""Four-point frame with its modes as arrays for compiled code, and its state."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ __all__ = [
 
 
 class FrameModel(NamedTuple):
-    """The numbers of a modal sub-domain; its modes are mass-normalised: arm^2 sum_i C_ii = I.
+    """Arrays of a modal sub-domain; its modes are mass-normalised: arm^2 sum_i C_ii = I.
 
     moments : Moments
     stiffness : (k, k)          K_L, 1/s^2
@@ -42,7 +42,7 @@ class FrameModel(NamedTuple):
 
 
 class FrameState(NamedTuple):
-    """Where a frame stands at t_n, and its rates over the step before; at the start, those of that instant.
+    """State of a frame at t_n, with its rates over the step before; at the start, those of that instant.
 
     p : (4, 3) m;   y : (k,);   vp : (4, 3) m/s;   vy : (k,)
     """
@@ -61,7 +61,7 @@ class StepLengths(NamedTuple):
 
     @property
     def mean(self) -> Array | float:
-        """The time over which a force at t_n acts: half a step at the start."""
+        """Time over which a force at t_n acts: half a step at the start."""
         return 0.5 * (self.before + self.after)
 
 
@@ -81,12 +81,12 @@ class Generalized(NamedTuple):
 
 
 def elastic_force(model: FrameModel, y: Array, rates: Array) -> Array:
-    """-(K_L y + beta K_L y'), (k,): stiffness damping follows at the rates of the last half step."""
+    """-(K_L y + beta K_L y'), (k,): stiffness damping uses the rates of the last half step."""
     return -(model.stiffness @ (y + model.stiffness_damping * rates))
 
 
 def spin_force(model: FrameModel, old: FrameState, new: FrameState) -> Array:
-    """-1/2 (K_G(Omega_n-1/2) + K_G(Omega_n+1/2)) y_n on the modes, (k,), as a step that is done had it."""
+    """-1/2 (K_G(Omega_n-1/2) + K_G(Omega_n+1/2)) y_n on the modes, (k,), of a completed step."""
     if model.spin_stiffness is None:
         return jnp.zeros_like(old.y)
     both = spin_products(old.p, old.vp) + spin_products(old.p, new.vp)
@@ -94,7 +94,7 @@ def spin_force(model: FrameModel, old: FrameState, new: FrameState) -> Array:
 
 
 def gravity_force(sums: Spread, p: Array, gravity: Array) -> Generalized:
-    """Weight; directors have none, for their weights sum to zero."""
+    """Weight; that of directors is zero, because their weights sum to zero."""
     return Generalized(sums.Xi.sum(axis=1)[:, None] * gravity, (arms(p).T @ gravity) @ sums.Q.sum(axis=0))
 
 

@@ -1,10 +1,10 @@
-"""Sums over the mass of a modal sub-domain: all that its equation of motion needs to know of the nodes.
+"""Sums over the mass of a modal sub-domain: the complete inertia of its equations of motion.
 
 Every nodal sum is a polynomial in the modal coordinates y, so three constant arrays replace the nodes:
 
     S0 = sum m w w^T,     S1 = sum m w Phi,     C = sum m Phi Phi
 
-and the cost of a step is O(9 k^2), whatever the mesh.
+so that a step costs O(9 k^2), independent of the mesh.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ __all__ = ["Moments", "Spread", "arms", "moments", "rigid_rates", "spread"]
 
 
 class Moments(NamedTuple):
-    """The constant sums of a sub-domain of k modes.
+    """Constant sums of a sub-domain of k modes.
 
     S0 : (4, 4) kg;   S1 : (4, 3, k) kg;   C : (3, 3, k, k) kg, C_ijkl = sum m Phi_ik Phi_jl
     """
@@ -33,12 +33,12 @@ class Moments(NamedTuple):
     C: Array
 
     def __add__(self, other: Moments) -> Moments:  # ty: ignore[incompatible-method-override] - sums, as tuples do not
-        """The sums of two sets of mass on one frame."""
+        """Sums of two sets of mass on one frame."""
         return Moments(*(a + b for a, b in zip(self, other, strict=True)))
 
 
 class Spread(NamedTuple):
-    """The sums in a deformed state.
+    """Sums in a deformed state.
 
     Xi : (4, 4)     sum m xi xi^T, xi = w + CORNERS u
     Q : (4, 3, k)   sum m xi_a Phi_lk
@@ -49,7 +49,7 @@ class Spread(NamedTuple):
 
 
 def moments(fields: MassFields) -> Moments:
-    """The sums of mass fields."""
+    """Sums over mass fields."""
     w, phi = fields.weights, fields.shapes
     k = phi.shape[2]
     flat = phi.reshape(len(w), -1)
@@ -59,7 +59,7 @@ def moments(fields: MassFields) -> Moments:
 
 
 def spread(of: Moments, y: Array) -> Spread:
-    """The sums over the body deformed by y (k,)."""
+    """Sums over the body deformed by y (k,)."""
     E = jnp.asarray(CORNERS)
     Cy = of.C @ y  # (3, 3, k): sum m Phi_ik u_j
     U = of.S1 @ y  # (4, 3): sum m w u

@@ -1,4 +1,4 @@
-"""The four points O, A, B, C that carry the frame of a modal sub-domain, and how material hangs on them."""
+"""Four points O, A, B, C that define the frame of a modal sub-domain, and the weights of material points."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ __all__ = ["CORNERS", "LINKS", "FramePoints"]
 FloatArray = NDArray[np.float64]
 
 CORNERS = np.vstack([-np.ones((1, 3)), np.eye(3)])
-"""(4, 3): a point at local X hangs on the four with weights (1 - X - Y - Z, X, Y, Z) = e_O + CORNERS X."""
+"""(4, 3): a point at local X has weights (1 - X - Y - Z, X, Y, Z) = e_O + CORNERS X."""
 LINKS = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
-"""The six pairs of points that stay at a fixed distance."""
+"""The six pairs of points with a fixed distance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,9 +25,9 @@ class FramePoints:
 
         x = sum_a w_a(X) x_a,     w = (1 - X - Y - Z, X, Y, Z),     X = (x - origin) / arm
 
-    origin : (3,)       where O stands in the undeformed body, m
-    arm : float         length of OA, OB and OC, m: about a radius of gyration, which keeps the 4 x 4 mass of
-                        the points well conditioned
+    origin : (3,)       position of O in the undeformed body, m
+    arm : float         length of OA, OB and OC, m: about a radius of gyration, for a well-conditioned
+                        4 x 4 mass matrix of the points
     """
 
     origin: FloatArray
@@ -43,7 +43,7 @@ class FramePoints:
         return np.array([1.0, 0, 0, 0]) + local @ CORNERS.T
 
     def placed(self, position: FloatArray, rotation: FloatArray) -> FloatArray:
-        """The points (4, 3) in space when the body's own axes stand at `position`, turned by `rotation`."""
+        """Points (4, 3) in space for the body's axes at `position` with rotation `rotation`."""
         own = self.origin + self.arm * np.vstack([np.zeros((1, 3)), np.eye(3)])
         return position + own @ rotation.T
 

@@ -1,9 +1,9 @@
-"""A stage of a compiled step that is worked out in memory before the next one reads it.
+"""A stage of a compiled step whose results are stored in memory before the next stage reads them.
 
-The compiler would rather join all operations into one loop for each component of the result, and work out
-what the components share again in each: for a hexahedron that yields, ten times the arithmetic. A barrier
-(`lax.optimization_barrier`) is gone before it decides so. What stands in a branch is never joined with what
-stands outside, so a stage is the branch of a condition that always holds.
+Otherwise the compiler fuses all operations into one loop for each component of the result, and recomputes
+shared terms in each: for a plastic hexahedron, ten times the arithmetic. A barrier
+(`lax.optimization_barrier`) is removed before that decision. Operations within a branch are never fused with
+those outside, so a stage is the branch of a condition that is always true.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ def fusion_barrier(stage: Callable[[Given], Found], given: Given) -> Found:
     """stage(given), both trees of arrays, none of them empty."""
     first = jax.tree.leaves(given)[0]
     if not isinstance(first, Tracer):
-        return stage(given)  # outside compiled code nothing is joined, and a branch would be compiled alone
-    # True of every number, also of none, which the compiler does not know.
+        return stage(given)  # outside compiled code nothing is fused, and a branch would be compiled alone
+    # True for every number, and for NaN; the compiler cannot derive this.
     holds = ~(first.ravel()[0] < -jnp.inf)
     like = jax.eval_shape(stage, given)
 

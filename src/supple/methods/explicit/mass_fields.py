@@ -1,12 +1,12 @@
-"""The vector fields whose motion carries the mass of a body: its nodes, and directors where nodes turn.
+"""Vector fields that carry the mass of a body: its nodes, and directors of nodes with rotations.
 
-A node with rotations carries three unit directors e_d, which turn with it. Their rates have the kinetic
-energy of an isotropic rotary inertia J, since sum_d |theta x e_d|^2 = 2 |theta|^2:
+A node with rotations has three unit directors e_d, which rotate with it. Their rates have the kinetic energy
+of an isotropic rotary inertia J, since sum_d |theta x e_d|^2 = 2 |theta|^2:
 
     1/2 m |x'|^2 + 1/2 (J/2) sum_d |d'_d|^2
 
 A director is a point at infinity: its weights on the frame's points sum to zero. So nodal rotations need no
-equation of their own, and what holds for points (momentum, energy) holds for them.
+equation of their own, and conservation of momentum and energy applies to them as to points.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class MassFields:
 
     weights : (F, 4)        on the four points
     shapes : (F, 3, k)      local displacement per modal coordinate, in units of the arm
-    mass : sparse (F, F)    kg, the same for the three directions
+    mass : sparse (F, F)    kg, equal for the three directions
     """
 
     weights: FloatArray
@@ -42,10 +42,10 @@ class MassFields:
 
 
 def mass_fields(body: FlexibleBody, points: FramePoints, vectors: FloatArray) -> MassFields:
-    """The fields of a body whose deformation is `vectors @ y`.
+    """Fields of a body whose deformation is `vectors @ y`.
 
     vectors : (n, k)    in the coordinates of the body
-    Raises ModelError for a mass that is not the same in all directions, as a beam's or a foreign matrix's.
+    Raises ModelError for a mass that differs between directions, as for beams or imported matrices.
     """
     d = body.dofs_per_node
     nodal = (body.expansion @ vectors).reshape(len(body.nodes), d, -1) / points.arm
@@ -64,7 +64,7 @@ def mass_fields(body: FlexibleBody, points: FramePoints, vectors: FloatArray) ->
 
 
 def isotropic_part(body: FlexibleBody, mass: sparse.csc_array, part: slice) -> sparse.csr_array:
-    """The (N, N) matrix that stands for each of three directions; ModelError where they differ or couple."""
+    """The (N, N) mass matrix of each direction; ModelError where they differ or are coupled."""
     matrix = sparse.csr_array(mass)
     d = body.dofs_per_node
     rows = [np.arange(i, body.n_nodal, d) for i in range(part.start, part.stop)]
@@ -76,6 +76,6 @@ def isotropic_part(body: FlexibleBody, mass: sparse.csc_array, part: slice) -> s
             if abs(difference).max() > 1e-9 * scale:
                 raise ModelError(
                     f"body '{body.name}': the mass of its nodes differs between directions, or couples them; "
-                    "a modal sub-domain needs the mass of solids or shells"
+                    "a modal sub-domain needs a mesh of solids or shells"
                 )
     return sparse.csr_array(first)

@@ -1,4 +1,4 @@
-"""How an explicit run steps."""
+"""Options of an explicit run."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ __all__ = ["Explicit"]
 
 @dataclass(frozen=True)
 class Explicit(ExplicitRule):
-    """Central differences, of modal parts on four-point frames; the run's step is that of finite elements.
+    """Central differences, with modal parts on four-point frames; a fixed step is that of finite elements.
 
     scheme : of the four-point frames: ProjectedDifference() or PublishedScheme(..)
-    safety : part of the step limit that is used, where the run has no FixedStep
-    largest_ratio : steps of the elements in one step of the frames; 1: one step for all
-    interface_loss : of the energy: what is lost, or won, between parts that march at different steps from
-        one output time to the next; above it the ratio is halved, and the way repeated
+    safety : fraction of the step limit that is used, where the run has no FixedStep
+    largest_ratio : largest number of element steps in one step of the frames; 1: one step for all
+    interface_loss : largest relative energy lost or gained between parts with different steps, from one
+        output time to the next; above it the ratio is halved, and the interval repeated
     """
 
     scheme: ProjectedDifference | PublishedScheme = field(default_factory=ProjectedDifference)
@@ -36,9 +36,9 @@ class Explicit(ExplicitRule):
         if self.largest_ratio < 1:
             raise ModelError(f"the largest ratio must be at least 1, got {self.largest_ratio}")
         if not self.interface_loss > 0:
-            raise ModelError(f"the loss at the interface must be positive, got {self.interface_loss}")
+            raise ModelError(f"the interface loss must be positive, got {self.interface_loss}")
 
 
 def explicit_method(run: Run) -> Explicit:
-    """That of a run, or the usual one where it names none."""
+    """The explicit method of a run, or the default where it gives none."""
     return run.method if isinstance(run.method, Explicit) else Explicit()

@@ -1,4 +1,4 @@
-"""A modal sub-domain with what is tied to it: modes for the whole mass, step limit, contacts."""
+"""A modal sub-domain with the mass tied to it: modes for the whole mass, step limit, contacts."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ModalFrame:
-    """As it marches.
+    """A modal sub-domain in the time integration.
 
-    turned : (k, k)     modes of the sub-domain per mode of the march: y_own = turned @ y
+    turned : (k, k)     modes of the sub-domain per integrated mode: y_own = turned @ y
     """
 
     body: ModalSubdomain
@@ -34,11 +34,11 @@ class ModalFrame:
 
     @property
     def shapes(self) -> FloatArray:
-        """(N, 3, k) of the modes of the march, in units of the arm."""
+        """(N, 3, k) shapes of the integrated modes, in units of the arm."""
         return self.body.shapes @ self.turned
 
     def weights(self, nodes: NDArray[np.int64]) -> FloatArray:
-        """(n, 4) of nodes on the four points."""
+        """(n, 4) weights of nodes on the four points."""
         return self.body.points.weights(self.body.nodes[nodes])
 
     def step_limit(self, penalty: FloatArray | None = None) -> float:
@@ -53,7 +53,7 @@ class ModalFrame:
 
     @property
     def spin_bound(self) -> float | None:
-        """Of the squared frequencies that a spin of 1 rad/s adds, 1/s^2 per (rad/s)^2; None without."""
+        """Bound of the squared frequencies added by a spin of 1 rad/s, 1/s^2 per (rad/s)^2, or None."""
         if self.model.spin_stiffness is None:
             return None
         mass, _ = self.pencil()
@@ -66,7 +66,7 @@ class ModalFrame:
         return np.einsum("n,nia,nib->ab", stiffness, B, B, optimize=True)
 
     def stiffness_at(self, nodes: NDArray[np.int64], fraction: float) -> FloatArray:
-        """A fraction of what the effective mass of each node bears at the step limit of the modes, N/m."""
+        """A fraction of the stiffness (N/m) at which each node's effective mass has the modes' step limit."""
         mass, stiffness = self.pencil()
         largest = linalg.eigh(stiffness, mass, eigvals_only=True)[-1]
         B = self.motion(nodes)
@@ -78,7 +78,7 @@ class ModalFrame:
         return self.material_motion(self.weights(nodes), self.shapes[nodes])
 
     def material_motion(self, weights: FloatArray, shapes: FloatArray) -> FloatArray:
-        """The same of material points of weights (n, 4) and shapes (n, 3, k)."""
+        """(n, 3, 6 + k): motion of material points of weights (n, 4) and shapes (n, 3, k)."""
         on_points = np.einsum("na,aic->nic", weights, self.rigid_rates)
         return np.concatenate([on_points, self.body.points.arm * shapes], axis=2)
 
@@ -104,7 +104,7 @@ class ModalFrame:
 
 
 def modal_frame(body: ModalSubdomain, points: FloatArray, shapes: FloatArray, mass: FloatArray) -> ModalFrame:
-    """The frame of a sub-domain on which points with mass are tied.
+    """The frame of a sub-domain with tied points that have mass.
 
         K T = (M_V + sum m Phi^T Phi) T diag(omega^2),   T^T (..) T = I
 

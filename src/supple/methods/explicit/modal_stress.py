@@ -1,4 +1,4 @@
-"""The stress of a modal part: that of its modes, linear in their coordinates."""
+"""Stress of a modal part: the stress of its modes, linear in their coordinates."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 
 
 def isotropic_materials(model: FiniteElementModel) -> set[Isotropic]:
-    """Of solids, beams, rods, and of shells of one material through the thickness."""
+    """Isotropic materials of solids, beams, rods, and of shells with one material through the thickness."""
     given = [section.property for section in model.sections]
     of_material = HomogeneousSection | BeamSection | RodSection
     made_of = [own.material if isinstance(own, of_material) else own for own in given]

@@ -1,4 +1,4 @@
-"""A modal sub-domain: a linear body that vibrates in modes while its four-point frame flies and turns."""
+"""Modal sub-domain: a linear body with vibration modes on a free four-point frame."""
 
 from __future__ import annotations
 
@@ -31,20 +31,20 @@ from supple.reduction import LinearBasisRecipe, ReducedBody, rayleigh_ritz
 __all__ = ["ModalSubdomain", "modal_subdomain"]
 
 LARGEST_RIGID_PART = 1e-8
-"""Of a mode: its product with a rigid motion of the same mass norm."""
+"""Largest product of a mode with a rigid motion of equal mass norm."""
 
 
 @dataclass(frozen=True, eq=False)
 class ModalSubdomain(FloatingForm):
-    """Modes of a free body on a four-point frame; build it with `modal_subdomain`.
+    """Modes of a free body on a four-point frame; built by `modal_subdomain`.
 
     body : FlexibleBody
     vectors : (n, k)        V^T M V = I, R^T M V = 0, V^T K V = diag(omega^2)
     frequencies : (k,)      rad/s, ascending
     mass_damping, stiffness_damping : alpha, 1/s, and beta, s, of the modes
     spin_stiffness : (6, k, k) of `CentrifugalStiffness`, or None
-    yield_stress : Pa, beyond which a run warns; None: that of the explicit parts of its material, if any
-    Raises ModelError for vectors that contain rigid motion: their step limit would not be that of the modes.
+    yield_stress : Pa, above which a run warns; None: that of the explicit parts of its material, if any
+    Raises ModelError for vectors that contain rigid motion, whose step limit differs from that of the modes.
     """
 
     body: FlexibleBody
@@ -55,7 +55,7 @@ class ModalSubdomain(FloatingForm):
     spin_stiffness: NDArray[np.float64] | None = field(default=None, repr=False)
     yield_stress: float | None = None
 
-    # A linear body, as the equations of floating frames read it.
+    # A linear body in the equations of floating frames.
     cubic: ClassVar[None] = None
     damping_cubic: ClassVar[None] = None
     quartic_blocks: ClassVar[None] = None
@@ -71,11 +71,10 @@ class ModalSubdomain(FloatingForm):
         shared = self.vectors.T @ (M @ R) / np.sqrt(np.einsum("ij,ij->j", R, M @ R))
         if (worst := float(np.abs(shared).max(initial=0.0))) > LARGEST_RIGID_PART:
             raise ModelError(
-                f"mode {int(np.abs(shared).max(axis=1).argmax()) + 1} of body '{self.body.name}' "
-                f"contains rigid "
-                f"motion (product {worst:.1e}, allowed {LARGEST_RIGID_PART:.0e}): its frame carries that "
-                "already, and the step limit would be lost; make the modes M-orthogonal to rigid motion, as "
-                "modal_subdomain does"
+                f"mode {int(np.abs(shared).max(axis=1).argmax()) + 1} of body '{self.body.name}' contains "
+                f"rigid motion (product {worst:.1e}, allowed {LARGEST_RIGID_PART:.0e}), which its frame "
+                "already has, and the step limit would be wrong; make the modes M-orthogonal to rigid "
+                "motion, as modal_subdomain does"
             )
 
     @property
@@ -85,7 +84,7 @@ class ModalSubdomain(FloatingForm):
 
     @property
     def kind(self) -> Literal["modal"]:
-        """Modes on a four-point frame."""
+        """The literal "modal"."""
         return "modal"
 
     @property
@@ -100,12 +99,12 @@ class ModalSubdomain(FloatingForm):
 
     @property
     def mass(self) -> float:
-        """Of the whole body, kg."""
+        """Total mass, kg."""
         return float(np.asarray(self.moments.S0).sum())
 
     @property
     def centre_of_mass(self) -> NDArray[np.float64]:
-        """(3,) undeformed, in the mesh axes, m: where the frame has its origin."""
+        """(3,) undeformed, in the mesh axes, m: the origin of the frame."""
         return self.points.origin
 
     @property
@@ -115,10 +114,10 @@ class ModalSubdomain(FloatingForm):
 
     @property
     def mesh(self) -> Mesh:
-        """Of its elements; ModelError of a body of matrices."""
+        """Mesh of its elements; ModelError for a body of matrices."""
         if self.body.model is None:
             raise ModelError(
-                f"part '{self.name}' has no mesh, only matrices: it cannot be tied, hit or loaded"
+                f"part '{self.name}' has no mesh, only matrices: ties, contacts and loads need its elements"
             )
         return self.body.model.mesh
 
@@ -135,7 +134,7 @@ class ModalSubdomain(FloatingForm):
         return (*of_body.values(), *node_sets(self, {k: v for k, v in sets.items() if k not in of_body}))
 
     def interface(self, name: str) -> NodeSet:
-        """The node set of that name; ModelError names the nearest, or those there are."""
+        """The node set of that name; ModelError with the nearest name, or all names."""
         return interface_named(self.name, name, self.interfaces)
 
     @cached_property
@@ -162,7 +161,7 @@ class ModalSubdomain(FloatingForm):
     def nodal_fields(
         self, coordinates: NDArray[np.float64], freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[NDArray[np.float64], None]:
-        """Nodal freedoms (n, t) of coordinates (t, k); nothing is condensed."""
+        """Nodal freedoms (n, t) from coordinates (t, k), without condensed freedoms."""
         return self.nodal_basis[freedoms] @ coordinates.T, None
 
     @property
@@ -172,7 +171,7 @@ class ModalSubdomain(FloatingForm):
 
     @cached_property
     def gram(self) -> NDArray[np.float64]:
-        """Inertia Gram matrix (6 + 4k, 6 + 4k) in the axes of the mesh, as of a `ReducedBody`."""
+        """Inertia Gram matrix (6 + 4k, 6 + 4k) in the axes of the mesh, as for a `ReducedBody`."""
         return inertia_gram(self.body, self.vectors)
 
     @property
@@ -187,21 +186,21 @@ class ModalSubdomain(FloatingForm):
 
     @property
     def is_linear(self) -> bool:
-        """Whether it has no stiffness of its own spin."""
+        """Whether it has no spin stiffness."""
         return self.spin_stiffness is None
 
     def lowest_frequency(self) -> float:
-        """Of the free modes, rad/s; infinite without any."""
+        """Lowest frequency of the free modes, rad/s; infinite without any."""
         return float(self.frequencies.min(initial=np.inf))
 
     @property
     def rotation_limit(self) -> float:
-        """Against the frame, rad: foreshortening, theta^2 / 2, is then half a percent of the length."""
+        """Limit of rotation relative to the frame, rad: foreshortening theta^2 / 2 is half a percent."""
         return 0.1
 
     @property
     def rotation_rows(self) -> NDArray[np.float64] | None:
-        """Rotation vectors at P points per modal coordinate, (3 P, k); None of a body of matrices."""
+        """Rotation vectors at P points per modal coordinate, (3 P, k); None for a body of matrices."""
         operator = self.body.rotation_operator
         return None if operator is None else operator @ self.body.expansion @ self.vectors
 
@@ -218,7 +217,7 @@ class ModalSubdomain(FloatingForm):
 
     @cached_property
     def moments(self) -> Moments:
-        """The sums over its mass."""
+        """Sums over its mass."""
         return moments(mass_fields(self.body, self.points, self.vectors))
 
     @property
@@ -227,7 +226,7 @@ class ModalSubdomain(FloatingForm):
         return true_limit(self.moments, self.points, np.diag(self.frequencies**2))
 
     def compiled(self) -> FrameModel:
-        """The numbers of the march."""
+        """Arrays of the time integration."""
         M_V = local_mass(self.moments, self.points.arm)
         if self.n_modes and np.abs(M_V - np.eye(self.n_modes)).max() > 1e-8:
             raise ModelError(f"the modes of body '{self.name}' are not mass-normalised")
@@ -251,48 +250,49 @@ def modal_subdomain(
     stiffening: CentrifugalStiffness | None = None,
     yield_stress: float | None = None,
 ) -> ModalSubdomain:
-    """A linear body as a modal sub-domain of an explicit march.
+    """A linear body as a modal sub-domain for explicit time integration.
 
         V^T M V = I,   R^T M V = 0,   V^T K V = diag(omega^2)
 
-    The columns of any basis are made M-orthogonal to the six rigid motions and vibrate at frequencies of
-    their own; those above `highest` are left out. So constraint modes of many interface freedoms do not
-    shorten the step: what counts is the highest frequency kept.
+    The columns of any basis are made M-orthogonal to the six rigid motions and diagonalised; modes with
+    frequencies above `highest` are omitted. So constraint modes of many interface freedoms do not shorten the
+    step: the highest retained frequency limits it.
 
-    body : FlexibleBody     its elements' quadratic strains are used by `stiffening` alone
+    body : FlexibleBody     only `stiffening` uses the quadratic strains of its elements
     basis : NormalModes(..), CraigBampton(..), ErrorControlled(..) or any other recipe
     highest : float         rad/s
     damping : LinearRayleighDamping(..)     of the modes; the frame is undamped
     stiffening : CentrifugalStiffness()     stress of free spin, for bodies that spin faster than about 3 % of
-        their lowest frequency; None: the modes are those at rest at any spin
-    yield_stress : float    Pa, beyond which a run warns, for modes stay elastic; None: the lowest of the
+        their lowest frequency; None: the modes are those at rest for any spin
+    yield_stress : float    Pa, above which a run warns, because modes stay elastic; None: the lowest of the
         explicit parts of the same material
-    Raises ModelError when no mode is left, of a body with modal coordinates or a damping matrix; errors of
+    Raises ModelError when no mode is left, for a body with modal coordinates or a damping matrix; errors of
         the recipe.
     Source: [Radioss]; docs/theory/explicit.md for the orthogonality.
     """
     refuse_held(damping, f"modal sub-domain '{body.name}'")
     if body.damping is not None:
         raise ModelError(
-            f"modal sub-domain '{body.name}': a damping matrix is not read here; leave it out, and give "
+            f"modal sub-domain '{body.name}': a damping matrix is not supported; leave it out, and give "
             "LinearRayleighDamping"
         )
     if body.n_modal:
         raise ModelError(
-            f"modal sub-domain '{body.name}': a body condensed elsewhere does not say where its modal "
-            "coordinates have mass; join it to the explicit parts as a reduced body, or give its elements"
+            f"modal sub-domain '{body.name}': the mass distribution of a body condensed elsewhere, with "
+            "modal coordinates, is unknown; join it to the explicit parts as a reduced body, or give its "
+            "elements"
         )
     frame = MeanAxisFrame()
     linear = rayleigh_ritz(body, frame, basis.build(body, frame))
     kept = linear.frequencies <= highest
     if not kept.any():
         raise ModelError(
-            f"no mode of body '{body.name}' lies below {highest:g} rad/s; the lowest is at "
-            f"{linear.frequencies[0]:g}"
+            f"no mode of body '{body.name}' is below {highest:g} rad/s; the lowest is at "
+            f"{linear.frequencies[0]:g}: raise `highest`"
         )
     alpha, beta = (0.0, 0.0) if damping is None else (damping.alpha, damping.beta)
     vectors = linear.vectors[:, kept]
-    # A mode has no sign of its own; this one lets a run go on in another process.
+    # The sign of a mode is arbitrary; a definite one allows a resume in another process.
     signs = np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(vectors.shape[1])])
     vectors = vectors * signs
     spun = None if stiffening is None else stiffening.matrices(body, vectors)

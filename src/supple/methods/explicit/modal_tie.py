@@ -2,9 +2,9 @@
 
     g_r = 1/l sum_c L_rc . P_2^T (x_1(X_c) - x_2(X_c)) = 0
 
-at points X_c of both interfaces, with combinations L in the axes of the second frame. A rigid motion of both
-parts leaves g as it is, so its multipliers carry neither linear nor angular momentum away. Like all sums over
-nodes it is a polynomial in the coordinates: L is contracted with weights and shapes once.
+at points X_c of both interfaces, with combinations L in the axes of the second frame. g is invariant under a
+rigid motion of both parts, so its multipliers conserve linear and angular momentum. Like all sums over nodes
+it is a polynomial in the coordinates: L is contracted with weights and shapes once.
 """
 
 from __future__ import annotations

@@ -30,12 +30,12 @@ class NodalMotion(Motion):
     nodes: np.ndarray
     """(t, N, 3) positions in space."""
     velocities: np.ndarray
-    """(t, N, 3) over the step before; at the start, those of that instant."""
+    """(t, N, 3) over the step before; at the start, at that instant"""
     accelerations: np.ndarray
     """(t, N, 3)"""
     plastic_strain: np.ndarray
-    """(t, E) equivalent plastic strain of each element, the largest of its points; zero of elastic ones."""
+    """(t, E) equivalent plastic strain of each element, the largest of its points; zero if elastic."""
     alive: np.ndarray
-    """(t, E) 1, or 0 from when an element has been deleted."""
+    """(t, E) 1, or 0 once an element is deleted."""
     von_mises: np.ndarray
-    """(t, E) von Mises' Cauchy stress of each element, the largest of its points; zero of deleted ones."""
+    """(t, E) von Mises stress of each element, the largest of its points; zero for deleted ones."""

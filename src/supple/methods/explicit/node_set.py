@@ -1,4 +1,4 @@
-"""The interfaces of an explicit part: the node sets of its mesh, and the interfaces of its body."""
+"""Interfaces of an explicit part: the node sets of its mesh, and the interfaces of its body."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class NodeSet(UntiedInterface):
-    """Nodes of a part, whose mean motion is that of the interface, and which share a force on it evenly.
+    """Nodes of a part, with their mean motion as that of the interface, and an equal share of its force each.
 
-    part : the body that has them
+    part : the body of these nodes
     nodes : (n,) their numbers;   position : (3,) their mean, undeformed, in the mesh axes
-    rows : (6, r)       displacement and rotation per coordinate of the part, where they are not the mean ones
+    rows : (6, r)       displacement and rotation per coordinate of the part, if not the mean ones
     """
 
     part: Any
@@ -47,7 +47,7 @@ class NodeSet(UntiedInterface):
         return np.einsum("ank,rnk->ar", self.averaging, self.part.expand(unit, self.nodes), optimize=True)
 
     def moving(self, nodes: NodeMotion) -> InterfaceMotion:
-        """Its motion from that of its nodes: the mean, and the rotation and spin that fit them best.
+        """Motion of the set from that of its nodes: the mean, and the best-fit rotation and angular velocity.
 
         max tr(A^T H),   H = sum (x - x_m) (X - X_m)^T     (Kabsch 1976)
         J w = sum (x - x_m) x (v - v_m)
@@ -65,6 +65,6 @@ class NodeSet(UntiedInterface):
 
 
 def node_sets(part: Any, sets: Mapping[str, NDArray[np.int64]]) -> tuple[NodeSet, ...]:
-    """The interfaces of a part on the sets that are not empty."""
+    """Interfaces of a part on its node sets, without empty ones."""
     known = {name: np.asarray(nodes) for name, nodes in sets.items() if len(nodes)}
     return tuple(NodeSet(part, name, nodes, part.nodes[nodes].mean(axis=0)) for name, nodes in known.items())

@@ -1,16 +1,16 @@
-"""The projected nodal central difference: leap-frog of the nodes, projected on what frame and modes can do.
+"""Projected nodal central difference: leap-frog of the nodes, projected on the motions of frame and modes.
 
     B(q_n)^T M [x(q_n+1) - 2 x_n + x_n-1] = h^2 {B(q_n)^T f_n - [0; K_L y_n] + G_n^T lambda},   D(p_n+1) = 0
 
 with B = dx/dq, in equal steps; from the discrete Lagrangian 1/(2h) |x(q_n+1) - x(q_n)|_M^2 - h V(y_n). No
-term is neglected and no force depends on velocity: gyroscopic, centrifugal and Euler forces are inside.
-Momentum is exact, energy stays bounded, the step limit of the modes holds. The unknown increments enter
-bilinearly,
+term is neglected, and no force depends on velocity: gyroscopic, centrifugal and Euler forces are included.
+Momentum is exact, energy stays bounded, and the step limit is that of the modes. The unknown increments are
+bilinear,
 
     x_n+1 - x_n = xi_n dp + P_n Phi dy + dP Phi dy,
 
-so the equation is solved for them (not for positions, whose differences would lose digits) by Newton's method
-with the Jacobian frozen at t_n: each pass shrinks the error by the turn of a step.
+so the equation is solved for them (positions would lose digits in their differences) by Newton's method with
+the Jacobian frozen at t_n: each pass reduces the error by a factor of the rotation in a step.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ from supple.methods.explicit.spin_stiffness import spin_products
 __all__ = ["ProjectedDifference"]
 
 Gaps = Callable[[tuple[FrameState, ...]], Array]
-"""By how much what joins frames is open in their states, (R,)."""
+"""Gaps of ties and joints in given states, (R,)."""
 
 _MOST_PASSES = 40
-_SMALL = 1e-13  # of the last correction: the next would be its product with the turn of a step
+_SMALL = 1e-13  # size of the last correction; the next would be its product with the rotation in a step
 
 
 class _Tangent(NamedTuple):
@@ -73,8 +73,8 @@ class ProjectedDifference:
     ) -> tuple[tuple[FrameState, ...], tuple[Array, ...], Array]:
         """Frames tied or joined to each other, and the multipliers of links (6,) and of what joins them (R,).
 
-        rows : of each frame at t_n, (R, 4, 3) on the points and (R, k) on the modes; () where nothing joins
-        gaps : (R,) of the states at t_n+1, which shall be zero
+        rows : for each frame at t_n, (R, 4, 3) on the points and (R, k) on the modes; () without ties
+        gaps : (R,) of the states at t_n+1, to be closed
         """
         h, mean = steps.after, steps.mean
         frozen, guesses = [], []
@@ -98,7 +98,7 @@ class ProjectedDifference:
     ) -> Array:
         """Work (R,) of the multipliers of ties and joints in a step, J.
 
-        None but what goes with the turn, as of links, and that of joints whose laws move them.
+        Only the part by finite rotation, as for links, and that of joints with laws.
         """
         opened = sum(
             own.p.reshape(-1, 12) @ (0.5 * (a.vp + b.vp)).reshape(12) + own.y @ (0.5 * (a.vy + b.vy))
@@ -109,7 +109,7 @@ class ProjectedDifference:
     def turning_work(
         self, model: FrameModel, old: FrameState, new: FrameState, multipliers: Array, steps: StepLengths
     ) -> Array:
-        """Work that the links and the bilinear motion do in a step, for it turns by a finite angle, J.
+        """Work of links and bilinear motion in a step, due to its finite rotation, J.
 
         With nodal velocities v = B d +- b, b = h P' Phi y', half a step after and before t_n the kinetic
         energy grows by <M (v+ - v-), (v+ + v-) / 2>; forces do B^T f . d of it, and the rest is
@@ -160,12 +160,13 @@ def _bilinear_square(model: FrameModel, dp: Array, dy: Array) -> Array:
 
 
 class _Frozen(NamedTuple):
-    """What does not change over the passes of a frame's step: B_n^T M B_n with the links, factored.
+    """Constants over the passes of a frame's step: B_n^T M B_n with the links, factored.
 
-    The modes are eliminated first; the links make the rest regular, even where modes repeat a uniform strain.
+    The modes are eliminated first; the links make the rest regular, even where modes include a uniform
+    strain.
 
-    unit : a mass, for scale;   factor : of the links, so that their rows are as large as the masses
-    spun : (6, k) impulse of the spin's stiffness per product of angular velocity after t_n, or None
+    unit : a mass, for scale;   factor : of the links, which scales their rows to the masses
+    spun : (6, k) impulse of the spin stiffness per product of angular velocity after t_n, or None
     after : h, s
     """
 
@@ -224,7 +225,7 @@ def _answer(f: _Frozen, r_p: Array, r_y: Array, r_D: Array) -> tuple[Array, Arra
 
 
 class _Bound(NamedTuple):
-    """The rows J (R, 12), (R, k) of ties and joints on a frame, and its answers Z to unit multipliers."""
+    """The rows J (R, 12), (R, k) of ties and joints on a frame, and its responses Z to unit multipliers."""
 
     on_points: Array
     on_modes: Array
@@ -247,7 +248,7 @@ def _nothing_open(_states: tuple[FrameState, ...]) -> Array:
 
 
 class _Pass(NamedTuple):
-    """What Newton's method improves."""
+    """Iterate of Newton's method."""
 
     increments: tuple[Generalized, ...]
     links: tuple[Array, ...]
@@ -265,7 +266,7 @@ def _increments(
 ) -> tuple[tuple[Generalized, ...], tuple[Array, ...], Array]:
     """D, lambda and mu of B_n^T M (x(q_n + d) - x_n) = right + G_n^T lambda + J_n^T mu, D = 0, g = 0.
 
-    Each pass answers frame by frame first; what then is left of the gaps says how to pull (Schur complement).
+    Each pass solves frame by frame; the remaining gaps then determine the multipliers (Schur complement).
     """
     bound, inverse = _bound(frozen, rows) if rows else ((), jnp.zeros((0, 0)))
 

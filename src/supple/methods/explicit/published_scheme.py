@@ -1,10 +1,10 @@
-"""The four-point frame as published: constant mass, lagged or no gyroscopic force, links as one chooses.
+"""Four-point frame as published: constant mass, lagged or no gyroscopic force, optional link schemes.
 
     [M_E  M_C^T; M_C  M_V] [p''; y''] = F + F_gyr + [G^T lambda; -K_L y - C_L y'],   M_C linear in P
 
-It neglects u_L beside X: momentum errs by O(u_L / l). The links of the open implementation act along the
-*predicted* link d + h v, in one linear solution, and brake a rotation by 2 pi Omega h a turn. Both are kept
-to reproduce published results; `ProjectedDifference` has neither error.
+It neglects u_L relative to X: the error of momentum is O(u_L / l). The links of the open implementation act
+along the *predicted* link d + h v, in one linear solution, and brake a rotation by 2 pi Omega h per
+revolution. Both are kept to reproduce published results; `ProjectedDifference` has neither error.
 
 [Radioss] (9)-(25), and its routine FXLINK for `PredictedLinks`.
 """
@@ -31,21 +31,21 @@ __all__ = ["ExactLinks", "LaggedGyroscopicForce", "NoGyroscopicForce", "Predicte
 
 
 class Links(Protocol):
-    """How the distances of the points are kept over a step."""
+    """Scheme that keeps the distances of the points over a step."""
 
     def accelerations(
         self, inverse_mass: Array, free: Array, p: Array, v: Array, squared_lengths: Array, steps: StepLengths
     ) -> tuple[Array, Array]:
-        """Accelerations (12 + k,) and multipliers (6,) from those without links, at velocities v (4, 3)."""
+        """Accelerations (12 + k,) and multipliers (6,); `free`: without links, v (4, 3): velocities."""
         ...
 
 
 @dataclass(frozen=True)
 class PredictedLinks:
-    """Forces along d + h v in one linear solution: the acceleration's square dropped, errors fed back."""
+    """Forces along d + h v in one linear solution, linear in the acceleration; errors fed back."""
 
     def accelerations(self, inverse_mass, free, p, v, squared_lengths, steps):
-        """See `Links`; the rows of the predicted links stand on both sides."""
+        """See `Links`; the rows of the predicted links are on both sides."""
         d, rate, h = link_vectors(p), link_vectors(v), steps.after
         rows = _padded(link_rows(d + h * rate), len(free))
         open_ = ((squared_lengths - (d * d).sum(axis=1)) / h - ((2 * d + h * rate) * rate).sum(axis=1)) / (
@@ -61,7 +61,7 @@ class ExactLinks:
     """SHAKE: forces along the links at t_n such that D(p_n+1) = 0."""
 
     def accelerations(self, inverse_mass, free, p, v, squared_lengths, steps):
-        """See `Links`; Newton's method with the Jacobian kept, to round-off."""
+        """See `Links`; Newton's method with a frozen Jacobian, to round-off."""
         h = steps.after
         rows = _padded(link_rows(link_vectors(p)), len(free))
         spread = inverse_mass @ rows.T
@@ -86,13 +86,13 @@ class GyroscopicForce(Protocol):
     """The velocity-dependent force of the sub-domain."""
 
     def force(self, model: FrameModel, p: Array, v: Array, rates: Array) -> Generalized:
-        """On points and modes, from the velocities of the last half step."""
+        """Force on points and modes, from the velocities of the last half step."""
         ...
 
 
 @dataclass(frozen=True)
 class NoGyroscopicForce:
-    """None, as in the open implementation."""
+    """No gyroscopic force, as in the open implementation."""
 
     def force(self, model, p, v, rates):  # noqa: ARG002 - of the protocol
         """Zero."""
@@ -140,7 +140,7 @@ class PublishedScheme:
         return FrameState(p + steps.after * vp, y + steps.after * vy, vp, vy), multipliers
 
     def turning_work(self, model, old, new, multipliers, steps):  # noqa: ARG002 - of a scheme
-        """Zero: what the neglected terms do to the energy stays open in the balance."""
+        """Zero: the energy error of the neglected terms remains in the balance."""
         return jnp.zeros(())
 
 

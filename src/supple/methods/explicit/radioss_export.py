@@ -47,7 +47,7 @@ def flexible_body_file(body: ModalSubdomain) -> FlexibleBodyFile:
 
 
 def _nine(sums: np.ndarray) -> np.ndarray:
-    """(9, k, 12): the part of the coupling that P_il multiplies, from sums (4, 3, k) over w_a and Phi_l."""
+    """(9, k, 12): the coupling that multiplies P_il, from sums (4, 3, k) over w_a and Phi_l."""
     k = sums.shape[2]
     parts = np.zeros((3, 3, k, 4, 3))
     for i in range(3):

@@ -21,7 +21,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class RigidFrame:
-    """What a march asks of a `ModalSubdomain`, of a rigid body; mass, centre and inertia are exact."""
+    """A rigid body with the interface of a `ModalSubdomain`; mass, centre and inertia are exact."""
 
     body: RigidBody
 
@@ -37,22 +37,22 @@ class RigidFrame:
 
     @property
     def nodes(self) -> FloatArray:
-        """(N, 3) its interfaces."""
+        """(N, 3) positions of its interfaces."""
         return self.body.nodes
 
     @property
     def frequencies(self) -> FloatArray:
-        """None."""
+        """Empty: there are no modes."""
         return np.zeros(0)
 
     @property
     def shapes(self) -> FloatArray:
-        """(N, 3, 0)."""
+        """(N, 3, 0), without modes."""
         return np.zeros((len(self.nodes), 3, 0))
 
     @cached_property
     def points(self) -> FramePoints:
-        """At the centre of mass, arms of the radius of gyration."""
+        """Points at the centre of mass, with arms of the radius of gyration."""
         own = self.body
         return FramePoints(own.centre, float(np.sqrt(np.trace(own.inertia) / (2 * own.mass))))
 

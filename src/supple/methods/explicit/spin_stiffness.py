@@ -1,10 +1,10 @@
-"""Stiffness that the centrifugal stress of a free, spinning body adds to its modes.
+"""Stiffness added to the modes by the centrifugal stress of a free, spinning body.
 
     K_G(Omega) = sum_ab Omega_a Omega_b K_ab,     K_ab = V^T K'(u_ab) V,     K u_ab = load of Omega_a Omega_b
 
 with K'(u) the derivative of the tangent stiffness at rest: the geometric stiffness of the stress of u, and
-what u changes in the strains. Centrifugal loads are quadratic in the angular velocity, stress is linear in
-the loads: six static solutions serve every spin about every axis.
+the change of the strains by u. Centrifugal loads are quadratic in the angular velocity, stress is linear in
+the loads: six static solutions are sufficient for every spin about every axis.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ __all__ = ["CentrifugalStiffness"]
 FloatArray = NDArray[np.float64]
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1))
-"""Which products of angular velocity the six solutions are of."""
+"""The products of angular velocity, one for each of the six solutions."""
 
 
 @dataclass(frozen=True)
 class CentrifugalStiffness:
-    """The stress of free spin about the centre of mass, as stiffness of the modes.
+    """Stress of free spin about the centre of mass, as stiffness of the modes.
 
-    Of the body alone: neither ties, contacts and loads nor the mass of what is tied to it add to the stress.
+    It is that of the body alone: ties, contacts, loads and tied mass do not add to the stress.
     """
 
     def matrices(self, body: FlexibleBody, vectors: FloatArray) -> FloatArray:
@@ -76,7 +76,7 @@ def spin_products(p: Array, rates: Array) -> Array:
 
 
 def largest_of_unit_spin(matrices: FloatArray, mass: FloatArray) -> float:
-    """A bound of the eigenvalues of K_G y = lambda M y, at 1 rad/s about any axis.
+    """Bound of the eigenvalues of K_G y = lambda M y, at 1 rad/s about any axis.
 
     With c the six components of Omega Omega^T (those off the diagonal times sqrt 2), |c| = 1, so
     |K_G| = |sum c_i K_i| <= sqrt(sum |K_i|^2).

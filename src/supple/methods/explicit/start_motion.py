@@ -1,4 +1,4 @@
-"""Where the nodes of a placed part stand, and how they move at the start."""
+"""Initial positions and velocities of the nodes of a placed part."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ FloatArray = NDArray[np.float64]
 
 
 def undeformed(placed: Placed) -> FloatArray:
-    """Positions (N, 3) in space of its nodes, undeformed."""
+    """Positions (N, 3) in space of its undeformed nodes."""
     return placed.position + placed.body.nodes @ placed.rotation.T
 
 
 def rigid_velocities(placed: Placed, points: FloatArray) -> FloatArray:
-    """Velocities (n, 3) at the start of points (n, 3) in space that move with its frame."""
+    """Initial velocities (n, 3) of points (n, 3) in space that move with its frame."""
     velocity, turning = np.split(placed.twist, 2)
     return velocity + np.cross(placed.rotation @ turning, points - placed.position)

@@ -1,13 +1,13 @@
-"""The longest stable step of central differences on a modal sub-domain.
+"""Longest stable step of central differences on a modal sub-domain.
 
     (27)   dt <= 2 / omega_max,   K_L y = omega^2 M_V y
 
-holds for modes that are M-orthogonal to rigid motion. Other bases move the frame's points when they vibrate,
-which makes them lighter; then the limit is that of the true pencil
+holds for modes that are M-orthogonal to rigid motion. Other bases move the frame's points in vibration, which
+reduces their effective mass; then the limit is that of the true pencil
 
     K_L y = omega^2 (M_V - M_C R (R^T M_E R)^-1 R^T M_C^T) y,   R the six rigid motions of the points.
 
-It does not depend on the rotation, so it is found once. [Radioss] (26)-(27), corrected.
+It does not depend on the rotation, so it is computed once. [Radioss] (26)-(27), corrected.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def true_limit(moments: Moments, points: FramePoints, stiffness: FloatArray) -> 
 
 
 def damped_limit(limit: float, stiffness_factor: float) -> float:
-    """The limit when damping beta K follows half a step late, s: 2/omega (sqrt(1 + zeta^2) - zeta)."""
+    """Limit with damping beta K that lags by half a step, s: 2/omega (sqrt(1 + zeta^2) - zeta)."""
     zeta = stiffness_factor / limit
     return limit * float(np.hypot(1.0, zeta) - zeta)
 
@@ -61,7 +61,7 @@ def _limit(stiffness: FloatArray, mass: FloatArray) -> float:
         largest = linalg.eigh(stiffness, mass, eigvals_only=True)[-1]
     except linalg.LinAlgError:
         raise ModelError(
-            "the modes of a sub-domain contain rigid motion, which its frame carries already: make them "
+            "the modes of a sub-domain contain rigid motion, which its frame already has: make them "
             "M-orthogonal to it, as modal_subdomain does"
         ) from None
     return float(2 / np.sqrt(largest)) if largest > 0 else float("inf")

@@ -1,8 +1,8 @@
-"""Tensors of 3 x 3 components, each an array over points: what constitutive laws are written in.
+"""Tensors of 3 x 3 components, each an array over points, for constitutive laws.
 
-A tensor is a nested tuple t[i][j] of arrays of one shape. Written out component by component, a law
-compiles to one loop over points without memory between its operations; arrays of shape (.., 3, 3) would
-cost several times as much in small products.
+A tensor is a nested tuple t[i][j] of arrays of one shape. Written component by component, a law compiles to
+one loop over points without stores between its operations; arrays of shape (.., 3, 3) would be several times
+slower in small products.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ Tensor = tuple[tuple[Array, Array, Array], tuple[Array, Array, Array], tuple[Arr
 
 
 def tensor(component: Callable[[int, int], Array]) -> Tensor:
-    """From a function of the two indices."""
+    """Tensor from a function of the two indices."""
     return tuple(tuple(component(i, j) for j in range(3)) for i in range(3))  # ty: ignore[invalid-explicit-return] - of length 3
 
 

@@ -1,4 +1,4 @@
-"""Modes are elastic: is a modal part stressed beyond its yield stress at an output time?"""
+"""Check whether a modal part, which is elastic, exceeds its yield stress at an output time."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ __all__ = ["YieldWatch", "yield_watch"]
 
 FloatArray = NDArray[np.float64]
 Stressed = tuple[float, float, int]
-"""The largest stress of a part, Pa, when, and the number of its node."""
+"""Largest stress of a part, Pa, its time, and the number of its node."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Limit:
-    """Yield stress, Pa, of a modal part, the part that it is of, and the stress of its modes."""
+    """Yield stress, Pa, of a modal part, the part that it is taken from, and the stress of its modes."""
 
     part: ModalSubdomain
     yield_stress: float
@@ -36,13 +36,13 @@ class _Limit:
 
 @dataclass(frozen=True, eq=False)
 class YieldWatch:
-    """The yield stresses of the modal parts of a system, and how to hold them."""
+    """Yield stresses of the modal parts of a system, and the action when one is exceeded."""
 
     validity: Validity
     limits: tuple[_Limit, ...]
 
     def observe(self, so_far: Mapping[str, Stressed], leg: Solution) -> dict[str, Stressed]:
-        """The largest stresses with a leg of a run included; ValidityError at once when strict."""
+        """Largest stresses including a leg of a run; ValidityError at once when strict."""
         merged = {}
         for own in self.limits:
             motion = leg.motion(own.part.name, FloatingMotion)
@@ -56,7 +56,7 @@ class YieldWatch:
         return merged
 
     def excesses(self, peaks: Mapping[str, Stressed]) -> list[str]:
-        """What is to be said of every limit passed."""
+        """A message for every limit exceeded."""
         return [
             _yields(own, *peaks[own.part.name])
             for own in self.limits
@@ -64,7 +64,7 @@ class YieldWatch:
         ]
 
     def report(self, peaks: Mapping[str, Stressed]) -> None:
-        """Warn of every limit passed."""
+        """Warn about every limit exceeded."""
         for message in self.excesses(peaks):
             warnings.warn(message, ValidityWarning, stacklevel=3)
 
@@ -72,7 +72,7 @@ class YieldWatch:
 def yield_watch(system: System, validity: Validity) -> YieldWatch:
     """Prepare the limits of the modal parts of a system.
 
-    The yield stress of a part that states none is the lowest of the explicit parts of its material.
+    For a part without a yield stress it is the lowest of the explicit parts of its material.
     """
     found = []
     for part in system.bodies_of(ModalSubdomain).values():
@@ -106,5 +106,5 @@ def _yields(own: _Limit, stress: float, time: float, node: int) -> str:
     return (
         f"part '{name}' is modal, so elastic, and reaches a von Mises stress of {stress:.4g} at node "
         f"{model.mesh.node_ids[node]} (t = {time:.4g}), above {whose} {own.yield_stress:.4g}: it would yield "
-        "there. March that region in explicit elements, or state another yield_stress of the modal part"
+        "there. Use explicit elements in that region, or give another yield_stress of the modal part"
     )

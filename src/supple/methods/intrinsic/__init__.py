@@ -1,4 +1,4 @@
-"""Intrinsic modal reduction: slender bodies at any rotation, from a linear model alone."""
+"""Intrinsic modal reduction: slender bodies with arbitrary rotations, from a linear model alone."""
 
 from supple.methods.intrinsic.chosen_step import *
 from supple.methods.intrinsic.condensation_error import *

@@ -1,4 +1,4 @@
-"""Momentum of a free body of few modes: how far its centre of mass is from where its loads bring it."""
+"""Momentum error of a free body with few modes: drift of its centre of mass from the motion by its loads."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ __all__ = ["centre_drift"]
 Array = NDArray[np.float64]
 
 FEWEST = 5
-"""Output times from which the impulse of loads is known."""
+"""Fewest output times for which the impulse of the loads is integrated."""
 
 
 def centre_drift(system: System, solution: Solution, name: str) -> float:
-    """Largest distance of a free body's centre of mass from where the impulse of its loads brings it, m.
+    """Largest distance of a free body's centre of mass from its motion by the impulse of its loads, m.
 
         c(t) - c(0) - c'(0) t - 1/m int int F dt dt
 
-    Momentum of a truncated free line is that of its rigid modes only. The forces are taken at the output
-    times, as a spline; what half as many times change is not counted as drift.
+    The momentum of a truncated free line is that of its rigid modes only. The forces are a spline through
+    their values at the output times; changes between every second output time are not counted as drift.
 
-    Returns 0 for a body that is held, in a machine with joints, and for fewer than five output times.
+    Returns 0 for a supported body, in a machine with joints, and for fewer than five output times.
     """
     placed = system.bodies[system.body_index(name)]
     body = body_of(placed)
@@ -58,12 +58,12 @@ def centre_drift(system: System, solution: Solution, name: str) -> float:
 
 
 def _path(known: Array, acceleration: Array, times: Array) -> Array:
-    """Where accelerations known at some times bring a body that is at rest at the first."""
+    """Displacement of a body from rest, integrated from accelerations at some times."""
     return scipy.interpolate.CubicSpline(known, acceleration).antiderivative(2)(times)
 
 
 def _translating(body: IntrinsicBody) -> Array:
-    """(n, 6, 3) momenta of translations of the stations."""
+    """(n, 6, 3) momenta of the stations in unit translations."""
     n = body.line.n
     return body.line.mass.reshape(n, 6, n, 6).sum(axis=2)[:, :, :3]
 
@@ -80,7 +80,7 @@ def _carried_by(
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
     model = system.lines[number]
     own = jnp.trace(mass[:, :3], axis1=1, axis2=2) / 3
-    moments = mass[:, 3:]  # skew: mass times where it lies beside its station
+    moments = mass[:, 3:]  # skew-symmetric: mass times its offset from the station
     beside = 0.5 * jnp.stack(
         [
             moments[:, 2, 1] - moments[:, 1, 2],

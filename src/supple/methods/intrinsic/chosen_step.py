@@ -1,4 +1,4 @@
-"""The step of a run that names none, from the periods of the modes that are kept."""
+"""Default step of a run, from the periods of the retained modes."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from supple.methods.intrinsic.stable_step import largest_stable_step
 __all__ = ["with_chosen_step"]
 
 STEPS_A_PERIOD = 20
-"""The rule of second order then turns a mode by 0.8 % of a period too little in each of its periods."""
+"""Steps a period; the second-order rule then has a phase lag of 0.8 % of a period in each period."""
 MOST_RESOLVED = 16
-"""Modes of a body, the lowest, whose periods bind an implicit step; the others follow, damped by the rule."""
+"""Number of lowest modes of a body whose periods limit an implicit step; the rule damps higher ones."""
 OF_STABLE = 0.9
 
 
 def with_chosen_step(system: System, run: Run) -> Run:
-    """The run with a fixed step, where it names none and the machine has intrinsic bodies.
+    """The run with a fixed default step, if it has none and the machine has intrinsic bodies.
 
-    An implicit step is a twentieth of the shortest period of the modes kept, of the lowest sixteen at most
-    and without those of second order; an explicit one is stable besides. It divides the output step.
+    An implicit step is a twentieth of the shortest period of the retained modes, of the lowest sixteen at
+    most and without second-order modes; an explicit step is also stable. The output step is a multiple of it.
     """
     bodies = list(system.bodies_of(IntrinsicBody).values())
     if run.step is not None or not bodies:

@@ -1,4 +1,4 @@
-"""A run of few modes at some instants as all modes of its bodies would carry it."""
+"""Motion of all modes of the bodies at some instants of a run with few modes."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ __all__ = ["CompleteMotion", "complete_motion", "intrinsic_of", "states_of", "wi
 Array = NDArray[np.float64]
 
 TOLERANCE = 1e-8
-"""Of the rates that all modes would have, were they at rest in the others' motion."""
+"""Residual relative to the rates of all modes, at which the iteration ends."""
 MOST_ITERATIONS = 12
 
 
@@ -44,7 +44,7 @@ class CompleteMotion(NamedTuple):
     """The machine with all modes of its bodies, and its motion at the sample times.
 
     shown : the run itself at these instants, in all modes
-    found : (t,)    False where no such motion was found
+    found : (t,)    False where the iteration did not converge
     """
 
     system: System
@@ -54,25 +54,25 @@ class CompleteMotion(NamedTuple):
 
 
 class _Lines(NamedTuple):
-    """The lines of a machine; joined where joints or forces hold their stations."""
+    """The lines of a machine; with `joined` where joints or forces act on their stations."""
 
     system: LineSystem
     joined: JoinedArrays | None
 
 
 def complete_motion(system: System, solution: Solution, rows: NDArray[np.intp]) -> CompleteMotion:
-    """The elastic amplitudes of all modes at which accelerations and strain rates are those of the run.
+    """Motion in all modes whose elastic accelerations and strain rates are those of the run.
 
         0 = W q + N(q) q + eta + T^T f - A (q' of the run)
 
-    A brings amplitudes of the run to those of all modes; root and rigid motion are the run's, and so are the
-    forces f of joints and force elements on the stations that they hold. The modes left out follow the
-    motion, as [Wang2015] (37) has them, and the kept ones give way to what these do to them.
+    A maps amplitudes of the run to those of all modes. Root and rigid motion are those of the run, and so are
+    the forces f of joints and force elements on stations. The omitted modes follow the motion statically, as
+    in [Wang2015] (37), and the retained modes are corrected for the coupling with them.
 
     Parameters
     ----------
     system, solution : a machine with intrinsic bodies, and its run
-    rows : (t,) output times to look at
+    rows : (t,) numbers of the output times
 
     Raises ModelError as `machine_of_lines`, or `joined_machine`.
     """
@@ -125,7 +125,7 @@ def states_of(body: IntrinsicBody, motion: Motion) -> LineState:
 def _instants(
     machine: JoinedMachine, solution: Solution, times: jax.Array, states: States
 ) -> tuple[JoinedInstant, Array]:
-    """The instants of a run (leading axis: time), and the multipliers (t, m) of all equations of joints."""
+    """Instants of a run (leading axis: time), and the multipliers (t, m) of all joint equations."""
     motions = [
         solution.motion(placed.body.name, FloatingMotion)
         for placed in machine.system.bodies
@@ -158,13 +158,13 @@ def _motions(
         own = solution.motion(placed.body.name, IntrinsicMotion)
         unknown = np.full(np.shape(state.q1), np.nan)
         motion = line_motion(placed, body_of(placed).model, drive, state, unknown, solution.times)
-        # Driven roots are where the drive has them; the others are the run's to the last digit.
+        # Driven roots are at the position of the drive; the others agree with the run to the last digit.
         found[placed.body.name] = replace(motion, position=own.position, rotation=own.rotation)
     return found
 
 
 def _maps(own: IntrinsicModes, whole: IntrinsicModes) -> tuple[Array, Array]:
-    """Amplitudes (m', m) of velocities, and (e', e) of forces, in all modes by those of the kept ones."""
+    """Maps (m', m) of velocity and (e', e) of force amplitudes, from the retained to all modes."""
     first = whole.velocities.reshape(-1, whole.n_modes).T @ own.momenta.reshape(-1, own.n_modes)
     lengths = own.line.tree.lengths[:, None, None]
     strains = (lengths * whole.strains).reshape(-1, whole.n_elastic)
@@ -174,7 +174,7 @@ def _maps(own: IntrinsicModes, whole: IntrinsicModes) -> tuple[Array, Array]:
 def with_modes(placed: Placed, number: int | None) -> Placed:
     """The body with a number of its lowest modes, or all, placed with the same strains and velocities.
 
-    Of a released body they are the lowest on its support.
+    For a released body these are the lowest modes on its support.
     """
     own = body_of(placed)
     if number is None:
@@ -205,7 +205,7 @@ def _rates(lines: _Lines, time: Any, states: States, wrenches: jax.Array | None)
 def _followed(
     kept: _Lines, whole: _Lines, maps: Any, times: jax.Array, states: States, wrenches: jax.Array | None
 ) -> tuple[States, States, jax.Array]:
-    """The run in all modes, the complete motion, and what it leaves of its equations, at each instant."""
+    """The run in all modes, the complete motion, and its relative residual, at each instant."""
 
     def brought(now: States) -> States:
         return tuple(

@@ -1,4 +1,4 @@
-"""How many stations are enough: frequencies of a condensed body against those of its elements."""
+"""Condensation error: frequencies of a condensed body compared with those of its elements."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ FEWEST_SEGMENTS = 6
 
 @dataclass(frozen=True, eq=False)
 class CondensationError:
-    """The lowest elastic frequencies of a body on its support, rad/s.
+    """Lowest elastic frequencies of a body on its support, rad/s.
 
-    condensed, exact : (k,)     on stations, and of all freedoms of the elements
+    condensed, exact : (k,)     with stations, and with all freedoms of the elements
     """
 
     condensed: Array
@@ -36,37 +36,37 @@ class CondensationError:
 
     @property
     def relative(self) -> Array:
-        """(k,) of the frequencies, positive where stations are too stiff."""
+        """(k,) relative errors of the frequencies, positive where the condensed body is too stiff."""
         return self.condensed / self.exact - 1
 
     @property
     def largest(self) -> float:
-        """Of them all, without its sign."""
+        """Largest relative error, absolute value."""
         return float(np.abs(self.relative).max(initial=0.0))
 
 
 class AccurateBody(NamedTuple):
-    """A body, and the error that it has."""
+    """A body and its condensation error."""
 
     body: IntrinsicBody
     error: CondensationError
 
 
 def condensation_error(body: FlexibleBody, condensed: IntrinsicBody, n_frequencies: int) -> CondensationError:
-    """Errors of the lowest elastic frequencies, in ascending order on either side.
+    """Errors of the lowest elastic frequencies, compared in ascending order.
 
     Parameters
     ----------
-    body : that was condensed
-    n_frequencies : at most the elastic modes of the condensed one
+    body : the body before condensation
+    n_frequencies : at most the number of elastic modes of the condensed body
 
     Raises ModelError for more frequencies than there are modes.
     """
     known = condensed.modes.frequencies
     if not 1 <= n_frequencies <= len(known):
         raise ModelError(
-            f"body '{body.name}': errors of {n_frequencies} frequencies asked for; the condensed body has "
-            f"{len(known)} elastic modes"
+            f"body '{body.name}': errors of {n_frequencies} frequencies requested; the condensed body has "
+            f"{len(known)} elastic modes: request at most these"
         )
     exact = _exact(body, condensed, n_frequencies)
     return CondensationError(read_only(known[:n_frequencies]), read_only(exact))
@@ -83,9 +83,9 @@ def accurate_condensation(
     support: RootSupport = CLAMPED,
     damping: Damping | None = None,
 ) -> AccurateBody:
-    """A body with as many stations as bring its lowest frequencies within a tolerance.
+    """A body with the stations needed for its lowest frequencies to be within a tolerance.
 
-    The number of segments doubles, from 6 on, until the errors allow it.
+    The number of segments starts at 6 and doubles until the errors are within it.
 
     Parameters
     ----------
@@ -95,11 +95,11 @@ def accurate_condensation(
 
     Raises
     ------
-    AccuracyError   the mesh carries no more stations: what was reached, with how many
+    AccuracyError   the mesh allows no more stations; the message states the error reached
     ModelError      as `condense`
     """
     if not 0 < tolerance < 1:
-        raise ModelError(f"a tolerance of frequencies lies between 0 and 1, not {tolerance}")
+        raise ModelError(f"a tolerance of frequencies must be between 0 and 1, not {tolerance}")
     reached: tuple[int, float] | None = None
     segments = FEWEST_SEGMENTS
     while True:
@@ -116,8 +116,8 @@ def accurate_condensation(
                 raise
             stations, least = reached
             raise AccuracyError(
-                f"body '{body.name}': with {stations} stations its lowest {n_frequencies} frequencies are "
-                f"off by {least:.2g}, not by {tolerance:g}, and the mesh carries no more: {error}"
+                f"body '{body.name}': with {stations} stations its lowest {n_frequencies} frequencies have "
+                f"an error of {least:.2g}, above {tolerance:g}, and the mesh allows no more stations: {error}"
             ) from error
         error = condensation_error(body, found, n_frequencies)
         if error.largest <= tolerance:
@@ -127,7 +127,7 @@ def accurate_condensation(
 
 
 def _exact(body: FlexibleBody, condensed: IntrinsicBody, number: int) -> Array:
-    """Elastic frequencies of the elements, the root held as its support holds it."""
+    """Elastic frequencies of the elements, with the root supported as in the condensed body."""
     root = next(i for i in body.interfaces if condensed.stations.get(i.name) == 0)
     free = condensed.support.free
     held = null_space(free.T).T if free.shape[1] else np.eye(6)

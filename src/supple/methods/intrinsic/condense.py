@@ -1,4 +1,4 @@
-"""From a body of finite elements to its intrinsic modes, by stations along its load paths."""
+"""Condensation of a finite element body to intrinsic modes, by stations along its load paths."""
 
 from __future__ import annotations
 
@@ -33,33 +33,33 @@ def condense(
     n_modes: int | None = None,
     damping: Damping | None = None,
 ) -> IntrinsicBody:
-    """A slender body in its intrinsic modes: any rotation, from the linear model alone.
+    """Slender body in its intrinsic modes, for arbitrary rotations, from the linear model alone.
 
-    Its elements are condensed statically on the stations (Guyan), from one sparse factor; its inertia is
-    lumped there, with mass, first and second moments exact; the modes of the two, on the support of the root,
-    are what it moves in.
+    The elements are condensed statically on the stations (Guyan), from one sparse factor. The inertia is
+    lumped there, with exact mass, first and second moments. The modes of this line on the support of the root
+    are the coordinates of the body.
 
         K Psi + B^T mu = 0,   B Psi = 1,   K_a = Psi^T K Psi
 
     Parameters
     ----------
     body : FlexibleBody     shells, solids or beams
-    path : LoadPath("root", "tip", n_stations=40), LoadPaths of several, or NodeSetPath
-    support : RootSupport   CLAMPED, also where a joint prescribes the motion of the root; FREE, BALL,
-                            hinged(axis), sliding(axis): what the joint of the machine leaves to the root
-    n_modes : int           lowest elastic ones, to which second-order modes are added; all when omitted
+    path : LoadPath("root", "tip", n_stations=40), LoadPaths for several, or NodeSetPath
+    support : RootSupport   freedoms that the joint of the machine leaves to the root: CLAMPED (also where a
+                            joint prescribes its motion), FREE, BALL, hinged(axis) or sliding(axis)
+    n_modes : int           number of lowest elastic modes, extended by second-order modes; default all
     damping : ModalDamping | RayleighDamping | None
 
     Raises
     ------
-    ModelError      no elements; dashpots; masses that several nodes share; stations that no mesh carries; and
-                    as `intrinsic_modes`
+    ModelError      no elements; dashpots; masses shared by several nodes; stations that the mesh does not
+                    allow; and as `intrinsic_modes`
     Source: [Wang2015] section 3; [Guyan1965].
     """
     if body.model is None:
         raise ModelError(
-            f"body '{body.name}' is made of matrices, which do not say where its mass is: give "
-            "condensed_line the matrices of its stations instead"
+            f"body '{body.name}' is defined by matrices, without the position of its mass: pass the matrices "
+            "of its stations to condensed_line instead"
         )
     refuse_attached(Attached(damping=body.model.attached.damping), f"the line of body '{body.name}'")
     interfaces, parents = path.stations(body)
@@ -89,7 +89,7 @@ def condense(
 def _statics(body: FlexibleBody, rows: sparse.csr_array) -> tuple[Array, Array]:
     """Static shapes Psi (n, 6 s) of unit motions of the stations, and their stiffness."""
     unit = np.eye(rows.indptr.size - 1)
-    if len(unit) == body.n:  # stations that hold every freedom leave nothing to statics
+    if len(unit) == body.n:  # stations with all freedoms leave no freedom to condense
         shapes = np.linalg.solve(rows.toarray(), unit)
         return shapes, shapes.T @ (body.stiffness @ shapes)
     shapes, forces = body.constrained(rows).solve_with_multipliers(values=unit)

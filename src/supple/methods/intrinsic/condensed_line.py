@@ -1,4 +1,4 @@
-"""The condensed line: stiffness and mass of a free slender body on the stations of its load paths."""
+"""Condensed line: stiffness and mass of a free slender body on the stations of its load paths."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ __all__ = ["CondensedLine", "clamped_line", "condensed_line"]
 Array = NDArray[np.float64]
 
 LARGEST_RIGID_FORCE = 1e-6
-"""Of the forces that a stiffness has for each freedom alone: more under rigid motion is no round-off."""
+"""Largest force under rigid motion, relative to that of each freedom alone; more is not round-off."""
 ASYMMETRY = 1e-8
-"""Of the largest entry."""
+"""Largest asymmetry, relative to the largest entry."""
 LARGEST_NEGATIVE = 1e-6
-"""Of the largest principal stiffness: one as negative as that is a mistake, not round-off."""
+"""Most negative stiffness relative to the largest principal value; beyond it, not round-off."""
 ROUNDING = 1e-13
-"""Of the largest mass: stations that share less share none."""
+"""Coupling of stations relative to the largest mass; below it, stations share no mass."""
 
 
 @dataclass(frozen=True, eq=False)
 class CondensedLine:
-    """A free slender body on n stations with six freedoms each; build it with `condensed_line`.
+    """Free slender body on n stations with six freedoms each; built by `condensed_line`.
 
     name : str
-    tree : LoadPathTree         where the stations are, and which hangs on which
-    stiffness : (6 n, 6 n)      u and theta of each station, global axes; free of forces under rigid motion
-    mass : (6 n, 6 n)           symmetric, not negative; freedoms without mass are allowed
-    rigid_force : float         of the stiffness as given, relative: what was cleaned away
+    tree : LoadPathTree         positions of the stations, and the parent of each
+    stiffness : (6 n, 6 n)      u and theta of each station, global axes; zero forces under rigid motion
+    mass : (6 n, 6 n)           symmetric, not negative; massless freedoms are allowed
+    rigid_force : float         relative rigid-body force of the given stiffness, removed from this one
     """
 
     name: str
@@ -67,7 +67,7 @@ class CondensedLine:
 
     @property
     def total_mass(self) -> float:
-        """Of a rigid translation, kg."""
+        """Total mass, kg."""
         along = self.twists[:, 0]
         return float(along @ self.mass @ along)
 
@@ -80,21 +80,21 @@ def rigid_twists(tree: LoadPathTree) -> Array:
 def condensed_line(
     name: str, points: ArrayLike, stiffness: Any, mass: Any, *, parents: ArrayLike | None = None
 ) -> CondensedLine:
-    """A free line from the matrices of a condensation: Nastran's ASET, or any other program's.
+    """Free line from the matrices of a condensation by Nastran (ASET) or any other program.
 
-    What round-off left of forces under rigid motion is cleaned away, with all that geometry knows of rigid
-    motion R about the centre of mass:  K <- P^T K P,   P = 1 - R (R^T R)^-1 R^T
+    Rigid-body forces due to round-off are removed with the rigid motion R of the geometry about the centre of
+    mass:  K <- P^T K P,   P = 1 - R (R^T R)^-1 R^T
 
     Parameters
     ----------
     points : (n, 3)             stations, the root first, m
     stiffness, mass : (6 n, 6 n)   dense or sparse; ux uy uz rx ry rz of each station, global axes
-    parents : (n,)              as for `load_path_tree`; one station after the other when omitted
+    parents : (n,)              as for `load_path_tree`; by default each station follows the one before
 
     Raises
     ------
-    ModelError      matrices of the wrong size, not finite or not symmetric; a stiffness that resists rigid
-                    motion; a negative stiffness or mass; whatever `load_path_tree` refuses
+    ModelError      matrices of the wrong size, not finite or not symmetric; a stiffness with rigid-body
+                    forces; a negative stiffness or mass; and as `load_path_tree`
     Source: [Wang2015] (20); [Guyan1965].
     """
     check_text("condensed_line, name", name)
@@ -105,9 +105,9 @@ def condensed_line(
     left = _rigid_force(K, R, tree)
     if left > LARGEST_RIGID_FORCE:
         raise ModelError(
-            f"line '{name}': its stiffness resists rigid motion by {left:.1e} of its own size (at most "
-            f"{LARGEST_RIGID_FORCE:.0e} may be round-off): is a support in it (then use clamped_line), are "
-            "the points those of its freedoms, and its rotations in rad?"
+            f"line '{name}': rigid motion causes forces of {left:.1e} of its stiffness (at most "
+            f"{LARGEST_RIGID_FORCE:.0e} can be round-off): if it includes a support, use clamped_line; check "
+            "that the points belong to its freedoms, and that rotations are in rad"
         )
     scale = np.tile(np.repeat([1.0, _length(tree)], 3), tree.n)
     Q = np.linalg.qr(scale[:, None] * R)[0]
@@ -130,15 +130,15 @@ def clamped_line(
     parents: ArrayLike | None = None,
     root_mass: ArrayLike | None = None,
 ) -> CondensedLine:
-    """The free line of which matrices hold all stations but the root, which was clamped.
+    """Free line from matrices of all stations except the root, which was clamped.
 
-    The forces at the root follow from those of the others, for rigid motion needs none.
+    The forces at the root follow from the others, since rigid motion causes no forces.
 
     Parameters
     ----------
     points : (n, 3)                     all stations, the clamped root first
     stiffness, mass : (6 n - 6, 6 n - 6)    without the root
-    root_mass : (6, 6)                  of the root station, for a root that moves; zero if omitted
+    root_mass : (6, 6)                  of the root station, if the root moves; default zero
 
     Raises ModelError as `condensed_line`.
     """
@@ -153,7 +153,7 @@ def clamped_line(
 
 
 def _length(tree: LoadPathTree) -> float:
-    """What makes rotations comparable with displacements: the mean segment, or one unit for a point."""
+    """Length that scales rotations to displacements: the mean segment, or one unit for a single station."""
     return float(tree.lengths.mean()) if tree.n > 1 else 1.0
 
 
@@ -163,13 +163,13 @@ def _check_not_negative(name: str, scaled: Array) -> None:
         worst = int(np.argmax(np.abs(vectors[:, 0]))) // 6
         raise ModelError(
             f"line '{name}': its stiffness is negative at station {worst}: the smallest principal value is "
-            f"{values[0] / np.abs(values).max():.1e} of the largest. Condense a body that is not "
-            "prestressed, and export stiffness and mass under their own names"
+            f"{values[0] / np.abs(values).max():.1e} of the largest. Condense the body without prestress, "
+            "and export stiffness and mass under their own names"
         )
 
 
 def _rigid_force(K: Array, R: Array, tree: LoadPathTree) -> float:
-    """Forces K R against those of each freedom alone, the worst."""
+    """Largest force in K R relative to the sum of those of each freedom alone."""
     scale = np.tile(np.repeat([1.0, 1.0 / _length(tree)], 3), tree.n)
     size = np.abs(K) @ np.abs(R) * scale[:, None]
     largest = size.max(initial=0.0)
@@ -186,8 +186,11 @@ def _symmetric(name: str, what: str, given: Any, size: int) -> Array:
             f"({size}, {size})"
         )
     if not np.isfinite(matrix).all():
-        raise ModelError(f"line '{name}': its {what} holds NaN or infinite entries")
+        raise ModelError(f"line '{name}': its {what} has NaN or infinite entries: export it again")
     asymmetry = np.abs(matrix - matrix.T).max(initial=0.0)
     if asymmetry > ASYMMETRY * np.abs(matrix).max(initial=0.0):
-        raise ModelError(f"line '{name}': its {what} is not symmetric, by {asymmetry:.2e}")
+        raise ModelError(
+            f"line '{name}': its {what} is not symmetric (largest difference of mirrored entries "
+            f"{asymmetry:.2e}): export the symmetric matrix"
+        )
     return 0.5 * (matrix + matrix.T)

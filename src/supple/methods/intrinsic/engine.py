@@ -1,4 +1,4 @@
-"""The engine of intrinsic bodies: their modes marched by an explicit, a residual or an implicit rule."""
+"""Engine of intrinsic bodies: time integration of their modes by an explicit, residual or implicit rule."""
 
 from __future__ import annotations
 
@@ -42,26 +42,26 @@ __all__ = ["IntrinsicEngine", "intrinsic_engine"]
 
 
 def intrinsic_engine(system: System, run: Run) -> IntrinsicEngine | JoinedEngine:
-    """The engine of a machine with intrinsic bodies; the joined one unless the ground alone holds roots."""
+    """Engine of a machine with intrinsic bodies: `JoinedEngine` unless ground joints hold the roots alone."""
     return JoinedEngine(system, run) if is_joined(system) else IntrinsicEngine(system, run)
 
 
 def line_rule(run: Run) -> LineRule:
-    """The step rule of a run; ModelError for one that intrinsic bodies do not take."""
+    """The step rule of a run; ModelError for a rule that intrinsic bodies do not support."""
     if isinstance(run.method, RungeKutta4 | ResidualRungeKutta4 | GeneralizedAlpha):
         return run.method
     raise ModelError(
-        f"intrinsic bodies do not take {type(run.method).__name__}: give RungeKutta4(), "
-        "ResidualRungeKutta4(n_kept) or GeneralizedAlpha(rho_inf), which keeps the energy with rho_inf = 1"
+        f"intrinsic bodies do not support {type(run.method).__name__}: use RungeKutta4(), "
+        "ResidualRungeKutta4(n_kept) or GeneralizedAlpha(rho_inf), which conserves energy with rho_inf = 1"
     )
 
 
 _NAMES = ("q1", "q2", "quaternion", "position")
-"""Parts of a line's state that are kept to go on from."""
+"""Parts of a line's state that a resumed run needs."""
 
 
 class IntrinsicEngine:
-    """An `Engine` of machines whose bodies are intrinsic; `LineMarchState` is its state."""
+    """`Engine` for machines whose bodies are all intrinsic; `LineMarchState` is its state."""
 
     def __init__(self, system: System, run: Run) -> None:
         self._system = system
@@ -69,8 +69,8 @@ class IntrinsicEngine:
         self._run = run = with_chosen_step(system, run)
         if not isinstance(run.step_control, FixedStep):
             raise ModelError(
-                "intrinsic bodies whose modes hold their roots are stepped with FixedStep(size); an adaptive "
-                "step is for joined ones: place released(body)"
+                "intrinsic bodies with supported roots need FixedStep(size); adaptive steps need joined "
+                "bodies: place released(body)"
             )
         self._machine: MachineOfLines = machine_of_lines(system, run.start)
         step = float(run.times[1] - run.times[0])
@@ -80,22 +80,22 @@ class IntrinsicEngine:
 
     @property
     def lines(self) -> LineSystem:
-        """The machine as compiled code takes it."""
+        """The machine as arrays for compiled code."""
         return self._machine.lines
 
     @property
     def tolerance(self) -> float:
-        """To which implicit steps are solved."""
+        """Tolerance of implicit steps."""
         return ITERATED * self._run.tolerances.residual
 
     def start(self, time: float) -> LineMarchState:
-        """The bodies as they are placed; residual modes where they rest."""
+        """The bodies as placed; with residual modes at rest."""
         begun = first_march_state(self._machine.lines, self.rule, time, self._machine.start)
-        # Of NumPy's types as all later states: JAX would compile once more for numbers of Python's.
+        # NumPy types as in all later states: JAX would compile once more for Python numbers.
         return jax.tree.map(np.asarray, begun)
 
     def resumed(self, last: Solution) -> LineMarchState:
-        """The state at the end of a recorded part, exact."""
+        """The exact state at the end of a recorded part."""
         known = last.engine_state
         states = tuple(
             LineState(*(jnp.asarray(known[f"{number} {name}"]) for name in _NAMES))
@@ -110,9 +110,9 @@ class IntrinsicEngine:
         )
 
     def march(self, state: LineMarchState, times: np.ndarray) -> Leg[LineMarchState]:
-        """To each of the output times, in one call of the compiled program."""
+        """Integrate to each of the output times, in one call of the compiled program."""
         began = clock.perf_counter()
-        # A short leg repeats its end, where steps have no length.
+        # A short leg repeats its last time, with steps of zero length.
         reached = march_by(
             Stepping(self.rule, self.n_steps, self._run.tolerances.max_iterations),
             self.lines,
@@ -125,7 +125,7 @@ class IntrinsicEngine:
     def leg(
         self, state: LineMarchState, reached: LineMarchState, times: np.ndarray, seconds: float
     ) -> Leg[LineMarchState]:
-        """What a march from a state reached (leading axis: time), checked; it may go on beyond the times."""
+        """Checked states from an integration (leading axis: time); it may extend beyond the times."""
         good = self._good(reached)[: len(times)]
         n_reached = len(times) if good.all() else int(np.argmin(good))
         stopped = None if good.all() else self._why(reached, n_reached)
@@ -162,8 +162,8 @@ class IntrinsicEngine:
         match self.rule:
             case ResidualRungeKutta4(n_kept=n):
                 return (
-                    f"the residual modes were not found {when}: their search contracts by {worst:.3g} a "
-                    f"sweep (at most {self.rule.largest_contraction:g}). Keep more modes than {n} (n_kept)"
+                    f"the residual modes did not converge {when}: contraction {worst:.3g} per sweep "
+                    f"(at most {self.rule.largest_contraction:g}). Keep more modes than {n} (n_kept)"
                 )
             case GeneralizedAlpha():
                 return (
@@ -172,13 +172,13 @@ class IntrinsicEngine:
                 )
             case _:
                 return (
-                    f"the motion grew beyond all numbers {when}: take shorter steps than "
-                    f"{self._run.step_control.first:g}, for large strains raise the frequencies, or "
+                    f"the motion is not finite {when}: take shorter steps than "
+                    f"{self._run.step_control.first:g} (large strains raise the frequencies), or use "
                     "GeneralizedAlpha, which is stable at any step"
                 )
 
     def solution(self, leg: Leg[LineMarchState]) -> Solution:
-        """The motion of a leg, and the forces of the joints from the balance of their bodies."""
+        """The motion of a leg, and joint forces from the balance of the bodies."""
         states: LineMarchState = leg.states
         times = np.asarray(states.time)
         filled = full_leg((times, states.states), self._length)

@@ -1,4 +1,4 @@
-"""As many modes as a run needs: doubled until what they leave out is small enough."""
+"""Number of modes that a run needs: doubled until the truncation error is small enough."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ FEWEST = 6
 
 
 class EnoughModes(NamedTuple):
-    """A machine whose bodies have modes enough, its run, and the error that it has.
+    """A machine whose bodies have enough modes, its run, and its truncation error.
 
-    errors : by body name; empty where all modes are kept, which leave nothing out
+    errors : by body name; empty where all modes are retained, without truncation
     """
 
     system: System
@@ -38,24 +38,24 @@ def enough_modes(
     first: int = FEWEST,
     bodies: Collection[str] | None = None,
 ) -> EnoughModes:
-    """The machine with as many modes as bring the truncation error of its run within a tolerance.
+    """The machine with enough modes for the truncation error of its run to be within a tolerance.
 
-    Their number doubles, in these bodies alike, until `truncation_error` allows it or all are kept.
+    The number doubles, equal in all these bodies, until `truncation_error` is within it or all are retained.
 
     Parameters
     ----------
-    system : a machine with intrinsic bodies; the modes that they have do not count
+    system : a machine with intrinsic bodies; their present number of modes has no effect
     run : its simulation, such as `lambda system: simulate(system, Run(..))`
-    tolerance : of the error of the stations' places over the deflection
-    first : elastic modes to begin with
-    bodies : names of those whose modes are counted; all when omitted
+    tolerance : largest error of station positions relative to the deflection
+    first : initial number of elastic modes
+    bodies : names of the bodies in the search; default all
 
-    Raises ModelError as `truncation_error`, and for a tolerance or a number that cannot be.
+    Raises ModelError as `truncation_error`, and for an invalid tolerance or number.
     """
     if not 0 < tolerance < 1:
-        raise ModelError(f"a tolerance of modes left out lies between 0 and 1, not {tolerance}")
+        raise ModelError(f"a truncation tolerance must be between 0 and 1, not {tolerance}")
     if first < 1:
-        raise ModelError(f"a search for modes begins with one at least, not {first}")
+        raise ModelError(f"a search for the number of modes starts at 1 or more, not {first}")
     names = [placed.body.name for placed in intrinsic_of(system)] if bodies is None else bodies
 
     def of(number: int | None) -> System:
@@ -74,7 +74,7 @@ def enough_modes(
         fewer = of(number)
         if not any(body_of(placed).complete for placed in intrinsic_of(fewer) if placed.body.name in names):
             break
-        with warnings.catch_warnings():  # of modes left out: the search is for enough of them
+        with warnings.catch_warnings():  # about truncation, which the search reduces
             warnings.simplefilter("ignore", ValidityWarning)
             solution = run(fewer)
         errors = truncation_error(fewer, solution)

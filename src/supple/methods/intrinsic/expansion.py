@@ -1,4 +1,4 @@
-"""Expansion: the nodes of a body carried by the stations of its line."""
+"""Expansion: motion of the nodes of a body from that of the stations of its line."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ __all__ = ["Expansion", "carried_by_stations", "expansion_of_stations", "shares_
 Array = NDArray[np.float64]
 
 AT_ONCE = 2**22
-"""Numbers of distances held at a time."""
+"""Largest number of distances in memory at a time."""
 
 
 @dataclass(frozen=True, eq=False)
 class Expansion:
-    """How N nodes move with n stations: rigidly with two of them by shares, and bent between by the strains.
+    """Map from n stations to N nodes: weighted rigid motion of two stations, plus a shape by the strains.
 
         r_a = sum_i w_ai (r_i + R_i (X_a - X_i + D_a gamma))
 
-    D gamma is what the static shapes of the condensation add to rigid motion: sections that warp, the curve
-    of a coarse segment.
+    D gamma is the difference between the static shapes of the condensation and rigid motion: warping of
+    sections, and the curve of a coarse segment.
 
     nodes : (N, 3)              at rest, m
-    stations, weights : (N, 2)  by which each is carried; weights add up to one
-    modes : (N, d, e)           displacement of the nodal freedoms by elastic amplitude, d = 3 or 6; the first
+    stations, weights : (N, 2)  two stations for each node; weights add up to one
+    modes : (N, d, e)           displacement of the nodal freedoms by elastic amplitude, d = 3 or 6; its first
                                 three components minus the rigid part are D
     warping : (N, 3, e)         D
     """
@@ -41,12 +41,12 @@ class Expansion:
     warping: Array = field(repr=False)
 
     def arms(self, tree: LoadPathTree) -> Array:
-        """(N, 2, 3) from the stations to the nodes at rest."""
+        """(N, 2, 3) vectors from the stations to the nodes at rest."""
         return self.nodes[:, None] - tree.points[self.stations]
 
 
 def expansion_of_stations(tree: LoadPathTree, velocities: Array) -> Expansion:
-    """The stations themselves as nodes; velocities (n, 6, e) are those of the elastic modes."""
+    """Expansion whose nodes are the stations; velocities (n, 6, e) are those of the elastic modes."""
     own = np.repeat(np.arange(tree.n)[:, None], 2, axis=1)
     weights = np.tile([1.0, 0.0], (tree.n, 1))
     return Expansion(tree.points, own, weights, velocities, np.zeros((tree.n, 3, velocities.shape[2])))
@@ -55,15 +55,15 @@ def expansion_of_stations(tree: LoadPathTree, velocities: Array) -> Expansion:
 def carried_by_stations(
     tree: LoadPathTree, nodes: Array, nodal_modes: Array, station_modes: Array
 ) -> Expansion:
-    """Nodes carried by the two stations of the nearest segment, by where along it they lie.
+    """Expansion of nodes by the two stations of the nearest segment, weighted by the position along it.
 
     nodal_modes : (N, d, e)     linear displacement of the nodes in elastic modes
-    station_modes : (n, 6, e)   of the stations in the same modes
+    station_modes : (n, 6, e)   motion of the stations in the same modes
     """
     stations, weights = shares_of_stations(tree, nodes)
     arms = nodes[:, None] - tree.points[stations]
     rigid = np.zeros((len(nodes), 3, station_modes.shape[2]))
-    for end in range(2):  # one end at a time: large meshes
+    for end in range(2):  # one end at a time, to save memory on large meshes
         moved = station_modes[stations[:, end]]
         shift = moved[:, :3] + np.cross(moved[:, 3:], arms[:, end, :, None], axis=1)
         rigid += weights[:, end, None, None] * shift
@@ -77,7 +77,7 @@ def carried_by_stations(
 
 
 def shares_of_stations(tree: LoadPathTree, points: Array) -> tuple[NDArray[np.intp], Array]:
-    """The two stations (N, 2) beside each point, its shares (N, 2): linear along a segment."""
+    """Two stations (N, 2) of the segment nearest each point, and their weights (N, 2), linear along it."""
     if tree.n == 1:
         return np.zeros((len(points), 2), dtype=np.intp), np.tile([1.0, 0.0], (len(points), 1))
     start, direction, length = tree.points[tree.inner], tree.directions, tree.lengths

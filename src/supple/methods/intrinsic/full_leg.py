@@ -1,4 +1,4 @@
-"""Legs of one length for compiled programs: those of other lengths would be compiled anew."""
+"""Legs of one length for compiled programs, which would be compiled again for every other length."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["full_leg"]
 
 
 def full_leg(history: Any, length: int) -> Any:
-    """A history (t, ...), or a tree of them, as long as a full leg: the last instant is repeated."""
+    """A history (t, ...), or a tree of histories, padded to a full leg by its last instant."""
 
     def filled(leaf: Any) -> np.ndarray:
         known = np.asarray(leaf)

@@ -1,4 +1,4 @@
-"""An intrinsic body placed as it was at an instant of a motion."""
+"""Placement of an intrinsic body at an instant of a motion."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ __all__ = ["placed_as_moved"]
 
 
 def placed_as_moved(placed: Placed, motion: IntrinsicMotion, row: int) -> Placed:
-    """The body as at a row of its motion, so that its first state (`line_start`) has these strains and q_1.
+    """The body placed as in a row of its motion; its first state (`line_start`) has these strains and q_1.
 
         q_1 = Phi_1^T M ( R(q_2) (d + F c) - T d ) + (0, rates)
 
-    d is the twist of what drives the root, F what its support leaves free, R the rigid motion of the bent
-    line. The rigid modes' part is met by c, the elastic ones' by the rates.
+    d is the twist of a driven root, F the free twists of its support, R the rigid motion of the bent line. c
+    gives the amplitudes of the rigid modes, `rates` those of the elastic modes.
     """
     body, q1 = body_of(placed), motion.rates[row]
     moved = placed.moved_to(motion.position[row], motion.rotation[row])
@@ -35,7 +35,7 @@ def placed_as_moved(placed: Placed, motion: IntrinsicMotion, row: int) -> Placed
     by_free = amplitudes_of(body, bent @ free)
     c = np.linalg.solve(by_free[:n], q1[:n] - own[:n])
     rates = q1 - own - by_free @ c
-    if n == 0:  # what drives the root moves it
+    if n == 0:  # the drive moves the root
         return replace(moved, velocity=None, angular_velocity=None, coordinate_rates=rates)
     velocity, angular = np.split(np.linalg.solve(from_frame, driven + free @ c), 2)
     return replace(moved, velocity=velocity, angular_velocity=angular, coordinate_rates=rates[n:])

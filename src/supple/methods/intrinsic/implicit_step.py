@@ -11,15 +11,15 @@ import jax.numpy as jnp
 __all__ = ["StepResult", "Tangent", "first_order_coefficients", "implicit_step", "no_tangent"]
 
 ROUNDING = 1e-14
-"""Of the terms of a rate, that its cancellation leaves."""
+"""Rounding error of a rate, relative to its terms."""
 SLOW = 0.1
-"""Of the residual before: an iteration that leaves more has too old a tangent."""
+"""Part of the residual before; where an iteration leaves more, the tangent is renewed."""
 SAME_STEP = 1e-6
-"""Of a step: one that differs by less takes the tangent of the other."""
+"""Relative change of step up to which a tangent is reused."""
 
 
 class FirstOrderCoefficients(NamedTuple):
-    """Where rates and states are weighed, and how the step advances."""
+    """Weights of rates and states in the rule."""
 
     alpha_m: Any
     alpha_f: Any
@@ -27,7 +27,7 @@ class FirstOrderCoefficients(NamedTuple):
 
 
 def first_order_coefficients(rho_inf: float) -> FirstOrderCoefficients:
-    """Those of spectral radius `rho_inf` at infinite frequency: 1 keeps the energy, 0 removes what is fast.
+    """Coefficients for spectral radius `rho_inf` at infinite frequency: 1 conserves energy, 0 damps most.
 
     alpha_m = (3 - rho) / (2 (1 + rho)),  alpha_f = 1 / (1 + rho),  gamma = 1/2 + alpha_m - alpha_f.
     Source: K. E. Jansen, C. H. Whiting, G. M. Hulbert, "A generalized-alpha method for integrating the
@@ -38,11 +38,11 @@ def first_order_coefficients(rho_inf: float) -> FirstOrderCoefficients:
 
 
 class Tangent(NamedTuple):
-    """The inverse of a step's tangent, kept from step to step while Newton's method converges with it.
+    """Inverse of a step's tangent, reused over steps while Newton's method converges with it.
 
-    inverse : (n, n)    of alpha_m - alpha_f gamma h slope; a product with it is quicker than two solutions
-    step : h that it was made for; negative before the first
-    rounding : rates over states, that the rounding of the rates is small against
+    inverse : (n, n)    of alpha_m - alpha_f gamma h slope; a product with it is faster than two solutions
+    step : h of this tangent; negative before the first
+    rounding : rates relative to states, from which the rounding of the rates is small
     """
 
     inverse: Any
@@ -51,7 +51,7 @@ class Tangent(NamedTuple):
 
 
 class StepResult(NamedTuple):
-    """State and rates at the end of a step, the tangent it was found with, and how the iteration went."""
+    """State and rates at the end of a step, the last tangent, and the counts of the iteration."""
 
     state: jax.Array
     rates: jax.Array
@@ -61,7 +61,7 @@ class StepResult(NamedTuple):
 
 
 def no_tangent(n: int) -> Tangent:
-    """What a march of n states begins with."""
+    """Tangent before the first step of n states."""
     return Tangent(jnp.eye(n), jnp.asarray(-1.0), jnp.zeros(()))
 
 
@@ -78,19 +78,19 @@ def implicit_step(
     tolerance: Any,
     most: int,
 ) -> StepResult:
-    """The state (n,) after a step h, by Newton's method with a tangent that is made anew where it is slow.
+    """The state (n,) after a step h, by Newton's method; a tangent that converges slowly is renewed.
 
         y_1 = y_0 + h ((1 - gamma) y'_0 + gamma y'_1)
         (1 - alpha_m) y'_0 + alpha_m y'_1 = f(t_0 + alpha_f h, (1 - alpha_f) y_0 + alpha_f y_1)
 
-    With rho_inf = 1 this is the implicit midpoint rule, which keeps every quadratic invariant. Derivatives of
-    the result, in either direction, are those of the equations that it solves.
+    With rho_inf = 1 this is the implicit midpoint rule, which conserves every quadratic invariant.
+    Derivatives of the result, in forward or reverse mode, are those of the equations that it solves.
 
     rates, slope : f (n,) and its derivatives (n, n) by the state
     before : (n,)       y'_0
     tangent : of an earlier step
-    tolerance : of the residual, over the largest rate
-    most : iterations; beyond them the residual shows that none was found
+    tolerance : of the residual, relative to the largest rate
+    most : iterations; after them the residual shows that none converged
     """
     alpha_m, alpha_f, gamma = coefficients
 
@@ -108,7 +108,7 @@ def implicit_step(
         return Tangent(inverse, jnp.asarray(h, dtype=float), size)
 
     def measured(after: jax.Array, left: jax.Array, known: Tangent) -> jax.Array:
-        # What rounding leaves of the rates of a body that hardly moves.
+        # Rounding error in the rates of a body that hardly moves.
         noise = ROUNDING / tolerance * known.rounding * jnp.linalg.norm(state)
         size = noise + jnp.linalg.norm(after) + jnp.linalg.norm(before)
         return jnp.linalg.norm(left) / jnp.maximum(size, 1e-300)
@@ -122,7 +122,7 @@ def implicit_step(
 
         def improve(carry: Any) -> Any:
             after, left, error, slow, is_own, count, known = carry
-            # A tangent of another step may have led astray.
+            # A tangent of another step may have caused divergence.
             again = slow & ~is_own
             after, left = jnp.where(again, first, after), jnp.where(again, at_first, left)
             known = jax.lax.cond(slow, made_anew, lambda _: known, after)

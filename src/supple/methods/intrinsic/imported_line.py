@@ -1,4 +1,4 @@
-"""A condensed line from files of another program: Nastran's analysis set (ASET), or any labelled matrices."""
+"""Condensed line from files of another program: Nastran's analysis set (ASET), or any labelled matrices."""
 
 from __future__ import annotations
 
@@ -42,25 +42,25 @@ def read_condensed_line(
     mass_name: str | None = None,
     root_mass: ArrayLike | None = None,
 ) -> CondensedLine:
-    """The line of a condensation that another program made, its grids being the stations.
+    """Line whose stations are the grids of a condensation by another program.
 
     Nastran condenses on the ASET and writes the result by EXTSEOUT, as DMIG (KAAX, MAAX), or by OUTPUT4 (KAA,
-    MAA). Displacements along the grids' own systems (CD) are turned to the global axes.
+    MAA). Displacements in the grids' own systems (CD) are rotated to the global axes.
 
     Parameters
     ----------
     nodes : bulk data file with GRID and ASET (.bdf ..), Abaqus .inp, or HDF5
     stiffness, mass : DMIG .pch, OUTPUT4 .op4, HDF5, Abaqus .mtx, CalculiX .sti and .mas
-    paths : grid ids from the root outwards; each path after the first begins at a grid of one before. None:
-        all grids of the matrices in the order of their cards, one hanging on the other
+    paths : grid ids from the root outwards; each later path begins at a grid of an earlier one. None: all
+        grids of the matrices in the order of their cards, in one chain
     stiffness_name, mass_name : where a file holds several matrices (DMIG, OUTPUT4)
-    root_mass : (6, 6)  of a first grid that the matrices lack, because it was clamped; zero if omitted
+    root_mass : (6, 6)  of a first grid that is not in the matrices, because it was clamped; default zero
 
     Raises
     ------
     ImportFormatError   files that cannot be read, matrices that are not symmetric
-    ModelError          grids of the matrices that are on no path, and the reverse; fewer than six freedoms of
-                        a grid; paths that do not hang together; whatever `condensed_line` refuses
+    ModelError          grids of the matrices on no path, or the reverse; a grid with fewer than six freedoms;
+                        paths that are not connected; and as `condensed_line`
     Source: [Wang2015] (20); [Guyan1965].
     """
     table = read_nodes(nodes)
@@ -78,45 +78,45 @@ def read_condensed_line(
             return clamped_line(name, points, stiff, inert, parents=parents, root_mass=root_mass)
         if root_mass is not None:
             raise ModelError(
-                f"line '{name}': the matrices hold grid {stations[0]}, its root, and so its mass: leave "
-                "root_mass out"
+                f"line '{name}': the matrices include grid {stations[0]}, the root, and its mass: leave out "
+                "root_mass"
             )
         return condensed_line(name, points, stiff, inert, parents=parents)
     except ModelError as error:
-        clamped = "" if held else "; where the root was clamped, begin paths at its grid, which no matrix has"
+        clamped = "" if held else "; start paths at the grid of a clamped root, which is in no matrix"
         raise ModelError(f"{error} (read from {K.source}{clamped})") from error
 
 
 def _check_freedoms(name: str, stiffness: LabelledMatrix, mass: LabelledMatrix) -> None:
-    """ModelError unless both matrices have all six freedoms of the same grids, a massless one excepted."""
+    """ModelError unless the stiffness has all six freedoms of each grid, and the mass no other grid."""
     grids = np.unique(stiffness.freedoms[:, 0])
     known = np.isin(COMPONENTS + 10 * grids[:, None], stiffness.freedoms @ [10, 1])
     short = np.flatnonzero(~known.all(axis=1))
     if short.size:
         has = "".join(map(str, COMPONENTS[known[short[0]]]))
         raise ModelError(
-            f"line '{name}': grid {grids[short[0]]} has freedoms {has} in {stiffness.source}; a station has "
-            "all six: put components 123456 of every station into the ASET, and give rotations stiffness"
+            f"line '{name}': grid {grids[short[0]]} has freedoms {has} in {stiffness.source}; a station "
+            "needs all six: put components 123456 of all stations into the ASET, with rotational stiffness"
         )
     strange = ~np.isin(mass.freedoms[:, 0], grids)
     if strange.any():
         place = freedom_name(*mass.freedoms[strange][0])
         raise ModelError(
-            f"line '{name}': {mass.source} has a mass for {place}, which {stiffness.source} does not know: "
+            f"line '{name}': {mass.source} has a mass for {place}, which is not in {stiffness.source}: "
             "export both from one condensation"
         )
 
 
 def _tree(name: str, paths: Sequence[Sequence[int]]) -> tuple[IntArray, IntArray]:
-    """Grid ids of the stations, the root first, and the number of the station that each hangs on."""
+    """Grid ids of the stations, the root first, and the number of each station's parent."""
     number: dict[int, int] = {}
     parents: list[int] = []
     for rank, path in enumerate(paths):
         if len(path) < 2:
-            raise ModelError(f"line '{name}': a load path has two grids at least, not {path}")
+            raise ModelError(f"line '{name}': a load path needs at least two grids, not {path}")
         if rank and path[0] not in number:
             raise ModelError(
-                f"line '{name}': a load path begins at grid {path[0]}, which no path before it reaches: "
+                f"line '{name}': a load path begins at grid {path[0]}, which is on no earlier path: "
                 "begin it where it branches off"
             )
         for before, grid in zip([None, *path], path, strict=False):
@@ -124,7 +124,7 @@ def _tree(name: str, paths: Sequence[Sequence[int]]) -> tuple[IntArray, IntArray
                 continue
             if grid in number:
                 raise ModelError(
-                    f"line '{name}': grid {grid} is reached twice: load paths form a tree; cut the loop"
+                    f"line '{name}': grid {grid} occurs twice: load paths form a tree; cut the loop"
                 )
             parents.append(ROOT if before is None else number[before])
             number[grid] = len(number)
@@ -135,7 +135,8 @@ def _points(name: str, table: NodeTable, stations: IntArray) -> NDArray[np.float
     number, known = numbers_of(table.ids, stations)
     if not known.all():
         raise ModelError(
-            f"line '{name}': its path names grid {stations[~known][0]}, which {table.source} does not define"
+            f"line '{name}': grid {stations[~known][0]} of its path is not defined in {table.source}: "
+            "correct the path, or read the file with this grid"
         )
     return table.positions[number]
 
@@ -146,13 +147,13 @@ def _rows(name: str, matrices: NodalMatrices, stations: IntArray) -> IntArray:
     if missing.size:
         raise ModelError(
             f"line '{name}': grid {missing[0]} of its path is in no matrix of {matrices.source}: put it into "
-            "the ASET; the root alone may be missing, where it was clamped"
+            "the ASET; only a clamped root may be missing"
         )
     beside = matrices.node_ids[~np.isin(matrices.node_ids, stations)]
     if beside.size:
         raise ModelError(
-            f"line '{name}': grid {beside[0]} of {matrices.source} is on no load path ({beside.size} such in "
-            "all): add it to a path, or leave it out of the ASET, so that it is condensed"
+            f"line '{name}': grid {beside[0]} of {matrices.source} is on no load path ({beside.size} such "
+            "grids): add it to a path, or leave it out of the ASET, so that it is condensed"
         )
     number, _ = numbers_of(matrices.node_ids, stations)
     return (6 * number[:, None] + np.arange(6)).ravel()

@@ -1,4 +1,4 @@
-"""A slender body in its intrinsic modes, as a machine holds it."""
+"""Slender body in its intrinsic modes, for use in a machine."""
 
 from __future__ import annotations
 
@@ -44,16 +44,16 @@ __all__ = ["IntrinsicBody", "intrinsic_body"]
 Array = NDArray[np.float64]
 
 ROOM = 2**22
-"""Numbers of positions computed at a time."""
+"""Largest number of positions computed at a time."""
 
 
 @dataclass(frozen=True, eq=False)
 class Station(UntiedInterface):
-    """An interface at a station.
+    """Interface at a station.
 
     position : (3,)     in the body's axes
-    motion : (6, e)     of the elastic modes, linear
-    number : int        of the station
+    motion : (6, e)     linear motion by the elastic modes
+    number : int        number of the station
     """
 
     name: str
@@ -64,15 +64,16 @@ class Station(UntiedInterface):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class IntrinsicBody(FormDefaults, Summarized):
-    """A slender body that turns and bends by any angle, from its linear modes; build it with `intrinsic_body`
-    or `condense`.
+    """Slender body with arbitrary rotations and bending, from its linear modes.
+
+    Built by `intrinsic_body` or `condense`.
 
     modes : IntrinsicModes          on the support of its root
-    expansion : Expansion           its nodes
+    expansion : Expansion           map to its nodes
     stations : name -> number       interfaces
     damping : Damping | None        ModalDamping or RayleighDamping
-    complete : IntrinsicBody | None     the same body with all its modes; None where this is it
-    supported : IntrinsicBody | None    of a released body: the same modes on the support of its root
+    complete : IntrinsicBody | None     the same body with all its modes; None if this is it
+    supported : IntrinsicBody | None    for a released body: the same modes on the support of its root
     """
 
     modes: IntrinsicModes
@@ -102,22 +103,22 @@ class IntrinsicBody(FormDefaults, Summarized):
 
     @property
     def kind(self) -> Literal["intrinsic"]:
-        """Intrinsic."""
+        """The literal "intrinsic"."""
         return "intrinsic"
 
     @property
     def line(self) -> CondensedLine:
-        """Its stiffness and mass on stations."""
+        """Stiffness and mass on stations."""
         return self.modes.line
 
     @property
     def support(self) -> RootSupport:
-        """What its root may do."""
+        """Support of its root."""
         return self.modes.support
 
     @property
     def mass(self) -> float:
-        """Of the whole body, kg."""
+        """Total mass, kg."""
         return self.line.total_mass
 
     @property
@@ -133,7 +134,7 @@ class IntrinsicBody(FormDefaults, Summarized):
 
     @property
     def nodes(self) -> Array:
-        """(N, 3) rest positions: those of the mesh, or the stations."""
+        """(N, 3) rest positions: those of the mesh, or of the stations."""
         return self.expansion.nodes
 
     @property
@@ -144,39 +145,39 @@ class IntrinsicBody(FormDefaults, Summarized):
         return tuple(Station(name, points[i], motions[i], i) for name, i in self.stations.items())
 
     def interface(self, name: str) -> Station:
-        """The station of that name; ModelError names the nearest, or those there are."""
+        """The station of that name; ModelError with the nearest name, or all names."""
         return interface_named(self.name, name, self.interfaces)
 
     @cached_property
     def model(self) -> LineModel:
-        """The arrays of its equations."""
+        """Arrays of its equations of motion."""
         return line_model(self.modes, self.damping)
 
     @property
     def dofs_per_node(self) -> int:
-        """Freedoms of a node."""
+        """Number of freedoms of a node."""
         return self.expansion.modes.shape[1]
 
     @property
     def has_linear_strains(self) -> bool:
-        """True: stress is that of the static shapes that carry its section loads."""
+        """True: stress follows from the static shapes under its section loads."""
         return True
 
     def nodal_fields(
         self, coordinates: Array, freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[Array, None]:
-        """Linear displacements (N d, t) of elastic amplitudes (t, e), into which strains alone enter."""
+        """Linear displacements (N d, t) of elastic amplitudes (t, e), as the input of strains alone."""
         return self.expansion.modes.reshape(-1, self.n_coordinates)[freedoms] @ coordinates.T, None
 
     def truncated(self, n_modes: int) -> IntrinsicBody:
-        """The same body with its lowest elastic modes, and the second-order modes that belong to them.
+        """The same body with its lowest elastic modes, and their second-order modes.
 
-        Raises ModelError for more than there are.
+        Raises ModelError for more modes than it has.
         """
         whole = self.complete or self
         if not 0 < n_modes <= whole.n_coordinates:
             raise ModelError(
-                f"body '{self.name}': {n_modes} elastic modes asked for; it has "
+                f"body '{self.name}': {n_modes} elastic modes requested; it has only "
                 f"{whole.n_coordinates} with mass"
             )
         shapes = second_order_shapes(whole.modes, n_modes)
@@ -191,11 +192,11 @@ class IntrinsicBody(FormDefaults, Summarized):
         return replace(whole, modes=modes, expansion=expansion, complete=whole)
 
     def forces_of(self, coordinates: ArrayLike) -> Array:
-        """Amplitudes q_2 (..., e) of the internal forces of elastic amplitudes (..., e)."""
+        """Amplitudes q_2 (..., e) of the internal forces from elastic amplitudes (..., e)."""
         return -np.asarray(coordinates) * self.modes.omega[self.modes.n_rigid :]
 
     def expand(self, coordinates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)) -> Array:
-        """Linear displacements (..., k, 3) of elastic amplitudes (..., e), the root as it is supported."""
+        """Linear displacements (..., k, 3) of elastic amplitudes (..., e), with the root on its support."""
         return np.einsum("nie,...e->...ni", self.expansion.modes[nodes, :3], np.asarray(coordinates))
 
     def places(self, motion: Motion) -> tuple[Array, Array]:
@@ -225,19 +226,19 @@ class IntrinsicBody(FormDefaults, Summarized):
         return result
 
     def node_rotations(self, motion: Motion) -> Array:
-        """Rotation matrices (t, N, 3, 3) of nodes: of the station that carries the larger share of each."""
+        """Rotation matrices (t, N, 3, 3) of nodes: that of the station with the larger weight for each."""
         larger = self.expansion.weights.argmax(axis=1)
         return self.places(motion)[0][:, self.expansion.stations[np.arange(len(larger)), larger]]
 
     def station_motion(self, motion: Motion) -> StationMotion:
-        """Places, velocities and accelerations of the stations in space."""
+        """Positions, velocities and accelerations of the stations in space."""
         own = motion.of_type(IntrinsicMotion)
         return station_motion(self.model, self.line.tree.points[0], self.forces_of(own.coordinates), own)
 
     def node_motion(self, motion: Motion, nodes: ArrayLike) -> NodeMotion:
         """Positions, velocities and accelerations (t, k, 3) of some nodes in space, by `Expansion`.
 
-        Accelerations are nan where the motion does not have them.
+        Accelerations are nan where the motion has none.
         """
         chosen = node_numbers(nodes, len(self.nodes))
         own, weights = self.expansion.stations[chosen], self.expansion.weights[chosen]
@@ -277,13 +278,13 @@ class IntrinsicBody(FormDefaults, Summarized):
         return InterfaceMotion(position, rotation, velocity, there(known.accelerations)[0], angular)
 
     def freedoms(self, q2: Array) -> LineFreedoms:
-        """Its small motions with strains q_2 (e,)."""
+        """Its small motions about strains q_2 (e,)."""
         return line_freedoms(self.model, self.support, self.line.tree.points[0], q2)
 
     def motion_near(
         self, position: Array, rotation: Array, coordinates: Array, displacement: Array, rates: Array
     ) -> IntrinsicMotion:
-        """Instants displaced by p (t, 6 + e), at rates p' (t, 6 + e) as at p = 0."""
+        """States displaced by p (t, 6 + e), with rates p' (t, 6 + e), as at p = 0."""
         frames = frames_near(position, rotation, displacement, rates)
         amplitudes = self.freedoms(self.forces_of(coordinates)).amplitudes(rates)
         still = np.zeros_like(frames[2]), np.zeros_like(frames[2]), np.zeros_like(amplitudes)
@@ -292,13 +293,13 @@ class IntrinsicBody(FormDefaults, Summarized):
         )
 
     def sections(self, _model: FiniteElementModel | None = None) -> Sections:
-        """Its sections, which need no elements."""
+        """Its cutting sections, which need no elements."""
         return Sections(f"axes of the section of {self.name}", partial(line_section_loads, self))
 
     def section_loads(self, motion: Motion) -> Array:
         """Internal forces and moments (t, n - 1, 6) at the middles of segments, along material axes.
 
-        Where there is RayleighDamping, the elastic part.
+        With RayleighDamping, the elastic part.
         """
         q2 = self.forces_of(motion.of_type(IntrinsicMotion).coordinates)
         return np.asarray(jax.vmap(lambda q: section_forces(self.model, q))(jnp.asarray(q2)))
@@ -315,21 +316,21 @@ class IntrinsicBody(FormDefaults, Summarized):
 
     @property
     def rotation_limit(self) -> float:
-        """None: any rotation."""
+        """None: rotations are not limited."""
         return np.inf
 
     def lowest_frequency(self) -> float:
-        """Of the elastic modes on its support, rad/s; infinite where nothing deforms."""
+        """Lowest frequency of the elastic modes on its support, rad/s; infinite for a rigid body."""
         return float(self.modes.frequencies.min(initial=np.inf))
 
 
 def body_of(placed: Placed) -> IntrinsicBody:
-    """The intrinsic body that is placed; ModelError for another form."""
+    """The intrinsic body that is placed; ModelError for another kind of body."""
     body = placed.body
     if not isinstance(body, IntrinsicBody):
         raise ModelError(
-            f"body '{body.name}' is {body.kind}, and only intrinsic bodies have this without a march: "
-            "simulate, which takes bodies of both kinds, with damping where rest is wanted"
+            f"body '{body.name}' is {body.kind}; without a time integration this is available for intrinsic "
+            "bodies only: simulate, which supports both kinds, with damping to reach equilibrium"
         )
     return body
 
@@ -349,14 +350,14 @@ def intrinsic_body(
     stations: Mapping[str, int] | None = None,
     damping: Damping | None = None,
 ) -> IntrinsicBody:
-    """A body whose nodes are the stations of a line.
+    """Intrinsic body whose nodes are the stations of a line.
 
     Parameters
     ----------
-    n_modes : int       lowest elastic ones, to which second-order modes are added; all when omitted
-    stations : name -> number   interfaces; "root", and "tip" of a line without branches, are always there
+    n_modes : int       number of lowest elastic modes, extended by second-order modes; default all
+    stations : name -> number   interfaces; "root", and "tip" of a line without branches, always exist
 
-    Raises ModelError for a station that there is not, and as `intrinsic_modes`.
+    Raises ModelError for a station that does not exist, and as `intrinsic_modes`.
     """
     modes = intrinsic_modes(line, support)
     ends = {"root": 0} | ({"tip": line.n - 1} if line.tree.is_chain and line.n > 1 else {})

@@ -1,4 +1,4 @@
-"""Linear modes of a condensed line as functions along it: velocities, momenta, internal forces, strains."""
+"""Linear modes of a condensed line as fields along it: velocities, momenta, internal forces, strains."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ __all__ = ["IntrinsicModes", "intrinsic_modes"]
 Array = NDArray[np.float64]
 
 LARGEST_DEFECT = 1e-8
-"""Of orthonormality: more is not round-off."""
+"""Largest defect of orthonormality; more is not round-off."""
 
 
 @dataclass(frozen=True, eq=False)
 class IntrinsicModes:
-    """The modes that a line moves in: k rigid ones, which have no strain, then e elastic ones.
+    """Modes of a line: k rigid ones, which have no strain, then e elastic ones.
 
-    All components are along axes that turn with the material and are the global ones at rest; so the line has
-    no initial curvature, and its tangents t_i differ from segment to segment. With mass-normal modes Phi_a of
-    (K_a - w_j^2 M_a) Phi_a = 0, whose root moves as the support allows,
+    All components are along axes that rotate with the material and are global at rest; so the line has no
+    initial curvature, and its tangents t_i differ between segments. With mass-normalised modes Phi_a of
+    (K_a - w_j^2 M_a) Phi_a = 0, whose root moves as its support allows,
 
         Phi_1 = Phi_a at stations,           M Phi_1
         Phi_2 = -1/w_j sum over the stations outboard of [F_k; M_k + (r_k - r_i+1/2) x F_k],
                 [F; M] = w_j^2 M_a Phi_a
         C Phi_2 = 1/w_j (-Delta Phi_1 / Delta s + E^T mean Phi_1),    E^T [v; w] = [-t x w; 0]
 
-    at the middles of segments. Rigid modes have w = 0 and no Phi_2. Grams are the identity on the grid:
+    at the middles of segments. Rigid modes have w = 0 and no Phi_2. The Gram matrices are unit matrices:
     Phi_1^T M Phi_1 = 1, Phi_2^T (C Phi_2) ds = 1.
 
     line : CondensedLine
@@ -47,7 +47,7 @@ class IntrinsicModes:
     momenta : (n, 6, k + e)     M Phi_1
     forces : (n - 1, 6, e)      Phi_2
     strains : (n - 1, 6, e)     C Phi_2
-    n_second_order : int        of the elastic ones, the last: Ritz vectors of second-order motion
+    n_second_order : int        number of elastic modes, the last ones, that are second-order Ritz vectors
     """
 
     line: CondensedLine
@@ -61,22 +61,22 @@ class IntrinsicModes:
 
     @property
     def n_modes(self) -> int:
-        """All modes, k + e."""
+        """Number of all modes, k + e."""
         return len(self.omega)
 
     @property
     def n_rigid(self) -> int:
-        """Rigid modes, k."""
+        """Number of rigid modes, k."""
         return self.n_modes - self.forces.shape[2]
 
     @property
     def n_elastic(self) -> int:
-        """Elastic modes, e."""
+        """Number of elastic modes, e."""
         return self.forces.shape[2]
 
     @property
     def frequencies(self) -> Array:
-        """Elastic eigenfrequencies of the line on its support, rad/s: without the second-order modes'."""
+        """Elastic natural frequencies of the line on its support, rad/s, without second-order modes."""
         return self.omega[self.n_rigid : self.n_modes - self.n_second_order]
 
     @cached_property
@@ -89,11 +89,11 @@ class IntrinsicModes:
         return _defect(first), _defect(second)
 
     def truncated(self, n_modes: int) -> IntrinsicModes:
-        """The lowest modes alone; ModelError for fewer than the rigid ones, or more than there are."""
+        """The lowest modes only; ModelError for fewer than the rigid modes, or more than exist."""
         if not self.n_rigid <= n_modes <= self.n_modes or n_modes == 0:
             raise ModelError(
-                f"line '{self.line.name}': {n_modes} modes asked for; it has {self.n_modes}, of which "
-                f"{self.n_rigid} are rigid and cannot be left out"
+                f"line '{self.line.name}': {n_modes} modes requested; it has {self.n_modes}, of which "
+                f"{self.n_rigid} are rigid and must be retained"
             )
         e = n_modes - self.n_rigid
         return IntrinsicModes(
@@ -110,18 +110,18 @@ class IntrinsicModes:
 def intrinsic_modes(line: CondensedLine, support: RootSupport, n_modes: int | None = None) -> IntrinsicModes:
     """The lowest modes of a line on a support.
 
-    Rigid motion comes from geometry, so that no frequency is compared with zero. The elastic modes are those
-    of the flexibility in the scale of the masses, F^T K^-1 F with M = F F^T: freedoms without mass follow,
-    and the lowest modes are the most accurate ones.
+    Rigid motion follows from geometry, so that no frequency is compared with zero. The elastic modes are
+    those of the flexibility scaled by the masses, F^T K^-1 F with M = F F^T: massless freedoms follow
+    statically, and the lowest modes are the most accurate ones.
 
     Parameters
     ----------
-    n_modes : int       rigid and elastic ones together; all that have mass when omitted
+    n_modes : int       rigid and elastic modes together; default all that have mass
 
     Raises
     ------
-    ModelError      more modes than freedoms with mass; a root that is free but moves no mass
-    AccuracyError   modes that are not orthonormal to 1e-8: what to look for
+    ModelError      more modes than freedoms with mass; a free root motion that moves no mass
+    AccuracyError   modes that are not orthonormal to 1e-8, with the remedy
     Source: [Wang2015] (26)-(35), with the sign of (35) and the scale of the modes corrected.
     """
     R, Phi, omega = _normal_modes(line, support)
@@ -129,8 +129,8 @@ def intrinsic_modes(line: CondensedLine, support: RootSupport, n_modes: int | No
         available = R.shape[1] + Phi.shape[1]
         if not max(R.shape[1], 1) <= n_modes <= available:
             raise ModelError(
-                f"line '{line.name}': {n_modes} modes asked for; it has {available} with mass, of which "
-                f"{R.shape[1]} are rigid and cannot be left out"
+                f"line '{line.name}': {n_modes} modes requested; it has {available} with mass, of which "
+                f"{R.shape[1]} are rigid and must be retained"
             )
         Phi, omega = Phi[:, : n_modes - R.shape[1]], omega[: n_modes - R.shape[1]]
     all_modes = np.hstack([R, Phi])
@@ -153,21 +153,21 @@ def intrinsic_modes(line: CondensedLine, support: RootSupport, n_modes: int | No
 
 
 def checked_modes(modes: IntrinsicModes) -> IntrinsicModes:
-    """The same modes; AccuracyError where they are not orthonormal to 1e-8: what to look for."""
+    """The same modes; AccuracyError, with the remedy, where they are not orthonormal to 1e-8."""
     first, second = modes.orthonormality
     if not max(first, second) < LARGEST_DEFECT:
         omega = modes.omega[modes.n_rigid :]
         raise AccuracyError(
-            f"line '{modes.line.name}': its modes are orthonormal to {first:.1e} (velocities) and "
-            f"{second:.1e} (forces) only, over frequencies from {omega.min(initial=np.inf):.3g} to "
-            f"{omega.max(initial=0):.3g} rad/s: ask for fewer modes (n_modes), or mend masses that are "
-            "tiny beside the others"
+            f"line '{modes.line.name}': its modes are orthonormal only to {first:.1e} (velocities) and "
+            f"{second:.1e} (forces), over frequencies from {omega.min(initial=np.inf):.3g} to "
+            f"{omega.max(initial=0):.3g} rad/s: request fewer modes (n_modes), or correct masses that are "
+            "tiny compared with the others"
         )
     return modes
 
 
 def _normal_modes(line: CondensedLine, support: RootSupport) -> tuple[Array, Array, Array]:
-    """Rigid modes (6 n, k), elastic ones (6 n, e), mass-normal, and their frequencies (e,)."""
+    """Rigid modes (6 n, k), elastic modes (6 n, e), mass-normalised, and their frequencies (e,)."""
     k = support.free.shape[1]
     length = float(line.tree.lengths.mean()) if line.n > 1 else 1.0
     # The root moves along its free twists alone: x = T z.
@@ -180,8 +180,8 @@ def _normal_modes(line: CondensedLine, support: RootSupport) -> tuple[Array, Arr
         scale = np.sqrt(np.diag(gram))
         if not np.all(scale > 0) or np.linalg.cond(gram / np.outer(scale, scale)) > 1e12:
             raise ModelError(
-                f"line '{line.name}': its root is free to move in a way in which no mass moves: give the "
-                "stations their inertia"
+                f"line '{line.name}': a free motion of its root moves no mass: give the stations their "
+                "inertia"
             )
         R = linalg.solve_triangular(np.linalg.cholesky(gram), R.T, lower=True).T
     # Rigid motion gets a stiffness, of the size of the elastic one, so that K has an inverse.
@@ -194,8 +194,8 @@ def _normal_modes(line: CondensedLine, support: RootSupport) -> tuple[Array, Arr
         factor = linalg.cho_factor(K_held * np.outer(D, D), lower=True)
     except linalg.LinAlgError as error:
         raise ModelError(
-            f"line '{line.name}': its stiffness leaves more than the motions of its root free ({error}): a "
-            "station hangs loose, or turns without resistance"
+            f"line '{line.name}': motions other than those of its root have no stiffness ({error}): check "
+            "for a station that is not connected, or that can rotate freely"
         ) from error
     flexible = D[:, None] * np.asarray(linalg.cho_solve(factor, D[:, None] * F))
     rigid_part = np.linalg.qr(F.T @ R)[0] if k else np.zeros((F.shape[1], 0))
@@ -212,12 +212,12 @@ def _normal_modes(line: CondensedLine, support: RootSupport) -> tuple[Array, Arr
     order = np.argsort(omega, kind="stable")
     Phi, omega = Phi[:, order], omega[order]
     largest = np.abs(Phi).argmax(axis=0)
-    Phi = Phi * np.sign(Phi[largest, np.arange(e)])  # one sign, whatever the solver's
+    Phi = Phi * np.sign(Phi[largest, np.arange(e)])  # a definite sign, independent of the solver
     return T @ R, T @ Phi, omega
 
 
 def _mass_orthonormal(columns: Array, M: Array) -> Array:
-    """The same spans of leading columns, mass-orthonormal: Cholesky's QR, three times for round-off."""
+    """Mass-orthonormal basis with the same spans of leading columns: Cholesky QR, repeated for round-off."""
     for _ in range(3):
         L = np.linalg.cholesky(columns.T @ M @ columns)
         columns = np.asarray(linalg.solve_triangular(L, columns.T, lower=True)).T

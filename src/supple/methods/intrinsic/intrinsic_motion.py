@@ -15,15 +15,15 @@ __all__ = ["IntrinsicMotion"]
 
 
 UNKNOWN = np.empty(0)
-"""Accelerations that were not computed, as in files of earlier versions: they become nan."""
+"""Accelerations missing in files of earlier versions; they are set to nan."""
 
 
 @register_motion
 @dataclass(frozen=True, repr=False)
 class IntrinsicMotion(FramedMotion):
-    """Root, strains and velocities of an intrinsic body: `position` and `rotation` are those of its root.
+    """Root, strains and velocities of an intrinsic body; `position` and `rotation` are those of its root.
 
-    coordinates : (t, e)     amplitudes of the elastic modes that have these strains and forces, -q_2 / w
+    coordinates : (t, e)     amplitudes of the elastic modes with these strains and forces, -q_2 / w
     """
 
     kind: ClassVar[str] = "intrinsic"
@@ -39,11 +39,11 @@ class IntrinsicMotion(FramedMotion):
     rates: np.ndarray
     """(t, k + e) amplitudes of the velocities, q_1: rigid modes, then elastic ones."""
     acceleration: np.ndarray = field(default_factory=lambda: UNKNOWN)
-    """(t, 3) of the origin of the body's axes, global components."""
+    """(t, 3) acceleration of the origin of the body's axes, global components."""
     angular_acceleration: np.ndarray = field(default_factory=lambda: UNKNOWN)
-    """(t, 3) rate of the angular velocity, body components."""
+    """(t, 3) angular acceleration, body components."""
     accelerations: np.ndarray = field(default_factory=lambda: UNKNOWN)
-    """(t, k + e) rates of `rates`."""
+    """(t, k + e) time derivative of `rates`."""
 
     def __post_init__(self) -> None:
         likes = (("acceleration", 3), ("angular_acceleration", 3), ("accelerations", self.rates.shape[1]))

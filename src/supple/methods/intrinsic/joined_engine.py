@@ -1,4 +1,4 @@
-"""The engine of machines in which joints connect intrinsic bodies with each other and with others."""
+"""Engine of machines in which joints connect intrinsic bodies to each other and to other bodies."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ from supple.programs.kept_programs import KeptProgram
 __all__ = ["ITERATED", "JoinedEngine", "JoinedStepping"]
 
 ITERATED = 1e-4
-"""Of the run's tolerance: to what implicit steps are solved, so that the energy shows the rule alone."""
+"""Tolerance of implicit steps relative to that of the run, so that only the rule affects the energy."""
 
 
 class JoinedStepping(NamedTuple):
-    """How steps are made and solved.
+    """Step rule and tolerances.
 
-    tolerance : of the residual of a step,  limit : beyond which it has not converged
+    tolerance : of the residual of a step,  limit : residual above which it has not converged
     """
 
     coefficients: FirstOrderCoefficients
@@ -48,17 +48,17 @@ class JoinedStepping(NamedTuple):
 
 
 class JoinedEngine:
-    """An `Engine` of intrinsic, rigid and reduced bodies and their joints; `JoinedState` is its state.
+    """`Engine` of intrinsic, rigid and reduced bodies and their joints; `JoinedState` is its state.
 
-    also : ends that are looked at besides those that joints and forces hold
+    also : further ends whose stations are included besides those of joints and forces
     """
 
     def __init__(self, system: System, run: Run, also: Sequence[At] = ()) -> None:
         run = with_chosen_step(system, run)
         if not isinstance(run.method, GeneralizedAlpha):
             raise ModelError(
-                f"joints that connect intrinsic bodies do not take {type(run.method).__name__}: give "
-                "GeneralizedAlpha(rho_inf); explicit rules step bodies whose roots the ground holds"
+                f"joints between intrinsic bodies do not support {type(run.method).__name__}: use "
+                "GeneralizedAlpha(rho_inf); explicit rules support bodies with roots on the ground only"
             )
         self._run = run
         self._machine: JoinedMachine = joined_machine(system, run.start, also)
@@ -71,7 +71,7 @@ class JoinedEngine:
 
     @property
     def machine(self) -> JoinedMachine:
-        """The machine made ready; since the start without redundant equations."""
+        """The prepared machine; after the start, without redundant equations."""
         return self._machine._replace(arrays=self._arrays)
 
     @property
@@ -81,7 +81,7 @@ class JoinedEngine:
 
     @property
     def stepping(self) -> JoinedStepping:
-        """How its steps are made and solved."""
+        """Step rule and tolerances."""
         tolerances = self._run.tolerances
         return JoinedStepping(
             self._coefficients, ITERATED * tolerances.residual, tolerances.max_iterations, self._limit
@@ -89,14 +89,14 @@ class JoinedEngine:
 
     @property
     def _limit(self) -> float:
-        """Of the residual of a step, beyond which it has not converged."""
+        """Residual of a step above which it has not converged."""
         return 10 * self._run.tolerances.residual
 
     def start(self, time: float) -> JoinedState:
-        """Velocities on the joints, consistent rates and joint forces."""
+        """Velocities that satisfy the joints, consistent rates and joint forces."""
         self._arrays, begun, change = joined_start(self._machine, time)
         report_start(change, self._run.validity)
-        # Of NumPy's types as all later instants: JAX would compile once more for numbers of Python's.
+        # NumPy types as in all later instants: JAX would compile once more for Python numbers.
         now = jax.tree.map(np.asarray, begun)
         control = fresh_control(self._machine.seen)
         _, rates, forces = self._at(now, control)
@@ -106,7 +106,7 @@ class JoinedEngine:
         return JoinedState(now, rates, forces, control, jnp.zeros(()), jnp.zeros((), dtype=int))
 
     def resumed(self, last: Solution) -> JoinedState:
-        """The state at the end of a recorded part, exact."""
+        """The exact state at the end of a recorded part."""
         leaves, structure = jax.tree.flatten(self.start(self._run.start))
         known = [last.engine_state[f"leaf {number}"] for number in range(len(leaves))]
         return structure.unflatten(
@@ -117,7 +117,7 @@ class JoinedEngine:
         )
 
     def march(self, state: JoinedState, times: np.ndarray) -> Leg[JoinedState]:
-        """To each of the output times, in one call of the compiled program."""
+        """Integrate to each of the output times, in one call of the compiled program."""
         if self._sampling is None:
             return self._leg(state, times)
         legs: list[Leg[JoinedState]] = []
@@ -125,7 +125,7 @@ class JoinedEngine:
         instants = self._sampling.every
         between = instants[(instants > float(state.now.time)) & (instants < times[-1])]
         for stop in np.union1d(between, times):
-            # Called where the march goes on, not in the leg that the start is.
+            # Called when the run goes on, not in the leg that holds the start.
             goes_on = stop > float(state.now.time)
             legs.append(self._leg(self._sampled(state) if goes_on else state, np.array([stop])))
             state = legs[-1].last
@@ -142,7 +142,7 @@ class JoinedEngine:
         )
 
     def _sampled(self, state: JoinedState) -> JoinedState:
-        """After calling the sampled controllers that are due, with rates that belong to them."""
+        """The state after calling the sampled controllers that are due, with its new rates."""
         assert self._sampling is not None
         now = jax.tree.map(np.asarray, state.now)
         control = self._sampling.called(self._arrays.model, self._motion(now, state.control), state.control)
@@ -153,7 +153,7 @@ class JoinedEngine:
 
     def _leg(self, state: JoinedState, times: np.ndarray) -> Leg[JoinedState]:
         began = clock.perf_counter()
-        # A short leg repeats its end, where steps have no length.
+        # A short leg repeats its last time, with steps of zero length.
         stepping = self.stepping
         interval = self._interval if self._sampling is None else float(times[0] - state.now.time)
         n_steps = max(1, int(np.ceil(interval / self._step * (1 - 1e-9))))
@@ -191,7 +191,7 @@ class JoinedEngine:
         return (
             f"a step did not converge before t = {float(reached.now.time[number]):.6g}: relative residual "
             f"{float(reached.worst[number]):.2g}. Take shorter steps than {self._run.step_control.first:g}, "
-            "allow more iterations (Tolerances), or look for a singular position of the joints"
+            "allow more iterations (Tolerances), or check for a singular position of the joints"
         )
 
     def _outputs(self, now: JoinedInstant, control: ControlState | None) -> tuple[Any, JoinedRates, Any]:
@@ -201,18 +201,18 @@ class JoinedEngine:
         return jax.tree.map(lambda leaf: leaf[:n], _outputs(self._arrays, *both))
 
     def _at(self, now: JoinedInstant, control: ControlState | None) -> tuple[Any, JoinedRates, Any]:
-        """The same at one instant."""
+        """`_outputs` at one instant."""
         found = self._outputs(*jax.tree.map(lambda leaf: np.asarray(leaf)[None], (now, control)))
         return jax.tree.map(lambda leaf: leaf[0], found)
 
     def _motion(self, now: JoinedInstant, control: ControlState) -> SystemMotion:
-        """What controllers see."""
+        """Motion as the input of controllers."""
         velocities, *_ = self._at(now, control)
         still = np.zeros_like(np.asarray(velocities)), np.zeros(len(self._arrays.model.active))
         return SystemMotion(now.time, now.floating, velocities, *still)
 
     def solution(self, leg: Leg[JoinedState]) -> Solution:
-        """The motion of a leg; forces of joints and accelerations are those of its very instants."""
+        """The motion of a leg, with joint forces and accelerations evaluated at its instants."""
         now: JoinedInstant = leg.states.now
         velocities, rates, multipliers = jax.device_get(self._outputs(now, leg.states.control))
         state = {

@@ -1,15 +1,16 @@
-"""The equations of lines and floating bodies that joints connect.
+"""Equations of motion of lines and floating bodies connected by joints.
 
-The velocities of a station are those of its place, which strains and root say where it is; they are linear
-in the line's amplitudes q_1, V_s = T(q) q_1, and T^T brings the forces of joints and forces back to these:
+The velocities of a station are those of its position, which depends on the strains and the root. They are
+linear in the line's amplitudes q_1, V_s = T(q) q_1, and T^T maps forces of joints and force elements to
+amplitudes:
 
     line            q_1' = .. + T^T (Q - G^T lambda),     (q_2, root)' = S(q) (q_1 + T^T G^T mu)
     floating body   M V' + c + f - Q + G^T lambda = 0,    q' = V + M^-1 G^T mu
     joints          g(t, q) = 0,     G V + dg/dt = 0
 
-As joints do no work on velocities that they allow, and T belongs to the very places whose joints are closed,
-energy is conserved however few modes or stations there are. mu vanishes with the step: it keeps positions and
-velocities on the joints at once.
+Joints do no work on velocities that satisfy them, and T belongs to the positions in the constraint equations.
+So energy is conserved for any number of modes or stations. mu vanishes with the step; it keeps both positions
+and velocities on the constraints.
 Source: C. W. Gear, B. Leimkuhler, G. K. Gupta, "Automatic integration of Euler-Lagrange equations with
 constraints", J. Comput. Appl. Math. 12-13 (1985) 77-90, for mu.
 """
@@ -54,7 +55,7 @@ __all__ = [
 
 
 class JoinedInstant(NamedTuple):
-    """Where the machine is, and how it moves.
+    """Positions and velocities of the machine.
 
     floating : Configuration    of all bodies of the model
     velocity : (n,)             of the floating bodies
@@ -71,7 +72,7 @@ class JoinedRates(NamedTuple):
 
     lines : q_1', q_2' and the root's rates, of each line
     acceleration : (n,)     of the floating bodies
-    frames : (n,)           their velocities as the configuration has them, M^-1 G^T mu besides
+    frames : (n,)           velocities of the floating bodies' configuration, with M^-1 G^T mu
     """
 
     lines: States
@@ -87,7 +88,7 @@ def shape_rates(model: LineModel, state: LineState, q1: jax.Array) -> tuple[jax.
 
 
 def station_twists(arrays: JoinedArrays, states: States, amplitudes: tuple[jax.Array, ...]) -> jax.Array:
-    """Velocity (global) and angular velocity (own axes) of the stations that are held, (6 s,)."""
+    """Velocities (global) and angular velocities (own axes) of the coupled stations, (6 s,)."""
     still = tuple(jax.tree.map(jnp.zeros_like, states))
     rates = tuple(
         LineState(none.q1, *shape_rates(model, state, q1))
@@ -100,15 +101,15 @@ def station_twists(arrays: JoinedArrays, states: States, amplitudes: tuple[jax.A
 
 
 def held_forces(arrays: JoinedArrays, states: States, wrenches: jax.Array) -> tuple[jax.Array, ...]:
-    """T^T f, of forces and moments f (6 s,) on the stations that are held: on the amplitudes of each line."""
+    """T^T f for forces and moments f (6 s,) on the coupled stations: forces on each line's amplitudes."""
     amplitudes = tuple(state.q1 for state in states)
     return jax.vjp(lambda q1: station_twists(arrays, states, q1), amplitudes)[1](wrenches)[0]
 
 
 def held_wrenches(arrays: JoinedArrays, now: JoinedInstant, multipliers: jax.Array) -> jax.Array:
-    """Forces (global) and moments (own axes) of joints and forces on the stations that are held, (6 s,).
+    """Forces (global) and moments (own axes) of joints and force elements on coupled stations, (6 s,).
 
-    now : with its stations in place,  multipliers : (m,) of the active equations
+    now : with its stations placed,  multipliers : (m,) of the active equations
     """
     still = jnp.zeros(arrays.model.n_velocities)
     seen = SystemMotion(now.time, now.floating, all_velocities(arrays, now), still, multipliers)
@@ -127,7 +128,7 @@ def joint_rates(arrays: JoinedArrays, now: JoinedInstant) -> jax.Array:
 
 
 def joint_equations(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array, jax.Array]:
-    """G and G V + dg/dt of the active equations, (m,) each, at an instant whose stations are in place."""
+    """G and G V + dg/dt of the active equations, (m,) each, at an instant with its stations placed."""
     model, time, at = arrays.model, jnp.asarray(now.time, dtype=float), now.floating
     joints = joint_force.linearized(model, time, at)
     rates = joint_force.constraint_rows(model, joints) @ all_velocities(arrays, now)
@@ -137,7 +138,7 @@ def joint_equations(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array
 
 
 def moved(arrays: JoinedArrays, now: JoinedInstant, change: JoinedRates, time: Any) -> JoinedInstant:
-    """The instant a time later, moved by a change of the kind rate * time."""
+    """The instant a time later, moved by an increment of the form rate * time."""
     increment = jnp.concatenate([change.frames, jnp.zeros(6 * arrays.n_held)])
     lines = jax.tree.map(jnp.add, now.lines, change.lines)
     floating = advance(arrays.model, now.floating, increment)
@@ -153,7 +154,7 @@ def seen_motion(
     multipliers: Any,
     control: ControlStep | None = None,
 ) -> SystemMotion:
-    """Floating bodies and stations as joints, forces and controllers see them."""
+    """Motion of floating bodies and stations as the input of joints, forces and controllers."""
     accelerations = jnp.concatenate([rates.acceleration, jnp.zeros(6 * arrays.n_held)])
     velocities = all_velocities(arrays, now)
     return SystemMotion(now.time, now.floating, velocities, accelerations, multipliers, control)
@@ -168,11 +169,11 @@ def motion_residuals(
     softness: Callable[[jax.Array], jax.Array],
     control: ControlStep | None = None,
 ) -> JoinedRates:
-    """What rates (of an instant) miss of the equations of motion.
+    """Residuals of the equations of motion at given rates.
 
     multipliers : (m,) lambda,  closing : (m,) mu
     softness : M^-1, on forces (n,) of the floating bodies
-    control : of the machine's controllers, if it has any
+    control : of the machine's controllers; None without any
     """
     model, n = arrays.model, arrays.n_floating
     balanced = balance(model, seen_motion(arrays, now, rates, multipliers, control))

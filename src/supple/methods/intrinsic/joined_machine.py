@@ -1,8 +1,8 @@
-"""A machine of intrinsic, rigid and reduced bodies with any joints, as compiled code takes it.
+"""Machine of intrinsic, rigid and reduced bodies with any joints, as arrays for compiled code.
 
-Joints and forces take hold of an intrinsic body at its stations. To them each station is a rigid body
-without mass: the equations of joints and forces are those of floating frames, and their forces come back to
-the amplitudes of the line through the velocities of its stations.
+Joints and forces act on an intrinsic body at its stations. Each such station is a massless rigid body in
+their equations, which are those of floating frames. Their forces act on the amplitudes of the line through
+the velocities of its stations.
 """
 
 from __future__ import annotations
@@ -61,13 +61,13 @@ STATIC = {"static": True}
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class JoinedArrays:
-    """The machine's numbers.
+    """Arrays of the machine.
 
     lines : their equations, one per intrinsic body
     drives : prescribed motions of their roots, or None
-    loads : on their stations; those of force elements too where the ground alone holds the lines
-    model : floating bodies, joints and forces; the stations that these take hold of are bodies without mass
-    held : station numbers, line by line
+    loads : on their stations; with the force elements if only ground joints hold the lines
+    model : floating bodies, joints and forces; the coupled stations are massless bodies
+    held : numbers of the coupled stations, line by line
     """
 
     lines: tuple[LineModel, ...]
@@ -78,12 +78,12 @@ class JoinedArrays:
 
     @property
     def n_held(self) -> int:
-        """Number of stations that joints or forces hold."""
+        """Number of stations coupled to joints or forces."""
         return sum(map(len, self.held))
 
     @property
     def n_floating(self) -> int:
-        """Number of velocities of floating bodies, which come first in the model."""
+        """Number of velocities of floating bodies, which are first in the model."""
         return self.model.n_velocities - 6 * self.n_held
 
     @property
@@ -93,9 +93,9 @@ class JoinedArrays:
 
 
 class JoinedMachine(NamedTuple):
-    """A machine made ready.
+    """A prepared machine.
 
-    seen : System       floating bodies, and a body for every station that is held
+    seen : System       floating bodies, and a body for every coupled station
     lines : the placed intrinsic bodies
     states : of the lines, as they are placed
     """
@@ -108,11 +108,11 @@ class JoinedMachine(NamedTuple):
 
 
 class SeenLines(NamedTuple):
-    """A machine as its joints and forces see it.
+    """A machine as the system of its joints and forces.
 
-    seen : System       floating bodies, and a body for every station that is held
+    seen : System       floating bodies, and a body for every coupled station
     lines : the placed intrinsic bodies
-    held : station numbers, line by line
+    held : numbers of the coupled stations, line by line
     on_lines : System   the lines with the loads on their stations
     """
 
@@ -123,10 +123,10 @@ class SeenLines(NamedTuple):
 
 
 def seen_lines(system: System, also: Sequence[At] = ()) -> SeenLines:
-    """The stations that joints, forces and controllers take hold of, as bodies.
+    """The system with a body for each station coupled to joints, forces and controllers.
 
-    also : other ends that are looked at
-    Raises ModelError for intrinsic bodies whose modes hold their root.
+    also : further ends to include
+    Raises ModelError for intrinsic bodies with a supported root.
     """
     lines = tuple(placed for placed in system.bodies if isinstance(placed.body, IntrinsicBody))
     others = tuple(placed for placed in system.bodies if placed not in lines)
@@ -158,7 +158,7 @@ def seen_lines(system: System, also: Sequence[At] = ()) -> SeenLines:
 
 
 def joined_machine(system: System, time: float, also: Sequence[At] = ()) -> JoinedMachine:
-    """The arrays of a machine; ModelError for bodies that cannot take part, with the remedy.
+    """Arrays of a machine; ModelError, with the remedy, for bodies that are not supported.
 
     also : as for `seen_lines`
     """
@@ -176,10 +176,10 @@ def joined_machine(system: System, time: float, also: Sequence[At] = ()) -> Join
 
 
 def supported_machine(system: System, time: float) -> JoinedMachine:
-    """The arrays of a machine of intrinsic bodies whose roots the ground alone holds, by their supports.
+    """Arrays of a machine of intrinsic bodies whose roots are supported by ground joints alone.
 
-    Its joints are in the modes and the drives, and its forces among the loads of the lines: no station is
-    seen but one, for a model without any body does not exist.
+    Its joints are in the modes and the drives, and its forces among the loads of the lines. One station is
+    coupled only because a model needs at least one body.
     """
     made = machine_of_lines(system, time)
     first, *others = system.bodies
@@ -198,13 +198,13 @@ def _check_roots(lines: tuple[Placed, ...]) -> None:
     for placed in lines:
         if body_of(placed).support.free.shape[1] < 6:
             raise ModelError(
-                f"intrinsic body '{placed.body.name}': its modes hold its root, where joints do: place "
-                "released(body), which has rigid motion besides"
+                f"intrinsic body '{placed.body.name}': its modes belong to a supported root, but joints "
+                "act on it: place released(body), which also has rigid motion"
             )
 
 
 def _ends(system: System, forces: list[ForceElement]) -> list[At]:
-    """Where joints, forces and controllers take hold of bodies, or look at them."""
+    """Ends of joints, forces and controllers, both actuators and sensors."""
     elements: list[Any] = [*system.joints, *forces]
     read = []
     for controller in system.controllers:
@@ -214,7 +214,7 @@ def _ends(system: System, forces: list[ForceElement]) -> list[At]:
 
 
 def _held(placed: Placed, ends: list[At]) -> tuple[int, ...]:
-    """Stations of a body among these."""
+    """Stations of a body among these ends."""
     return tuple(sorted({_number(placed, end) for end in ends if end.body == placed.body.name}))
 
 
@@ -227,7 +227,7 @@ def _label(placed: Placed, number: int) -> str:
 
 
 def _station(placed: Placed, number: int) -> Placed:
-    """A rigid body in the place of a station, undeformed."""
+    """A rigid body at the position of a station in the undeformed body."""
     position, rotation = placed.assembly
     point = position + rotation @ body_of(placed).line.tree.points[number]
     body = RigidBody(_label(placed, number), 1.0, np.zeros(3), np.eye(3), {"station": np.zeros(3)})
@@ -235,12 +235,12 @@ def _station(placed: Placed, number: int) -> Placed:
 
 
 def seen_element(system: System, element: Joint | ForceElement) -> Any:
-    """A joint or force between floating bodies and stations."""
+    """The same joint or force between floating bodies and stations."""
     return replace(element, first=seen_end(system, element.first), second=seen_end(system, element.second))
 
 
 def seen_end(system: System, end: At) -> At:
-    """An end, or the station that it is."""
+    """The same end, on the body of its station for an intrinsic body."""
     if end == GROUND:
         return end
     placed = system.bodies[system.body_index(end.body)]
@@ -250,7 +250,7 @@ def seen_end(system: System, end: At) -> At:
 
 
 def _seen_controller(system: System, controller: Controller | SampledController) -> Any:
-    """A controller that reads and drives floating bodies and stations."""
+    """The same controller, reading and driving floating bodies and stations."""
     reads = {
         name: EndReading(seen_end(system, each.at)) if isinstance(each, EndReading) else each
         for name, each in controller.reads.items()
@@ -260,7 +260,7 @@ def _seen_controller(system: System, controller: Controller | SampledController)
 
 
 def held_places(arrays: JoinedArrays, states: States) -> tuple[jax.Array, jax.Array]:
-    """Positions (s, 3) and rotations (s, 3, 3) of the stations that are held, from the strains."""
+    """Positions (s, 3) and rotations (s, 3, 3) of the coupled stations, from the strains."""
     positions, rotations = [jnp.zeros((0, 3))], [jnp.zeros((0, 3, 3))]
     for model, state, held in zip(arrays.lines, states, arrays.held, strict=True):
         root = rotation_of(state.quaternion)
@@ -276,7 +276,7 @@ def held_places(arrays: JoinedArrays, states: States) -> tuple[jax.Array, jax.Ar
 
 
 def with_stations(arrays: JoinedArrays, floating: Configuration, states: States) -> Configuration:
-    """The configuration of all bodies of the model: floating ones as given, stations where strains say."""
+    """Configuration of all bodies of the model: floating ones as given, stations from the strains."""
     n = len(arrays.model.sizes) - arrays.n_held
     positions, rotations = held_places(arrays, states)
     return Configuration(

@@ -1,4 +1,4 @@
-"""Instants of a machine of lines and floating bodies as a solution."""
+"""Conversion of instants of lines and floating bodies to a solution."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ def joined_solution(
     statistics: Statistics,
     engine_state: Mapping[str, np.ndarray] = MappingProxyType({}),
 ) -> Solution:
-    """Stacked instants (leading axis: time) as a solution, with the forces of the joints.
+    """Stacked instants (leading axis: time) as a solution, with joint forces.
 
-    velocities : (t, n)     of all bodies of the model, stations too
+    velocities : (t, n)     of all bodies of the model, with the stations
     """
     arrays, seen, times = machine.arrays, machine.seen, np.asarray(now.time)
     model, still = arrays.model, np.zeros((len(times), 6 * arrays.n_held))

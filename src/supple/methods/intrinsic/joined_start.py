@@ -1,4 +1,4 @@
-"""A consistent start of joined lines and floating bodies: velocities on the joints, rates, joint forces."""
+"""Consistent start of joined lines and floating bodies: velocities on the joints, rates, joint forces."""
 
 from __future__ import annotations
 
@@ -51,13 +51,13 @@ __all__ = [
 ]
 
 OPEN = 1e-6
-"""Of the machine's size, and rad."""
+"""Largest gap of a joint, relative to the machine's size; and in rad."""
 MOST_REACTIONS, CONVERGED = 100, 1e-12
-"""Iterations for joint forces under friction, and their change over the largest in the last."""
+"""Iterations for joint forces with friction, and their relative change in the last one."""
 
 
 class JoinedStart(NamedTuple):
-    """The machine without redundant equations, and where and how it begins, on its joints."""
+    """The machine without redundant equations, and its initial instant on the joints."""
 
     arrays: JoinedArrays
     now: JoinedInstant
@@ -65,10 +65,10 @@ class JoinedStart(NamedTuple):
 
 
 def joined_start(machine: JoinedMachine, time: float) -> JoinedStart:
-    """Velocities are changed as those of floating bodies are: rigid motions first (`start_velocity`).
+    """Consistent start; velocities are corrected as those of floating bodies are (`start_velocity`).
 
-    Raises ModelError for a joint that is open. Warns RedundantConstraintWarning of joints that hold what
-    others hold.
+    Raises ModelError for an open joint. Warns RedundantConstraintWarning about joints with redundant
+    equations.
     """
     closed = closed_machine(machine, time)
     now, change = _on_joints(machine, closed)
@@ -76,9 +76,9 @@ def joined_start(machine: JoinedMachine, time: float) -> JoinedStart:
 
 
 class ClosedMachine(NamedTuple):
-    """A machine without redundant equations, as it is placed; rows and rates are of all equations.
+    """A machine without redundant equations, as placed; rows and rates are of all equations.
 
-    active : equations that are kept
+    active : numbers of the independent equations
     metric : mass matrix of all velocities
     """
 
@@ -95,7 +95,7 @@ def closed_machine(
 ) -> ClosedMachine:
     """The machine as its bodies are placed; raises and warns as `joined_start`.
 
-    known : equations that are independent, where that is known
+    known : numbers of the independent equations, if known
     """
     arrays, seen = machine.arrays, machine.seen
     placed = jax.tree.map(jnp.asarray, placed_configuration(seen))
@@ -119,7 +119,7 @@ def closed_machine(
 def _begun(
     arrays: JoinedArrays, given: JoinedInstant
 ) -> tuple[JoinedInstant, jax.Array, jax.Array, jax.Array, jax.Array]:
-    """The instant with its stations in place, and of its joints the gaps, rows and rates; the metric."""
+    """The instant with its stations placed; gaps, rows and rates of its joints; the metric."""
     now = given._replace(floating=with_stations(arrays, given.floating, given.lines))
     gaps = constraints(arrays.model, now.time, now.floating)
     return now, gaps, *_rows(arrays, now), velocity_metric(arrays, now)
@@ -132,8 +132,8 @@ def _check_closed(machine: JoinedMachine, gaps: np.ndarray) -> None:
         worst = int(np.argmax(relative))
         joint, row = labels[worst]
         raise ModelError(
-            f"joint '{joint}' is open in the initial configuration: {row} is off by {gaps[worst]:.3g}. Place "
-            "the bodies so that both ends meet; an intrinsic body is as bent as its coordinates say"
+            f"joint '{joint}' is open in the initial configuration: {row} has a gap of {gaps[worst]:.3g}. "
+            "Place the bodies so that both ends meet; coordinates determine the shape of an intrinsic body"
         )
 
 
@@ -148,7 +148,7 @@ def _with_velocities(now: JoinedInstant, velocities: tuple[Any, Any]) -> JoinedI
 
 
 def _rows(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array, jax.Array]:
-    """Derivative (m, z) of the rates of the joints' equations for all velocities, and these rates."""
+    """Derivative (m, z) of the rates of the joints' equations by all velocities, and these rates."""
     flat, unravel = ravel_pytree(_velocities(now))
 
     def rates(velocities: jax.Array) -> jax.Array:
@@ -158,7 +158,7 @@ def _rows(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array, jax.Arra
 
 
 def velocity_metric(arrays: JoinedArrays, now: JoinedInstant) -> jax.Array:
-    """Mass matrix of all velocities: modes are mass-normal."""
+    """Mass matrix of all velocities; the modes are mass-normalised."""
     n = arrays.n_floating
     lines = sum(len(state.q1) for state in now.lines)
     metric = jnp.eye(n + lines)
@@ -166,7 +166,7 @@ def velocity_metric(arrays: JoinedArrays, now: JoinedInstant) -> jax.Array:
 
 
 def _on_joints(machine: JoinedMachine, closed: ClosedMachine) -> tuple[JoinedInstant, StartChange]:
-    """The instant with velocities that its joints allow, and by what they differ from those given."""
+    """The instant with velocities that satisfy its joints, and their change from the given ones."""
     _, now, active, all_rows, all_rates, metric = closed
     flat, unravel = ravel_pytree(_velocities(now))
     rows, rates = all_rows[active], all_rates[active]
@@ -212,13 +212,13 @@ def _on_joints(machine: JoinedMachine, closed: ClosedMachine) -> tuple[JoinedIns
 
 
 def _ordered(machine: JoinedMachine) -> System:
-    """The machine, floating bodies first, as its velocities are."""
+    """The machine with floating bodies first, in the order of its velocities."""
     others = [placed for placed in machine.system.bodies if placed not in machine.lines]
     return replace(machine.system, bodies=(*others, *machine.lines))
 
 
 def _rigid_motions(machine: JoinedMachine) -> tuple[list[slice], list[np.ndarray]]:
-    """Where the velocities of each body stand, and what they are (n, 6) when its frame moves."""
+    """Slice of each body's velocities, and these velocities (n, 6) for rigid motion of its frame."""
     n_others = len(machine.arrays.model.sizes) - machine.arrays.n_held
     parts = list(machine.arrays.model.slices[:n_others])
     motions = [np.eye(part.stop - part.start, 6) for part in parts]
@@ -234,10 +234,10 @@ def _rigid_motions(machine: JoinedMachine) -> tuple[list[slice], list[np.ndarray
 def instant_rates(
     arrays: JoinedArrays, now: JoinedInstant, control: ControlState | None = None
 ) -> tuple[JoinedRates, jax.Array]:
-    """Rates of an instant on its joints, and the multipliers of these.
+    """Rates of an instant on its joints, and the multipliers.
 
-    Equations of motion and d2g/dt2 = 0:  M a + J^T lambda = -b,  J a = -c,  with b and c at a = 0. Where
-    friction in b depends on lambda, by iteration.
+    Equations of motion and d2g/dt2 = 0:  M a + J^T lambda = -b,  J a = -c,  with b and c at a = 0. Iterated
+    where friction in b depends on lambda.
     """
     m, n = len(arrays.model.active), arrays.n_floating
     lines = tuple(

@@ -1,4 +1,4 @@
-"""One implicit step of lines and floating bodies with joints: generalised-alpha of first order."""
+"""One implicit step of lines and floating bodies with joints: first-order generalised-alpha."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ __all__ = ["JoinedState", "joined_step"]
 
 
 class JoinedState(NamedTuple):
-    """Where a march is.
+    """State of a time integration.
 
     multipliers : (m,)      of the last step
     control : ControlState | None       of the machine's controllers
-    worst : ()              largest residual of a step so far, over what was allowed
+    worst : ()              largest residual of a step so far, relative to the limit
     iterations : ()         so far
     """
 
@@ -52,13 +52,13 @@ def joined_step(
     state: JoinedState,
     h: Any,
 ) -> JoinedState:
-    """The state after a step h; loads and forces of joints act between, joints are closed at its end.
+    """The state after a step h; forces act within the step, constraints hold at its end.
 
         y_1 = y_0 + h ((1 - gamma) y'_0 + gamma y'_1)
         (1 - alpha_m) y'_0 + alpha_m y'_1 = f(y at alpha_f) + joint forces,     g = 0 and g' = 0 at y_1
 
-    rho_inf = 1 is the implicit midpoint rule, symmetric in time. States of controllers obey the trapezoidal
-    rule, over a part of the step where loads act and over all of it at its end.
+    rho_inf = 1 is the implicit midpoint rule, symmetric in time. States of controllers follow the trapezoidal
+    rule: up to the point of the step where loads act, and over all of it at its end.
     """
     alpha_m, alpha_f, gamma = coefficients
     now, before = state.now, state.rates
@@ -98,7 +98,7 @@ def joined_step(
         left = missing(unknown)
         return left, left
 
-    # Value and derivative in one: the program is half as long, and takes half as long to compile.
+    # Value and derivative in one: the program is half as long, and compiles in half the time.
     tangent = jax.jacfwd(twice, has_aux=True)
 
     def goes_on(carry: Any) -> jax.Array:
@@ -116,7 +116,7 @@ def joined_step(
     begin = first, jnp.asarray(jnp.inf), jnp.zeros((), dtype=int)
     unknown, error, count = jax.lax.while_loop(goes_on, improve, begin)
     after = unravel(unknown[:size])
-    # A step of no length repeats its start.
+    # A step of zero length repeats its start.
     end = moved(arrays, now, mixed(h, 1 - gamma, after), h)
     multipliers = unknown[size : size + m]
     ending = seen_motion(
@@ -134,7 +134,7 @@ def joined_step(
 
 
 def _kinds(arrays: JoinedArrays, rates: JoinedRates, m: int) -> np.ndarray:
-    """A number for each equation, in the order of the unknowns: those of one number are measured together."""
+    """Group number of each equation, in the order of the unknowns; a group has one residual norm."""
     lines, k = [], 0
     for line in rates.lines:
         sizes = (line.q1.size, line.q2.size, line.quaternion.size + line.position.size)
@@ -147,14 +147,14 @@ def _kinds(arrays: JoinedArrays, rates: JoinedRates, m: int) -> np.ndarray:
 
 
 def _sizes(arrays: JoinedArrays, now: JoinedInstant, m: int) -> jax.Array:
-    """Sizes of states, by the rates that change them, whose rounding is not an error."""
+    """Sizes of states by their rates, as the unit of rounding errors."""
     length = jnp.asarray(arrays.model.length, dtype=float)
     frames, first = [jnp.zeros(0)], 0
     for r in _floating_sizes(arrays):
         own = now.floating.coordinates[first : first + r]
         frames += [jnp.full(3, length), jnp.ones(3), jnp.abs(own)]
         first += r
-    # A root in the origin, where a joint holds it, is no smaller than elsewhere.
+    # A root at the origin, where a joint holds it, has the same scale as elsewhere.
     lines = tuple(replace(jax.tree.map(jnp.abs, state), position=jnp.full(3, length)) for state in now.lines)
     sizes = JoinedRates(lines, jnp.abs(now.velocity), jnp.concatenate(frames))
     return jnp.concatenate([ravel_pytree(sizes)[0], jnp.zeros(2 * m)])

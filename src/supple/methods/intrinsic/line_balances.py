@@ -22,7 +22,7 @@ def line_balances(body: IntrinsicBody, motion: IntrinsicMotion, gravity: Array) 
         T = p.x_1 / 2,   U = q_2.q_2 / 2,   P = sum R_i p_v,i,   L = sum r_i x R_i p_v,i + R_i p_w,i
 
     The potential is -g.sum(m_i r_i + R_i s_i) with the masses and first moments of the stations.
-    Source: [Wang2015] (12)-(14): the modes are normal to mass and flexibility.
+    Source: [Wang2015] (12)-(14): the modes are orthogonal by mass and flexibility.
     """
     n = body.line.n
     rotations, positions = body.places(motion)
@@ -31,7 +31,7 @@ def line_balances(body: IntrinsicBody, motion: IntrinsicMotion, gravity: Array) 
     linear, own = (np.einsum("tnij,tnj->tni", rotations, momenta[..., part]) for part in _HALVES)
     q2 = body.forces_of(motion.coordinates)
     masses = body.line.mass.reshape(n, 6, n, 6).sum(axis=2)[:, :, :3]
-    # A station's block is [m 1; s x], and s x is antisymmetric.
+    # A station's block is [m 1; s x], and s x is skew-symmetric.
     moments = np.stack([masses[:, 5, 1], masses[:, 3, 2], masses[:, 4, 0]], axis=1)
     centres = np.einsum("nij,tnj->ti", masses[:, :3], positions) + np.einsum(
         "tnij,nj->ti", rotations, moments

@@ -1,15 +1,15 @@
-"""The equations of motion of a line in its modes, with quadratic couplings alone, factorised.
+"""Equations of motion of a line in its modes, with quadratic couplings alone, in factorised form.
 
     q_1' = w (q_2 + beta q_2') - d q_1 - Phi_1^T [L_1(x_1) M x_1 + L_2(x_2) e - f]
     q_2' = -w q_1 + Phi_2^T L_1(x_1)^T e,                 e = C x_2
 
-Where a tensor form stores the couplings of three modes each, N_m^3 numbers, this one goes to the stations and
-back: products of vectors at stations and segments between a few products of a matrix and a vector. It is the
-same function for any choice of modes, and the power of the couplings is exactly zero.
+A tensor form stores the couplings of three modes each, N_m^3 numbers. Here the couplings are evaluated at the
+stations: cross products at stations and segments, between a few products of a matrix and a vector. The result
+is the same for any choice of modes, and the power of the couplings is exactly zero.
 
-Amplitudes may have a last axis of cases, and all that follows from them has it too: the products are then of
-two matrices, and cases lie side by side in memory, several to an instruction.
-Source: [Wang2015] (12)-(14), their integrals left as sums over stations.
+Amplitudes, and all results from them, may have a last axis of cases. The products are then of two matrices,
+and cases are adjacent in memory, several to an instruction.
+Source: [Wang2015] (12)-(14), with their integrals as sums over stations.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def force_rates(model: LineModel, x1: jax.Array, q1: jax.Array, e: jax.Array) ->
 def on_stations(
     model: LineModel, x1: jax.Array, q1: jax.Array, stress: jax.Array, e: jax.Array, root: RootTwist | None
 ) -> jax.Array:
-    """What turning and bending ask of the stations (n, 6): L_1(x_1) M x_1 + L_2(x_2) e."""
+    """Forces of inertia and bending on the stations (n, 6): L_1(x_1) M x_1 + L_2(x_2) e."""
     half = 0.5 * _along(model.lengths, e) * l2(section_forces(model, stress), e)
     return on_ends(model, turning_forces(model, x1, q1, root), half)
 
@@ -118,7 +118,7 @@ def turning_forces(model: LineModel, x1: jax.Array, q1: jax.Array, root: RootTwi
 
 
 def momenta(model: LineModel, x1: jax.Array, q1: jax.Array, root: RootTwist | None) -> jax.Array:
-    """M x_1 (n, 6) of velocities and their amplitudes."""
+    """M x_1 (n, 6) from velocities and their amplitudes."""
     if model.station_masses is not None:
         # Column by column: compiled into one pass, for one case as for many.
         columns = (_along(model.station_masses[:, :, j], x1) * x1[:, None, j] for j in range(6))
@@ -148,24 +148,24 @@ def l2(x2: jax.Array, e: jax.Array) -> jax.Array:
 
 
 def _cross(a: jax.Array, b: jax.Array) -> jax.Array:
-    """A x b by columns: jnp.cross permutes axes in ways that cost more than the product."""
+    """A x b by columns: jnp.cross permutes axes, which costs more than the product."""
     a0, a1, a2 = a[:, 0], a[:, 1], a[:, 2]
     b0, b1, b2 = b[:, 0], b[:, 1], b[:, 2]
     return jnp.stack([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0], axis=1)
 
 
 def _by_sixes(values: jax.Array) -> jax.Array:
-    """(n, 6) of (6 n,), whatever axes follow."""
+    """(n, 6) from (6 n,), with any further axes."""
     return values.reshape(-1, 6, *values.shape[1:])
 
 
 def _in_modes(modes: jax.Array, values: jax.Array) -> jax.Array:
-    """Parts (m,) in modes (6 n, m) of values (n, 6), whatever axes follow."""
+    """Components (m,) in modes (6 n, m) of values (n, 6), with any further axes."""
     if values.ndim == 2:
         return values.reshape(-1) @ modes
     return modes.T @ values.reshape(-1, *values.shape[2:])
 
 
 def _along(values: jax.Array, other: jax.Array) -> jax.Array:
-    """Values with axes of length one added, to multiply those that have more."""
+    """Values with added axes of length one, for products with arrays of more axes."""
     return values.reshape(values.shape + (1,) * (other.ndim - values.ndim))

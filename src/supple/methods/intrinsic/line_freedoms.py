@@ -1,4 +1,4 @@
-"""Small motions of a line: those of its axes and elastic amplitudes, by amplitudes of velocities."""
+"""Small motions of a line: of its axes and elastic amplitudes, from amplitudes of velocities."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class LineFreedoms:
-    """p = shapes @ (y, h) of a line as it is bent.
+    """p = shapes @ (y, h) for a line in its bent shape.
 
-    p (6 + e,) holds the translation and the rotation of the body's axes, along these, and -dq_2 / w of the
-    elastic amplitudes; y (m,) the integrals of q_1, and h the twists of the root that its support holds.
+    p (6 + e,) is the translation and rotation of the body's axes, along these, and -dq_2 / w of the elastic
+    amplitudes; y (m,) are the integrals of q_1, and h the twists of the root that its support fixes.
 
-    m : number of y
+    m : number of components of y
     shapes : (6 + e, 6 + e)
     held_mass : (6 + e, 6 + e)  mass of h, and between h and y, for (y, h)
     """
@@ -44,12 +44,12 @@ class LineFreedoms:
     held_mass: Array
 
     def amplitudes(self, motions: Array) -> Array:
-        """Y (..., m) of motions p (..., 6 + e)."""
+        """Y (..., m) from motions p (..., 6 + e)."""
         return np.asarray(np.linalg.solve(self.shapes, motions.T).T[..., : self.m], dtype=float)
 
 
 def line_freedoms(model: LineModel, support: RootSupport, root: Array, q2: Array) -> LineFreedoms:
-    """Of a line with strains q_2 (e,); root (3,) in the body's axes."""
+    """Small motions of a line with strains q_2 (e,); root (3,) in the body's axes."""
     m = np.shape(model.velocities)[1]
     every = np.asarray(block_diag(np.eye(m), null_space(support.free.T)))
     twist, rates = map(np.asarray, _rates(model, q2))

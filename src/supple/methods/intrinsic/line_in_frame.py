@@ -1,17 +1,17 @@
-"""A released line as a body in a floating frame, for machines in which it stands beside full bodies.
+"""Released line as a body in a floating frame, for machines with full bodies.
 
-Its velocities are u = (V, w, g'), of its axes, V global and w in these axes, and of its elastic amplitudes
-g = -q_2 / omega. The amplitudes of its velocities are linear in them,
+Its velocities are u = (V, w, g'): V (global) and w (in its own axes) of its axes, and g' of its elastic
+amplitudes g = -q_2 / omega. The amplitudes of its velocities follow from them linearly,
 
     A(q_2) q_1 = (R^T V, w, g'),        Y = A^-1 diag(R^T, I, I)
 
-with the root's twist in the first six rows and the rates of strain, `force_rates`, in the others. What its
-equations miss, projected on u, is balanced by forces f at its stations, whose velocities are J u:
+with the root's twist in the first six rows and the strain rates, `force_rates`, in the others. The residual
+of its equations, projected on u, balances forces f at its stations, whose velocities are J u:
 
     Y^T [ q_1' - rates(q_1, q_2) ] + J^T f = 0,        q_1' = Y u' + Y' u
 
-The mass is Y^T Y, for modes are mass-normal, and the strains' forces are exactly (0, omega^2 g), for the
-couplings of the line have no power.
+The mass is Y^T Y, because the modes are mass-normalised, and the elastic forces are exactly (0, omega^2 g),
+because the couplings of the line have no power.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ STATIC = {"static": True}
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class FrameLine:
-    """The numbers of a line, its root (3,) in the body's axes, its loads, and the stations that are held."""
+    """Arrays of a line, its root (3,) in the body's axes, its loads, and its coupled stations."""
 
     model: LineModel
     root: Any
@@ -71,19 +71,19 @@ class LineInFrame:
     placed: Placed
     arrays: FrameLine
     names: tuple[str, ...]
-    """Of its stations as bodies"""
+    """Names of its stations as bodies"""
 
     @property
     def n_stations(self) -> int:
-        """Number of stations that are seen."""
+        """Number of coupled stations."""
         return len(self.names)
 
     def stations(self, state: BodyState) -> Stations:
-        """Where they are and how they move."""
+        """Positions and velocities of the stations."""
         return Stations(*map(np.asarray, _stations(self.arrays, state)))
 
     def forces(self, state: BodyState) -> StationBodyForces:
-        """Its own equations."""
+        """Forces in the body's own equations."""
         return StationBodyForces(*map(np.asarray, _forces(self.arrays, state)))
 
     def tangent(self, state: BodyState, station_forces: Array) -> tuple[Array, ...]:
@@ -91,7 +91,7 @@ class LineInFrame:
         return tuple(map(np.asarray, _tangent(self.arrays, state, station_forces)))
 
     def motion(self, states: list[BodyState]) -> IntrinsicMotion:
-        """Its motion over some instants."""
+        """Motion over some instants."""
         r = self.placed.body.n_coordinates
         rates = [_amplitudes(self.arrays, state) for state in states]
         first, second = (np.array([each[number] for each in rates]) for number in range(2))
@@ -112,7 +112,7 @@ class LineInFrame:
         )
 
     def station_motions(self, motion: Motion) -> Mapping[str, FloatingMotion]:
-        """Poses of its stations over time; velocities, which joint forces do not depend on, are zero."""
+        """Poses of the stations over time; velocities are zero, since joint forces do not depend on them."""
         rotations, positions = body_of(self.placed).places(motion)
         t = len(positions)
         still, none = np.zeros((t, 3)), np.zeros((t, 0))
@@ -135,7 +135,7 @@ class LineInFrame:
 def lines_in_frames(system: System) -> SeenMachine:
     """A machine with its intrinsic bodies in floating frames.
 
-    Raises ModelError for intrinsic bodies whose modes hold their root.
+    Raises ModelError for intrinsic bodies with a supported root.
     """
     seen, lines, held, on_lines = seen_lines(system)
     first, bodies = len(seen.bodies) - sum(map(len, held)), []
@@ -152,7 +152,7 @@ def lines_in_frames(system: System) -> SeenMachine:
 
 
 def _with_frame_rates(placed: Placed) -> Placed:
-    """The body with velocities u of the q_1 that it is placed with (`line_start`), where it deforms."""
+    """The body with velocities u of its initial q_1 (`line_start`), if it deforms."""
     if not placed.coordinate_rates.any():
         return placed
     body = body_of(placed)
@@ -184,17 +184,17 @@ def _frame_rates_at(line: FrameLine, coordinates: jax.Array, q1: jax.Array) -> j
 
 
 def _along_axes(rotation: jax.Array, u: jax.Array) -> jax.Array:
-    """U (6 + e,) with its first three components along the body's axes."""
+    """Velocities u (6 + e,) with its first three components along the body's axes."""
     return jnp.concatenate([u[:3] @ rotation, u[3:]])
 
 
 def _velocities(line: FrameLine, rotation: jax.Array, coordinates: jax.Array, u: jax.Array) -> jax.Array:
-    """q_1 of velocities u."""
+    """q_1 from velocities u."""
     return jnp.linalg.solve(_frame_rows(line, coordinates), _along_axes(rotation, u))
 
 
 def _pose_rates(state: BodyState, u: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Of origin, rotation and coordinates."""
+    """Rates of origin, rotation and coordinates."""
     return u[:3], state.rotation @ skew(u[3:6]), u[6:]
 
 
@@ -213,7 +213,7 @@ def _rates(line: FrameLine, state: BodyState) -> tuple[jax.Array, jax.Array]:
 
 
 def _missing(line: FrameLine, state: BodyState) -> tuple[jax.Array, jax.Array]:
-    """What the body's equations miss (6 + e,), and the part of the loads that are no force elements."""
+    """Residual of the body's equations (6 + e,), and the loads that are not force elements."""
     model, rows = line.model, _frame_rows(line, state.coordinates)
     q1, rates = _rates(line, state)
     q2 = -model.omega * state.coordinates
@@ -234,7 +234,7 @@ def _places_of_held(line: FrameLine, origin: Any, rotation: Any, coordinates: An
 
 
 def _twists(line: FrameLine, state: BodyState, u: jax.Array) -> jax.Array:
-    """Velocities, global, and angular velocities, in own axes, of the stations that are held, (6 s,)."""
+    """Velocities, global, and angular velocities, in own axes, of the coupled stations, (6 s,)."""
     places, rates = jax.jvp(lambda *at: _places_of_held(line, *at), _pose(state), _pose_rates(state, u))
     spin = jax.vmap(unskew)(jnp.einsum("sji,sjk->sik", places.rotations, rates.rotations))
     return jnp.concatenate([rates.positions, spin], axis=1).reshape(-1)

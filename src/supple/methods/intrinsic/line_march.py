@@ -1,4 +1,4 @@
-"""Lines marched through output times by one compiled program."""
+"""Time integration of lines through output times by one compiled program."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ from supple.programs.kept_programs import KeptProgram
 __all__ = ["LineMarchState", "LineRule", "Stepping", "first_march_state", "march_by", "march_lines"]
 
 LineRule = RungeKutta4 | ResidualRungeKutta4 | GeneralizedAlpha
-"""Step rules that lines take; GeneralizedAlpha(1.0) keeps the energy."""
+"""Step rules for lines; GeneralizedAlpha(1.0) conserves energy."""
 
 
 class LineMarchState(NamedTuple):
-    """Where a march is.
+    """State of a time integration of lines.
 
-    rates : (N,)        of all states in one vector, that the implicit rule remembers; empty for the others
-    worst : ()          the largest contraction of residual modes, or residual of an implicit step, so far
+    rates : (N,)        of all states in one vector, for the implicit rule; empty for the others
+    worst : ()          largest contraction of residual modes, or residual of an implicit step, so far
     iterations : ()     of implicit steps, so far
     """
 
@@ -50,7 +50,7 @@ _rates = KeptProgram(system_rates)
 
 
 def first_march_state(system: LineSystem, rule: LineRule, time: float, states: States) -> LineMarchState:
-    """The state in which a march begins."""
+    """The initial state of a time integration."""
     none, count = jnp.zeros(()), jnp.zeros((), dtype=int)
     if isinstance(rule, GeneralizedAlpha):
         rates = ravel_pytree(_rates(system, time, states))[0]
@@ -73,7 +73,7 @@ def march_lines(
 ) -> LineMarchState:
     """The states at output times (t,), each reached in `n_steps` equal steps; leaves have a leading axis.
 
-    It can be mapped over cases (`jax.vmap`) and differentiated in either direction.
+    It can be mapped over cases (`jax.vmap`), and differentiated in forward and reverse mode.
     """
     step = _step_of(system, rule, tolerance, max_iterations)
     tangent = no_tangent(start.rates.size) if isinstance(rule, GeneralizedAlpha) else None
@@ -100,7 +100,7 @@ def march_lines(
 @register_static
 @dataclass(frozen=True)
 class Stepping:
-    """What a march of lines is compiled for."""
+    """Static arguments of the compiled time integration of lines."""
 
     rule: LineRule
     n_steps: int
@@ -122,11 +122,11 @@ def _march_by(
 
 
 march_by = KeptProgram(_march_by)
-"""`march_lines` by a program that later processes find."""
+"""`march_lines` by a program stored for later processes."""
 
 
 Step = Callable[[LineMarchState, Any, Any], tuple[LineMarchState, Any]]
-"""From a state, and a tangent where the rule keeps one, by a step h."""
+"""A step h from a state, with the tangent if the rule reuses one."""
 
 
 def _step_of(system: LineSystem, rule: LineRule, tolerance: Any, max_iterations: int) -> Step:

@@ -1,4 +1,4 @@
-"""The arrays of a line's equations of motion, as compiled code takes them."""
+"""Arrays of a line's equations of motion for compiled code."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ __all__ = ["LineModel", "LineState", "line_model", "rest_state"]
 class LineModel:
     """A line of n stations and n - 1 segments with k rigid and e elastic modes, m = k + e.
 
-    Numbers are data, so that lines of the same sizes share a compiled program and gradients reach them.
+    All numbers are data: lines of equal sizes share a compiled program, and derivatives by them exist.
     """
 
     omega: Any
@@ -31,7 +31,7 @@ class LineModel:
     velocities: Any
     """(6 n, m) Phi_1"""
     station_masses: Any
-    """(n, 6, 6), or None where stations share mass"""
+    """(n, 6, 6) masses, or None where stations share mass"""
     momenta: Any
     """(6 n, m) M Phi_1 where stations share mass, or None"""
     forces: Any
@@ -41,19 +41,19 @@ class LineModel:
     twists: Any
     """(6 n, 6) rigid motion by the twist of the root"""
     twist_momenta: Any
-    """(6 n, 6) M times it"""
+    """(6 n, 6) mass matrix times that rigid motion"""
     lengths: Any
-    """(n - 1,)"""
+    """(n - 1,) lengths of the segments"""
     directions: Any
-    """(n - 1, 3)"""
+    """(n - 1, 3) directions of the segments"""
     inner: Any
-    """(n - 1,) station at which a segment begins"""
+    """(n - 1,) station at which each segment begins"""
     ancestors: Any
-    """(levels, n) stations 1, 2, 4, .. segments nearer the root"""
+    """(levels, n) the ancestors 1, 2, 4, .. segments nearer the root"""
     decay: Any
-    """(m,) of velocities, alpha of Rayleigh damping, 1/s"""
+    """(m,) alpha of Rayleigh damping on velocities, 1/s"""
     retardation: Any
-    """(e,) viscous over elastic section force of the same strain in one second, s"""
+    """(e,) ratio of viscous to elastic section force for a strain rate of that strain in one second, s"""
     is_chain: bool = field(metadata={"static": True})
 
     @property
@@ -70,11 +70,11 @@ class LineModel:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class LineState:
-    """What a line is and does at an instant.
+    """State of a line at an instant.
 
     q1 : (m,)           amplitudes of the velocities
     q2 : (e,)           of the internal forces and strains
-    quaternion : (4,)   of the root's rotation, material to global; its length means nothing
+    quaternion : (4,)   of the root's rotation, material to global; its length has no effect
     position : (3,)     of the root, global
     """
 
@@ -85,11 +85,11 @@ class LineState:
 
 
 def line_model(modes: IntrinsicModes, damping: Damping | None = None) -> LineModel:
-    """The arrays of some modes of a line.
+    """Arrays of the equations of motion for some modes of a line.
 
-    damping : None, ModalDamping of the elastic modes, or RayleighDamping; the ratios and beta resist the rate
-        of strain, whatever the rotation, alpha the elastic modes' velocities
-    Raises ModelError for a damping that belongs to a floating frame.
+    damping : None, ModalDamping of the elastic modes, or RayleighDamping; the modal ratios and beta act on
+        strain rates, for any rotation, alpha on the velocities of the elastic modes
+    Raises ModelError for damping defined in a floating frame.
     """
     line, m = modes.line, modes.n_modes
     tree = line.tree
@@ -116,7 +116,7 @@ def line_model(modes: IntrinsicModes, damping: Damping | None = None) -> LineMod
 
 
 def rest_state(model: LineModel) -> LineState:
-    """Undeformed and still, the root at the origin."""
+    """Undeformed state at rest, with the root at the origin."""
     m, e = model.velocities.shape[1], model.omega.shape[0]
     return LineState(jnp.zeros(m), jnp.zeros(e), jnp.array([1.0, 0, 0, 0]), jnp.zeros(3))
 
@@ -132,15 +132,15 @@ def _damping(damping: Damping | None, modes: IntrinsicModes) -> tuple[np.ndarray
             given = np.asarray(damping.ratios)
             ratios = given[np.minimum(np.arange(modes.n_elastic), given.size - 1)]
             ratios[modes.n_elastic if damping.n_modes is None else damping.n_modes :] = 0.0
-            # In the rate of strain: against velocities it would resist motion that strains nothing.
+            # On strain rates: damping of velocities would also resist motion without strain.
             retardation[:] = 2 * ratios / modes.omega[elastic]
         case RayleighDamping():
             decay[elastic] = damping.alpha
             retardation[:] = damping.beta
         case _:
             raise ModelError(
-                f"line '{modes.line.name}': {type(damping).__name__} is of the stiffness in a floating "
-                "frame, which this body has not: give RayleighDamping, whose beta acts on strains, or "
+                f"line '{modes.line.name}': {type(damping).__name__} belongs to the stiffness in a floating "
+                "frame, which this body does not have: use RayleighDamping, whose beta acts on strains, or "
                 "ModalDamping"
             )
     return decay, retardation

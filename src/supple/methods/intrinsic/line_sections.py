@@ -1,4 +1,4 @@
-"""Force and moment across a section of an intrinsic body: those of a segment of its line."""
+"""Force and moment across a section of an intrinsic body, from a segment of its line."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ Array = NDArray[np.float64]
 
 
 def line_section_loads(body: Any, motion: Motion, plane: CuttingPlane) -> Array:
-    """Force and moment (t, 6) of what lies beyond a plane on what lies before it, along material axes.
+    """Force and moment (t, 6) of the part beyond a plane on the part before it, along material axes.
 
-    The section forces of the segment that the plane cuts, their moment taken from its middle to the point
-    of the plane; at a station the mean of the segments before and beyond it.
+    These are the section forces of the segment cut by the plane, with the moment moved from its middle to the
+    point of the plane; at a station, the mean of both adjacent segments.
 
     Raises
     ------

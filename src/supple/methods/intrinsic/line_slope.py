@@ -1,8 +1,8 @@
-"""The slope of a machine's equations by its states, from products of its modes: the equations are quadratic.
+"""Derivatives of a machine's quadratic equations by its states, from products of its modes.
 
-Each product of two fields at stations gives two terms, in which the modes take the place of one field: the
-same functions as those of the equations, whose amplitudes then have a last axis of all modes. That is four
-products of matrices, where differentiation makes one product of a matrix and a vector for each mode.
+Each product of two fields at stations gives two terms, in which the modes replace one of the fields. The same
+functions as in the equations evaluate them, with amplitudes that have a last axis of all modes. This takes
+four products of matrices, where differentiation takes one product of a matrix and a vector for each mode.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def line_slope(model: LineModel, q1: jax.Array, q2: jax.Array, root: RootTwist |
 
 
 def system_slope(system: LineSystem, time: Any, states: States) -> jax.Array:
-    """Derivatives (N, N) of `system_rates` by all states, both in one vector as `ravel_pytree` makes it."""
+    """Derivatives (N, N) of `system_rates` by all states, both as vectors by `ravel_pytree`."""
     roots = tuple(None if drive is None else drive.twist(time) for drive in system.drives)
     blocks = []
     for model, state, root in zip(system.lines, states, roots, strict=True):

@@ -1,4 +1,4 @@
-"""Machines with intrinsic bodies at rest, or turning steadily."""
+"""Static equilibrium and steady rotation of machines with intrinsic bodies."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ from supple.methods.intrinsic.supported_root import held_root, is_joined
 __all__ = ["LineStatics", "line_statics"]
 
 SAME_AXIS = 1e-9
-"""Of the twist of a root: what its support does not let it make is round-off."""
+"""Relative part of a root twist that its support fixes; less is round-off."""
 
 
 @dataclass(frozen=True, eq=False)
 class LineStatics(SteadyEquations):
-    """`Equations` of intrinsic bodies, by what the march's residuals and their derivatives are at rest.
+    """`Equations` of intrinsic bodies, from the residuals of the time integration and their derivatives.
 
     Vectors (N,) are of floating bodies, then of the lines' amplitudes of velocities.
     """
@@ -57,26 +57,26 @@ class LineStatics(SteadyEquations):
 
     @property
     def model(self) -> Model:
-        """What joints and forces see of it."""
+        """Model of its joints and forces."""
         return self.machine.arrays.model
 
     @property
     def slices(self) -> tuple[slice, ...]:
-        """Where the motions of each body stand."""
+        """Slice of each body's motions."""
         sizes = [6 + placed.body.n_coordinates for placed in self.machine.system.bodies]
         return tuple(slice(end - size, end) for end, size in zip(np.cumsum(sizes), sizes, strict=True))
 
     @property
     def is_discrete(self) -> bool:
-        """True: velocities of places, on which forces act, and of modes differ."""
+        """True: the velocities of positions, on which forces act, differ from those of modes."""
         return True
 
     def start(self) -> StaticState:
-        """As the bodies are placed, without any force in the joints."""
+        """The bodies as placed, with zero joint forces."""
         return StaticState(self.begin, np.zeros(len(self.model.active)))
 
     def residual(self, state: StaticState, time: float) -> np.ndarray:
-        """What is unbalanced in all freedoms, (N,)."""
+        """Residual of all freedoms, (N,)."""
         return self.unbalance(state, time).terms
 
     def unbalance(self, state: StaticState, time: float) -> EquilibriumResidual:  # noqa: ARG002 - drives stand
@@ -106,7 +106,10 @@ class LineStatics(SteadyEquations):
                 bordered, np.concatenate([unbalance.terms, size / k * np.asarray(gaps)])
             )
         except np.linalg.LinAlgError as error:
-            raise AccuracyError(f"no equilibrium at t = {time:g}: the tangent is singular") from error
+            raise AccuracyError(
+                f"no equilibrium at t = {time:g}: the tangent is singular. Check for motions that no joint, "
+                "stiffness or gravity determines"
+            ) from error
         return StaticStep(k * change[:n], size * change[n:])
 
     def moved(self, configuration: JoinedInstant, increment: np.ndarray) -> JoinedInstant:
@@ -115,7 +118,7 @@ class LineStatics(SteadyEquations):
 
     @property
     def position_scale(self) -> np.ndarray:
-        """What counts as a large change of each freedom, (N,): a turn of 1, a shift of the system's size."""
+        """Size of a large change of each freedom, (N,): rotation 1, displacement the system's size."""
         arrays = self.machine.arrays
         found = [np.asarray(known_position_scale(arrays.model))[: arrays.n_floating]]
         for model in arrays.lines:
@@ -125,10 +128,10 @@ class LineStatics(SteadyEquations):
         return np.concatenate(found)
 
     def linear_equations(self, state: StaticState, time: float) -> LinearEquations:  # noqa: ARG002
-        """The equations of motion, linearised about a state, for motions p of bodies in their order.
+        """Equations of motion linearised about a state, for motions p of bodies in their order.
 
-        p holds the translation and rotation of each body's axes, along these, and its elastic amplitudes.
-        What the support of a root holds stands among the joints' equations.
+        p is the translation and rotation of each body's axes, along these, and its elastic amplitudes. The
+        motions fixed by the support of a root are among the joints' equations.
         """
         linear, arrays = self._small_motions(state), self.machine.arrays
         nb = len(arrays.model.sizes) - arrays.n_held
@@ -141,7 +144,7 @@ class LineStatics(SteadyEquations):
             body_of(placed).freedoms(np.asarray(own.q2))
             for placed, own in zip(self._lines, state.configuration.lines, strict=True)
         ]
-        # Behind the amplitudes of each line come motions that its support holds: rows and columns of zeros.
+        # After the amplitudes of each line, motions fixed by its support: rows and columns of zeros.
         chosen = _blocks(axes, *(np.eye(part.m, len(part.shapes)) for part in parts))
         held = _blocks(np.zeros((0, len(axes))), *(np.eye(len(part.shapes))[part.m :] for part in parts))
         extra = _blocks(np.zeros_like(axes), *(part.held_mass for part in parts))
@@ -166,7 +169,7 @@ class LineStatics(SteadyEquations):
         return self._small_motions(state).jacobian
 
     def bodies_at(self, configuration: JoinedInstant) -> Configuration:
-        """Where the bodies are, in their order."""
+        """Configuration of the bodies, in their order."""
         known, first = {}, 0
         floating = configuration.floating
         for index, placed in enumerate(self._others):
@@ -219,7 +222,7 @@ class LineStatics(SteadyEquations):
 
     @cached_property
     def _order(self) -> np.ndarray:
-        """Of the motions of floating bodies and lines, those of the bodies in their order."""
+        """Numbers of the bodies' motions, in their order, among those of floating bodies and lines."""
         starts, first = {}, 0
         for placed in (*self._others, *self._lines):
             starts[placed.body.name] = np.arange(first, first + 6 + placed.body.n_coordinates)
@@ -228,7 +231,7 @@ class LineStatics(SteadyEquations):
 
     @cached_property
     def _terms(self) -> tuple[JoinedArrays, SteadyTurning | None]:
-        """The machine's arrays with drives as they turn, and how its bodies turn, floating ones first."""
+        """Arrays of the machine with its rotating drives, and its steady rotation, floating bodies first."""
         arrays, time = self.machine.arrays, float(self.begin.time)
         names = [placed.body.name for placed in self.machine.system.bodies]
         order = [names.index(placed.body.name) for placed in (*self._others, *self._lines)]
@@ -276,9 +279,9 @@ def _blocks(*parts: np.ndarray) -> np.ndarray:
 def line_statics(
     system: System, turning: SteadyTurning | None, time: float, known: tuple[int, ...] | None = None
 ) -> LineStatics:
-    """A machine with intrinsic bodies, its joints closed, made ready for the search of a steady motion.
+    """Steady equations of a machine with intrinsic bodies and closed joints.
 
-    known : equations of joints that are independent, where that is known
+    known : numbers of the independent equations of joints, if known
     """
     machine = joined_machine(system, time) if is_joined(system) else supported_machine(system, time)
     drives = zip(machine.states, machine.arrays.drives, strict=True)
@@ -291,7 +294,7 @@ def line_statics(
 
 
 def _driven(state: LineState, drive: RootDrive | None, time: float) -> LineState:
-    """The state with its root where its drive has it."""
+    """The state with its root at the position of its drive."""
     if drive is None:
         return state
     rotation, position = drive.pose(time)
@@ -301,9 +304,9 @@ def _driven(state: LineState, drive: RootDrive | None, time: float) -> LineState
 def _steady_drive(
     placed: Placed, drive: RootDrive | None, root: np.ndarray, w: np.ndarray, point: np.ndarray, time: float
 ) -> RootDrive | None:
-    """A drive that stays where it is, or goes on at the rate of the spin.
+    """A drive that is fixed, or that continues at the rate of the steady rotation.
 
-    Raises ModelError for a root that is held against the spin.
+    Raises ModelError for a root that cannot follow the rotation.
     """
     rotation = placed.rotation if drive is None else np.asarray(drive.pose(time)[0])
     twist = np.concatenate([np.cross(w, root - point) @ rotation, w @ rotation])
@@ -311,9 +314,9 @@ def _steady_drive(
     along = np.linalg.lstsq(ways, twist, rcond=None)[0] if ways.size else np.zeros(0)
     if np.abs(twist - ways @ along).max() > SAME_AXIS * max(np.abs(twist).max(), 1e-300):
         raise ModelError(
-            f"intrinsic body '{placed.body.name}' cannot turn with the spin: its root is held against it. "
+            f"intrinsic body '{placed.body.name}' cannot rotate with the spin: its root support prevents it. "
             "Give a joint about the axis of the spin (Revolute, PrescribedRotation), through its root, or "
-            "name the bodies that turn, Spin(bodies=..)"
+            "name the rotating bodies, Spin(bodies=..)"
         )
     if drive is None:
         return None

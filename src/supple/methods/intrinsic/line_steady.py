@@ -1,18 +1,18 @@
-"""Lines and floating bodies at rest, or turning steadily: what is unbalanced, and its exact derivatives.
+"""Residuals, and their exact derivatives, of lines and floating bodies at rest or in steady rotation.
 
-Small motions y of a line are integrals of its amplitudes of velocities: strains and root move by S(q) y, as
-they do at the rates S(q) q_1. About a machine that turns they are seen in axes that turn along: with q_R(q)
-the velocities at which the line turns without any strain rate,
+Small motions y of a line are integrals of its amplitudes of velocities: strains and root change by S(q) y, as
+their rates are S(q) q_1. In a rotating machine they are relative to rotating axes. With q_R(q) the velocities
+of the line's rotation at zero strain rate,
 
     q_1 = q_R(q) + y',     q_1' = dq_R/dt + y'',     dq = S(q) y
 
-and likewise for frames, x of their origins along global axes and psi along their own,
+and likewise for frames, with x of their origins along global axes and psi along their own,
 
     v = w x (r - p) + x',             v' = w x (w x (r - p)) + 2 w x x' + x''
     w_own = A^T w + psi',             w_own' = A^T w x psi' + psi''
 
-so that derivatives of the equations of motion by y, y' and y'' are K with centrifugal, C with gyroscopic
-terms, and M, exact in what the march solves.
+so that derivatives of the equations of motion by y, y' and y'' are K with centrifugal terms, C with
+gyroscopic terms, and M. They are exact for the equations of the time integration.
 """
 
 from __future__ import annotations
@@ -54,10 +54,10 @@ __all__ = ["SmallMotions", "Unbalanced", "moved_by", "small_motions", "steady", 
 
 
 class Unbalanced(NamedTuple):
-    """What is missing to a steady motion, and of what.
+    """Residual of a steady motion, and its terms.
 
     residual : (N,)         of floating bodies, then of the lines' amplitudes
-    terms : (N, 4)          inertia, internal, applied, of joints, which add up to it
+    terms : (N, 4)          inertia, internal, applied and joint forces, which add up to it
     gaps : (m,)             of the joints
     """
 
@@ -76,7 +76,7 @@ class SmallMotions(NamedTuple):
 
 
 def _parts(arrays: JoinedArrays, y: jax.Array) -> tuple[jax.Array, list[jax.Array]]:
-    """Those of floating bodies, and of each line."""
+    """Parts of a vector of motions: of floating bodies, and of each line."""
     sizes = [arrays.n_floating, *(model.velocities.shape[1] for model in arrays.lines)]
     floating, *lines = jnp.split(y, np.cumsum(sizes)[:-1])
     return floating, lines
@@ -94,7 +94,7 @@ def _moved_by(arrays: JoinedArrays, at: JoinedInstant, y: jax.Array) -> JoinedIn
 def _turning_line(
     model: LineModel, driven: RootTwist | None, state: LineState, w: jax.Array, point: jax.Array
 ) -> jax.Array:
-    """q_R (m,): the root turns as far as its support leaves it free, and strains keep their values."""
+    """q_R (m,): the root rotates as far as its support allows, at constant strains."""
     root = rotation_of(state.quaternion)
     twist = jnp.concatenate([jnp.cross(w, state.position - point) @ root, w @ root])
     if driven is not None:
@@ -126,7 +126,7 @@ def _turning_lines(
 def _turning_frames(
     arrays: JoinedArrays, turning: SteadyTurning | None, now: JoinedInstant, dy: jax.Array, ddy: jax.Array
 ) -> tuple[jax.Array, jax.Array]:
-    """Velocities and accelerations (n,) of the floating bodies."""
+    """Velocities and accelerations (n,) of the floating bodies in steady rotation."""
     nb = len(arrays.model.sizes) - arrays.n_held
     if turning is None or not nb:
         return dy, ddy
@@ -142,7 +142,7 @@ def _turning_frames(
 def _near(
     arrays: JoinedArrays, turning: SteadyTurning | None, at: JoinedInstant, y: Any, dy: Any, ddy: Any
 ) -> tuple[JoinedInstant, JoinedRates]:
-    """The machine displaced by y, at rates y' and y'' seen in axes that turn along."""
+    """The machine displaced by y, with rates y' and y'' relative to rotating axes."""
     now = _moved_by(arrays, at, y)
     (floating, own), (faster, own_faster) = _parts(arrays, dy), _parts(arrays, ddy)
     velocity, acceleration = _turning_frames(arrays, turning, now, floating, faster)
@@ -209,7 +209,7 @@ def _small_motions(
 def _steady(
     arrays: JoinedArrays, turning: SteadyTurning | None, at: JoinedInstant
 ) -> tuple[JoinedInstant, JoinedRates, jax.Array]:
-    """The instant and its rates, and the velocities of all bodies of the model."""
+    """The instant and its rates, and the velocities of all bodies of the model, in steady rotation."""
     none = jnp.zeros(arrays.n_floating + sum(len(state.q1) for state in at.lines))
     now, rates = _near(arrays, turning, at, none, none, none)
     return now, rates, all_velocities(arrays, now)

@@ -1,4 +1,4 @@
-"""A machine of lines: their equations of motion with loads and prescribed roots, as one function."""
+"""Equations of motion of a machine of lines, with loads and prescribed roots, as one function."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ __all__ = [
 ]
 
 States = tuple[LineState, ...]
-"""One per line."""
+"""States, one for each line."""
 
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class LineSystem:
-    """Lines, prescribed motions of their roots, and loads; one of each of the first two per line."""
+    """Lines, prescribed motions of their roots, and loads; the first two with one entry per line."""
 
     lines: tuple[LineModel, ...]
     drives: tuple[RootDrive | None, ...]
@@ -40,7 +40,7 @@ class LineSystem:
 
 
 def places_of(model: LineModel, drive: RootDrive | None, state: LineState, time: Any) -> StationPlaces:
-    """Places of the stations of one line, whose root may be driven."""
+    """Positions of the stations of one line, whose root may be driven."""
     if drive is None:
         return station_places(model, state.q2, rotation_of(state.quaternion), state.position)
     return station_places(model, state.q2, *drive.pose(time))
@@ -66,7 +66,7 @@ def system_wrenches(
 def wrenches_on(
     loads: Sequence[StationLoad], motions: Sequence[MovingStations], time: Any
 ) -> list[jax.Array | None]:
-    """Forces and moments of loads on the stations of each line, which move in some way."""
+    """Forces and moments of loads on the stations of each line, for given motions of them."""
     sums: list[jax.Array | None] = [None] * len(motions)
     for load in loads:
         for line, wrench in load.wrenches(motions, time):
@@ -87,7 +87,7 @@ def system_rates(system: LineSystem, time: Any, states: States) -> States:
 
 
 def root_rates(model: LineModel, q1: jax.Array, quaternion: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Rates of the root's quaternion and position: zero where it has no rigid mode of its own.
+    """Rates of the root's quaternion and position: zero for a root without rigid modes.
 
     Source: [Wang2015] (4), (5).
     """

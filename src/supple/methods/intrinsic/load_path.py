@@ -1,4 +1,4 @@
-"""Load paths through a mesh: where the stations of a condensation are, and which nodes each stands for."""
+"""Load paths through a mesh: positions of the stations of a condensation, and the nodes of each."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ Array = NDArray[np.float64]
 
 
 ON_THE_CUT = 1e-6
-"""Of the distance of two stations."""
+"""Smallest offset relative to the distance of two stations."""
 
 
 class BodyStations(NamedTuple):
-    """Stations of a body: the motion of each in the body's coordinates, and the station that it hangs on."""
+    """Stations of a body: the motion of each in the body's coordinates, and its parent station."""
 
     interfaces: tuple[BodyInterface, ...]
     parents: NDArray[np.intp]
 
 
 class StationPlan(Protocol):
-    """How stations are placed in a body."""
+    """Protocol that places stations in a body."""
 
     def stations(self, body: FlexibleBody) -> BodyStations:
         """The stations, the root first."""
@@ -43,11 +43,11 @@ class StationPlan(Protocol):
 
 @dataclass(frozen=True)
 class LoadPath:
-    """Stations at equal distances between two interfaces, each standing for the slice of the mesh around it.
+    """Stations at equal distances between two interfaces, each for the slice of the mesh around it.
 
-    The body is cut by planes across the straight line from the root to the tip, half-way between stations. A
-    station follows the mean motion of the nodes of its slice, weighted by their mass, and stands at their
-    centre; so the stations of a curved body follow its curve. Root and tip are the interfaces themselves.
+    Planes across the straight line from the root to the tip, half-way between stations, cut the body into
+    slices. A station has the mean motion and the mean position of the nodes of its slice, weighted by their
+    mass, so the stations of a curved body follow its curve. Root and tip are the interfaces themselves.
 
     root, tip : str     names of interfaces
     n_stations : int    with both ends, at least 2
@@ -60,18 +60,20 @@ class LoadPath:
     def __post_init__(self) -> None:
         check_fields(self)
         if self.n_stations < 2:
-            raise ModelError(f"a load path needs two stations at least, its ends, not {self.n_stations}")
+            raise ModelError(f"a load path needs at least two stations, its ends, not {self.n_stations}")
 
     def stations(self, body: FlexibleBody) -> BodyStations:
         """The stations; ModelError for a slice with too few nodes, with its number and the remedy."""
         return LoadPaths((self,)).stations(body)
 
     def slices(self, body: FlexibleBody, nodes: NDArray[np.intp]) -> list[AveragingInterface]:
-        """An averaging interface for each slice between the ends, of those nodes that are in it."""
+        """An averaging interface of the given nodes for each slice between the ends."""
         start, end = (body.interface(name).position for name in (self.root, self.tip))
         length = float(np.linalg.norm(end - start))
         if not length > 0:
-            raise ModelError(f"{_where(body)}: its ends '{self.root}' and '{self.tip}' are at one place")
+            raise ModelError(
+                f"{_where(body)}: its ends '{self.root}' and '{self.tip}' coincide: name two other interfaces"
+            )
         place = (body.nodes[nodes] - start) @ (end - start) / length**2
         order = np.argsort(place, kind="stable")
         nodes, place = nodes[order], place[order]
@@ -98,18 +100,18 @@ class LoadPath:
             most += 1
         return (
             f"{_where(body)}: slice {number} of the path from '{self.root}' to '{self.tip}', "
-            f"{number * length / (self.n_stations - 1):.4g} from the root, holds {count} nodes, too few for "
-            f"the motion of a section: take {most} stations or fewer, or a mesh that is finer along the path"
+            f"{number * length / (self.n_stations - 1):.4g} from the root, has {count} nodes, too few for "
+            f"the motion of a section: use at most {most} stations, or a mesh that is finer along the path"
         )
 
 
 def _shares(
     body: FlexibleBody, nodes: NDArray[np.intp], place: Array, n_stations: int
 ) -> list[tuple[NDArray[np.intp], Array]]:
-    """Of each slice between the ends: which of the nodes are in it, and how much of each.
+    """Nodes of each slice between the ends, and the weight of each.
 
-    A node on a cut is half in either slice, unless both slices consist of two lines of nodes at most: their
-    mean motions would say the motion of the line on the cut twice. It is in the first slice then.
+    A node on a cut is half in either slice, unless both slices have at most two lines of nodes. Their mean
+    motions would then both include that line, so the node belongs to the first slice.
 
     place : ascending, 0 at the root and 1 at the tip
     """
@@ -135,7 +137,7 @@ def _shares(
 
 
 def _lines(body: FlexibleBody, own: NDArray[np.intp]) -> int:
-    """0 of no nodes, 1 of nodes on a line, else 3 for more than two."""
+    """0 for no nodes, 1 for nodes on a line, otherwise 3 for more than two."""
     if not len(own):
         return 0
     return 1 if are_collinear(body.nodes[own]) else 3
@@ -151,9 +153,9 @@ def _carries_a_section(body: FlexibleBody, own: NDArray[np.intp]) -> bool:
 
 @dataclass(frozen=True)
 class LoadPaths:
-    """A tree of load paths: each begins at an end of one before it, the first at the root.
+    """A tree of load paths; each begins at an end of an earlier one, the first at the root.
 
-    A node belongs to the path that it is nearest to.
+    A node belongs to the nearest path.
     """
 
     paths: Sequence[LoadPath]
@@ -167,18 +169,19 @@ class LoadPaths:
         for path in paths:
             if path.root not in ends:
                 raise ModelError(
-                    f"the load path from '{path.root}' to '{path.tip}' begins at no end of a path before it"
+                    f"the load path from '{path.root}' to '{path.tip}' begins at no end of an earlier path: "
+                    "begin it at one of these, or sort the paths from the root outwards"
                     + did_you_mean(path.root, ends)
                 )
             if path.tip in ends:
                 raise ModelError(
-                    f"the load path from '{path.root}' to '{path.tip}' ends where another path has been: "
+                    f"the load path from '{path.root}' to '{path.tip}' ends on another path: "
                     "load paths may not form a loop; end it at another interface"
                 )
             ends.append(path.tip)
 
     def stations(self, body: FlexibleBody) -> BodyStations:
-        """The stations of all paths, one after the other."""
+        """The stations of all paths, path after path."""
         ends: dict[str, int] = {self.paths[0].root: 0}
         found: list[BodyInterface] = [body.interface(self.paths[0].root)]
         parents: list[int] = [ROOT]
@@ -194,7 +197,7 @@ class LoadPaths:
         return BodyStations(tuple(found), np.array(parents, dtype=np.intp))
 
     def _nearest(self, body: FlexibleBody) -> NDArray[np.intp]:
-        """The path that each node is nearest to."""
+        """The nearest path of each node."""
         squares = []
         for path in self.paths:
             start, end = (body.interface(name).position for name in (path.root, path.tip))
@@ -207,17 +210,17 @@ class LoadPaths:
 
 @dataclass(frozen=True, eq=False)
 class NodeSetPath:
-    """Stations at node sets of one's own, the root first.
+    """Stations at user-defined node sets, the root first.
 
-    sets : of each station the name of an interface of the body, or node numbers
-    parents : (n,)      as for `load_path_tree`; one station after the other when omitted
+    sets : for each station the name of an interface of the body, or node numbers
+    parents : (n,)      as for `load_path_tree`; by default each station follows the one before
     """
 
     sets: Sequence[str | ArrayLike]
     parents: ArrayLike | None = None
 
     def stations(self, body: FlexibleBody) -> BodyStations:
-        """The stations; ModelError for sets that cannot carry a rotation, or name no interface."""
+        """The stations; ModelError for sets that cannot carry a rotation, or that name no interface."""
         found = []
         for number, given in enumerate(self.sets):
             if isinstance(given, str):
@@ -235,7 +238,7 @@ def _averaged(body: FlexibleBody, interfaces: Sequence[AveragingInterface]) -> t
 
 
 def _in_cells(body: FlexibleBody) -> NDArray[np.bool_]:
-    """Nodes (N,) of cells: those of springs, masses and ties alone say nothing of a section."""
+    """Nodes (N,) of cells; those of springs, masses and ties alone do not belong to a section."""
     found = np.full(len(body.nodes), body.model is None)
     for cells in () if body.model is None else body.model.mesh.cells.values():
         found[cells] = True
@@ -243,7 +246,7 @@ def _in_cells(body: FlexibleBody) -> NDArray[np.bool_]:
 
 
 def _element_masses(body: FlexibleBody) -> Array:
-    """Mass (N,) of the nodes without concentrated masses, which would draw the mean of a section to them."""
+    """Mass (N,) of the nodes without concentrated masses, which would shift the mean of a section."""
     beside = None if body.model is None else body.model.attached.mass
     mass = body.nodal_mass if beside is None else body.nodal_mass - beside
     return np.asarray(mass.diagonal()[:: body.dofs_per_node], dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Load paths: stations joined by straight segments into a tree, and sums along it."""
+"""Tree of load paths: stations joined by straight segments, and sums along it."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ ROOT = -1
 """Parent of the root station, which has none."""
 
 SHORTEST = 1e-9
-"""Of the extent of all stations: a shorter segment has no direction."""
+"""Shortest segment relative to the extent of all stations; a shorter one has no direction."""
 
 
 @dataclass(frozen=True, eq=False)
 class LoadPathTree:
-    """Stations in space and the station that each hangs on; build it with `load_path_tree`, which checks it.
+    """Stations in space and the parent of each; built and checked by `load_path_tree`.
 
     Segment i ends at station i + 1 and begins at its parent.
 
@@ -50,7 +50,7 @@ class LoadPathTree:
 
     @cached_property
     def lengths(self) -> Array:
-        """(n - 1,) of the segments, m."""
+        """(n - 1,) lengths of the segments, m."""
         return read_only(np.linalg.norm(self._chords, axis=1))
 
     @cached_property
@@ -70,7 +70,7 @@ class LoadPathTree:
 
     @cached_property
     def ancestors(self) -> tuple[NDArray[np.intp], ...]:
-        """Stations 1, 2, 4, .. segments nearer the root, (n,) each; the root where there is none."""
+        """Ancestors 1, 2, 4, .. segments nearer the root, (n,) each; the root where there is none."""
         jumps = [np.maximum(self.parents, 0)]
         while jumps[-1].any():
             jumps.append(jumps[-1][jumps[-1]])
@@ -81,7 +81,7 @@ class LoadPathTree:
         return self.points[1:] - self.points[self.inner]
 
     def outboard_sums(self, values: Array) -> Array:
-        """Sums (n, k) of the values (n, k) of every station and all stations that hang on it."""
+        """Sums (n, k) of values (n, k) over each station and all stations outboard of it."""
         ones = np.ones(self.n - 1)
         upward = sparse.csr_array((-ones, (self.inner, np.arange(1, self.n))), shape=(self.n, self.n))
         return spsolve_triangular((sparse.eye_array(self.n) + upward).tocsr(), values, lower=False)
@@ -93,12 +93,12 @@ def load_path_tree(points: ArrayLike, parents: ArrayLike | None = None) -> LoadP
     Parameters
     ----------
     points : (n, 3)         of the stations, the root first, m
-    parents : (n,) or None  the station that each hangs on, a lower number, -1 for the root; one after the
-                            other when omitted
+    parents : (n,) or None  parent of each station, a lower number, -1 for the root; by default each station
+                            follows the one before
     Raises
     ------
     ModelError      points or parents of the wrong shape, a loop, a second root, a station before its parent,
-                    a segment of length zero: with the number of the station
+                    a segment of length zero; the message states the number of the station
     """
     check_numbers("load path, points", points)
     places = read_only(points)
@@ -129,21 +129,21 @@ def _check_tree(parents: NDArray[np.integer]) -> None:
     outside = np.flatnonzero((parents[1:] < 0) | (parents[1:] >= n)) + 1
     if outside.size:
         raise ModelError(
-            f"station {outside[0]} of the load path hangs on station {parents[outside[0]]}, which there is "
-            f"not: stations are 0 to {n - 1}, and the root alone has parent -1"
+            f"station {outside[0]} of the load path has parent {parents[outside[0]]}, which does not exist: "
+            f"stations are 0 to {n - 1}, and only the root has parent -1"
         )
     above = parents
-    for _ in range(n.bit_length()):  # each round looks back twice as far
+    for _ in range(n.bit_length()):  # each round doubles the distance to the ancestor
         above = np.where(above == ROOT, ROOT, above[above])
     looped = np.flatnonzero(above != ROOT)
     if looped.size:
         raise ModelError(
-            f"the load path has a loop through station {looped[0]}: a tree alone has an internal force that "
-            "statics determines; cut the loop, or keep the body in a floating frame"
+            f"the load path has a loop through station {looped[0]}: internal forces are statically "
+            "determinate only in a tree; cut the loop, or use a floating frame for the body"
         )
     early = np.flatnonzero(parents >= np.arange(n))
     if early.size:
         raise ModelError(
-            f"station {early[0]} of the load path hangs on station {parents[early[0]]}, which comes after "
+            f"station {early[0]} of the load path has parent {parents[early[0]]}, which comes after "
             "it: number the stations from the root outwards"
         )

@@ -1,4 +1,4 @@
-"""Inertia of a body lumped on the stations of its line, with its mass, first and second moments exact."""
+"""Inertia of a body lumped on the stations of its line, with exact mass, first and second moments."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ Array = NDArray[np.float64]
 def lumped_inertia(tree: LoadPathTree, model: FiniteElementModel) -> Array:
     """Mass (n, 6, 6) of each station, for velocity and angular velocity there.
 
-    Every cell hangs rigidly on the two stations beside its centre, by shares that are linear in between. Each
-    block is the rigid inertia of matter, so that none is negative; and their sum is that of the elements'
-    consistent mass in any rigid motion.
+    Every cell is rigidly attached to the two nearest stations, with weights that are linear along the
+    segment. Each block is the rigid inertia of real matter, so none is negative. Their sum equals the
+    consistent mass of the elements in any rigid motion.
 
         M_i = sum_e w_ie R_ie^T M_e R_ie
     """

@@ -38,9 +38,7 @@ def machine_loads(system: System) -> tuple[StationLoad, ...]:
     numbers = {placed.body.name: number for number, placed in enumerate(system.bodies)}
     bases = [load.law for load in system.loads if isinstance(load, BaseAcceleration)]
     if len(bases) > 1:
-        raise ModelError(
-            f"a machine stands on one base; {len(bases)} base accelerations are given: add them up"
-        )
+        raise ModelError(f"only one base acceleration is supported; {len(bases)} are given: add them up")
     found: list[StationLoad] = []
     if system.gravity.any() or bases:
         base = bases[0] if bases else None

@@ -1,4 +1,4 @@
-"""A machine whose bodies are intrinsic, as a system of lines and back."""
+"""Conversion of a machine of intrinsic bodies to a system of lines, and of its results back."""
 
 from __future__ import annotations
 
@@ -39,17 +39,17 @@ Array = np.ndarray
 _quaternion = KeptProgram(euler_parameters)
 
 SAME_VELOCITY = 1e-6
-"""Of the velocities: what a root may be given more than its support leaves free is round-off."""
+"""Relative velocity of a root that its support fixes; less is round-off."""
 
 
 @dataclass(frozen=True, eq=False)
 class MachineOfLines:
-    """A machine as compiled code takes it.
+    """A machine as arrays for compiled code.
 
     system : System
     lines : LineSystem
-    start : States              as the bodies are placed
-    roots : how each is held
+    start : States              of the bodies as placed
+    roots : support of each root
     """
 
     system: System
@@ -60,9 +60,9 @@ class MachineOfLines:
     def motions(
         self, times: Array, states: States, rates: Sequence[Any] | None = None
     ) -> dict[str, IntrinsicMotion]:
-        """Motions by body name, of stacked states (leading axis: time).
+        """Motions by body name from stacked states (leading axis: time).
 
-        rates : q_1' (t, m) of each line; accelerations are unknown (nan) without them
+        rates : q_1' (t, m) of each line; without them, accelerations are unknown (nan)
         """
         known = rates or [np.full(np.shape(state.q1), np.nan) for state in states]
         each = zip(self.system.bodies, self.lines.lines, self.lines.drives, states, known, strict=True)
@@ -74,7 +74,7 @@ class MachineOfLines:
     def joint_forces(self, reactions: Array, motions: Mapping[str, IntrinsicMotion]) -> Mapping[str, Array]:
         """Force and moment (t, 6) of each joint on its second end, along the joint axes on its first.
 
-        Along what a joint leaves free there is none: the balance misses it by the order of the stations.
+        Components along free directions are set to zero; in the balance they are errors of discretisation.
         """
         found = {}
         for number, (placed, root) in enumerate(zip(self.system.bodies, self.roots, strict=True)):
@@ -93,7 +93,7 @@ class MachineOfLines:
 
 
 def machine_of_lines(system: System, time: float) -> MachineOfLines:
-    """The lines, loads and first states of a machine; ModelError for what no intrinsic body takes part in."""
+    """Lines, loads and first states of a machine; ModelError for what intrinsic bodies do not support."""
     check_held_by_ground(system)
     roots = tuple(held_root(system, placed) for placed in system.bodies)
     lines = LineSystem(
@@ -108,21 +108,21 @@ def machine_of_lines(system: System, time: float) -> MachineOfLines:
 
 
 def check_held_by_ground(system: System) -> None:
-    """ModelError for machines that are only marched: of other bodies, or with joints other than supports."""
+    """Raise ModelError for machines with other bodies, or with joints other than supports of the roots."""
     for placed in system.bodies:
         body_of(placed)
     if is_joined(system):
         raise ModelError(
-            "joints hold released bodies, or intrinsic bodies by each other: without a march only such are "
-            "looked at whose roots the ground alone holds, by the support of their modes. Simulate, with "
-            "damping where rest is wanted"
+            "joints hold released bodies, or connect intrinsic bodies: without a time integration, intrinsic "
+            "bodies may only be joined to the ground at their roots, by the support of their modes. "
+            "Simulate, with damping to reach equilibrium"
         )
 
 
 def line_start(placed: Placed, drive: RootDrive | None, time: float) -> LineState:
-    """The state in which a body is placed: rigid motion of its frame, bent as it is, and rates of its modes.
+    """Initial state of a body as placed: rigid motion of its frame, strains, and rates of its modes.
 
-    What is not given of its velocity follows from its root's support or drive.
+    Velocities that are not given follow from the support or drive of the root.
     """
     body = body_of(placed)
     q2 = np.asarray(body.forces_of(placed.coordinates))
@@ -139,9 +139,9 @@ def line_start(placed: Placed, drive: RootDrive | None, time: float) -> LineStat
 
 
 def _root_twist(placed: Placed, driven: Array) -> Array:
-    """Velocity and angular velocity (6,) of the root, along its axes; ModelError for what holds it.
+    """Velocity and angular velocity (6,) of the root, along its axes; ModelError if its support fixes it.
 
-    driven : (6,)   of its drive
+    driven : (6,)   velocity of its drive
     """
     given = np.array([placed.velocity is not None, placed.angular_velocity is not None])
     if not given.any():
@@ -151,21 +151,21 @@ def _root_twist(placed: Placed, driven: Array) -> Array:
     twist = from_frame @ placed.twist
     allowed = body.modes.velocities[0, :, : body.modes.n_rigid]
     left_out = from_frame[:, np.repeat(~given, 3)]
-    # What was left out counts as zero, unless the root cannot move so.
+    # Velocities that are not given are zero, unless the root cannot have them.
     for ways in (allowed, np.hstack([allowed, left_out])):
         found = np.linalg.lstsq(ways, twist - driven, rcond=None)[0] if ways.size else np.zeros(0)
         missed = twist - driven - ways @ found
         if np.abs(missed).max() <= SAME_VELOCITY * max(np.abs(twist).max(), np.abs(driven).max()):
             return driven + allowed @ found[: allowed.shape[1]]
     raise ModelError(
-        f"body '{body.name}' is given a velocity at which its root cannot move: of velocity and angular "
-        f"velocity {np.round(twist, 6).tolist()} along its axes, {np.round(missed, 6).tolist()} is held. "
+        f"body '{body.name}' has an initial velocity that its root cannot have: of velocity and angular "
+        f"velocity {np.round(twist, 6).tolist()} along its axes, {np.round(missed, 6).tolist()} is fixed. "
         "Give the velocity of its joint, or none"
     )
 
 
 def frame_to_root(placed: Placed) -> Array:
-    """The root's twist (6, 6), along its axes, of the frame's velocity (global) and angular velocity."""
+    """Map (6, 6) of the frame's velocity (global) and angular velocity to the root's twist, own axes."""
     found = np.zeros((6, 6))
     found[:3, :3] = placed.rotation.T
     found[:3, 3:] = -cross_matrix(body_of(placed).line.tree.points[0])
@@ -182,7 +182,7 @@ def line_motion(
     rotation, position, twist, faster = (np.asarray(each) for each in found)
     root = body.line.tree.points[0]
     w, dw = twist[:, 3:], faster[:, 3:]
-    # Of the body's origin, along turning axes.
+    # Velocity of the body's origin, along rotating axes.
     velocity = twist[:, :3] - np.cross(w, root)
     acceleration = faster[:, :3] - np.cross(dw, root) + np.cross(w, velocity)
     omega = body.modes.omega[body.modes.n_rigid :]

@@ -1,8 +1,8 @@
-"""Many cases of one machine of lines, marched together: same bodies, other loads, motions and starts.
+"""Time integration of many cases of one machine of lines: same bodies, other loads, motions and starts.
 
-Where cases share the lines, Runge and Kutta's rule steps all of them at once, with cases as the last axis of
-all amplitudes: the modes are then read once for all cases, and their products run at the speed of the
-processor, not of its memory. Everything else is mapped.
+Where cases share the lines, the Runge-Kutta rule integrates all of them at once, with cases as the last axis
+of all amplitudes. The modes are then read once for all cases, and products are limited by the processor's
+speed, not by memory. Other rules are mapped over the cases.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ from supple.methods.intrinsic.strain_integration import rotation_of, station_pla
 __all__ = ["march_of_cases"]
 
 Axes: TypeAlias = tuple[int | None, ...]
-"""By leaf of a system: 0 where the cases differ, None where they share it."""
+"""For each leaf of a system: 0 where the cases differ, None where they share it."""
 
 
 @lru_cache(maxsize=32)
 def march_of_cases(
     structure: Any, axes: Axes, rule: LineRule, n_steps: int, max_iterations: int
 ) -> Callable[..., LineMarchState]:
-    """The compiled march of k cases for one pattern of what they share.
+    """Compiled time integration of k cases for one pattern of shared data.
 
     structure : of a `LineSystem`;  axes : of its leaves
 
-    The result takes those leaves, starts (k, ...), output times (t,) and the tolerance of implicit steps, and
-    gives states (k, t, ...).
+    The result is a function of those leaves, starts (k, ...), output times (t,) and the tolerance of implicit
+    steps. It returns states (k, t, ...).
     """
     of_lines = axes[: structure.children()[0].num_leaves]  # the first field of a system
     if isinstance(rule, RungeKutta4) and 0 not in of_lines:
@@ -71,7 +71,7 @@ def _together(
     times: jax.Array,
     _: Any,
 ) -> LineMarchState:
-    """The march by Runge and Kutta's rule, cases last; they share the lines, and the time of their start."""
+    """Runge-Kutta integration, cases last; they share the lines, and the initial time."""
     lines = jax.tree.unflatten(structure, leaves).lines
     of_roots = jax.vmap(partial(_roots, structure), in_axes=(list(axes), None, -1), out_axes=-1)
     of_loads = jax.vmap(partial(_wrenches, structure), in_axes=(list(axes), None, -1), out_axes=-1)
@@ -112,7 +112,7 @@ def _together(
 
 
 class _Root(NamedTuple):
-    """Where a root is, how it is made to move, and the rates of its quaternion and position."""
+    """Position of a root, its prescribed motion, and the rates of its quaternion and position."""
 
     pose: tuple[jax.Array, jax.Array]
     twist: RootTwist | None
@@ -120,7 +120,7 @@ class _Root(NamedTuple):
 
 
 def _roots(structure: Any, leaves: list[Any], time: Any, states: States) -> list[_Root]:
-    """Of one case."""
+    """Roots of one case."""
     system: LineSystem = jax.tree.unflatten(structure, leaves)
     return [
         _Root(
@@ -135,5 +135,5 @@ def _roots(structure: Any, leaves: list[Any], time: Any, states: States) -> list
 def _wrenches(
     structure: Any, leaves: list[Any], time: Any, motions: list[MovingStations]
 ) -> list[jax.Array | None]:
-    """Of one case."""
+    """Wrenches on the stations of one case."""
     return wrenches_on(jax.tree.unflatten(structure, leaves).loads, motions, time)

@@ -1,4 +1,4 @@
-"""A body whose root is free, in the modes that it has on a support: what joints take hold of."""
+"""Body with a free root in the modes of its supported root, for joints at any station."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ LARGEST_CONDITION = 1e12
 
 
 def released(body: IntrinsicBody) -> IntrinsicBody:
-    """The same body, its root free: rigid motion R beside the elastic modes Phi_1 that it has on its support.
+    """The same body with a free root: rigid motion R and the elastic modes Phi_1 on its support.
 
-    The modes of a free body have no force at its root, and converge slowly where a joint holds it; those of
-    the clamped one have. The two together, V = [R, Phi_1], are made modes again:
+    The modes of a free body have zero force at its root, and converge slowly where a joint holds it; those of
+    the supported body have a force there. Both sets, V = [R, Phi_1], are orthogonalised:
 
         V^T M V = L L^T,     L^-1 [0; w] = U S W^T,
         w <- S,     Phi_1 <- V L^-T U,     Phi_2 <- Phi_2 W,     C Phi_2 <- C Phi_2 W
 
-    Raises ModelError where rigid motion is in the elastic modes already.
+    Raises ModelError where the elastic modes already include rigid motion.
     Source: [CraigBampton1968] for the choice of modes.
     """
     modes, line = body.modes, body.line
@@ -43,8 +43,8 @@ def released(body: IntrinsicBody) -> IntrinsicBody:
     gram = V.T @ line.mass @ V
     if np.linalg.cond(gram) > LARGEST_CONDITION:
         raise ModelError(
-            f"body '{body.name}': its {e} elastic modes hold its rigid motion already, for its root has no "
-            "mass of its own: keep fewer modes (n_modes)"
+            f"body '{body.name}': its {e} elastic modes already include its rigid motion, since its root has "
+            "no mass of its own: keep fewer modes (n_modes)"
         )
     lower = np.linalg.cholesky(gram)
     coupling = linalg.solve_triangular(lower, np.vstack([np.zeros((6, e)), np.diag(omega)]), lower=True)
@@ -75,7 +75,7 @@ def released(body: IntrinsicBody) -> IntrinsicBody:
 
 
 def _released_or_none(whole: IntrinsicBody) -> IntrinsicBody | None:
-    """All modes released; None of a root without mass, whose elastic modes hold its rigid motion."""
+    """All modes released; None for a root without mass, whose elastic modes include its rigid motion."""
     try:
         return released(whole)
     except ModelError:

@@ -1,4 +1,4 @@
-"""Whether the modes of a finished run were enough: a warning, or an error where the run is strict."""
+"""Check of the number of modes after a run: a warning, or an error where the run is strict."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from supple.methods.intrinsic.truncation_error import TruncationError, truncatio
 __all__ = ["report_truncation", "report_truncation_of_cases", "truncation_parts"]
 
 LARGEST = 1e-2
-"""Of the deflection."""
+"""Truncation error relative to the deflection, above which a warning is issued."""
 
 
 def truncation_parts(system: System, solution: Solution) -> Mapping[str, ErrorPart]:
-    """The part of the modes left out in the error, by body: the run's, or computed where it kept none."""
+    """Truncation part of the error, by body: that of the run, or computed where the run holds none."""
     return solution.truncation or {name: _part(each) for name, each in _errors(system, solution).items()}
 
 
 def report_truncation(system: System, run: Run, solution: Solution) -> Solution:
-    """The solution with `truncation`, the part of the modes left out in its error.
+    """The solution with `truncation`, the part of its error due to omitted modes.
 
-    Warns ValidityWarning of modes left out that would change places by 1 % of the deflection.
+    Warns ValidityWarning about omitted modes that change positions by 1 % of the deflection.
     """
     errors = _errors(system, solution)
     for name, error in errors.items():
@@ -40,7 +40,7 @@ def report_truncation(system: System, run: Run, solution: Solution) -> Solution:
 
 
 def report_truncation_of_cases(cases: Sequence[System], run: Run, solutions: Sequence[Solution]) -> None:
-    """As `report_truncation`, once for a batch: of each body in the case that strains it most."""
+    """`report_truncation` for a batch: each body is assessed once, in the case with its largest strain."""
     finished = [number for number, solution in enumerate(solutions) if solution.stopped is None]
     if not finished:
         return
@@ -66,7 +66,7 @@ def _strain(system: System, solution: Solution, name: str) -> float:
 
 
 def _errors(system: System, solution: Solution) -> dict[str, TruncationError]:
-    """`truncation_error` of the bodies that leave modes out."""
+    """`truncation_error` of the bodies with omitted modes."""
     few = any(body_of(placed).complete is not None for placed in intrinsic_of(system))
     known = not is_joined(system) or all(joint.name in solution.multipliers for joint in system.joints)
     return truncation_error(system, solution) if few and known and solution.stopped is None else {}
@@ -77,14 +77,14 @@ def _warn(system: System, run: Run, name: str, error: TruncationError, where: st
         return
     body = system.bodies[system.body_index(name)].body
     why = (
-        f"its centre of mass drifts by {error.drift:.2g} from where its loads bring it"
+        f"its centre of mass drifts by {error.drift:.2g} from its motion by the loads"
         if error.drifts
-        else f"all modes would move its stations by {max(error.places):.2g}, RMS"
+        else f"with all modes its stations would move by {max(error.places):.2g} (RMS)"
     )
     warn_or_raise(
         f"{where}body '{name}': {body.n_coordinates} modes are too few: {why}, which is {error.largest:.1%} "
-        "of its deflection. Keep more modes, or leave their number out: all are kept then, or as many as an "
-        "accuracy needs",
+        "of its deflection. Keep more modes, or omit their number, to keep all modes, or as many as a "
+        "given accuracy needs",
         ValidityWarning,
         run.validity,
     )
@@ -95,6 +95,6 @@ def _part(error: TruncationError) -> ErrorPart:
         max(error.drift, *error.places),
         "drift of the centre of mass"
         if error.drifts
-        else "all modes at rest in the motion, at a few instants",
+        else "omitted modes follow the motion statically, at a few instants",
         "keep more modes",
     )

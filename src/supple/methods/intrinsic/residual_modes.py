@@ -1,4 +1,4 @@
-"""Residual modes: high modes that follow the others at rest, so that their frequencies bind no step."""
+"""Residual modes: high modes that follow the others statically, so that they do not limit the step."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["at_rest_rates", "inverse_of_high", "slaved"]
 
 
 def inverse_of_high(system: LineSystem, kept: tuple[int, ...], time: Any, states: States) -> jax.Array:
-    """Inverse (N, N) of the slope of the high modes' rates by their own amplitudes."""
+    """Inverse (N, N) of the derivative of the high modes' rates by their own amplitudes."""
     high = _high(system, kept)
     return jnp.linalg.inv(system_slope(_resting(system, kept), time, states)[np.ix_(high, high)])
 
@@ -30,17 +30,17 @@ def slaved(
     sweeps: int,
     inverse: jax.Array | None = None,
 ) -> tuple[States, jax.Array]:
-    """The states with their high modes where the rates of these vanish, and the contraction of the search.
+    """States whose high modes have zero rates, and the contraction of the iteration.
 
         0 = w_H q_2H + n_1H(q),     0 = -w_H q_1H + n_2H(q)
 
-    where n is what besides w acts on a high mode: couplings and loads. Newton's method, with one tangent:
-    putting n of the last values in, as the paper does, fails where modes left out are coupled strongly, as
-    those that carry the axial force of a bent body are.
+    with n the couplings and loads on a high mode. Solved by Newton's method with one tangent. The fixed-point
+    iteration of the paper, with n from the last values, diverges for strongly coupled modes, such as those
+    that carry the axial force of a bent body.
 
-    kept : modes of each line, rigid ones included, that stay dynamic
-    inverse : from `inverse_of_high`, nearby; made here when omitted
-    Returns the states, and the change of the last sweep over that of the one before; 0 where none moves.
+    kept : number of dynamic modes of each line, with the rigid ones
+    inverse : from `inverse_of_high` at a nearby state; default computed here
+    Returns the states, and the change of the last sweep over that of the one before; 0 where none changes.
     Source: [Wang2015] (37).
     """
     high = _high(system, kept)
@@ -73,7 +73,7 @@ def at_rest_rates(kept: tuple[int, ...], system: LineSystem, rates: States) -> S
 
 
 def _resting(system: LineSystem, kept: tuple[int, ...]) -> LineSystem:
-    """High modes rest, so that their viscous forces are none of their own."""
+    """The system with high modes at rest, without viscous forces of their own."""
     lines = tuple(
         replace(
             model,
@@ -87,7 +87,7 @@ def _resting(system: LineSystem, kept: tuple[int, ...]) -> LineSystem:
 
 
 def _high(system: LineSystem, kept: tuple[int, ...]) -> np.ndarray:
-    """Where the amplitudes of the high modes are among all states."""
+    """Numbers of the high modes' amplitudes among all states."""
     found, first = [], 0
     for model, n in zip(system.lines, kept, strict=True):
         m, e = model.velocities.shape[1], model.omega.shape[0]

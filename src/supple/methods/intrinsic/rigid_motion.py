@@ -1,4 +1,4 @@
-"""Rigid motion of a line as it is bent, in velocities of its stations and in its modes."""
+"""Rigid motion of a line in its bent shape, as velocities of its stations and as modal amplitudes."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ Array = NDArray[np.float64]
 
 
 def rigid_motion(body: IntrinsicBody, q2: Array) -> Array:
-    """Velocities (6 n, 6) of the stations, along their own axes, of a unit of each part of the root's twist.
+    """Velocities (6 n, 6) of the stations, along their own axes, for each unit component of the root's twist.
 
-    With rotation R and position p of a station against the root:  v = R^T (v_0 + w_0 x p),  w = R^T w_0
-    q2 : (e,)   amplitudes of the strains, which stay as they are
+    With rotation R and position p of a station relative to the root:  v = R^T (v_0 + w_0 x p),  w = R^T w_0
+    q2 : (e,)   amplitudes of the strains, which are constant
     """
     if not q2.any():
         return body.line.twists

@@ -1,4 +1,4 @@
-"""Prescribed motion of a root: a turn about an axis, or a shift along one, by a law of time."""
+"""Prescribed motion of a root: rotation about an axis, or translation along one, by a law of time."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ __all__ = ["RootDrive"]
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class RootDrive:
-    """The root moves by screw * law(time) from where it is placed.
+    """Motion of the root by screw * law(time) from its initial position.
 
-    screw : (6,)        a unit shift, then a unit turn, along the root's axes; one of them zero
-    law : TimeLaw       distance or angle, whose two derivatives are found by differentiation
+    screw : (6,)        a unit translation, then a unit rotation, along the root's axes; one of them zero
+    law : TimeLaw       distance or angle; its two derivatives are found by differentiation
     rotation, position : (3, 3), (3,)   of the root where the law is zero
     """
 

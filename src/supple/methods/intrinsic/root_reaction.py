@@ -1,4 +1,4 @@
-"""Force and moment on the root of a line, from the balance of all that it carries."""
+"""Force and moment on the root of a line, from the balance of all its stations."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ def root_reaction(
     root: RootTwist | None,
     places: StationPlaces,
 ) -> jax.Array:
-    """Force and moment (6,) that act on the body at its root besides its loads, along the root's axes.
+    """Force and moment (6,) on the body at its root without its loads, along the root's axes.
 
-    The rate of momentum, less the loads, of all stations where they are:
+    The rate of momentum minus the loads, summed over all stations at their positions:
 
         F = sum R_i h_i,     M = sum R_i m_i + (r_i - r_0) x R_i h_i,     [h; m] = M x_1' + L_1(x_1) M x_1 - f
     """
     x1 = station_velocities(model, state.q1, root)
-    # What alpha takes is a force of the ground, and so of the root.
+    # The alpha damping is a force of the ground, and so part of the root's.
     rate = rates.q1 + model.decay * state.q1
     faster = None if root is None else RootTwist(root.rate, root.rate)
     accelerations = station_velocities(model, rate, faster)

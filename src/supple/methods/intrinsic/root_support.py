@@ -1,4 +1,4 @@
-"""Supports of the root: the twists, fixed in the root's own axes, that it is free to make."""
+"""Supports of the root: its free twists, fixed in the root's own axes."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class RootSupport:
-    """What the root station may do: x_1(root) = free @ rates.
+    """Free motion of the root station: x_1(root) = free @ rates.
 
     free : (6, k)   independent twists, velocity then angular velocity, in the root's axes; k from 0 to 6
-    Raises ModelError for twists of the wrong shape, or that depend on each other.
+    Raises ModelError for twists of the wrong shape, or that are linearly dependent.
     """
 
     free: Array
@@ -28,27 +28,27 @@ class RootSupport:
     def __post_init__(self) -> None:
         free = read_only(self.free)
         if free.ndim != 2 or free.shape[0] != 6 or not np.isfinite(free).all():
-            raise ModelError(f"a support's free twists are an array (6, k), not {free.shape}")
+            raise ModelError(f"the free twists of a support must be an array (6, k), not {free.shape}")
         if free.shape[1] and np.linalg.matrix_rank(free) < free.shape[1]:
-            raise ModelError("a support's free twists depend on each other: leave one out")
+            raise ModelError("the free twists of a support are linearly dependent: leave one out")
         object.__setattr__(self, "free", free)
 
 
 CLAMPED = RootSupport(np.zeros((6, 0)))
-"""The root does not move, or moves as prescribed."""
+"""The root is fixed, or has a prescribed motion."""
 FREE = RootSupport(np.eye(6))
-"""The body flies."""
+"""The root is free."""
 BALL = RootSupport(np.eye(6)[:, 3:])
-"""The root turns about a point that does not move."""
+"""The root rotates about a fixed point."""
 
 
 def hinged(axis: ArrayLike) -> RootSupport:
-    """The root turns about an axis (3,) that is fixed in it and in space."""
+    """The root rotates about an axis (3,) fixed in it and in space."""
     return RootSupport(np.concatenate([np.zeros(3), _unit(axis)])[:, None])
 
 
 def sliding(axis: ArrayLike) -> RootSupport:
-    """The root moves along an axis (3,), and does not turn."""
+    """The root moves along an axis (3,) without rotation."""
     return RootSupport(np.concatenate([_unit(axis), np.zeros(3)])[:, None])
 
 

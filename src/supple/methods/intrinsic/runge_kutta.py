@@ -1,4 +1,4 @@
-"""One step of the classical Runge-Kutta rule, and the steps at which it is stable."""
+"""One step of the classical Runge-Kutta rule, and its stability limit."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 __all__ = ["growth", "runge_kutta_step"]
 
 Rates = Callable[[Any, Any], Any]
-"""Of a state, at a time."""
+"""Function of time and state that returns the rates."""
 
 
 def runge_kutta_step(rates: Rates, time: Any, state: Any, h: Any) -> Any:

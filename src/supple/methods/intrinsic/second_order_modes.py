@@ -1,9 +1,9 @@
-"""Second-order modes: the axial, shear and rigid motion that a bent line makes, beside its lowest modes.
+"""Second-order modes: axial, shear and rigid motion of a bent line, beside its lowest modes.
 
-The lowest modes of a slender line bend and twist it. Once it is bent they also shorten its projection, turn
-its velocities and carry force along its tangent, by modes that lie above dozens of others. These motions are
-quadratic in the lowest modes, so that they are known without a run: the velocities at which strain stays as
-it is, from the kinematic couplings of velocities and strains of the lowest modes, and of rigid motion.
+The lowest modes of a slender line bend and twist it. In the bent line they also shorten its projection,
+rotate its velocities and carry force along its tangent, through modes whose frequencies are above those of
+dozens of others. These motions are quadratic in the lowest modes, so they are known without a run: they are
+the velocities at constant strain, from the kinematic couplings of the lowest modes and rigid motion.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ __all__ = ["completed_modes", "second_order_shapes"]
 Array = NDArray[np.float64]
 
 SMALLEST = 1e-3
-"""Of the largest second-order motion: less is left out."""
+"""Smallest second-order motion relative to the largest; smaller ones are omitted."""
 
 
 def completed_modes(whole: IntrinsicModes, shapes: Array, n_lowest: int) -> IntrinsicModes:
@@ -58,13 +58,13 @@ def completed_modes(whole: IntrinsicModes, shapes: Array, n_lowest: int) -> Intr
 def second_order_shapes(whole: IntrinsicModes, n_lowest: int) -> Array:
     """Amplitudes U (e, n + j), orthonormal, of the n lowest elastic modes and of j second-order ones.
 
-    Strain b stays as it is in velocities a if the modes left out move at
+    Strain b is constant under velocities a if the omitted modes move at
 
         q_1 = <Phi_2, L_1(Phi_1a)^T C Phi_2b> / w
 
-    for velocities a of the lowest modes and of rigid motion. Of all these pairs, each weighed by what a unit
-    force gives of the two modes, the leading directions are taken, by displacements and by rotations times
-    the length, and made Ritz vectors.
+    for velocities a of the lowest modes and of rigid motion. Each of these pairs is weighted by the response
+    of the two modes to a unit force. The leading directions, by displacements and by rotations times the
+    length, are retained as Ritz vectors.
 
     whole : all modes of a line
     Source: the idea of modal derivatives, S. R. Idelsohn, A. Cardona, "A reduction method for nonlinear
@@ -105,7 +105,7 @@ def second_order_shapes(whole: IntrinsicModes, n_lowest: int) -> Array:
     squared = columns.T @ (omega[n_lowest:, None] ** 2 * columns)
     ritz = columns @ np.linalg.eigh(0.5 * (squared + squared.T))[1]
     largest = np.abs(ritz).argmax(axis=0)
-    ritz = ritz * np.sign(ritz[largest, np.arange(number)])  # one sign, whatever the solver's
+    ritz = ritz * np.sign(ritz[largest, np.arange(number)])  # a definite sign, independent of the solver
     shapes = np.zeros((e, n_lowest + number))
     shapes[:n_lowest, :n_lowest] = np.eye(n_lowest)
     shapes[n_lowest:, n_lowest:] = ritz

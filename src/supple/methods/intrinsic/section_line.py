@@ -1,4 +1,4 @@
-"""A condensed line from a section table: no mesh, no elements."""
+"""Condensed line from a section table, without mesh or elements."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 @checked_arguments
 def section_line(name: str, table: SectionTable, n_stations: int) -> CondensedLine:
-    """The line of a beam given by its sections, on stations at equal lengths along their curve.
+    """Line of a beam given by its sections, on stations at equal lengths along its curve.
 
     Between two stations, a and b, the flexibility follows from equilibrium with the force W at the middle of
-    the segment, and so is exact for sections that change along a curve:
+    the segment, so it is exact for sections that vary along a curve:
 
         C = integral of T^T K^-1 T ds,    T W = the force W at s, along the axes of the section
-        K_ab = B^T C^-1 B,                B u = motion of b beyond that of a, both taken to the middle
+        K_ab = B^T C^-1 B,                B u = motion of b relative to a, both moved to the middle
 
-    The inertia of each piece of the curve hangs rigidly on the two stations beside it, by shares that are
-    linear in between: mass, first and second moments are exact.
+    The inertia of each piece of the curve is rigidly attached to the two nearest stations, with linear
+    weights between them: mass, first and second moments are exact.
 
     Parameters
     ----------
@@ -39,10 +39,10 @@ def section_line(name: str, table: SectionTable, n_stations: int) -> CondensedLi
 
     Raises
     ------
-    ModelError      fewer than two stations; whatever `condensed_line` refuses
+    ModelError      fewer than two stations; and as `condensed_line`
     """
     if n_stations < 2:
-        raise ModelError(f"line '{name}': it needs two stations at least, its ends, not {n_stations}")
+        raise ModelError(f"line '{name}': it needs at least two stations, its ends, not {n_stations}")
     stations = np.linspace(0, table.lengths[-1], n_stations)
     points = table.at(stations)[0]
     breaks = np.union1d(stations, table.lengths)
@@ -73,9 +73,9 @@ def section_line(name: str, table: SectionTable, n_stations: int) -> CondensedLi
 
 
 def _moved(arms: Array, *, force: bool = False) -> Array:
-    """Motion (n, 6, 6) of points by that of points from which they have arms (n, 3).
+    """Map (n, 6, 6) to the motion of points from that of reference points; arms (n, 3) point to the former.
 
-    force : instead, force and moment there by those at points that have arms from them
+    force : instead, force and moment at the reference points from those at the points
     """
     result = np.tile(np.eye(6), (len(arms), 1, 1))
     rows, columns = (slice(3, 6), slice(0, 3)) if force else (slice(0, 3), slice(3, 6))

@@ -1,4 +1,4 @@
-"""Refusal of steps at which an explicit rule is unstable."""
+"""Check of the step against the stability limit of an explicit rule."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ROUNDING = 1e-9
 
 
 def largest_stable_step(omega: np.ndarray, decay: np.ndarray, retardation: np.ndarray) -> float:
-    """The longest step at which no linear mode grows, by bisection; 2 sqrt 2 / w without damping."""
+    """The longest step for which no linear mode grows, by bisection; 2 sqrt 2 / w without damping."""
     if not omega.size or not omega.max() > 0:
         return np.inf
     low, high = 0.0, 3.0 / float(omega.max())
@@ -28,7 +28,7 @@ def largest_stable_step(omega: np.ndarray, decay: np.ndarray, retardation: np.nd
 
 
 def check_stable(machine: MachineOfLines, rule: LineRule, step: float) -> None:
-    """ModelError, with the longest step, for one at which a mode grows under an explicit rule."""
+    """Raise ModelError, with the longest stable step, if a mode grows under an explicit rule."""
     if isinstance(rule, GeneralizedAlpha):
         return
     for placed, model in zip(machine.system.bodies, machine.lines.lines, strict=True):
@@ -36,7 +36,7 @@ def check_stable(machine: MachineOfLines, rule: LineRule, step: float) -> None:
         if isinstance(rule, ResidualRungeKutta4) and n <= model.n_rigid:
             raise ModelError(
                 f"body '{placed.body.name}': {n} modes kept, {model.n_rigid} of them rigid: keep elastic "
-                "ones besides"
+                "modes too"
             )
         omega = np.asarray(model.omega)[: n - model.n_rigid]
         decay = np.asarray(model.decay)[model.n_rigid : n]
@@ -47,6 +47,6 @@ def check_stable(machine: MachineOfLines, rule: LineRule, step: float) -> None:
         raise ModelError(
             f"body '{placed.body.name}': a step of {step:.4g} is unstable with a highest frequency of "
             f"{omega.max():.4g} rad/s (step times frequency {step * omega.max():.3g}; at most 2.83, less "
-            f"with damping): take steps of {longest:.3g} at most, fewer modes, ResidualRungeKutta4(n_kept) "
+            f"with damping): use steps of at most {longest:.3g}, fewer modes, ResidualRungeKutta4(n_kept) "
             "or GeneralizedAlpha, which is stable at any step"
         )

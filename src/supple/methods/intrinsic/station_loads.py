@@ -1,4 +1,4 @@
-"""Loads on the stations of lines: each a function of where stations are, how they move, and the time."""
+"""Loads on the stations of lines, each a function of their positions, velocities, and the time."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ STATIC = {"static": True}
 
 
 class MovingStations(NamedTuple):
-    """Where the stations of a line are, and their velocities (n, 6) along their own axes.
+    """Positions of the stations of a line, and their velocities (n, 6) along their own axes.
 
-    places : Places | None      None where no load asks for them
+    places : Places | None      None where no load depends on them
     """
 
     places: StationPlaces | None
@@ -34,7 +34,7 @@ class StationLoad(Protocol):
     @property
     @abstractmethod
     def needs_places(self) -> bool:
-        """Whether it depends on where stations are."""
+        """Whether it depends on the positions of stations."""
 
     @abstractmethod
     def wrenches(self, motions: Sequence[MovingStations], time: Any) -> Iterator[tuple[int, jax.Array]]:
@@ -49,7 +49,7 @@ def _one(motion: MovingStations, station: jax.Array, wrench: jax.Array) -> jax.A
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class Follower:
-    """A force and moment that turn with a station: axes (6, 3) @ law(time), along its own axes."""
+    """A force and moment that rotate with a station: axes (6, 3) @ law(time), along its own axes."""
 
     axes: Any
     law: Any
@@ -58,14 +58,14 @@ class Follower:
     needs_places: bool = field(default=False, metadata=STATIC)
 
     def wrenches(self, motions: Sequence[MovingStations], time: Any) -> Iterator[tuple[int, jax.Array]]:
-        """On one station."""
+        """Forces and moments on one station."""
         yield self.line, _one(motions[self.line], self.station, self.axes @ jnp.asarray(self.law(time)))
 
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class Gravity:
-    """Weight of every station, whose mass may lie beside it, less what the base's acceleration takes.
+    """Weight of every station, whose mass may be eccentric, minus mass times the base's acceleration.
 
     mass : (n, 6, 3)    momenta of translations of each station, or (6 n, 3 n) where stations share mass
     """
@@ -94,7 +94,7 @@ class Gravity:
 class End:
     """An end of a force element: a station of a line, or a point of the ground (line -1).
 
-    axes : (3, 3)   of the element, along the axes of the station, or global ones
+    axes : (3, 3)   of the element, along the axes of the station, or global for the ground
     point : (3,)    of the ground
     """
 
@@ -104,7 +104,7 @@ class End:
     line: int = field(metadata=STATIC)
 
     def pose(self, motions: Sequence[MovingStations]) -> Pose:
-        """Place and motion in space."""
+        """Position and motion in space."""
         if self.line < 0:
             return Pose(self.point, self.axes, jnp.zeros(3), jnp.zeros(3))
         motion = motions[self.line]
@@ -128,7 +128,7 @@ class StationElement:
     needs_places: bool = field(default=True, metadata=STATIC)
 
     def wrenches(self, motions: Sequence[MovingStations], time: Any) -> Iterator[tuple[int, jax.Array]]:
-        """On the stations of both ends."""
+        """Forces and moments on the stations of both ends."""
         value = None if self.law is None else self.law(time)
         poses = [end.pose(motions) for end in self.ends]
         for end, wrench in zip(self.ends, self.function(*poses, value, self.parameters), strict=True):
@@ -143,10 +143,10 @@ class StationElement:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class SpreadLoad:
-    """A nodal load of a machine on points that stations carry with them.
+    """A nodal load of a machine on points attached to stations.
 
-    stations : (k, 2)   on whose rigid motion a point hangs
-    weights : (k, 2)    and with what share
+    stations : (k, 2)   the two stations that a point follows rigidly
+    weights : (k, 2)    weights of these
     arms : (k, 2, 3)    from station to point at rest
     facets : (f, p)     points of every facet
     """
@@ -162,7 +162,7 @@ class SpreadLoad:
     needs_places: bool = field(default=True, metadata=STATIC)
 
     def wrenches(self, motions: Sequence[MovingStations], time: Any) -> Iterator[tuple[int, jax.Array]]:
-        """The work of the points' forces, on the stations that carry them."""
+        """Forces and moments on the stations with the same virtual work as the forces on the points."""
         motion = motions[self.line]
         assert motion.places is not None
         rotations = motion.places.rotations[self.stations]

@@ -1,4 +1,4 @@
-"""Mass of stations: cleaned of round-off, and as a square."""
+"""Mass of stations: removal of round-off, and its factor."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ __all__ = ["cleaned_mass", "mass_factor"]
 Array = NDArray[np.float64]
 
 MASSLESS = 1e-10
-"""Of the largest mass: less is none."""
+"""Mass relative to the largest; a smaller one is zero."""
 LARGEST_NEGATIVE = 1e-6
-"""Of the largest mass: a mass as negative as that is a mistake, not round-off."""
+"""Negative mass relative to the largest; a more negative one is a mistake, not round-off."""
 
 
 def cleaned_mass(name: str, mass: Array, length: float) -> Array:
-    """The mass with round-off below zero taken out; ModelError where more than that is negative.
+    """The mass without negative round-off; ModelError for a mass that is more negative than that.
 
-    length : m, that makes inertias comparable with masses
+    length : m, scale of inertias to masses
     """
     scale = np.tile(np.repeat([1.0, 1.0 / length], 3), len(mass) // 6)
     values, vectors = np.linalg.eigh(mass * np.outer(scale, scale))
@@ -29,10 +29,11 @@ def cleaned_mass(name: str, mass: Array, length: float) -> Array:
         worst = int(np.argmax(np.abs(vectors[:, 0]))) // 6
         raise ModelError(
             f"line '{name}': its mass is negative at station {worst}: the smallest principal value is "
-            f"{values[0]:.3g} kg, with the mean segment as radius; the largest is {largest:.3g}"
+            f"{values[0]:.3g} kg, with the mean segment as radius; the largest is {largest:.3g}. "
+            "Export the mass matrix again, or correct the inertias"
         )
     if not largest > 0:
-        raise ModelError(f"line '{name}': it has no mass")
+        raise ModelError(f"line '{name}': it has no mass: give its stations or elements mass")
     if values[0] >= 0:
         return mass
     kept = values > MASSLESS * largest

@@ -1,4 +1,4 @@
-"""Velocities and accelerations of stations: the first two derivatives of their places in time."""
+"""Velocities and accelerations of stations: time derivatives of their positions."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class StationMotion(NamedTuple):
 
 
 class _Now(NamedTuple):
-    """A line at an instant: q_1, q_2, its root, what a drive adds to the root's twist, and rates."""
+    """A line at an instant: q_1, q_2, its root, the drive's part of the root's twist, and rates."""
 
     q1: Any
     q2: Any
@@ -54,10 +54,10 @@ class _Now(NamedTuple):
 
 
 def station_motion(model: LineModel, root: Array, q2: Array, motion: IntrinsicMotion) -> StationMotion:
-    """Places of the stations, which follow from strains, and their derivatives: q_2' follows from velocities.
+    """Positions of the stations, from the strains, and their derivatives, with q_2' from the velocities.
 
-    So velocities are those of the places shown. The modal velocities, whose energy and momentum the march
-    keeps, differ from them by the square of a segment's length.
+    So velocities are those of the reported positions. The modal velocities, whose energy and momentum are
+    conserved by the time integration, differ from them by the square of a segment's length.
 
     root : (3,)     of the root in the body's axes, undeformed
     q2 : (t, e)     of the motion
@@ -90,7 +90,7 @@ def station_motion(model: LineModel, root: Array, q2: Array, motion: IntrinsicMo
 
 
 def station_twists(model: LineModel, root: Array, motion: IntrinsicMotion) -> Array:
-    """x_1 = Phi_1 q_1 + T t_d (t, n, 6): modal velocities of stations along their axes, and a drive's."""
+    """x_1 = Phi_1 q_1 + T t_d (t, n, 6): modal velocities of stations along their axes, plus a drive's."""
     driven, _ = _driven(model, root, motion)
     return (motion.rates @ np.asarray(model.velocities).T + driven @ np.asarray(model.twists).T).reshape(
         len(driven), -1, 6
@@ -98,12 +98,12 @@ def station_twists(model: LineModel, root: Array, motion: IntrinsicMotion) -> Ar
 
 
 def _driven(model: LineModel, root: Array, motion: IntrinsicMotion) -> tuple[Array, Array]:
-    """The part of the root's twist (t, 6) along its axes, and of its rate, that no mode has: of its drive."""
+    """The drive's part of the root's twist (t, 6) along its axes, and of its rate, outside the modes."""
     w, dw = motion.angular_velocity, motion.angular_acceleration
     velocity = np.einsum("tji,tj->ti", motion.rotation, motion.velocity) + np.cross(w, root)
     acceleration = np.einsum("tji,tj->ti", motion.rotation, motion.acceleration)
     acceleration += np.cross(dw, root) + np.cross(w, np.cross(w, root))
-    # The rate of components along turning axes.
+    # Rate of components along rotating axes.
     rate = np.hstack([acceleration - np.cross(w, velocity), dw])
     own = np.asarray(model.velocities)[:6].T
     return np.hstack([velocity, w]) - motion.rates @ own, rate - motion.accelerations @ own
@@ -120,7 +120,7 @@ def _motion_over_time(model: LineModel, over_time: _Now) -> StationMotion:
         second = jax.jvp(strain_rate, here, (now.q1_rate, first, now.driven_rate))[1]
 
         def places(s: Any) -> StationPlaces:
-            """To second order in the time s from now."""
+            """Positions to second order in the time s from now."""
             turn = s * now.angular_velocity + s**2 / 2 * now.angular_acceleration
             return station_places(
                 model,

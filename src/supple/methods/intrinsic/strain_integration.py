@@ -1,4 +1,4 @@
-"""Places of the stations from the strains between them: rotations and positions out from the root."""
+"""Positions and rotations of the stations by integration of the strains from the root outwards."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["StationPlaces", "rotation_of", "station_places"]
 
 
 class StationPlaces(NamedTuple):
-    """Where stations are.
+    """Rotations and positions of stations.
 
     rotations : (n, 3, 3)   material axes to global ones
     positions : (n, 3)      global
@@ -26,7 +26,7 @@ class StationPlaces(NamedTuple):
 
 
 def rotation_of(quaternion: jax.Array) -> jax.Array:
-    """Rotation matrix of a quaternion (4,) of any length, real part first; (3, 3, k) of k cases (4, k).
+    """Rotation matrix of a quaternion (4,) of any length, real part first; (3, 3, k) for k cases (4, k).
 
     Source: [Wang2015] (6), divided by the squared length.
     """
@@ -42,14 +42,14 @@ def rotation_of(quaternion: jax.Array) -> jax.Array:
 def station_places(
     model: LineModel, q2: jax.Array, rotation: jax.Array, position: jax.Array
 ) -> StationPlaces:
-    """Rotations and positions of all stations from those of the root; of all cases, if q_2 has a last axis.
+    """Rotations and positions of all stations from those of the root; for all cases, if q_2 has a last axis.
 
     Strain gamma and curvature kappa are constant along a segment of length h and direction t:
 
         R_1 = R_0 exp(h kappa),     r_1 = r_0 + R_0 J(h kappa) (gamma + t) h
 
-    The motions of the segments are multiplied in pairs of 1, 2, 4, .. of them: as many rounds as the
-    logarithm of the longest path, on any tree.
+    The motions of the segments are multiplied in groups of 1, 2, 4, .. segments: the number of rounds is the
+    logarithm of the longest path, for any tree.
     """
     e = section_strains(model, q2)
     one = (1,) * (e.ndim - 2)

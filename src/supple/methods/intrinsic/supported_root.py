@@ -1,4 +1,4 @@
-"""How the joints of a machine hold the root of an intrinsic body: by a support, or by a prescribed motion."""
+"""Support of an intrinsic body's root by the joints of a machine: fixed, free, or prescribed motion."""
 
 from __future__ import annotations
 
@@ -28,21 +28,21 @@ from supple.methods.intrinsic.root_support import BALL, CLAMPED, FREE, RootSuppo
 __all__ = ["HeldRoot", "held_root", "is_joined", "joints_of"]
 
 SAME = 1e-9
-"""Of unit twists: supports that differ by more are others."""
+"""Largest difference of unit twists for which two supports are equal."""
 
 
 class HeldRoot(NamedTuple):
-    """The joint that holds a root, if any, and the prescribed motion that it gives, if it does."""
+    """The joint that supports a root, if any, and its prescribed motion, if any."""
 
     joint: Joint | None
     drive: RootDrive | None
 
 
 def is_joined(system: System) -> bool:
-    """Whether a machine is more than intrinsic bodies that the ground alone holds, by their roots.
+    """Whether a machine has more than intrinsic bodies whose roots the ground alone supports.
 
-    A body whose root is free takes joints as such a machine does: by its rigid motion. Controllers, and
-    friction under the force of a joint, act in such machines.
+    A body with a free root and joints makes such a machine: its rigid motion takes part. Controllers, and
+    friction that depends on a joint force, also require it.
     """
     if system.controllers or any(isinstance(load, JointFriction) for load in system.loads):
         return True
@@ -61,10 +61,10 @@ def joints_of(system: System, body: str) -> list[Joint]:
 
 
 def held_root(system: System, placed: Placed) -> HeldRoot:
-    """How the root of a body is held; ModelError for joints that intrinsic bodies do not take.
+    """Support of the root of a body; ModelError for joints that intrinsic bodies do not support.
 
-    They take one joint, between their root and the ground. The support that their modes were made for must be
-    the joint's.
+    They support one joint, between their root and the ground. It must have the support that their modes were
+    computed with.
     """
     body = body_of(placed)
     joints = joints_of(system, body.name)
@@ -72,7 +72,7 @@ def held_root(system: System, placed: Placed) -> HeldRoot:
         raise ModelError(
             f"intrinsic body '{body.name}' has {len(joints)} joints ("
             + ", ".join(f"'{joint.name}'" for joint in joints)
-            + "), and its modes hold its root: place released(body), which takes joints at any station"
+            + "), but its modes belong to a supported root: place released(body), for joints at any station"
         )
     joint = joints[0] if joints else None
     support, drive = (FREE, None) if joint is None else _support(placed, joint)
@@ -99,8 +99,8 @@ def _support(placed: Placed, joint: Joint) -> tuple[RootSupport, RootDrive | Non
     station = body.interface(own.interface)
     if station.number != 0:
         raise ModelError(
-            f"{where}: it holds station {station.number} ('{own.interface}'), and its modes hold its root: "
-            "place released(body), which takes joints at any station"
+            f"{where}: it acts on station {station.number} ('{own.interface}'), but the modes belong to a "
+            "supported root: place released(body), which supports joints at any station"
         )
     axis = placed.assembly.rotation.T @ joint.initial_axes[:, 2]
     turn, shift = np.concatenate([np.zeros(3), axis]), np.concatenate([axis, np.zeros(3)])
@@ -122,14 +122,14 @@ def _support(placed: Placed, joint: Joint) -> tuple[RootSupport, RootDrive | Non
             free = RootSupport(np.column_stack([shift, turn]))
     if free is None:
         raise ModelError(
-            f"{where}: a {type(joint).__name__} joint leaves freedoms that are not fixed in the root's axes; "
-            "place released(body), which takes any joint"
+            f"{where}: a {type(joint).__name__} joint has free directions not fixed in the root's axes; "
+            "place released(body), which supports any joint"
         )
     return free, None
 
 
 def _drive(placed: Placed, joint: Joint, screw: np.ndarray, own: object) -> RootDrive:
-    # The second end moves against the first: a body that is the first end moves the other way.
+    # The second end moves relative to the first: a body at the first end moves the other way.
     sign = 1.0 if own == joint.second else -1.0
     position, rotation = placed.assembly
     root = position + rotation @ body_of(placed).line.tree.points[0]

@@ -1,4 +1,4 @@
-"""How many modes are enough: what all modes would make of a motion, and how far its momentum drifts."""
+"""Truncation error: change of a motion by all modes, and drift of its momentum."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ Array = NDArray[np.float64]
 INSTANTS = 8
 
 STIFF = 1e-3
-"""Of the length: a body that deflects less hardly drifts, and what it drifts is not seen against the rest."""
+"""Deflection relative to the length, below which drift is measured relative to this share of the length."""
 
 
 @dataclass(frozen=True, eq=False)
 class TruncationError:
-    """What the modes left out of a motion would change.
+    """Change of a motion by the omitted modes.
 
     times : (t,)            sampled
-    places : (t,)           RMS distance of the stations, m; infinite where all modes find no such motion
+    places : (t,)           RMS distance of the stations, m; infinite where all modes did not converge
     forces, velocities : (t,)   square roots of shares of strain energy and kinetic energy
-    drift : float           of the centre of mass of a free body, from where its loads bring it, m
-    deflection : float      largest displacement of a station seen from the root, m
+    drift : float           of the centre of mass of a free body, from its motion by the loads, m
+    deflection : float      largest displacement of a station relative to the root, m
     length : float          extent of the undeformed body, m
     """
 
@@ -54,14 +54,14 @@ class TruncationError:
 
     @property
     def largest(self) -> float:
-        """Of places over the deflection; of the drift over it, or over a share `STIFF` of the length."""
+        """Larger of `places` over the deflection, and `drift` over that or `STIFF` times the length."""
         size = float(self.places.max(initial=0.0))
         of_places = size / self.deflection if self.deflection else 0.0
         return max(of_places, self.drift / max(self.deflection, STIFF * self.length))
 
 
 def instants_of(system: System, solution: Solution) -> NDArray[np.intp]:
-    """Output times (t,) to look at: spread over the run, and where each body is strained most."""
+    """Sampled output times (t,): spread over the run, and at the largest strain of each body."""
     n = len(solution.times)
     spread = np.linspace(0, n - 1, INSTANTS + 1).round().astype(int)[1 if n > 1 else 0 :]
     largest = [
@@ -75,18 +75,18 @@ def instants_of(system: System, solution: Solution) -> NDArray[np.intp]:
 def truncation_error(
     system: System, solution: Solution, whole: Sequence[IntrinsicBody] = ()
 ) -> dict[str, TruncationError]:
-    """What a run lacks of all modes of its bodies, by body: at a few instants, by `complete_motion`.
+    """Truncation error of a run by body, at a few instants, by `complete_motion`.
 
-    A motion that shakes modes near their own frequency lacks more: their response to that is not at rest.
-    Where joints connect bodies, each line is estimated by itself, its root where the run has it and loaded by
-    the run's joint forces: what its modes change in the motion of the other bodies is not counted.
+    The error is larger than estimated if the motion excites omitted modes near their own frequencies, because
+    their response is then not static. Where joints connect bodies, each line is estimated by itself, with its
+    root and joint forces from the run; changes of the other bodies' motion are not included.
 
     Parameters
     ----------
     system, solution : a machine with intrinsic bodies, and its run
-    whole : the same bodies with all modes, where they are not known from the bodies themselves
+    whole : the same bodies with all modes, unless the bodies hold these themselves
 
-    Raises ModelError where no intrinsic body has more modes than it keeps.
+    Raises ModelError where no intrinsic body has more modes than are retained.
     Source: [Wang2015] (37), as an error estimate.
     """
     by_name = {body.name: body for body in whole}
@@ -96,7 +96,7 @@ def truncation_error(
     if not few:
         named = f"body '{lines[0].body.name}'" if lines else "no body is intrinsic"
         raise ModelError(
-            f"{named}: to see what its modes leave out, give the same body with more of them "
+            f"{named}: to estimate its truncation error, give the same body with more modes "
             "(the same line and support, a larger n_modes)"
         )
     machine = replace(
@@ -136,7 +136,7 @@ def _share(change: Array, amplitudes: Array) -> Array:
 
 
 def _deflection(body: IntrinsicBody, solution: Solution) -> float:
-    """Largest displacement of a station seen from the root."""
+    """Largest displacement of a station relative to the root."""
     motion = solution.motion(body.name, IntrinsicMotion)
     _, positions = body.places(motion)
     seen = np.einsum("tij,tni->tnj", motion.rotation, positions - positions[:, :1])

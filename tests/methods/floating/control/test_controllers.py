@@ -337,7 +337,7 @@ def test_energy_is_what_the_controller_gave():
 
 def test_what_a_controller_cannot_do_is_refused():
     spring = {"spring": m.SpringDamper(first="upper.tip", anchor=(0, 9, 0), stiffness=1.0)}
-    with pytest.raises(ModelError, match=r"cannot drive SpringDamper on upper.tip, in which nothing varies"):
+    with pytest.raises(ModelError, match=r"cannot drive SpringDamper on upper.tip, which has no law of time"):
         m.Controller(reads={}, drives=spring, outputs=follow)
     with pytest.raises(ModelError, match="drives nothing"):
         m.Controller(reads={}, drives={}, outputs=follow)

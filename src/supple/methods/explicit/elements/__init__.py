@@ -1,4 +1,4 @@
-"""Explicit finite elements: what is constant, and the force of a block in a step."""
+"""Explicit finite elements: their constants, and the force of a block of elements in a step."""
 
 from supple.methods.explicit.elements.bulk_viscosity import *
 from supple.methods.explicit.elements.element_stress import *

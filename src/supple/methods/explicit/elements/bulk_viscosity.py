@@ -1,15 +1,15 @@
-"""Bulk viscosity: a pressure against the rate of volume, which spreads a front over a few elements.
+"""Bulk viscosity: a pressure proportional to the rate of volume, which spreads a front over a few elements.
 
     q = rho c_d L (b_1 |tr D| + b_2^2 L / c_d tr(D)^2),    the quadratic part in compression alone
 
-with the speed c_d of dilatational waves and the length L = c_d dt_e that belongs to the stable step dt_e of
-the element at rest. It is a pressure in compression, and the linear part a tension in expansion; a rigid
-motion has none. Without it central differences swing behind a front, up to 25 % beyond d'Alembert's solution.
+with the speed c_d of dilatational waves and the length L = c_d dt_e of the element's stable step dt_e at
+rest. It is a pressure in compression; the linear part is a tension in expansion. It is zero in rigid motion.
+Without it, central differences oscillate behind a front, up to 25 % beyond d'Alembert's solution.
 
-It damps the fastest dilatation of an element by the share xi = b s of critical, b = b_1 + b_2^2 dt_e |tr D|.
-Since it follows at the rates of the half step before, it shortens the stable step to
-dt_e (sqrt(1 + xi^2) - xi). Steps are chosen at output times, and a front may come in between: there b is cut
-back to what the step bears.
+It damps the fastest dilatation of an element by the fraction xi = b s of critical damping, with b = b_1 +
+b_2^2 dt_e |tr D|. The rates are those of the half step before, which shortens the stable step to dt_e (sqrt(1
++ xi^2) - xi). Steps are chosen at output times. Where a front arrives in between, b is limited to the value
+for which the step is stable.
 
 Source: [vonNeumann1950] for the quadratic part, [Landshoff1955] for the linear one.
 """
@@ -40,7 +40,7 @@ class BulkViscosity:
     """Coefficients of the bulk viscosity; both zero: none.
 
     linear : b_1, of critical damping of a plane wave as long as two elements
-    quadratic : b_2, which spreads a shock over about b_2 elements, whatever its strength
+    quadratic : b_2, which spreads a shock over about b_2 elements, for any strength
     """
 
     linear: float = 0.06
@@ -55,12 +55,12 @@ class BulkViscosity:
 
     @property
     def acts(self) -> bool:
-        """Whether there is any."""
+        """Whether any coefficient is positive."""
         return self.linear > 0 or self.quadratic > 0
 
 
 class BulkArrays(NamedTuple):
-    """Of E elements.
+    """Arrays for E elements.
 
     linear, squared : b_1 and b_2^2;   modulus : rho c_d^2, Pa
     times : (E,) dt_e, s;   shares : (E,) s
@@ -80,7 +80,7 @@ class BulkArrays(NamedTuple):
 def bulk_arrays(
     points: SolidPoints, masses: FloatArray, elastic: Isotropic, limits: FloatArray, given: BulkViscosity
 ) -> BulkArrays | None:
-    """The arrays of elements; None where there is no viscosity.
+    """Arrays of elements; None without viscosity.
 
     masses : (E, k) lumped, kg;   limits : (E,) stable steps at rest, s
     """
@@ -95,9 +95,9 @@ def bulk_arrays(
 
 
 def bulk_pressure(of: BulkArrays, J: Array, before: Array, h: Array) -> tuple[Array, Array]:
-    """Pressure q (g, E), Pa, where det F went from `before` to J in a step h, and its work per volume, J/m^3.
+    """Pressure q (g, E), Pa, for det F from `before` to J in a step h, and its work per volume, J/m^3.
 
-    The rate of volume is that between both ends of the step, which no rotation of any size changes.
+    The rate of volume is that between both ends of the step, independent of rotations of any size.
     """
     swelling = 2 * (J - before) / (J + before)
     bears = jnp.maximum(0.5 * (of.times / h - h / of.times) / of.shares, 0.0)
@@ -106,7 +106,7 @@ def bulk_pressure(of: BulkArrays, J: Array, before: Array, h: Array) -> tuple[Ar
 
 
 def bulk_share(of: BulkArrays, F: Tensor, dF: Tensor) -> Array:
-    """Xi (E,) of elements at rest, of the worst point, at a gradient F that changes at the rate dF, 1/s."""
+    """Xi (E,) of elements at rest at their worst point, for a gradient F that changes at the rate dF, 1/s."""
     cof = cofactor(F)
     rate = sum(dF[i][j] * cof[i][j] for i in range(3) for j in range(3)) / determinant(F, cof)
     return of.shares * of.coefficients(rate).max(axis=0)

@@ -1,4 +1,4 @@
-"""The stress of explicit elements as one shows it: von Mises' of Cauchy's stress."""
+"""Von Mises stress of explicit elements, from the Cauchy stress."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["von_mises"]
 def von_mises(law: Law, block: SolidBlock, x: Array, state: Any) -> Array:
     """Sqrt(3/2 s : s) (g, E), Pa, at positions x (3, N); s the deviator of sigma = P F^T / J.
 
-    A law asked without an increment answers with the stress that it stands at, also beyond yield.
+    A law without an increment returns its present stress, also beyond yield.
     """
     F = deformation(block, x[:, block.nodes])
     answer = law.respond(F, scaled(0.0, F), state)

@@ -1,7 +1,7 @@
-"""Element forces summed at nodes by gathering: each node reads the few element corners that meet there.
+"""Sum of element forces at nodes by gathering: each node reads the element corners that meet there.
 
-A scatter with repeated addresses is several times slower on a processor, and its order of summation is not
-fixed on an accelerator; this one is, so that a resumed run repeats every digit.
+A scatter with repeated addresses is several times slower on a processor, and its order of summation varies on
+an accelerator. The order here is fixed, so that a resumed run is equal in every digit.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ __all__ = ["gathered", "incidence"]
 
 
 def incidence(nodes: NDArray[np.int64], n_nodes: int) -> NDArray[np.int64]:
-    """Where each node stands among the corners: (most, N) places in `nodes.ravel()`, its size if none.
+    """Places of each node among the corners, (most, N), in `nodes.ravel()`; its size for none.
 
     nodes : (k, E)
     """
@@ -33,6 +33,6 @@ def gathered(values: Array, table: Array) -> Array:
     flat = values.reshape(len(values), -1)
     padded = jnp.concatenate([flat, jnp.zeros((len(values), 1))], axis=1)
     total = padded[:, table[0]]
-    for row in range(1, len(table)):  # a handful, at trace time
+    for row in range(1, len(table)):  # a few rows, when the program is traced
         total = total + padded[:, table[row]]
     return total

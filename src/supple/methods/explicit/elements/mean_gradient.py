@@ -1,7 +1,7 @@
 """Shape gradients at the strain points of explicit solid elements, from the quadratic-strain arrays.
 
-Tetrahedra keep their points. The hexahedron has one, with the gradient averaged over its volume, which makes
-the volume change exact (Flanagan and Belytschko 1981); what that misses is left to the hourglass control.
+Tetrahedra keep their points. The hexahedron has one, with the gradient averaged over its volume, for which
+the volume change is exact (Flanagan and Belytschko 1981); the hourglass control resists the remaining modes.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class SolidPoints:
-    """Of E elements of k nodes with g points.
+    """Strain points of E elements of k nodes with g points.
 
     nodes : int (E, k);   gradients : (E, g, 3, k), 1/m;   volumes : (E, g), m^3
-    gamma : (E, 4, k)     hourglass vectors; (E, 0, k) where the points leave no free motion
+    gamma : (E, 4, k)     hourglass vectors; (E, 0, k) for elements without hourglass modes
     """
 
     nodes: NDArray[np.int64]
@@ -41,7 +41,7 @@ def solid_points(model: FiniteElementModel, section: Section, block: QuadraticSt
     kind, nodes = section.cell_type, section.nodes(model.mesh)
     if kind not in (CellType.TETRA4, CellType.TETRA10, CellType.HEXA8):
         raise ModelError(
-            f"{kind.name} has no explicit element; there are TETRA4, TETRA10 and HEXA8, and "
+            f"{kind.name} has no explicit element: use TETRA4, TETRA10 or HEXA8, and "
             "explicit_shell for TRIANGLE3"
         )
     gradients, volumes = block.G[:, :, :3, ::3], block.w

@@ -1,20 +1,19 @@
-"""A block of flat shell triangles: the library's linear element in a frame that turns with its corners.
+"""Block of flat shell triangles: the library's linear element in a frame that rotates with its corners.
 
     U = 1/2 d^T K d,    d = [T (x - x_c) - (X - X_c);  log(T R)],    T = A_0^T A
 
 with the rest axes A_0 and the current ones A of the triangle (along its first side, across, normal), nodal
-triads R that turn from unity, and the stiffness K of the undeformed element. Strains are small, rotations of
-any size. Force and moment are the exact gradient of U, which no rigid motion changes: momentum is kept.
+triads R, unity at rest, and the stiffness K of the undeformed element. Strains are small, rotations of any
+size. Force and moment are the exact gradient of U, which is invariant under rigid motion: momentum is
+conserved. log uses the series of the sine, exact to 1e-6 for 0.3 rad between a node and its element.
 
-log takes the sine's series, exact to 1e-6 for 0.3 rad between a node and its element.
-
-Where the material yields, the stress at layers through the thickness takes the place of K: with the
-membrane strain B_m d, the curvature B_b d at the three mid-sides p, and the layers z_l of weight w_l,
+Where the material yields, the stress at layers through the thickness replaces K: with the membrane strain
+B_m d, the curvature B_b d at the three mid-sides p, and the layers z_l of weight w_l,
 
     f_d = sum_pl A/3 w_l (B_m + z_l B_b)^T sigma_pl + K_h d,     sigma_pl in plane stress
 
-K_h the stiffness of the drilling rotations, which stays elastic. Force and moment follow as above, from
-f_d . delta d. Strain is total, against the triangle at rest: it must stay small, plastic or not.
+with K_h the stiffness of the drilling rotations, which stays elastic. Force and moment follow as above, from
+f_d . delta d. Strain is total, relative to the triangle at rest: it must stay small, plastic or not.
 
 Source of the corotational form: T. Belytschko, B. J. Hsieh, Int. J. Numer. Methods Eng. 7 (1973) 255-271.
 """
@@ -49,7 +48,7 @@ IntArray = NDArray[np.int64]
 
 
 class LayerArrays(NamedTuple):
-    """Of E triangles that yield, elements last, and their l layers.
+    """Arrays of E triangles that yield, elements last, and their l layers.
 
     membrane : (3, 18, E), bending : (p, 3, 18, E)      strain xx yy xy and curvature from d, at p points
     drilling : (18, 18, E) K_h;   area : (E,)
@@ -94,7 +93,7 @@ class ShellForce(NamedTuple):
 
 
 class LayeredForce(NamedTuple):
-    """Force and moment as of `ShellForce`, state of the layers, and plastic work of the step, J."""
+    """Force and moment as in `ShellForce`, state of the layers, and plastic work of the step, J."""
 
     force: Array
     moment: Array
@@ -129,7 +128,7 @@ def shell_block(
 
 
 def shell_force(block: ShellBlock, x: Array, triads: Array) -> ShellForce:
-    """At positions x (3, N) and triads (3, 3, r)."""
+    """Forces at positions x (3, N) and triads (3, 3, r)."""
     corners, turned = x[:, block.nodes], triads[:, :, block.spins]
 
     def energy(corners: Array, turn: Array) -> Array:
@@ -141,7 +140,7 @@ def shell_force(block: ShellBlock, x: Array, triads: Array) -> ShellForce:
 
 
 def rest_layers(block: ShellBlock) -> LayerState:
-    """No plastic strain at any point of any layer, (p, l, E)."""
+    """State without plastic strain at any point of any layer, (p, l, E)."""
     assert block.layers is not None
     return rest_state((len(block.layers.bending), len(block.layers.heights), block.nodes.shape[1]))
 
@@ -149,7 +148,7 @@ def rest_layers(block: ShellBlock) -> LayerState:
 def layered_force(
     law: J2Plasticity, block: ShellBlock, x: Array, triads: Array, state: LayerState, alive: Array
 ) -> LayeredForce:
-    """At positions x (3, N) and triads (3, 3, r); alive (E,) 1, or 0 where an element has been deleted."""
+    """Forces at positions x (3, N) and triads (3, 3, r); alive (E,) 1, or 0 for deleted elements."""
     own = block.layers
     assert own is not None
     corners, turned = x[:, block.nodes], triads[:, :, block.spins]
@@ -177,7 +176,7 @@ def layered_force(
 def layered_von_mises(
     law: J2Plasticity, block: ShellBlock, x: Array, triads: Array, state: LayerState
 ) -> Array:
-    """Von Mises stress (E,), the largest of the layers of all points, Pa."""
+    """Von Mises stress (E,), Pa, the largest of all points and layers."""
     assert block.layers is not None
     d = _deformation(block, x[:, block.nodes], triads[:, :, block.spins])
     stress, _, _ = plane_stress(law, _layer_strain(block.layers, d), state)
@@ -185,7 +184,7 @@ def layered_von_mises(
 
 
 def _layer_strain(own: LayerArrays, d: Array) -> Array:
-    """Strain xx yy xy (3, p, l, E) of d (18, E)."""
+    """Strain xx yy xy (3, p, l, E) from d (18, E)."""
     stretch = (own.membrane * d).sum(axis=1)
     curved = (own.bending * d).sum(axis=2).swapaxes(0, 1)
     return stretch[:, None, None] + own.heights[:, None] * curved[:, :, None]
@@ -209,7 +208,7 @@ def _axes(corners: Array) -> Array:
 
 
 def _deformation(block: ShellBlock, corners: Array, turned: Array) -> Array:
-    """Displacements and rotations (18, E) against the element's frame, in the axes of the mesh."""
+    """Displacements and rotations (18, E) relative to the element's frame, in the axes of the mesh."""
     back = jnp.einsum("rie,rje->ije", block.axes, _axes(corners))
     moved = jnp.einsum("ije,jke->ike", back, corners - corners.mean(axis=1, keepdims=True)) - block.rest
     turn = jnp.einsum("ije,jmke->imke", back, turned)

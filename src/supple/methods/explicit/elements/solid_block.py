@@ -1,4 +1,4 @@
-"""A block of explicit solid elements: total Lagrangian, constant gradients, force summed at the nodes."""
+"""Block of explicit solid elements: total Lagrangian, constant gradients, force summed at the nodes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["BlockForce", "SolidBlock", "block_force", "solid_block"]
 
 
 class SolidBlock(NamedTuple):
-    """Constant arrays, elements last, so that a law runs over them in one loop.
+    """Constant arrays, elements last, so that a law is one loop over them.
 
     nodes : (k, E);   gradients : (k, 3, g, E);   volumes : (g, E)
     gamma : (4 or 0, k, E);   hourglass : (E,) kappa, N/m
@@ -38,7 +38,7 @@ class SolidBlock(NamedTuple):
 
 
 class BlockForce(NamedTuple):
-    """What a block does in a step.
+    """Forces and works of a block in a step.
 
     force : (3, N)          on the nodes (minus the internal force), without hourglass
     hourglass : (3, N)
@@ -67,9 +67,9 @@ def solid_block(
 ) -> SolidBlock:
     """The arrays of a block.
 
-    numbers : (N_part,) of the part's nodes among the n_nodes of the march
+    numbers : (N_part,) of the part's nodes among the n_nodes of the model
     gradients : (E, g, 3, k) of the points, in the axes of space
-    hourglass : stiffness of an hourglass mode over that of the stretching mode
+    hourglass : stiffness of an hourglass mode relative to that of the stretching mode
     """
     nodes = numbers[points.nodes.T]
     return SolidBlock(
@@ -110,11 +110,11 @@ def block_force(
 ) -> BlockForce:
     """Forces at positions x (3, N), reached by the increment dx in a step h.
 
-    ratios : (g, E) det F before;   alive : (E,) 1, or 0 where an element has been deleted
-    beta : stiffness damping, s; None leaves its operations out
+    ratios : (g, E) det F before;   alive : (E,) 1, or 0 for deleted elements
+    beta : stiffness damping, s; None omits its operations
     """
     g, gamma = block.gradients, block.gamma
-    # Apart, so that an increment which the law does not read is not worked out.
+    # Separate, so that an increment which the law does not read is not computed.
     corners = fusion_barrier(lambda of: of[:, block.nodes], x)
     moves = fusion_barrier(lambda of: of[:, block.nodes], dx)
     F = fusion_barrier(lambda of: deformation(block, of), corners)
@@ -157,5 +157,5 @@ def block_force(
 
 
 def _summed(terms: list[Array]) -> Array:
-    """Their sum written out, which compiles to one loop."""
+    """Sum of arrays, written as one expression, which compiles to one loop."""
     return sum(terms[1:], terms[0])

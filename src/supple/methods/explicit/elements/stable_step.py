@@ -1,10 +1,10 @@
-"""The stable step of explicit elements: no mode of a mesh is faster than the fastest of its elements alone.
+"""Stable step of explicit elements: no mode of a mesh is faster than the fastest of its single elements.
 
     omega_max(M, K) <= max_e omega_max(M_e, K_e),   dt <= 2 / omega_max       (Irons and Treharne 1971)
 
-The element's own eigenvalue is exact at rest, from A A^T of A = sqrt(V) D^(1/2) B M_e^(-1/2), which has six
-rows a strain point; the hourglass stiffness adds at most its own. As elements deform, the bound follows the
-smallest stretch of the element.
+The element's own eigenvalue is exact at rest, from A A^T of A = sqrt(V) D^(1/2) B M_e^(-1/2), with six rows
+per strain point; the hourglass stiffness adds at most its own eigenvalue. For deformed elements, the bound is
+proportional to the smallest stretch of the element.
 """
 
 from __future__ import annotations

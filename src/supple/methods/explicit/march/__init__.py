@@ -1,1 +1,1 @@
-"""The compiled explicit march: its model, its state, and the steps between."""
+"""Compiled explicit time integration: its model, its state, and its steps."""

@@ -1,4 +1,4 @@
-"""From a system to the arrays of its march: common nodes, mass tied to frames, contacts."""
+"""Arrays of the explicit time integration of a system: shared nodes, mass tied to frames, contacts."""
 
 from __future__ import annotations
 
@@ -40,10 +40,10 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Built:
-    """A system ready to march.
+    """A system prepared for time integration.
 
-    nodes : explicit part to the numbers of its nodes in the march
-    blocks : explicit part to its blocks among those of the march
+    nodes : explicit part to the numbers of its nodes in the model
+    blocks : explicit part to its blocks among those of the model
     framed : modal parts and rigid bodies
     """
 
@@ -56,14 +56,14 @@ class Built:
 
     @property
     def frames(self) -> dict[str, ModalFrame]:
-        """Modal parts and rigid bodies, in the order of the march, with their modes as marched."""
+        """Modal parts and rigid bodies, in the order of the model, with their integrated modes."""
         return self.framed.frames
 
 
 def built(system: System, method: Explicit, time: float = 0.0) -> Built:
-    """The march of a system from a time on.
+    """The model of a system from a time on.
 
-    Raises ModelError for ties that do not meet, nodes that begin inside an obstacle, joints that are open.
+    Raises ModelError for ties whose nodes do not match, nodes that begin inside an obstacle, and open joints.
     """
     explicit = [placed for placed in system.bodies if placed.body.kind == "explicit"]
     numbers, x, v = _numbered(system, explicit)
@@ -128,7 +128,7 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
 
 
 def _movable(system: System, numbers: dict[str, IntArray], v: FloatArray) -> FloatArray:
-    """(3, N) 1, or 0 where nodes are held, which begin at rest."""
+    """(3, N) 1, or 0 for fixed nodes, which begin at rest."""
     movable = np.ones((3, len(v)))
     for support in system.supports:
         held = numbers[support.nodes.body][system.node_numbers(support.nodes)]
@@ -139,7 +139,7 @@ def _movable(system: System, numbers: dict[str, IntArray], v: FloatArray) -> Flo
 
 
 def _loaded(system: System, numbers: dict[str, IntArray]) -> tuple[Any, ...]:
-    """Nodes, number of those that share it, and law of each load on explicit nodes."""
+    """Nodes, number of nodes that share the force, and law of each load on explicit nodes."""
     found = []
     for load in system.loads:
         if isinstance(load, DeadForce) and load.body in numbers:
@@ -149,7 +149,7 @@ def _loaded(system: System, numbers: dict[str, IntArray]) -> tuple[Any, ...]:
 
 
 def _loaded_nodes(system: System, load: DeadForce) -> tuple[IntArray, float]:
-    """Numbers of the nodes of a load within its part, and how many of them share its force."""
+    """Numbers of a load's nodes within its part, and how many of them share its force."""
     if not isinstance(load.at, str):
         return load.nodes, 1.0
     nodes = system.node_numbers(At(load.body, load.at))
@@ -193,7 +193,7 @@ def _start(
 
 
 def _numbered(system: System, explicit: list[Placed]) -> tuple[dict[str, IntArray], FloatArray, FloatArray]:
-    """Numbers of the nodes of each explicit part, those that are tied in common; positions and velocities."""
+    """Node numbers of each explicit part, shared by tied nodes; positions and velocities of all nodes."""
     numbers: dict[str, IntArray] = {}
     x, v = np.empty((0, 3)), np.empty((0, 3))
     for part in explicit:
@@ -222,15 +222,14 @@ def _met(tie: Tie, points: FloatArray, nodes: FloatArray, numbers: IntArray) -> 
     if (found < 0).any():
         lost = points[found < 0][0]
         raise ModelError(
-            f"tie of '{tie.nodes}' on '{tie.on}': the node at {np.array2string(lost, precision=6)} "
-            f"meets no node "
-            "of the other part; explicit parts are tied node to node: give them a common mesh there"
+            f"tie of '{tie.nodes}' on '{tie.on}': the node at {np.array2string(lost, precision=6)} matches "
+            "no node of the other part; explicit parts are tied node to node: use matching meshes there"
         )
     return numbers[found]
 
 
 def _tied(system: System, tie: Tie, numbers: dict[str, IntArray], x: FloatArray) -> TiedNodes | None:
-    """The explicit nodes of a tie on a modal part; None of other ties."""
+    """The explicit nodes of a tie to a modal part; None for other ties."""
     if tie.on in numbers or tie.nodes.body not in numbers:
         return None
     nodes = numbers[tie.nodes.body][system.node_numbers(tie.nodes)]
@@ -239,26 +238,26 @@ def _tied(system: System, tie: Tie, numbers: dict[str, IntArray], x: FloatArray)
 
 
 def _check_tied_once(tied: list[TiedNodes], x: FloatArray) -> None:
-    """An explicit node on two frames would give both its mass, and stand where the last one puts it."""
+    """Raise ModelError for an explicit node on two frames: both would have its mass, and one its position."""
     nodes = np.concatenate([each.nodes for each in tied] or [np.empty(0, dtype=np.int64)])
     found, counts = np.unique(nodes, return_counts=True)
     if (counts > 1).any():
         at = np.array2string(x[found[counts > 1][0]], precision=6)
         on = " and ".join(f"'{each.part}'" for each in tied if found[counts > 1][0] in each.nodes)
         raise ModelError(
-            f"the explicit node at {at} is tied on {on}: a node is tied to one modal part, once; tie the "
+            f"the explicit node at {at} is tied to {on}: a node can be tied to one modal part, once; tie the "
             "modal parts to each other, and leave the node out of one of the sets"
         )
 
 
 def _check_not_held(system: System, tied: list[TiedNodes], numbers: dict[str, IntArray]) -> None:
-    """A support of nodes that a modal part leads would have no effect."""
+    """Raise ModelError for a support of nodes tied to a modal part, which would have no effect."""
     for support in system.supports:
         held = numbers[support.nodes.body][system.node_numbers(support.nodes)]
         for each in tied:
             if min(support.axes, default=3) < 3 and np.isin(each.nodes, held).any():
                 raise ModelError(
-                    f"support of '{support.nodes}': some of its nodes are tied on '{each.part}', which leads "
+                    f"support of '{support.nodes}': some of its nodes are tied to '{each.part}', which moves "
                     "them; leave these out of the support"
                 )
 
@@ -272,7 +271,7 @@ def _stiffness(contact: Contact, masses: FloatArray, short: float) -> FloatArray
 def _touching(
     system: System, numbers: dict[str, IntArray], x: FloatArray, mass: FloatArray, short: float
 ) -> tuple[tuple[NodesTouching, ...], tuple[int, ...], float]:
-    """Explicit nodes in contact with obstacles, the numbers of these, largest stiffness over mass, 1/s^2."""
+    """Explicit nodes in contact with obstacles, numbers of these, and largest stiffness over mass, 1/s^2."""
     touching, obstacle_of, largest = [], [], 0.0
     for number, contact in enumerate(system.rigid_contacts):
         if contact.nodes.body in numbers:

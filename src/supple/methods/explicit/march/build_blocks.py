@@ -1,4 +1,4 @@
-"""From explicit sub-domains to their blocks of elements in the march, and the lumped mass of its nodes."""
+"""Element blocks of explicit sub-domains in the model, and the lumped mass of its nodes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["Blocks", "explicit_blocks"]
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """Blocks of elements, one list item each, and their nodes.
+    """Blocks of elements, one list entry each, and their nodes.
 
     rules : law and deletion of each
     spans : part to its blocks;   mass : (N,) kg;   damped : (N,) alpha m, kg/s
@@ -33,7 +33,7 @@ class Blocks:
 
     @property
     def step_limit(self) -> float:
-        """Of all elements at rest, s; infinite without any."""
+        """Step limit of all elements at rest, s; infinite without any."""
         return min((float(own.limit.min()) for own in self.blocks), default=np.inf)
 
 

@@ -1,4 +1,4 @@
-"""Modal parts and rigid bodies as the frames of a march, with what joins them and acts on them."""
+"""Frames of modal parts and rigid bodies in the model, with their ties, joints and forces."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class MarchNodes:
-    """The nodes of a march.
+    """Nodes of the model.
 
     numbers : of the nodes of each explicit part;   x : (N, 3) at the start;   mass : (N,) kg
     skins : points of modal parts in contact;   tied : nodes tied to frames
@@ -59,15 +59,15 @@ class MarchNodes:
 
 @dataclass(frozen=True, eq=False)
 class Framed:
-    """The frames of a march.
+    """Frames of the model.
 
-    frames : parts and bodies in the order of the march, with their modes as marched
-    arrays, states : of each, at the start;   obstacles : those that it touches
+    frames : parts and bodies in the order of the model, with their integrated modes
+    arrays, states : of each, at the start;   obstacles : those in contact with it
     surfaces, contact_rate : contacts between parts, 1/s^2
     joined : ties, joints and step limits
-    machine : the frames as a system of floating bodies, with what joins them and acts on them, or None
-    change : by what joints changed their start; None without joints
-    stores, stored : which groups of force elements store energy, and how much at the start, J
+    machine : the frames as a system of floating bodies with their joints and forces, or None
+    change : correction of their initial state by joints; None without joints
+    stores, stored : groups of force elements that store energy, and their energy at the start, J
     control : of the controllers, None without any
     """
 
@@ -86,7 +86,7 @@ class Framed:
 
 
 def build_frames(system: System, method: Explicit, nodes: MarchNodes, time: float) -> Framed:
-    """The frames of a march that starts at a time."""
+    """Frames of a model that starts at a time."""
     frames, arrays, states, obstacles, penalties = {}, [], [], [], {}
     for part in (placed for placed in system.bodies if placed.body.has_frame):
         name = part.body.name
@@ -140,7 +140,7 @@ def build_frames(system: System, method: Explicit, nodes: MarchNodes, time: floa
 
 
 def _floating(system: System, names: Sequence[str]) -> System | None:
-    """The bodies on frames alone, with what joins them and acts on them; None without any."""
+    """The bodies on frames with their joints and forces; None without any."""
 
     def acts(load: Any) -> bool:
         if isinstance(load, ForceElement):
@@ -162,7 +162,7 @@ def _floating(system: System, names: Sequence[str]) -> System | None:
 def _joined_start(
     floating: System, frames: dict[str, ModalFrame], states: list[FrameState], time: float
 ) -> tuple[Model, StartChange | None, list[FrameState]]:
-    """The frames as floating bodies without redundant joints, and their states, which fit the joints."""
+    """The frames as floating bodies without redundant joints, and their states, which satisfy the joints."""
     model, change = build_model(floating), None
     if floating.joints:
         start = consistent_start(CompiledMachine(floating, model), time)
@@ -236,7 +236,7 @@ def _modal_stiffness(contact: Contact, frame: ModalFrame, nodes: IntArray) -> Fl
 
 
 def check_outside(contact: Contact, points: FloatArray) -> None:
-    """ModelError for a point (n, 3) in space that begins inside the obstacle of a contact."""
+    """Raise ModelError for a point (n, 3) in space that begins inside the obstacle of a contact."""
     gap = np.asarray(contact.obstacle.gap(jnp.asarray(points.T))[0])
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     if gap.min() < -1e-6 * size:

@@ -1,4 +1,4 @@
-"""Ties, joints and force elements of frames: which multipliers are needed, and the step limit of all."""
+"""Ties, joints and force elements of frames: independent multipliers, and the step limit of the whole."""
 
 from __future__ import annotations
 
@@ -38,16 +38,16 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _REDUNDANT = 1e-8
-"""Of a multiplier's own mobility: what is left of it once those before it act."""
+"""Smallest mobility of a multiplier, given those before it, relative to its mobility alone."""
 
 
 @dataclass(frozen=True, eq=False)
 class JoinedFrames:
     """Ties of frames to each other, and their joints.
 
-    ties, tied : without multipliers that follow from others, and which two frames each joins
-    machine : the frames as floating bodies; of the joints' equations likewise
-    numbers : of the frames that multipliers join;   driven : (m,) 1 of equations that laws move, else 0
+    ties, tied : with independent multipliers only, and the two frames of each
+    machine : the frames as floating bodies, with independent equations of joints
+    numbers : of the frames that multipliers join;   driven : (m,) 1 for equations with a law, else 0
     limited, step_limit : frames with ties, joints or force elements, and the step limit of all of them, s
     """
 
@@ -70,17 +70,17 @@ def joined_frames(
     machine: Model | None,
     time: float,
 ) -> JoinedFrames:
-    """What joins the frames of a system.
+    """Ties, joints and forces between the frames of a system.
 
     states : of the frames at the start;   penalties : (6 + k, 6 + k) of the contacts of each, or None
-    Raises ModelError: another scheme than the default, parts that do not meet.
+    Raises ModelError: a scheme other than the default, parts that do not match.
     """
     ties, pairs = modal_ties(system, frames)
     if machine is None or not (ties or machine.active or machine.forces):
         return JoinedFrames((), (), machine, (), np.zeros(0), (), np.inf)
     if not isinstance(scheme, ProjectedDifference) and (ties or machine.active):
         raise ModelError(
-            "parts that are tied or joined to each other march by ProjectedDifference() only, not by "
+            "parts that are tied or joined to each other need ProjectedDifference(), not "
             f"{type(scheme).__name__}"
         )
     order, now = list(frames), jnp.asarray(time)
@@ -120,14 +120,14 @@ def joined_frames(
     free = linalg.null_space(every[kept]) if len(kept) else np.eye(len(mass))
     largest = _largest(free, stiffness + elastic, mass)
     drag = 0.5 * _largest(free, damping, mass)
-    # h^2 omega^2 / 4 + h c / 2 = 1, for damping follows half a step late.
+    # h^2 omega^2 / 4 + h c / 2 = 1, because damping lags by half a step.
     limit = 2 / (drag + np.sqrt(drag**2 + largest)) if drag + largest > 0 else np.inf
-    # Stiffness damping of each part is at most the largest beta's.
+    # Stiffness damping of each part is bounded by the largest beta.
     beta = max(frames[name].body.stiffness_damping for name in names)
     if machine.active:
         *chosen, of_machine = chosen
         machine = replace(machine, active=tuple(machine.active[row] for row in of_machine))
-    # A tie whose rows follow from the others' says nothing more.
+    # A tie with dependent rows only is redundant.
     left = [number for number, own in enumerate(chosen) if len(own)]
     return JoinedFrames(
         tuple(_only(ties[number], chosen[number]) for number in left),
@@ -141,7 +141,7 @@ def joined_frames(
 
 
 def _driven(system: System) -> FloatArray:
-    """1 of each equation of joints with a law, else 0."""
+    """1 for each equation of a joint with a law, else 0."""
     own = [np.full(joint.n_constraints, float(joint.law is not None)) for joint in system.joints]
     return np.concatenate([np.zeros(0), *own])
 
@@ -152,13 +152,13 @@ def _touched(groups: Sequence) -> set[int]:
 
 
 def _largest(free: FloatArray, matrix: FloatArray, mass: FloatArray) -> float:
-    """Largest eigenvalue of the symmetric part of a matrix on free motions, zero where all are below."""
+    """Largest eigenvalue of the symmetric part of a matrix on free motions; zero if none is positive."""
     own = free.T @ (0.5 * (matrix + matrix.T)) @ free
     return max(float(linalg.eigh(own, free.T @ mass @ free, eigvals_only=True)[-1]), 0.0)
 
 
 def _floating_rates(system: System, name: str, frame: ModalFrame) -> FloatArray:
-    """(dR, omega, dq) per velocity of the centre, angular velocity and modes, in the axes of the mesh."""
+    """(dR, omega, dq) from velocity of the centre, angular velocity and modes, in the axes of the mesh."""
     k = frame.body.n_modes
     found = np.zeros((6 + k, 6 + k))
     A, centre = system.placed(name).rotation, frame.body.points.origin
@@ -170,7 +170,7 @@ def _floating_rates(system: System, name: str, frame: ModalFrame) -> FloatArray:
 def _of_elements(
     machine: Model, arrays: tuple[FrameArrays, ...], states: tuple[FrameState, ...], time: Array
 ) -> tuple[Array, Array]:
-    """Stiffness and damping (n, n) of force elements at the start, their ends at rest."""
+    """Stiffness and damping (n, n) of force elements at the start, with their ends at rest."""
     n = machine.n_velocities
     where, still = configuration(tuple(each.chart for each in arrays), states), jnp.zeros(n)
     motion = SystemMotion(time, where, still, still, jnp.zeros(len(machine.active)))
@@ -207,7 +207,7 @@ def _pencil_rows(
 
 
 def _independent(rows: FloatArray, mass: FloatArray) -> IntArray:
-    """Numbers of rows that do not follow from those before them: ties that close a loop say some twice."""
+    """Numbers of rows that are linearly independent of those before; ties in a closed loop are redundant."""
     factor = np.linalg.cholesky(mass)
     reached = linalg.solve_triangular(factor, rows.T, lower=True)
     reached = reached / np.linalg.norm(reached, axis=0)

@@ -1,4 +1,4 @@
-"""From explicit shells to their blocks of triangles in the march, and the triads at their nodes."""
+"""Triangle blocks of explicit shells in the model, and the triads at their nodes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ IntArray = NDArray[np.int64]
 class Shells:
     """Blocks of shells; parts that share a node share its triad.
 
-    place : (N,)    number of the triad of each node of the march, -1 without
+    place : (N,)    number of the triad of each node of the model, -1 without
     inertia, turned : (r,) kg m^2, and alpha J;   triads : (3, 3, r), rates : (3, r) at the start
     mass, damped : (N,) kg, and alpha m;   spans : part to its blocks
     rules : law and deletion of each block
@@ -44,16 +44,16 @@ class Shells:
 
     @property
     def step_limit(self) -> float:
-        """Of all triangles at rest, s; infinite without any."""
+        """Step limit of all triangles at rest, s; infinite without any."""
         return min((float(own.limit) for own in self.blocks), default=np.inf)
 
     def start(self) -> TriadState:
-        """The triads as they are placed."""
+        """The triads as placed."""
         rates = jnp.asarray(self.rates)
         return TriadState(jnp.asarray(self.triads), rates, jnp.zeros_like(rates))
 
     def spins(self, supports: Sequence[Support], numbers: Mapping[str, IntArray], system: System) -> Spins:
-        """The constants of the triads; rotations that supports hold do not begin to turn either."""
+        """Constants of the triads; rotations fixed by supports also start at rest."""
         free = np.ones((3, len(self.inertia)))
         for support in supports:
             held = self.place[numbers[support.nodes.body][system.node_numbers(support.nodes)]]
@@ -103,7 +103,7 @@ def explicit_shells(parts: Sequence[Placed], numbers: Mapping[str, IntArray], n_
 
 
 def _layers(of: ShellElements, count: int) -> LayerArrays:
-    """Gauss points through the thickness: exact for what is linear in it, as elastic stress is."""
+    """Gauss points through the thickness: exact for a linear distribution, as of elastic stress."""
     places, weights = np.polynomial.legendre.leggauss(count)
     return LayerArrays(
         jnp.asarray(of.membrane.transpose(1, 2, 0)),

@@ -1,7 +1,7 @@
-"""From contacts between parts to the arrays of their march: points of modal surfaces, stiffness, limits.
+"""Arrays of contacts between parts: points of modal surfaces, stiffness, step limits.
 
-The points of a modal part that touch, or are touched, become explicit nodes without mass that hang on it: so
-what holds for tied nodes (they stand where the frame puts them, their forces act on it) holds for them.
+The contact points of a modal part, on either side, become massless explicit nodes tied to it. They are
+treated as all tied nodes: the frame determines their positions, and their forces act on it.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class TiedNodes:
-    """Explicit nodes on a modal part: their numbers, and their corners among its nodes with weights."""
+    """Explicit nodes tied to a modal part: their numbers, and their corners among its nodes with weights."""
 
     part: str
     nodes: IntArray
@@ -43,7 +43,7 @@ class TiedNodes:
 
 @dataclass(frozen=True, eq=False)
 class ModalSkin:
-    """Points of a modal part in contact with others: their numbers in the march, and among its nodes."""
+    """Points of a modal part in contact with others: their numbers in the model, and among its nodes."""
 
     part: str
     nodes: IntArray
@@ -51,7 +51,7 @@ class ModalSkin:
 
 
 def modal_skins(system: System, first: int) -> list[ModalSkin]:
-    """The points of each modal part that contacts with other parts name, numbered from `first` on."""
+    """The points of each modal part in contacts with other parts, numbered from `first` on."""
     skins = []
     ends = [end for each in system.surface_contacts for end in (each.nodes, each.surface)]
     for body in (placed.body for placed in system.bodies):
@@ -73,11 +73,11 @@ def touching_surfaces(
     x: FloatArray,
     short: float,
 ) -> tuple[tuple[TouchingSurface, ...], float, dict[str, FloatArray]]:
-    """The contacts between parts, and what they do to the step limits with all of them closed.
+    """Contacts between parts, and their effect on the step limits with all of them closed.
 
     numbers : of the nodes of each explicit part;   short : step limit of the explicit nodes, s
-    Returns the surfaces; the largest stiffness over mass of explicit nodes tied nowhere, 1/s^2; and for
-    each frame the stiffness (6 + k, 6 + k) of its penalties.
+    Returns the surfaces; the largest stiffness over mass of explicit nodes without ties, 1/s^2; and for each
+    frame the stiffness (6 + k, 6 + k) of its penalties.
     """
     place = {part: np.full(len(system.placed(part).body.nodes), -1) for part in (skin.part for skin in skins)}
     for skin in skins:
@@ -122,7 +122,7 @@ def touching_surfaces(
 def _bearing(
     tied: Sequence[TiedNodes], frames: Mapping[str, ModalFrame], mass: FloatArray, short: float
 ) -> FloatArray:
-    """Stiffness (N,) at which each node alone would vibrate at the step limit, N/m."""
+    """Stiffness (N,) for which each node alone would vibrate at the step limit, N/m."""
     bears = mass * (2 / short) ** 2
     for each in tied:
         own = frames[each.part].stiffness_at(each.corners.ravel(), 1.0).reshape(each.corners.shape)

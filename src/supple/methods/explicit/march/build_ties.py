@@ -1,4 +1,4 @@
-"""From ties to the arrays of their march: where nodes meet a modal part, and what ties two of these."""
+"""Arrays of ties: matching points of nodes on a modal part, and ties between two modal parts."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ IntArray = NDArray[np.int64]
 
 
 def within(tie: Tie, points: FloatArray) -> float:
-    """How far apart the two sides of a tie may lie, m."""
+    """Largest distance between the two sides of a tie, m."""
     return tie.within * max(float(np.linalg.norm(np.ptp(points, axis=0))), 1e-300)
 
 
@@ -41,7 +41,7 @@ def met_material(system: System, tie: Tie, x: FloatArray) -> tuple[IntArray, Flo
 def modal_ties(
     system: System, frames: Mapping[str, ModalFrame]
 ) -> tuple[tuple[ModalTie, ...], tuple[tuple[int, int], ...]]:
-    """Ties of modal parts to each other, and the numbers of their frames; ModelError where none meet."""
+    """Ties of modal parts to each other, and the numbers of their frames; ModelError where none match."""
     order = list(frames)
     between = [tie for tie in system.ties if tie.nodes.body in frames]
     return (

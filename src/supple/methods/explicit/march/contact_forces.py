@@ -1,4 +1,4 @@
-"""What each contact exerts on its nodes at one instant: the sum of its penalties, and where it acts."""
+"""Force of each contact on its nodes at one instant: the sum of its penalties, and its point of action."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ __all__ = ["contact_forces"]
 
 
 def contact_forces(model: MarchModel, methods: Methods, state: MarchState) -> Array:
-    """Force on the nodes of each contact, N, and their mean place weighted by the size of their forces.
+    """Force on the nodes of each contact, N, and their mean position weighted by the size of their forces.
 
-    Returns (c, 6), contacts with rigid obstacles first, then those between parts. Of nodes that do not touch
-    the place is their mean.
+    Returns (c, 6), contacts with rigid obstacles first, then those between parts. Without contact, the
+    position is the mean of the nodes.
     """
     found: dict[int, Array] = {}
 

@@ -1,4 +1,4 @@
-"""Blocks of elements of the march, solids and triangles alike: force, step limit, what is recorded."""
+"""Element blocks of the model, solids and triangles alike: force, step limit, recorded results."""
 
 from __future__ import annotations
 
@@ -47,10 +47,10 @@ class ElementInstant(NamedTuple):
 
 
 class BlockState(NamedTuple):
-    """Of a block of E elements.
+    """State of a block of E elements.
 
     material : of the law, or layers of shells;   ratios : (g, E) det F of solids, else None
-    alive : (E,) 1, or 0 from when an element has been deleted
+    alive : (E,) 1, or 0 once an element is deleted
     """
 
     material: Any
@@ -59,7 +59,7 @@ class BlockState(NamedTuple):
 
 
 class Forces(NamedTuple):
-    """Of a block at an instant.
+    """Forces of a block at an instant.
 
     force, hourglass : (3, N);   moment : (3, r) on the triads, None of solids
     plastic, viscous : work of the step that led here, J;   smallest : det F of the worst point, or None
@@ -82,7 +82,7 @@ class SolidArrays(NamedTuple):
     beta: Array | None
 
     def longest_step(self, x: Array, v: Array, alive: Array, contact_rate: Array) -> Array:
-        """Step limit of the elements that are left, as they stand and move, with all contacts closed, s."""
+        """Step limit of the remaining elements in their present state, with all contacts closed, s."""
         stretch = squashed(self.block, x)
         longest = with_contact(self.limit * stretch, contact_rate)
         if self.block.bulk is not None:
@@ -100,7 +100,7 @@ class TriangleArrays(NamedTuple):
     beta: None = None
 
     def longest_step(self, _x: Array, _v: Array, _alive: Array, contact_rate: Array) -> Array:
-        """That at rest, with all contacts closed, s: strains of shells are small."""
+        """Step limit at rest, with all contacts closed, s: strains of shells are small."""
         return with_contact(self.limit, contact_rate)
 
 
@@ -110,35 +110,35 @@ def with_contact(limit: Array, rate: Array) -> Array:
 
 
 class BlockRule(Protocol):
-    """What a block of elements is compiled for; `own` are its arrays."""
+    """Static arguments of a block of elements in compiled code; `own` are its arrays."""
 
     def start(self, own: Any) -> BlockState:
-        """Undeformed."""
+        """Undeformed state."""
         ...
 
     def force(self, own: Any, at: ElementInstant, state: BlockState) -> Forces:
-        """Forces at an instant, and the state that led there."""
+        """Forces at an instant, and the new state."""
         ...
 
     def recorded(self, own: Any, x: Array, triads: Array, state: BlockState, /) -> tuple[Array, Array]:
-        """Plastic strain and von Mises' stress (E,) of the worst point of each element."""
+        """Plastic strain and von Mises stress (E,) at the worst point of each element."""
         ...
 
 
 @dataclass(frozen=True)
 class Solids:
-    """What a block of solids is compiled for."""
+    """Static arguments of a block of solids."""
 
     law: Law
     deletion: float
 
     def start(self, own: SolidArrays) -> BlockState:
-        """Undeformed."""
+        """Undeformed state."""
         shape = own.block.volumes.shape
         return BlockState(self.law.initial(shape), jnp.ones(shape), jnp.ones(shape[1]))
 
     def force(self, own: SolidArrays, at: ElementInstant, state: BlockState) -> Forces:
-        """Stress, damping, hourglass control; elements beyond the strain of deletion are gone afterwards."""
+        """Stress, damping, hourglass control; elements beyond the deletion strain are deleted afterwards."""
         out = block_force(
             self.law, own.block, at.x, at.dx, state.material, state.ratios, state.alive, own.beta, at.h
         )
@@ -149,7 +149,7 @@ class Solids:
         return Forces(out.force, out.hourglass, None, reached, out.plastic, out.viscous, out.smallest)
 
     def recorded(self, own: SolidArrays, x: Array, _triads: Array, state: BlockState) -> tuple[Array, Array]:
-        """Plastic strain and von Mises' stress (E,) of the worst point of each element."""
+        """Plastic strain and von Mises stress (E,) at the worst point of each element."""
         strain = self.law.plastic_strain(state.material)
         stress = von_mises(self.law, own.block, x, state.material).max(axis=0)
         return jnp.zeros_like(state.alive) if strain is None else strain.max(axis=0), state.alive * stress
@@ -157,18 +157,18 @@ class Solids:
 
 @dataclass(frozen=True)
 class Triangles:
-    """What a block of shells is compiled for; law None: elastic."""
+    """Static arguments of a block of shells; law None: elastic."""
 
     law: J2Plasticity | None
     deletion: float
 
     def start(self, own: TriangleArrays) -> BlockState:
-        """Undeformed."""
+        """Undeformed state."""
         layers = None if own.block.layers is None else rest_layers(own.block)
         return BlockState(layers, None, jnp.ones(own.block.nodes.shape[1]))
 
     def force(self, own: TriangleArrays, at: ElementInstant, state: BlockState) -> Forces:
-        """Force and moment; elements beyond the strain of deletion are gone afterwards."""
+        """Force and moment; elements beyond the deletion strain are deleted afterwards."""
         if self.law is None:
             pull = shell_force(own.block, at.x, at.triads)
             return Forces(pull.force, None, pull.moment, state, None, None, None)
@@ -183,7 +183,7 @@ class Triangles:
     def recorded(
         self, own: TriangleArrays, x: Array, triads: Array, state: BlockState
     ) -> tuple[Array, Array]:
-        """Plastic strain and von Mises' stress (E,) of the worst point of each element."""
+        """Plastic strain and von Mises stress (E,) at the worst point of each element."""
         if self.law is None:
             return jnp.zeros_like(state.alive), shell_von_mises(own.block, x, triads)
         stress = layered_von_mises(self.law, own.block, x, triads, state.material)

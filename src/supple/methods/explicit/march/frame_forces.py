@@ -1,4 +1,4 @@
-"""What acts on frames besides contacts and explicit nodes, by the terms that all methods share."""
+"""Forces on frames besides contacts and explicit nodes, by the terms shared with all methods."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ __all__ = [
 
 
 class FrameForces(NamedTuple):
-    """Of each frame: of loads and elements that store nothing; of the others at rest, and by their rates."""
+    """Forces on each frame: without stored energy; with stored energy at rest; and by their rates."""
 
     given: tuple[Generalized, ...]
     stored: tuple[Generalized, ...]
@@ -43,7 +43,7 @@ class FrameForces(NamedTuple):
 
 
 def gravity_at(model: MarchModel, time: Array) -> Array:
-    """Gravity seen from a base that accelerates, (3,)."""
+    """Gravity relative to an accelerated base, (3,)."""
     return model.gravity - sum(law(time) for law in model.base_accelerations)
 
 
@@ -55,10 +55,10 @@ def frame_forces(
     time: Array,
     control: ControlState | None,
 ) -> FrameForces:
-    """At t_n, with the rates of the step before.
+    """Forces at t_n, with the rates of the step before.
 
     machine : the frames as bodies, with their loads and force elements
-    stores : which groups of elements store energy
+    stores : whether each group of elements stores energy
     """
     motion = frame_motion(machine, frames, states, time, control)
     at_rest = motion._replace(velocity=jnp.zeros_like(motion.velocity))
@@ -86,7 +86,7 @@ def frame_motion(
 ) -> SystemMotion:
     """The frames as floating bodies at t_n, with the rates of the step before.
 
-    control, step : of controllers, as they were a step of this length before
+    control, step : of controllers, one step of this length before
     """
     charts = tuple(each.chart for each in frames)
     rates = velocity(charts, states)
@@ -97,7 +97,7 @@ def frame_motion(
 
 
 def storing_elements(machine: Model, loads: Iterable[Any]) -> tuple[bool, ...]:
-    """Whether the elements of each group store energy by themselves: nothing but their ends moves them."""
+    """Whether the elements of each group store energy: nothing but their ends drives them."""
     wrenches = [type(load).wrenches for load in loads if type(load).energy is not ForceElement.energy]
     return tuple(
         group.wrenches in wrenches and (group.law is None or isinstance(group.law, Constant))
@@ -113,7 +113,7 @@ def stored_energy(
     states: tuple[FrameState, ...],
     time: Array,
 ) -> Array:
-    """Of force elements, J."""
+    """Stored energy of force elements, J."""
     energies = {type(load).wrenches: type(load).energy for load in loads}
     motion, total = frame_motion(machine, frames, states, time), jnp.zeros(())
     for group in _some(machine, stores, True).forces:
@@ -158,5 +158,5 @@ def joint_rows(
 def joint_gaps(
     machine: Model, frames: tuple[FrameArrays, ...], states: tuple[FrameState, ...], time: Array
 ) -> Array:
-    """The joints' equations, (m,)."""
+    """Residuals of the joints' equations, (m,)."""
     return constraints(machine, time, configuration(tuple(each.chart for each in frames), states))

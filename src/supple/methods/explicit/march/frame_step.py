@@ -1,4 +1,4 @@
-"""A step of the modal sub-domains, with what the explicit nodes tied to them pass on."""
+"""A step of the modal sub-domains, with the forces of the explicit nodes tied to them."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ __all__ = ["FrameStep", "frame_step", "joining_rows", "tied_positions"]
 
 
 class FrameStep(NamedTuple):
-    """Frames after the step, and works over it, J: internal, damping, external, contact, from nodes, turning.
+    """Frames after the step, and works in it, J: internal, damping, external, contact, from nodes, rotation.
 
     on_obstacles : (o, 3) forces at t_n;   pulls : (m,) multipliers of the joints at t_n
     """
@@ -48,12 +48,12 @@ class FrameStep(NamedTuple):
 
 
 def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array) -> FrameStep:
-    """All frames from t_n to t_n + h; their forces are those of t_n."""
+    """All frames from t_n to t_n + h, under the forces at t_n."""
     steps = StepLengths(state.frame_before, h)
     forces = []
     on_obstacles = jnp.zeros((len(methods.obstacles), 3))
     gravity = gravity_at(model, state.time)
-    # Weight of the nodes tied to a frame is in the frame's own mass already.
+    # The weight of the nodes tied to a frame is included in the frame's own mass.
     pulls = state.forces.sum(axis=0) - model.mass * gravity[:, None]
     assert model.machine is not None
     acting = frame_forces(
@@ -87,9 +87,9 @@ def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array)
 def _advanced(
     model: MarchModel, methods: Methods, state: MarchState, forces: list[Generalized], steps: StepLengths
 ) -> tuple[tuple[FrameState, ...], Array, Array, Array]:
-    """The frames after the step, those that are joined together.
+    """The frames after the step, joined ones together.
 
-    Then their turning work and that of the joints' laws, J, and the multipliers of the joints (m,).
+    Also their work by finite rotation and that of the joints' laws, J, and the joint multipliers (m,).
     """
     scheme, frames, joined = methods.explicit.scheme, state.frames, methods.joined
     after, links = list(frames), [jnp.zeros(6)] * len(frames)
@@ -150,7 +150,7 @@ def _gaps(
     moved: tuple[FrameState, ...],
     time: Array,
 ) -> Array:
-    """How far ties and joints are open, with the joined frames where they have moved to."""
+    """Gaps of ties and joints, with the joined frames in their new positions."""
     every = list(frames)
     for number, own in zip(methods.joined, moved, strict=True):
         every[number] = own
@@ -168,7 +168,7 @@ def tied_positions(arrays: FrameArrays, frame: FrameState) -> Array:
 def _works(
     arrays: FrameArrays, old: FrameState, new: FrameState, forces: tuple[Generalized, ...], steps: StepLengths
 ) -> Array:
-    """Internal, damping, external, contact, from the nodes: force times mean rate times mean step.
+    """Internal, damping, external, contact, nodal works: force times mean rate times mean step.
 
     forces : external, contact, of the nodes, of elements at rest, by their rates
     """

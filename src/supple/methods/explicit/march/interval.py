@@ -1,4 +1,4 @@
-"""The compiled march from output time to output time, by steps chosen anew from what is stable."""
+"""Compiled time integration between output times, with new stable steps at each output time."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from supple.programs.kept_programs import KeptProgram
 __all__ = ["Recorded", "chosen_steps", "frame_limits", "march_to", "nodes_limit", "recorded"]
 
 DRIFT = 0.01
-"""Of the energy that a run has had: what may get lost, or come from nothing."""
+"""Largest energy lost or created, relative to the largest energy of the run."""
 
 HOPELESS = 10.0
-"""Times the loss at the interface that is allowed: where it has grown to this, a trial is not marched on."""
+"""Multiple of the allowed interface loss at which a trial is stopped."""
 
 
 class Recorded(NamedTuple):
-    """What is kept of an output time.
+    """Recorded results of an output time.
 
     frames : points and modes of each, their rates and accelerations;   pulls : (m,) multipliers of joints
     contacts : (c, 6) see `contact_forces`
-    trouble : 0, or 1 an element turned over, 2 not a number, 3 the energy drifts, 4 energy from nothing,
-        5 the interface loses or wins too much
+    trouble : 0, or 1 an element inverted, 2 not finite, 3 the energy drifts, 4 spurious energy, 5 the
+        interface energy drifts
     """
 
     x: Array
@@ -56,9 +56,10 @@ class Recorded(NamedTuple):
 def _march_to(
     model: MarchModel, methods: Methods, state: MarchState, fixed: Array, times: Array
 ) -> tuple[MarchState, Recorded]:
-    """Through output times (t,); the rows after one with trouble repeat it, and so do times already reached.
+    """Integrate through output times (t,); rows after one with trouble repeat it, as do times already
+    reached.
 
-    fixed : step of the explicit nodes to keep, s; 0: what is stable
+    fixed : fixed step of the explicit nodes, s; 0: the stable step
     """
 
     def one(carry: tuple[MarchState, Array], end: Array) -> tuple[tuple[MarchState, Array], Recorded]:
@@ -92,7 +93,7 @@ def _chosen_steps(
 
 
 def _nodes_limit(model: MarchModel, state: MarchState, safety: float) -> Array:
-    """Step of the explicit nodes, s, at a part of the limit of their elements as they stand and move."""
+    """Step of the explicit nodes, s: a fraction of the limit of their elements in their present state."""
     short = with_contact(jnp.asarray(jnp.inf), model.contact_rate)
     for block, own in zip(model.blocks, state.blocks, strict=True):
         short = jnp.minimum(short, block.longest_step(state.x, state.v, own.alive, model.contact_rate))
@@ -104,7 +105,7 @@ def _nodes_limit(model: MarchModel, state: MarchState, safety: float) -> Array:
 
 
 def frame_limits(model: MarchModel, state: MarchState) -> list[Array]:
-    """Step limit of each frame at its spin, s."""
+    """Step limit of each frame at its angular velocity, s."""
     return [
         arrays.step_limit
         if arrays.spin_bound is None
@@ -114,7 +115,7 @@ def frame_limits(model: MarchModel, state: MarchState) -> list[Array]:
 
 
 def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Array, end: Array) -> MarchState:
-    """On to an output time; again with a smaller ratio as long as the interface loses or wins too much."""
+    """Integrate to an output time; repeated with smaller ratios while the interface energy drifts."""
     if not model.frames or not model.blocks:
         return _marched(model, methods, state, fixed, end)
     allowed = methods.explicit.interface_loss * (_size(state) + kinetic(model, state))
@@ -139,7 +140,7 @@ def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Arr
     tried = _marched(model, methods, state, fixed, end, HOPELESS * allowed)
     ratio, new = lax.while_loop(too_much, again, (first, tried))
     repeated = ratio != first
-    # After each repetition a larger ratio is tried only twice as much later: a trial costs the whole way.
+    # After each repetition the wait for a larger ratio doubles: a trial costs the whole interval.
     longer = (lost(new) < 0.1 * allowed) & (state.ratio_wait == 0) & ~repeated
     larger = jnp.where(longer, jnp.minimum(2 * ratio, methods.explicit.largest_ratio), state.ratio_bound)
     return new._replace(
@@ -150,7 +151,7 @@ def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Arr
 
 
 def _size(state: MarchState) -> Array:
-    """Energy that a run has had so far, without the kinetic one, J."""
+    """Largest energy of a run so far, without the kinetic one, J."""
     e = state.energies
     return jnp.abs(state.initial) + jnp.abs(e.external) + e.plastic + jnp.abs(e.damping)
 
@@ -163,7 +164,7 @@ def _marched(
     end: Array,
     most: Array | float = float("inf"),
 ) -> MarchState:
-    """On to an output time, or until more than `most` J has gone through the interface at a ratio above 1."""
+    """Integrate to an output time, or until over `most` J is lost at the interface at a ratio above 1."""
     h, ratio, n = _chosen_steps(model, methods, state, fixed, end - state.time)
     before = state.energies.interface
 
@@ -184,7 +185,7 @@ def _judged(model: MarchModel, methods: Methods, state: MarchState, trouble: Arr
     row = _recorded(model, methods, state, trouble, jnp.zeros(()))
     e = state.energies._replace(kinetic=row.energies[0])
     held = e.kinetic + e.internal + e.plastic + e.hourglass + e.contact + e.damping + e.interface
-    # What round-off stores in a body at rest is no energy: relative strains of 1e-12 at the fastest rate.
+    # Energy of round-off in a body at rest: relative strains of 1e-12 at the fastest rate.
     noise = 1e-24 * jnp.sum(model.mass) * jnp.abs(state.x).max(initial=0.0) ** 2 / state.before**2
     size = _size(state) + noise + _noise_of_joints(model, state)
     seen = jnp.where(
@@ -209,7 +210,7 @@ def _judged(model: MarchModel, methods: Methods, state: MarchState, trouble: Arr
 
 
 def _noise_of_joints(model: MarchModel, state: MarchState) -> Array:
-    """Energy that round-off gives frames which joints hold, J: 1e-12 of their places, 1e-10 of weights."""
+    """Energy of round-off in jointed frames, J: 1e-12 of their positions, 1e-10 of weights."""
     noise = jnp.zeros(())
     if model.machine is None or not model.machine.active:
         return noise
@@ -268,8 +269,8 @@ march_to = KeptProgram(_march_to)
 nodes_limit = KeptProgram(_nodes_limit, STARTING)
 chosen_steps = KeptProgram(_chosen_steps, STARTING)
 recorded = KeptProgram(_recorded)
-"""A state as it is kept.
+"""A recorded state.
 
-Rates of frames at t_n, accelerations and multipliers are those of a trial of the step that follows.
-first : length of the trial at the start, s; later it is that of the step before
+    Rates of frames at t_n, accelerations and multipliers are those of a trial of the next step.
+    first : length of the trial at the start, s; later it is that of the step before
 """

@@ -1,4 +1,4 @@
-"""What the explicit march is made of: constants as arrays, methods as static objects, and its state."""
+"""Explicit time integration: constants as arrays, methods as static objects, and the state."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class NodesTouching(NamedTuple):
 
     nodes : (n,) of the explicit nodes, or of a modal part's own points below
     stiffness : (n,) N/m
-    weights, shapes : (n, 4), (n, 3, k) of a modal part's points; None of explicit nodes
+    weights, shapes : (n, 4), (n, 3, k) of a modal part's points; None for explicit nodes
     """
 
     nodes: Array
@@ -42,13 +42,13 @@ class NodesTouching(NamedTuple):
 
 
 class FrameArrays(NamedTuple):
-    """A modal sub-domain in the march.
+    """A modal sub-domain in the model.
 
     model : FrameModel      with the mass of the nodes tied to it
     nodes : (n,)            explicit nodes tied to it, at weights (n, 4) and shapes (n, 3, k)
     touching : tuple of NodesTouching       contacts of its own points
     chart : the floating frame of its points
-    step_limit : at rest, s;   spin_bound : of what a spin of 1 rad/s adds to squared frequencies, or None
+    step_limit : at rest, s;   spin_bound : increase of squared frequencies by a spin of 1 rad/s, or None
     """
 
     model: FrameModel
@@ -62,16 +62,16 @@ class FrameArrays(NamedTuple):
 
 
 class MarchModel(NamedTuple):
-    """Numbers of the march.
+    """Arrays of the model.
 
     blocks : of explicit elements
-    mass, alpha : (N,) of the nodes, kg and 1/s;   movable : (3, N) 1, or 0 where held
+    mass, alpha : (N,) of the nodes, kg and 1/s;   movable : (3, N) 1, or 0 for fixed ones
     ties : of frames to each other
     surfaces : contacts between parts
     contact_rate : largest stiffness over mass of a node in contact, 1/s^2
     base_accelerations : laws, (3,) m/s^2
-    machine : the frames as floating bodies, with what joins them and acts on them; None without frames
-    driven : (m,)   1 of equations of joints that laws move, else 0
+    machine : the frames as floating bodies with their joints and forces; None without frames
+    driven : (m,)   1 for equations of joints with laws, else 0
     """
 
     blocks: tuple[SolidArrays | TriangleArrays, ...]
@@ -95,14 +95,14 @@ class MarchModel(NamedTuple):
 @register_static
 @dataclass(frozen=True)
 class Methods:
-    """What the march is compiled for.
+    """Static arguments of the compiled time integration.
 
     blocks : law and deletion of each
     obstacles : those of contacts, explicit ones first;   frame_obstacles : numbers per frame
     obstacle_of : number of the obstacle of each contact of explicit nodes
-    tied : which two frames each of their ties joins
-    joined : numbers of the frames that ties and joints join, ascending
-    stores : of each group of force elements on frames, whether it stores energy
+    tied : the two frames of each of their ties
+    joined : numbers of the frames with ties or joints, ascending
+    stores : for each group of force elements on frames, whether it stores energy
     explicit : Explicit     of the run
     """
 
@@ -117,15 +117,16 @@ class Methods:
 
 
 class Energies(NamedTuple):
-    """Where the energy of a run is, J; kinetic at the middle of the last step.
+    """Terms of the energy balance, J; kinetic at the middle of the last step.
 
-    kinetic + internal + plastic + hourglass + contact + damping + interface - external   does not change
+    kinetic + internal + plastic + hourglass + contact + damping + interface - external   is constant
 
     internal : work of stresses that is neither plastic nor viscous, and of springs
-    hourglass : of the forces of its control
-    contact : held by penalties; interface : lost between parts that march at different steps, and by frames
-    that turn by a finite angle in a step
-    external : work of loads, gravity, driven obstacles and joints, and of force elements that store nothing
+    hourglass : work of the hourglass control
+    contact : stored in penalties; interface : lost between parts with different steps, and by frames that
+        rotate by a finite angle in a step
+    external : work of loads, gravity, driven obstacles and joints, and of force elements without stored
+        energy
     """
 
     kinetic: Array
@@ -139,23 +140,23 @@ class Energies(NamedTuple):
 
 
 class ObstacleState(NamedTuple):
-    """How far an obstacle has moved, (3,), and its velocity over the last step."""
+    """Displacement of an obstacle, (3,), and its velocity over the last step."""
 
     offset: Array
     velocity: Array
 
 
 class MarchState(NamedTuple):
-    """All that the march knows at t_n.
+    """Complete state at t_n.
 
     before, frame_before : the last step of the explicit nodes and of the frames, s; zero at the start
     x, v : (3, N);   forces : (4, 3, N) internal, hourglass, contact, external, at t_n
     blocks : state of each
     smallest : det F of the worst point so far
     obstacle_forces : (o, 3) from explicit nodes, at t_n;   initial : energy at the start, J
-    ratio_bound : explicit steps in one of the frames, at most, as the interface bears them
+    ratio_bound : largest number of explicit steps in one of the frames, limited by the interface
     control : of the controllers, None without any
-    ratio_wait, ratio_patience : output times until more are tried, and after the next failure
+    ratio_wait, ratio_patience : output times before a larger ratio is tried, and after the next failure
     """
 
     time: Array

@@ -1,9 +1,9 @@
-"""One step of the march: the frames by a long step, the explicit nodes by several short ones within it.
+"""One step of the time integration: a long step of the frames, and several short ones of the explicit nodes.
 
-The frames step first, from the forces of t_n; so the path of the nodes tied to them is known, and they
-follow it at a constant rate while the explicit nodes go on by their own steps (constant-velocity subcycling:
-W. J. T. Daniel, Comput. Struct. 65 (1997) 613-623, and references there). In equal steps the result is the
-leap-frog of both parts as one. What subcycling loses at the interface stands in the energy balance.
+The frames step first, under the forces of t_n. This determines the path of the nodes tied to them, which move
+at a constant rate during the steps of the explicit nodes (constant-velocity subcycling: W. J. T. Daniel,
+Comput. Struct. 65 (1997) 613-623, and references there). With equal steps the result is the leap-frog rule
+for the coupled system. The energy lost at the interface by subcycling is a term of the energy balance.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array,
     state = lax.fori_loop(
         0, ratio, lambda _, s: nodal_step(model, methods, s, h, led, done.on_obstacles), state
     )
-    # Nodes end where they are tied, to round-off.
+    # Tied nodes end at their positions on the frame, to round-off.
     x = state.x
     for arrays, frame in zip(model.frames, done.frames, strict=True):
         x = x.at[:, arrays.nodes].set(tied_positions(arrays, frame))
@@ -62,10 +62,10 @@ def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array,
 def nodal_step(
     model: MarchModel, methods: Methods, state: MarchState, h: Array, led: Array, from_frames: Array
 ) -> MarchState:
-    """The explicit nodes a step h on; those tied to frames move at the rates `led` (3, N)."""
+    """The explicit nodes after a step h; those tied to frames move at the rates `led` (3, N)."""
     mean = 0.5 * (state.before + h)
     drag = 0.5 * mean * model.alpha
-    # Points of modal surfaces have no mass: they are led.
+    # Points of modal surfaces have no mass: the frames move them.
     acceleration = state.forces.sum(axis=0) / jnp.where(model.mass > 0, model.mass, 1.0)
     v = model.movable * ((1 - drag) * state.v + mean * acceleration) / (1 + drag)
     tied = jnp.zeros(len(model.mass), dtype=bool)
@@ -115,7 +115,7 @@ def nodal_step(
 def _moved(
     model: MarchModel, state: MarchState, from_frames: Array, mean: Array, h: Array
 ) -> tuple[tuple[ObstacleState, ...], Array, Array]:
-    """Obstacles a step on, the work of those that are driven, and the work done on all of them."""
+    """Obstacles after a step, the work of driven ones, and the work done on all of them."""
     moved, driven, given, gravity = [], jnp.zeros(()), jnp.zeros(()), gravity_at(model, state.time)
     for number, at in enumerate(state.obstacles):
         force = state.obstacle_forces[number] + from_frames[number]
@@ -135,7 +135,7 @@ def _fall(model: MarchModel, number: int, gravity: Array) -> Array:
 
 
 def _begun(model: MarchModel, methods: Methods, state: MarchState) -> MarchState:
-    """A state at the start of a run with the forces and the energy there."""
+    """The initial state of a run with its forces and energy."""
     at = ElementInstant(state.x, jnp.zeros_like(state.x), jnp.ones(()), state.turning.triads)
     out = nodal_forces(model, methods, state.time, at, state.blocks, state.obstacles)
     turning = state.turning._replace(moments=out.moments)
@@ -146,7 +146,7 @@ def _begun(model: MarchModel, methods: Methods, state: MarchState) -> MarchState
 
 
 def kinetic(model: MarchModel, state: MarchState) -> Array:
-    """Of explicit nodes, frames and free obstacles, J; nodes tied to frames count with these."""
+    """Kinetic energy of explicit nodes, frames and free obstacles, J; tied nodes count with their frames."""
     own = model.mass
     for arrays in model.frames:
         own = own.at[arrays.nodes].set(0.0)

@@ -17,7 +17,7 @@ __all__ = ["AssembledForces", "nodal_forces", "penalty"]
 
 
 class AssembledForces(NamedTuple):
-    """At t_n.
+    """Forces at t_n.
 
     forces : (4, 3, N) internal, hourglass, contact, external;   blocks : state of each
     on_obstacles : (o, 3);   moments : (3, r) on the triads of shells

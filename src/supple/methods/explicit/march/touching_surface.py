@@ -1,10 +1,10 @@
-"""Nodes against the faces of another part, by penalty: each node against the face below it.
+"""Contact of nodes with the faces of another part, by penalty: each node against the face below it.
 
     f = k depth n   on the node,   -w_i f   on the corners of the face,   depth = -(x - sum w_i x_i) . n > 0
 
-with the area coordinates w of the node's projection and the face's normal n. The corners' shares sum to f and
-act where the node projects, in its line: linear and angular momentum go over exactly. Each step searches
-anew: the nearest node of the surface, then the faces about it and about its neighbours.
+with the area coordinates w of the node's projection and the face's normal n. The corner forces add up to f
+and act at the projection of the node, so linear and angular momentum are conserved exactly. Each step
+searches again: the nearest node of the surface, then the faces around it and around its neighbours.
 
 (u_node - sum w u)^2 <= 2 u_node^2 + 2 sum w u^2, so with all contacts closed the largest squared frequency
 grows by no more than twice the largest of k / m of a node and sum_nodes k w_i / m_i of a corner (Gershgorin).
@@ -34,16 +34,16 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 BEYOND = 0.05
-"""Of a face: how far beyond its rim, in area coordinates, a node still meets it."""
+"""Distance beyond the edge of a face, in area coordinates, at which a node still touches it."""
 
 
 class TouchingSurface(NamedTuple):
-    """Nodes and the faces that they must not enter.
+    """Nodes, and the faces that they must not penetrate.
 
     nodes : (n,);   stiffness : (n,) N/m
-    corners : (T, 3) of the faces, turning about the outward normals
+    corners : (T, 3) of the faces, counter-clockwise about the outward normals
     masters : (M,) nodes of the faces;   about : (M, r) faces near each of them, padded by repetition
-    reach : deepest penetration that is still one, m
+    reach : largest penetration that counts as contact, m
     """
 
     nodes: Array
@@ -55,7 +55,7 @@ class TouchingSurface(NamedTuple):
 
 
 class Projection(NamedTuple):
-    """Of n nodes: corners of the face below each, area coordinates, gap, and normals.
+    """For n nodes: corners of the face below each, area coordinates, gap, and normals.
 
     corners : (n, 3);   weights : (3, n);   gap : (n,) negative inside, infinite beside the surface
     normals : (3, n)
@@ -70,7 +70,7 @@ class Projection(NamedTuple):
 def touching_surface(
     nodes: IntArray, stiffness: FloatArray, corners: IntArray, x: FloatArray
 ) -> TouchingSurface:
-    """The arrays of a contact; x (N, 3) at the start, which sets how deep a node may be: half an edge."""
+    """Arrays of a contact; x (N, 3) at the start determines the reach: half an edge."""
     masters, local = np.unique(corners, return_inverse=True)
     local = local.reshape(corners.shape)
     ring: list[set[int]] = [set() for _ in masters]
@@ -94,7 +94,7 @@ def touching_surface(
 def corner_stiffness(
     nodes: FloatArray, stiffness: FloatArray, corners: IntArray, x: FloatArray
 ) -> dict[int, float]:
-    """Bound of sum k w_i on each node of a surface, N/m, by number: as many nodes as fit beside each other.
+    """Bound of sum k w_i by node number of a surface, N/m: as many nodes as fit side by side.
 
     nodes : (n, 3) positions of the touching nodes;   x : (N, 3) of all
     """
@@ -108,7 +108,7 @@ def corner_stiffness(
     else:
         density = 0.0
     least, all_of = float(stiffness.max()), float(stiffness.sum())
-    # Half as much again: nodes need not lie as evenly as their mean distance says.
+    # Times 1.5: the spacing of nodes may be less even than their mean distance.
     return {
         int(node): min(max(least, 1.5 * density * float(tributary[node])), all_of)
         for node in np.unique(corners)
@@ -116,7 +116,7 @@ def corner_stiffness(
 
 
 def projected(surface: TouchingSurface, x: Array) -> Projection:
-    """Where the nodes stand above the surface, at positions x (3, N)."""
+    """Projection of the nodes on the surface, at positions x (3, N)."""
     points, masters = x[:, surface.nodes], x[:, surface.masters]
     middle = masters.mean(axis=1, keepdims=True)
     a, b = points - middle, masters - middle
@@ -132,7 +132,7 @@ def projected(surface: TouchingSurface, x: Array) -> Projection:
     weights = jnp.stack([1 - w1 - w2, w1, w2])
     height = (d * normal).sum(axis=0) / jnp.sqrt(square)
     beside = jnp.maximum(-weights.min(axis=0), 0.0)
-    # Of the faces that a node lies above or below, the nearest; none where it lies beside all of them.
+    # The nearest of the faces that a node is above or below; none where it is beside all of them.
     distance = jnp.where(beside <= BEYOND, jnp.abs(height) + 1e-3 * beside * surface.reach, jnp.inf)
     best = jnp.argmin(distance, axis=1)
 
@@ -150,7 +150,7 @@ def projected(surface: TouchingSurface, x: Array) -> Projection:
 
 
 def pushes(surface: TouchingSurface, at: Projection) -> Array:
-    """Forces (3, n) on the nodes that stand so above the surface."""
+    """Forces (3, n) on nodes with the given projections."""
     depth = jnp.where((at.gap < 0) & (at.gap > -surface.reach), -at.gap, 0.0)
     return surface.stiffness * depth * at.normals
 

@@ -1,4 +1,4 @@
-"""Triads at the nodes of shells: how they turn, and what their turning holds."""
+"""Triads at the nodes of shells: their rotation, and its kinetic energy."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["Spins", "TriadState", "turned"]
 class Spins(NamedTuple):
     """Constants of r triads.
 
-    inertia, alpha : (r,) kg m^2 and 1/s;   free : (3, r) 1, or 0 about an axis that is held
+    inertia, alpha : (r,) kg m^2 and 1/s;   free : (3, r) 1, or 0 about a fixed axis
     """
 
     inertia: Array
@@ -34,9 +34,9 @@ class TriadState(NamedTuple):
 
 
 def turned(spins: Spins, state: TriadState, mean: Array, h: Array) -> tuple[TriadState, Array, Array]:
-    """Triads a step h on, the work of the moments, and that of the drag, J.
+    """Triads after a step h, the work of the moments, and that of the damping, J.
 
-    J w' = m in space, for the inertia is the same about all axes: angular momentum is kept exactly.
+    J w' = m in space, since the inertia is equal about all axes: angular momentum is conserved exactly.
     """
     drag = 0.5 * mean * spins.alpha
     rates = spins.free * ((1 - drag) * state.rates + mean * state.moments / spins.inertia) / (1 + drag)

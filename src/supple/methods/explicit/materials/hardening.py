@@ -18,7 +18,7 @@ class Hardening(Protocol):
     """A hardening curve; frozen and hashable."""
 
     def yield_stress(self, strain: Array) -> Array:
-        """At an equivalent plastic strain, Pa."""
+        """Yield stress at an equivalent plastic strain, Pa."""
         ...
 
     def multiplier(self, trial: Array, strain: Array, three_mu: float) -> Array:
@@ -41,17 +41,17 @@ class LinearHardening:
         _check(self.initial, self.modulus)
 
     def yield_stress(self, strain: Array) -> Array:
-        """At an equivalent plastic strain, Pa."""
+        """Yield stress at an equivalent plastic strain, Pa."""
         return self.initial + self.modulus * strain
 
     def multiplier(self, trial: Array, strain: Array, three_mu: float) -> Array:
-        """Exact: (trial - sigma_y) / (3 mu + modulus)."""
+        """Plastic strain increment, exact: (trial - sigma_y) / (3 mu + modulus)."""
         return jnp.maximum(trial - self.yield_stress(strain), 0.0) / (three_mu + self.modulus)
 
 
 @dataclass(frozen=True)
 class PowerHardening:
-    """sigma_y = initial + factor eps_p^exponent: Ludwik's; Johnson and Cook's at one rate.
+    """sigma_y = initial + factor eps_p^exponent: Ludwik, or Johnson-Cook at one strain rate.
 
     initial, factor : Pa;   exponent in (0, 1]
     """
@@ -66,11 +66,11 @@ class PowerHardening:
             raise ModelError(f"the exponent of power hardening must lie in (0, 1], got {self.exponent}")
 
     def yield_stress(self, strain: Array) -> Array:
-        """At an equivalent plastic strain, Pa."""
+        """Yield stress at an equivalent plastic strain, Pa."""
         return self.initial + self.factor * jnp.maximum(strain, 0.0) ** self.exponent
 
     def multiplier(self, trial: Array, strain: Array, three_mu: float) -> Array:
-        """By bisection kept between the bounds that yielding sets, then Newton's method, to round-off."""
+        """Plastic strain increment by bisection within the bounds of yielding, then Newton's method."""
         excess = jnp.maximum(trial - self.yield_stress(strain), 0.0)
         low, high = jnp.zeros_like(excess), excess / three_mu
         for _ in range(12):
@@ -89,4 +89,7 @@ def _check(initial: float, growth: float) -> None:
     if not (isfinite(initial) and initial > 0):
         raise ModelError(f"the initial yield stress must be positive and finite, got {initial}")
     if not (isfinite(growth) and growth >= 0):
-        raise ModelError(f"hardening must not be negative, got {growth}: softening depends on the mesh")
+        raise ModelError(
+            f"hardening must not be negative, got {growth}: results with softening depend on the mesh; give "
+            "0 or more"
+        )

@@ -1,12 +1,12 @@
 """J2 plasticity with isotropic hardening at finite strain: hypoelastic, after Hughes and Winget.
 
-The rate form of Hooke's law acts on the Cauchy stress, in axes that turn with the spin of the mid-step:
+The rate form of Hooke's law acts on the Cauchy stress, in axes that rotate with the spin of the mid-step:
 
     L = dF F_mid^-1,   D = sym L,   W = skw L,   Q = (I - W/2)^-1 (I + W/2)
     sigma_trial = Q sigma Q^T + lambda tr(D) I + 2 mu D,     then radial return to Mises' yield surface
 
-D is the exact mid-point strain increment: a rigid rotation gives none, of any size. Elastic strains must stay
-small (as metals' do); plastic ones may be large.
+D is the exact mid-point strain increment: zero for a rigid rotation of any size. Elastic strains must stay
+small (as for metals); plastic ones may be large.
 
 Source: T. J. R. Hughes, J. Winget, "Finite rotation effects in numerical integration of rate constitutive
 equations arising in large-deformation analysis", Int. J. Numer. Methods Eng. 15 (1980) 1862-1867; radial
@@ -50,7 +50,7 @@ class PlasticState(NamedTuple):
 
 @dataclass(frozen=True)
 class J2Plasticity:
-    """A metal.
+    """Elastic-plastic metal.
 
     elastic : Isotropic
     hardening : LinearHardening(..) or PowerHardening(..)
@@ -60,12 +60,12 @@ class J2Plasticity:
     hardening: Hardening
 
     def initial(self, shape: tuple[int, ...]) -> PlasticState:
-        """No stress, no plastic strain."""
+        """State without stress and plastic strain."""
         return PlasticState(jnp.zeros((6, *shape)), jnp.zeros(shape))
 
     def respond(self, F: Tensor, dF: Tensor, state: PlasticState) -> MaterialResponse:
         """Stress at F after the increment dF."""
-        # By stages: else the compiler works out each tensor again for every component that reads it.
+        # By stages; otherwise the compiler recomputes each tensor for every component that reads it.
         inverse = fusion_barrier(_middle_inverse, (F, dF))
         L = fusion_barrier(lambda of: product(*of), (dF, inverse))
         Q = fusion_barrier(_turn, L)

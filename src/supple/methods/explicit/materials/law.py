@@ -1,4 +1,4 @@
-"""What a constitutive law offers an explicit element: stress from the deformation gradient."""
+"""Protocol of a constitutive law for explicit elements: stress from the deformation gradient."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ __all__ = ["Law", "MaterialResponse"]
 
 
 class MaterialResponse(NamedTuple):
-    """Of a law at some points.
+    """Response of a law at some points.
 
     stress : Tensor             first Piola-Kirchhoff P, force per undeformed area, Pa
-    state : pytree of arrays    what the law remembers
+    state : pytree of arrays    internal variables of the law
     dissipated : array          plastic work of the step per undeformed volume, J/m^3
-    volume_ratio : array        J = det F; not positive where the element has turned over
+    volume_ratio : array        J = det F; not positive where the element is inverted
     """
 
     stress: Tensor
@@ -37,7 +37,7 @@ class MaterialResponse(NamedTuple):
 
 
 class Law(Protocol):
-    """A material at finite strain; frozen and hashable, for a compiled march is made for it."""
+    """Material at finite strain; frozen and hashable, because it is a static argument of compiled code."""
 
     @property
     def elastic(self) -> Isotropic:
@@ -45,7 +45,7 @@ class Law(Protocol):
         ...
 
     def initial(self, shape: tuple[int, ...]) -> Any:
-        """What it remembers of points at rest."""
+        """Internal variables of points at rest."""
         ...
 
     def respond(self, F: Tensor, dF: Tensor, state: Any) -> MaterialResponse:

@@ -1,4 +1,4 @@
-"""Compressible neo-Hookean material: rubber-like, stiffens without bound as its volume vanishes."""
+"""Compressible neo-Hookean material: rubber-like, with infinite energy as its volume vanishes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class NeoHookean:
     elastic: Isotropic
 
     def initial(self, shape: tuple[int, ...]) -> tuple[()]:  # noqa: ARG002 - of the protocol
-        """Nothing."""
+        """No internal variables."""
         return ()
 
     def respond(self, F: Tensor, dF: Tensor, state: tuple[()]) -> MaterialResponse:  # noqa: ARG002 - of the protocol
@@ -38,5 +38,5 @@ class NeoHookean:
         )
 
     def plastic_strain(self, state: tuple[()]) -> Array | None:  # noqa: ARG002 - of the protocol
-        """None."""
+        """None, without plasticity."""
         return None

@@ -1,7 +1,7 @@
 """J2 plasticity in plane stress: small strains in the axes of a shell, isotropic hardening, backward Euler.
 
-The elastic trial stress returns along the flow direction of the end of the step. In the sum and difference of
-the normal stresses and in the shear both Hooke's law and Mises' stress are diagonal, so that
+The elastic trial stress returns along the flow direction at the end of the step. In the sum and difference of
+the normal stresses and in the shear, both Hooke's law and the von Mises stress are diagonal, so that
 
     s+ = s+_trial / (1 + c E / (3 (1 - nu))),   s- = s-_trial / (1 + 2 mu c),   t = t_trial / (1 + 2 mu c)
     q(c)^2 = 1/4 s+^2 + 3/4 s-^2 + 3 t^2,       q(c) = sigma_y(eps_p + 2/3 c q(c))
@@ -25,7 +25,7 @@ from supple.methods.explicit.materials.j2_plasticity import J2Plasticity
 __all__ = ["LayerState", "mises_of", "plane_stress", "rest_state"]
 
 _MOST_PASSES = 60
-_SMALL = 1e-12  # of the multiplier: the next correction would be its square
+_SMALL = 1e-12  # relative correction of the multiplier; the next one would be its square
 
 
 class LayerState(NamedTuple):
@@ -65,7 +65,7 @@ def _mises(total: Array, apart: Array, shear: Array) -> Array:
 
 
 def _multiplier(law: J2Plasticity, trial: tuple[Array, Array, Array], strain: Array) -> Array:
-    """The multiplier c >= 0, 1/Pa, by Newton's method within a bracket that each pass narrows."""
+    """The multiplier c >= 0, 1/Pa, by Newton's method within a bracket that narrows in each pass."""
     E, nu, mu = law.elastic.youngs_modulus, law.elastic.poissons_ratio, law.elastic.shear_modulus
     fast, slow = 2 * mu, E / (3 * (1 - nu))
     total, apart, shear = trial
@@ -77,7 +77,7 @@ def _multiplier(law: J2Plasticity, trial: tuple[Array, Array, Array], strain: Ar
     first = law.hardening.yield_stress(strain)
     trial_mises = _mises(total, apart, shear)
     yields = trial_mises > first
-    # Hardening makes c smaller than this; a little above it, for without any this is the solution.
+    # With hardening c is smaller than this bound, and without hardening equal; so a little above it.
     high = jnp.where(yields, 1.01 * (trial_mises / first - 1) / slow, 0.0)
 
     def unfinished(carry: tuple[Array, Array, Array, Array, Array]) -> Array:

@@ -1,4 +1,4 @@
-"""St. Venant-Kirchhoff: Green-Lagrange strain times constants, as in the rest of supple."""
+"""St. Venant-Kirchhoff material: stress linear in the Green-Lagrange strain, as in the other methods."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class StVenantKirchhoff:
     elastic: Isotropic
 
     def initial(self, shape: tuple[int, ...]) -> tuple[()]:  # noqa: ARG002 - of the protocol
-        """Nothing."""
+        """No internal variables."""
         return ()
 
     def respond(self, F: Tensor, dF: Tensor, state: tuple[()]) -> MaterialResponse:  # noqa: ARG002 - of the protocol
@@ -31,5 +31,5 @@ class StVenantKirchhoff:
         return MaterialResponse(stress, state, no_dissipation(F), determinant(F, cofactor(F)))
 
     def plastic_strain(self, state: tuple[()]) -> Array | None:  # noqa: ARG002 - of the protocol
-        """None."""
+        """None, without plasticity."""
         return None

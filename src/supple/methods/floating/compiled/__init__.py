@@ -1,1 +1,1 @@
-"""The engine for rigid and reduced bodies: compiled, dense."""
+"""Compiled, dense engine for machines of rigid and reduced bodies."""

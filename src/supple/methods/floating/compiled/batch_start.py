@@ -1,4 +1,4 @@
-"""Consistent starts of many load cases: what they have in common is found once, the rest mapped."""
+"""Consistent initial states of many load cases: the common part is computed once, the rest is mapped."""
 
 from __future__ import annotations
 
@@ -29,21 +29,21 @@ from supple.programs.kept_programs import KeptProgram
 __all__ = ["Axes", "BatchStart", "batch_start", "differing", "stacked"]
 
 _AT_ONCE = 64
-"""Cases whose forces are evaluated together: a last, shorter set is filled up, so that one program does."""
+"""Cases whose forces are evaluated together; a shorter last set is padded, so that one program serves all."""
 
 
 Axes: TypeAlias = tuple[int | None, ...]
-"""By leaf: 0 where the cases differ, None where they share it"""
+"""For each leaf: 0 where the cases differ, None where they share it"""
 
 
 def differing(trees: Sequence[Any]) -> Axes:
-    """Which leaves of pytrees of one structure differ."""
+    """Batch axis of each leaf of pytrees of equal structure: 0 where they differ, else None."""
     columns = zip(*(jax.tree.leaves(tree) for tree in trees), strict=True)
     return tuple(None if _all_equal(column) else 0 for column in columns)
 
 
 def stacked(trees: Sequence[Any], axes: Axes) -> list[Any]:
-    """Their leaves together: shared ones once, the others with a new first axis."""
+    """Leaves of all pytrees together: a shared leaf once, any other with a new first axis."""
     columns = zip(*(jax.tree.leaves(tree) for tree in trees), strict=True)
     return [
         np.asarray(column[0]) if axis is None else np.stack([np.asarray(leaf) for leaf in column])
@@ -57,17 +57,17 @@ def _all_equal(leaves: Sequence[Any]) -> bool:
 
 
 class BatchStart(NamedTuple):
-    """The models and consistent states of the cases."""
+    """Models and consistent initial states of the cases."""
 
     models: list[Model]
     states: list[State]
 
 
 def batch_start(cases: Sequence[System], run: Run) -> BatchStart:
-    """Models and states of cases, as `initial_state` finds them one by one.
+    """Models and consistent states of cases, equal to those that `initial_state` finds one by one.
 
-    Cases of the same bodies, joints and initial motion as the first differ in forces alone: their positions,
-    velocities and redundant equations are its own, and their accelerations solve its equations,
+    Cases with the bodies, joints and initial motion of the first case differ in their forces alone. They take
+    its positions, velocities and redundant equations, and their accelerations solve its equations,
 
         M vdot + G^T lambda = - forces,      G vdot = - d2g/dt2 at constant velocity
     """
@@ -77,7 +77,7 @@ def batch_start(cases: Sequence[System], run: Run) -> BatchStart:
     for number, system in enumerate(cases[1:], 1):
         own = build_model(system, model.active, (first, model))
         if _starts_alike(first, model, system, own):
-            # The arrays of the first, so that nothing is kept or compared twice.
+            # The arrays of the first case, so that nothing is stored or compared twice.
             own, begun = replace(own, groups=model.groups, joints=model.joints), state
             alike.append(number)
         else:
@@ -96,20 +96,20 @@ def batch_start(cases: Sequence[System], run: Run) -> BatchStart:
 
 
 def _initial_state(system: System, run: Run) -> tuple[Model, State]:
-    """As of one case; without a frozen tangent on devices that map cases together, all but processors."""
+    """Initial state of one case, without a frozen tangent on devices that map cases (all but processors)."""
     model, state = initial_state(system, run.times[0], run.step_control.first, run.validity)
     return model, state if jax.default_backend() == "cpu" else state._replace(kept=None)
 
 
 def _starts_alike(first: System, model: Model, system: System, own: Model) -> bool:
-    """Whether only the forces differ at the start."""
+    """Whether two cases differ only in their forces at the start."""
 
     def same(one: Any, other: Any) -> bool:
         if jax.tree.structure(one) != jax.tree.structure(other):
             return False
         return all(map(np.array_equal, jax.tree.leaves(one), jax.tree.leaves(other)))
 
-    # What joints carry, and what controllers read, changes the forces: each start is found by itself.
+    # Carried joint forces and inputs of controllers change the forces: such a start is computed by itself.
     if model.reads_reactions or own.reads_reactions or model.controllers or own.controllers:
         return False
     if [placed.body for placed in system.bodies] != [placed.body for placed in first.bodies]:
@@ -124,7 +124,7 @@ def _starts_alike(first: System, model: Model, system: System, own: Model) -> bo
 
 
 def _answers(machine: CompiledMachine, state: State, models: list[Model]) -> list[tuple[Any, Any]]:
-    """Accelerations and multipliers of models that differ in forces."""
+    """Accelerations and multipliers of models that differ in their forces."""
     velocity = np.asarray(state.velocity)
     terms = machine.joint_terms(float(state.time), state.configuration, velocity)
     mass = machine.metric(state.configuration)
@@ -138,7 +138,7 @@ def _answers(machine: CompiledMachine, state: State, models: list[Model]) -> lis
 
 
 def _forces(models: list[Model], state: State) -> np.ndarray:
-    """Residuals (k, n) without accelerations and multipliers."""
+    """Residuals (k, n) at zero accelerations and multipliers."""
     filled = models + models[-1:] * (_AT_ONCE - len(models))
     axes = differing(filled)
     program = _mapped_forces(jax.tree.structure(models[0]), axes)

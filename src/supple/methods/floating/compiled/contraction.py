@@ -28,15 +28,15 @@ from supple.equations.machine_model import Model
 __all__ = ["Contraction", "is_predictable", "measured", "no_estimate", "predicted_to_converge"]
 
 MARGIN = 100.0
-"""Factor by which the prediction must be below the tolerance."""
+"""The prediction must be below the tolerance by this factor."""
 LIKE = 2.0
-"""Factor by which a residual may exceed the measured one; a load jump exceeds it."""
+"""A residual may exceed the measured one by this factor; a load jump exceeds it."""
 MEASURED_EVERY = 8
-"""Steps."""
+"""Steps between two measurements."""
 
 
 class Contraction(NamedTuple):
-    """The last measured correction, as numbers that a recorded run stores."""
+    """The last measured correction, stored as numbers in a recorded run."""
 
     before: Any
     """Residual relative to the tolerance; 0 before the first measurement"""
@@ -48,7 +48,7 @@ class Contraction(NamedTuple):
 
 
 def no_estimate() -> Contraction:
-    """The state at the start of a run, without a measurement."""
+    """The initial state of a run, without a measurement."""
     return Contraction(*np.zeros(4))
 
 
@@ -68,10 +68,10 @@ def predicted_to_converge(known: Contraction, size: jax.Array, step: jax.Array) 
 def measured(
     known: Contraction, sizes: jax.Array, step: jax.Array, corrections: jax.Array, evaluated: jax.Array
 ) -> Contraction:
-    """The state after an accepted step.
+    """The contraction after an accepted step.
 
     sizes : (2,)    residuals before and after its last correction
-    corrections : their number; after several there is no prediction
+    corrections : number of corrections in the step; after several there is no prediction
     evaluated : whether the residual at its end was evaluated
     """
     anew = Contraction(sizes[0], sizes[1], step, known.phase)

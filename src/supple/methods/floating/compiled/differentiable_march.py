@@ -1,8 +1,8 @@
-"""The march to one instant as a function that JAX differentiates in forward mode.
+"""Time integration up to one instant as a function that JAX differentiates in forward mode.
 
-Derivatives through the iterations of a step would be as far from convergence as the iteration's tangent is
-from the exact one; these are those of the discrete motion, by the implicit function theorem
-(`sensitivity_step`), whatever iteration found it.
+Derivatives taken through the iterations of a step would have the error of the iteration's tangent. These are
+the derivatives of the discrete motion, by the implicit function theorem (`sensitivity_step`), and do not
+depend on the iteration.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ __all__ = ["marched_to"]
 
 
 def marched_to(controls: Controls, model: Model, state: State, end: Any) -> State:
-    """The state at a time, in as many steps as the march takes; after a failure, the state before that step.
+    """The state at a time, in as many steps as needed; after a failure, the state before the failed step.
 
-    It has derivatives for the numbers of the model, the state and the time, in forward mode.
+    Forward-mode derivatives exist with respect to the numbers of the model, the state and the time.
     """
 
     @jax.custom_jvp
@@ -49,12 +49,12 @@ def _is_zero(tangent: Any) -> bool:
 
 
 def _along(value: Any, tangent: Any) -> jax.Array:
-    """The change of a value along one direction, (1, ..)."""
+    """The change of a value along one direction, with a leading axis (1, ..)."""
     return jnp.zeros((1, *jnp.shape(value))) if _is_zero(tangent) else jnp.asarray(tangent)[None]
 
 
 def _with_changes(controls: Controls, primals: Any, tangents: Any) -> tuple[State, State]:
-    """The march and its derivative along one direction."""
+    """The integrated state and its derivative along one direction."""
     (model, state, end), (by_model, by_state, by_end) = primals, tangents
     model_change = [
         None if _is_zero(own) else jnp.asarray(own)[None]
@@ -75,7 +75,7 @@ def _with_changes(controls: Controls, primals: Any, tangents: Any) -> tuple[Stat
 
 
 def _as_tangent(state: State, change: StateChange) -> State:
-    """Derivatives of all parts of a state: of those that a step does not hand on, none."""
+    """Derivatives of all parts of a state; zero for the parts that no step depends on."""
 
     def none(leaf: Any) -> Any:
         leaf = jnp.asarray(leaf)

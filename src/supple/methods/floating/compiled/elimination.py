@@ -1,8 +1,8 @@
-"""Small dense systems in a compiled program, solved and inverted by LAPACK or by loops of the program itself.
+"""Solution and inverse of small dense systems in a compiled program, by LAPACK or by compiled loops.
 
-LAPACK is a library: a loop with a call of it is a list of hundreds of operations that XLA goes through one by
-one, each a fraction of a microsecond. A march without is one function of machine code
-(`algebra/jax_settings.py`), whose steps take a third to a sixth of the time, and the compiler twice as long.
+LAPACK is an external library. XLA executes a loop that calls it as a list of hundreds of operations, each a
+fraction of a microsecond. Without such calls, the time integration is one function of machine code
+(`algebra/jax_settings.py`): a step takes a third to a sixth of the time, and compilation twice as long.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ __all__ = ["ByLapack", "ByLoops", "DenseElimination", "solve_bordering_column"]
 
 
 class DenseElimination(Protocol):
-    """How a compiled program solves its dense systems."""
+    """Solver of the dense systems in a compiled program."""
 
     def solution(self, augmented: jax.Array) -> jax.Array:
         """Solve `A x = b` given `(A | b)`, (n, n + 1), with row exchanges; (n,)."""
@@ -30,32 +30,32 @@ class DenseElimination(Protocol):
 
 @dataclass(frozen=True)
 class ByLapack:
-    """Factors by LAPACK: fast for large matrices, and compiled quickly."""
+    """Factorisation by LAPACK: fast for large matrices, and compiled quickly."""
 
     def solution(self, augmented: jax.Array) -> jax.Array:
-        """As of `DenseElimination`."""
+        """Solution as specified by `DenseElimination`."""
         return solve_bordering_column(augmented)
 
     def inverse(self, matrix: jax.Array) -> jax.Array:
-        """As of `DenseElimination`."""
+        """Inverse as specified by `DenseElimination`."""
         return _factored(jnp.concatenate([matrix, jnp.eye(len(matrix))], axis=1))
 
 
 @dataclass(frozen=True)
 class ByLoops:
-    """Gaussian elimination written out as loops, of matrices up to `largest`; beyond, LAPACK is faster.
+    """Gaussian elimination in compiled loops for matrices up to `largest`; LAPACK is faster beyond.
 
-    Other devices than processors, on which a loop is many programs one after the other, have their library.
+    Devices other than processors use their library, since a loop there is a sequence of separate programs.
     """
 
     largest: int = 48
 
     def solution(self, augmented: jax.Array) -> jax.Array:
-        """As of `DenseElimination`."""
+        """Solution as specified by `DenseElimination`."""
         return _eliminated(augmented)[:, 0] if self._serve(augmented) else ByLapack().solution(augmented)
 
     def inverse(self, matrix: jax.Array) -> jax.Array:
-        """As of `DenseElimination`."""
+        """Inverse as specified by `DenseElimination`."""
         return _exchanged(matrix) if self._serve(matrix) else ByLapack().inverse(matrix)
 
     def _serve(self, matrix: jax.Array) -> bool:
@@ -64,8 +64,8 @@ class ByLoops:
 
 _ROWS_BESIDE_SIDES = range(25, 44), 44
 _ROWS_IN_PLACE = range(13, 32), 32
-"""Rows of so many numbers the compiler writes out one by one, which takes up to twice the time: they are
-filled up with zeros until it keeps the loop over them, and goes through it in vectors."""
+"""The compiler unrolls rows with so many numbers, which takes up to twice the time. They are padded with
+zeros to the length from which it keeps the loop over them and vectorises it."""
 
 
 def solve_bordering_column(augmented: jax.Array) -> jax.Array:
@@ -85,10 +85,10 @@ def _factored(augmented: jax.Array) -> jax.Array:
 
 
 def _eliminated(augmented: jax.Array) -> jax.Array:
-    """`A^-1 B` (n, m) of `(A | B)`, (n, n + m), by the method of Gauss.
+    """`A^-1 B` (n, m) of `(A | B)`, (n, n + m), by Gaussian elimination.
 
-    Column k is cleared by the row that has the largest entry there among those that have cleared none. Rows
-    stay where they are; which one has cleared a column is remembered for the substitution.
+    The pivot of column k is the largest entry there among the rows that have not been pivots. Rows stay in
+    place; the pivot row of each column is stored for the substitution.
     """
     n, width = augmented.shape
     rows = jnp.arange(n)
@@ -114,9 +114,9 @@ def _eliminated(augmented: jax.Array) -> jax.Array:
 
 
 def _exchanged(matrix: jax.Array) -> jax.Array:
-    """Inverse of a matrix (n, n) by exchange steps, in place: a third of what elimination beside unity takes.
+    """Inverse of a matrix (n, n) by exchange steps, in place: a third of the work of eliminating (A | I).
 
-    Of `y = A x` each step solves the equation of one `y_p` for one `x_k`, and lets them change places,
+    Each step solves the equation of one `y_p` in `y = A x` for one `x_k` and exchanges the two,
 
         a_pk <- 1 / a_pk,   a_pj <- - a_pj / a_pk,   a_ik <- a_ik / a_pk,   a_ij <- a_ij - a_ik a_pj / a_pk
 
@@ -134,18 +134,18 @@ def _exchanged(matrix: jax.Array) -> jax.Array:
         inverted = 1.0 / column[pivot]
         row = jnp.where(columns == k, inverted, -inverted * matrix[pivot])
         here = rows == pivot
-        # Masks instead of writing into place: all of a step is one loop over the matrix.
+        # Masks instead of indexed writes: the whole step is one loop over the matrix.
         others = jnp.where(here[:, None] | (columns == k), 0.0, matrix)
         exchanged = others + jnp.where(here, 1.0, column)[:, None] * row
         return exchanged, done | here, jnp.where(rows == k, pivot, order)
 
     start = start, jnp.zeros(n, dtype=bool), jnp.zeros(n, dtype=int)
     matrix, _, order = jax.lax.fori_loop(0, n, exchange, start)
-    # Where in the order a row is: not by sorting, which is a library's.
+    # The place of each row in the order; not by sorting, which would call a library.
     return matrix[order][:, jnp.argmax(order == rows[:, None], axis=1)]
 
 
 def _filled_up(matrix: jax.Array, short: range, long: int) -> jax.Array:
-    """Rows of a length that is among the short ones as long as that."""
+    """The matrix with rows padded to length `long` where their length is in the range `short`."""
     width = matrix.shape[1]
     return jnp.pad(matrix, ((0, 0), (0, long - width))) if width in short else matrix

@@ -1,4 +1,4 @@
-"""The compiled engine: machines of rigid and reduced bodies, marched from output time to output time."""
+"""Compiled engine: time integration of machines of rigid and reduced bodies between output times."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ WARNING = Validity()
 
 
 def controls(run: Run) -> Controls:
-    """The numbers that steer a compiled run."""
+    """The numerical settings of a compiled run."""
     step = run.step_control
     return Controls(
         coefficients=run.second_order_method.coefficients,
@@ -60,7 +60,7 @@ def initial_state(
 ) -> tuple[Model, State]:
     """The compiled model (redundant constraints left out) and the consistent state at the initial time.
 
-    Warns StartWarning (ValidityError when strict) of positions or velocities that the joints do not allow.
+    Warns StartWarning (ValidityError when strict) about positions or velocities that violate the joints.
     """
     start = compiled_start(system, time)
     report_start(start.change, validity)
@@ -78,7 +78,7 @@ def initial_state(
 
 
 def _state(**known: Any) -> State:
-    # In NumPy: the program takes it as it is, and JAX would compile one for every line here.
+    # NumPy arrays: the program accepts them as they are; JAX would compile a program for each line here.
     count = np.zeros((), dtype=int)
     fresh: dict[str, Any] = {
         "steps": count,
@@ -94,14 +94,14 @@ def _state(**known: Any) -> State:
 
 
 def _tangent_arrays(kept: FrozenInverse | None) -> dict[str, np.ndarray]:
-    """By name, for result files."""
+    """The frozen tangent as named arrays for result files."""
     if kept is None:
         return {}
     return {f"tangent.{name}": np.asarray(leaf) for name, leaf in kept._asdict().items()}
 
 
 def _resumed_tangent(model: Model, known: Mapping[str, Any]) -> FrozenInverse | None:
-    """As it was kept; none yet where a recorded part kept nothing."""
+    """The recorded tangent; an empty one where a recorded part holds none."""
     if not freezes_tangent(model):
         return None
     fresh = no_tangent(model)
@@ -112,7 +112,7 @@ def _resumed_tangent(model: Model, known: Mapping[str, Any]) -> FrozenInverse | 
 class CompiledEngine:
     """An `Engine` whose steps are one compiled program; `State` is its state.
 
-    It marches bodies with their padding coordinates; motions are without, `engine_state` is of all.
+    The integration includes padding coordinates. Motions exclude them; `engine_state` includes them.
     """
 
     def __init__(self, system: System, run: Run) -> None:
@@ -135,9 +135,9 @@ class CompiledEngine:
     def resumed(self, last: Solution) -> State:
         """The state at the end of a recorded part.
 
-        Without the `engine_state` the auxiliary acceleration of the integrator is taken equal to the true
-        one, which keeps the order of accuracy but not the last digits; and where it is of the same bodies
-        with other padding coordinates.
+        Without `engine_state` the auxiliary acceleration of the integrator is set to the true acceleration.
+        This keeps the order of accuracy but not the last digits. The same holds for an `engine_state` of the
+        same bodies with another number of padding coordinates.
         """
         known = last.engine_state
         if "active" in known:
@@ -164,17 +164,17 @@ class CompiledEngine:
         )
 
     def march(self, state: State, times: np.ndarray) -> Leg[State]:
-        """To each of the output times; where controllers are sampled, from instant to instant."""
+        """Integrate to each of the output times; sampled controllers are called at their instants."""
         if self._sampling is None:
             return self._marched(state, times)
         sampling, model = self._sampling, self._model
         return march_sampled(sampling, self._marched, lambda now: sampled(sampling, model, now), state, times)
 
     def _marched(self, state: State, times: np.ndarray) -> Leg[State]:
-        """To each of the output times, in a few calls of the compiled program."""
+        """Integrate to each of the output times, in a few calls of the compiled program."""
         began = clock.perf_counter()
         stops, outputs = self._stops.on_the_way(float(state.time), times)
-        # The last stops are repeated, where nothing is left to do: all calls share one program.
+        # The last stop is repeated, where nothing is left to compute: all calls share one program.
         calls = np.pad(stops, (0, -len(stops) % STOPS_AT_ONCE), mode="edge").reshape(-1, STOPS_AT_ONCE)
         program = self._program.compiled(self._model, self._controls, state, calls[0])
         ready = clock.perf_counter()
@@ -210,7 +210,7 @@ class CompiledEngine:
         """The motion of a leg."""
         assert self._model is not None
         kept = leg.last.kept
-        if kept is not None and leg.stopped is not None:  # behind the last output time
+        if kept is not None and leg.stopped is not None:  # beyond the last output time
             kept = no_tangent(self._model)
         found = as_solution(self._system, self._model, leg.states, leg.statistics, kept)
         quick = np.array(float(self._program is QUICK_MARCH))
@@ -219,12 +219,12 @@ class CompiledEngine:
 
 
 def tangents_made(state: State) -> int:
-    """Tangents made so far: one for each correction, where none is kept."""
+    """Number of tangents so far; equal to the number of corrections where no tangent is frozen."""
     return int(state.iterations if state.kept is None else state.kept.made)
 
 
 def march_statistics(last: State, seconds: float) -> Statistics:
-    """What a march from its start to a last state took."""
+    """Counts of steps, iterations and tangents, and the seconds, from the start to a last state."""
     return Statistics(
         steps=int(last.steps),
         iterations=int(last.iterations),
@@ -237,7 +237,7 @@ def march_statistics(last: State, seconds: float) -> Statistics:
 
 
 def march_failure(system: System, run: Run, failed: State) -> str:
-    """Why a march broke off in a state, in words."""
+    """Message with the cause of a failed step and its remedies."""
     undamped = bool(system.joints) and not damps_joint_forces(run.second_order_method)
     return failure_message(float(failed.time), np.asarray(failed.relative_residual), undamped=undamped)
 
@@ -247,7 +247,7 @@ def as_solution(
 ) -> Solution:
     """Stacked states (leading axis: time) as a solution.
 
-    kept : the tangent at their end, which they do not hold
+    kept : frozen tangent at the end, which the states do not hold
     """
     states = jax.tree.map(np.asarray, states)
     motion, ending = system_motion(states), engine_state(model, states, kept)
@@ -262,7 +262,7 @@ def system_motion(states: State) -> SystemMotion:
 
 
 def engine_state(model: Model, states: State, kept: FrozenInverse | None = None) -> dict[str, np.ndarray]:
-    """What an exact resume needs besides the motion at the end of stacked states; `kept` as above."""
+    """Data for an exact resume beyond the motion at the end (`kept` as in `as_solution`)."""
     return {
         "active": np.array(model.active, dtype=float),
         "auxiliary": states.auxiliary[-1],

@@ -1,4 +1,4 @@
-"""Every step that a compiled run took, not only those that end at output times."""
+"""Every step of a compiled run, not only those that end at output times."""
 
 from __future__ import annotations
 
@@ -29,23 +29,23 @@ _FEWEST_STOPS = 128
 
 
 class EveryStep(NamedTuple):
-    """A run at all times that its steps reached, the initial one first."""
+    """A run at the end of each step, the initial time first."""
 
     solution: Solution
     outputs: np.ndarray
-    """(t,) which of these times are the run's output times"""
+    """(t,) whether each of these times is an output time"""
 
 
 def as_outputs(solution: Solution) -> EveryStep:
-    """The output times alone."""
+    """The run at its output times alone."""
     return EveryStep(solution, np.arange(len(solution.times)))
 
 
 def every_step(system: System, run: Run, solution: Solution) -> EveryStep:
-    """All steps of a finished run: its output times where each is a step, else the run once more."""
+    """All steps of a finished run: its output times if each of them is a step, otherwise a second run."""
     if solution.statistics.steps == len(solution.times) - 1:
         return as_outputs(solution)
-    with warnings.catch_warnings():  # the run has named them already
+    with warnings.catch_warnings():  # the first run has issued them
         warnings.simplefilter("ignore", RedundantConstraintWarning)
         warnings.simplefilter("ignore", StartWarning)
         filled = with_padding_coordinates(system)
@@ -61,7 +61,7 @@ def every_step(system: System, run: Run, solution: Solution) -> EveryStep:
         state, states = program(model, controls(run), state, stops)
         parts.append(jax.tree.map(np.asarray, states))
     states = jax.tree.map(lambda *leaves: np.concatenate(leaves), *parts)
-    # Once at its end, or failed, a march repeats its last state.
+    # After its end or a failure, the integration repeats its last state.
     _, first = np.unique(states.time, return_index=True)
     taken = as_solution(filled, model, jax.tree.map(lambda leaf: leaf[first], states), Statistics())
     taken = in_own_coordinates(system, taken)
@@ -71,7 +71,7 @@ def every_step(system: System, run: Run, solution: Solution) -> EveryStep:
 def _next_steps(
     elimination: DenseElimination, model: Model, settings: Controls, start: State, stops: jax.Array
 ) -> tuple[State, State]:
-    """The next accepted steps on the way to some stops (k,): the last state, and all of them stacked."""
+    """The next accepted steps towards some stops (k,): the last state, and all states stacked."""
 
     def next_step(state: State, _: None) -> tuple[State, State]:
         end = stops[jnp.minimum(jnp.searchsorted(stops, state.time, side="right"), len(stops) - 1)]

@@ -1,25 +1,26 @@
-"""A tangent that is kept over iterations and steps (modified Newton), of machines solved as one matrix.
+"""Frozen tangent over several iterations and steps (modified Newton) for machines solved as one matrix.
 
 With `S` the tangent of the bodies and `G` the rows of the joints, a correction solves
 
     [ S    G^T ] [ x ]     [ r ]          x = - S^-1 (r + G^T y)
     [ G_T  0   ] [ y ] = - [ g ],         G_T S^-1 G^T y = g - G_T S^-1 r
 
-Only `S^-1` is kept, with the translations of each body in its own axes: there it stays as it is while bodies
-turn. What joints do changes with their turning, costs little, and is taken anew at every iterate. So a kept
-tangent errs by deformations and angular velocities that have changed since.
+Only `S^-1` is frozen, with the translations of each body in body axes, where a rigid rotation does not change
+it. The rows of the joints change with rotations, cost little, and are evaluated anew at every iterate. So the
+error of a frozen tangent comes from later changes of deformations and angular velocities.
 
-A step with a frozen tangent may end without a last evaluation, too (`contraction`). With the sizes `s_0`,
-`s_1` of the residual before and behind a correction by the same tangent, then `n` steps old,
+A step with a frozen tangent may also end without a last evaluation (`contraction`). With the residuals `s_0`,
+`s_1` before and after a correction by the same tangent when it was `n` steps old,
 
     s_1' <= s_1 max(1, s_0' / s_0)^2 n' / n
 
-is expected: what a tangent errs by grows with its age. Where ten times that is below the tolerance, the
-corrected iterate is accepted. A tangent that is, when measured, not good for that is renewed in the next
+is predicted: the error of a tangent grows with its age. Where ten times that is below the tolerance, the
+corrected iterate is accepted. A tangent whose measured contraction does not allow this is renewed in the next
 step; where that happens at once, the next steps have a tangent each.
 
-Iterations begin with the accelerations of the last step or, where that came nearer to the end of the last,
-along the line through the last two. The smaller the first residual, the older a tangent may be.
+The iteration starts from the accelerations of the last step, or from their linear extrapolation over the last
+two steps if that was closer to the end of the last step. The smaller the first residual, the older a tangent
+may be.
 Source: [BrenanCampbellPetzold1996], section 5.2, for keeping a factor by its rate.
 """
 
@@ -53,70 +54,70 @@ __all__ = [
 SLOWEST = 0.1
 """Rate beyond which a frozen tangent is renewed."""
 SHARE = 0.1
-"""Of the tolerance, what is asked of an iterate that a frozen tangent led to."""
+"""Part of the tolerance that the residual must reach after a correction with a frozen tangent."""
 MARGIN = 10.0
-"""By which what is predicted must be below the tolerance."""
+"""The predicted residual must be below the tolerance by this factor."""
 PAUSE = 16.0
-"""Steps without a frozen tangent after one that did not outlive its first: where motions are not resolved, no
-tangent is worth keeping."""
+"""Steps without a frozen tangent after a tangent that served no second step: where motions are not resolved,
+freezing a tangent does not pay."""
 _FEWEST = 10
-"""Coordinates of a body with nonlinear stiffness that make a tangent dear."""
+"""Number of coordinates of a body with nonlinear stiffness from which its tangent is expensive."""
 
 
 class FrozenInverse(NamedTuple):
-    """An inverse and what is known of it."""
+    """Frozen inverse, with the measurements that decide on its use."""
 
     inverse: AnyArray
-    """(n, n) of the tangent without joints, translations in the axes of the bodies"""
+    """(n, n) inverse of the tangent without joints, translations in body axes"""
     step: AnyArray
-    """Size of the step that it was made for, s; 0 where there is none yet, or it no longer serves"""
+    """Size of the step that it belongs to, s; 0 where there is none yet, or where it must be renewed"""
     age: AnyArray
-    """Steps since it was made"""
+    """Steps since it was computed"""
     before: AnyArray
-    """Residual in parts of the tolerance before a correction that was measured; 0 where none was"""
+    """Residual relative to the tolerance before a measured correction; 0 where none was measured"""
     after: AnyArray
     measured_at: AnyArray
-    """Age of the tangent then"""
+    """Age of the tangent at that measurement, steps"""
     phase: AnyArray
-    """Steps since one was due to be measured"""
+    """Steps since a measurement was due"""
     made: AnyArray
-    """Tangents so far"""
+    """Number of tangents so far"""
     pause: AnyArray
-    """Steps that are yet to make their own"""
+    """Number of coming steps that compute their own tangent"""
     acceleration: AnyArray
-    """(n,) one step before the last"""
+    """(n,) accelerations one step before the last"""
     last: AnyArray
     """Size of the last step, s"""
     lead: AnyArray
-    """1 where accelerations are guessed along the line through the last two, 0 where they are the last"""
+    """1 where accelerations are extrapolated linearly, 0 where those of the last step are the first guess"""
 
 
 def freezes_tangent(model: Model) -> bool:
-    """Whether a tangent costs more than what is solved with a kept one: known from the structure."""
+    """Whether a tangent costs more than a solution with a frozen one; depends on the structure alone."""
     dear = any(group.r >= _FEWEST and group.cubic is not None for group in model.groups)
     return dear and is_predictable(model) and tree_layout(model) is None
 
 
 def no_tangent(model: Model) -> FrozenInverse:
-    """Before the first step."""
+    """State before the first step."""
     n = model.n_velocities
     none = np.zeros(())
     return FrozenInverse(np.zeros((n, n)), *[none] * 8, acceleration=np.zeros(n), last=none, lead=none)
 
 
 def serves(kept: FrozenInverse, step: jax.Array) -> jax.Array:
-    """Whether a step of this size can begin with it."""
+    """Whether a step of this size can start with this tangent."""
     return jnp.abs(step - kept.step) <= 1e-6 * step
 
 
 def predicted(kept: FrozenInverse, acceleration: jax.Array, step: jax.Array) -> jax.Array:
-    """Where the iteration of a step begins: with the accelerations (n,) of the last, or along a line."""
+    """Start of the iteration: accelerations (n,) of the last step, or their linear extrapolation."""
     ahead = kept.lead * step / jnp.where(kept.last > 0, kept.last, jnp.inf)
     return acceleration + ahead * (acceleration - kept.acceleration)
 
 
 def predicted_to_suffice(kept: FrozenInverse, size: jax.Array) -> jax.Array:
-    """Whether a correction from a residual of this size surely ends below the tolerance."""
+    """Whether a correction from a residual of this size is predicted to reach the tolerance."""
     ratio = jnp.maximum(1.0, size / jnp.where(kept.before > 0, kept.before, 1.0))
     older = (kept.age + 1) / jnp.maximum(kept.measured_at, 1.0)
     comparable = (kept.phase > 0) & (size <= LIKE * kept.before)
@@ -133,11 +134,13 @@ def used(
     corrections: jax.Array,
     evaluated: jax.Array,
 ) -> FrozenInverse:
-    """What is known behind an accepted step.
+    """The frozen inverse and its measurements after an accepted step.
 
-    kept : with the inverse at its end; accelerations : before and behind it, (n,); scale : of them, (n,)
-    made : tangents in it; sizes : (2,) of the residual at its last two evaluations, in parts of the tolerance
-    evaluated : whether its end was
+    kept : with the inverse at the end of the step
+    accelerations : (n,) before and after the step; scale : (n,) their scale
+    made : number of tangents in the step
+    sizes : (2,) relative residuals at its last two evaluations
+    evaluated : whether the residual at its end was evaluated
     """
     new = made > 0
     age = kept.age + 1
@@ -163,7 +166,7 @@ def used(
 def _lead(
     kept: FrozenInverse, step: jax.Array, accelerations: tuple[jax.Array, jax.Array], scale: jax.Array
 ) -> jax.Array:
-    """1 where a line would have led nearer to the accelerations at the end of a step, 0 where rest would."""
+    """1 where linear extrapolation would have been closer to the accelerations at the end, otherwise 0."""
     before, after = accelerations
     change = after - before
     along = step / jnp.where(kept.last > 0, kept.last, jnp.inf) * (before - kept.acceleration)
@@ -174,7 +177,7 @@ def _lead(
 def bodies_inverse(
     elimination: DenseElimination, model: Model, rotations: jax.Array, tangent: jax.Array
 ) -> jax.Array:
-    """Inverse of the bodies' tangent (n, n), translations turned from global axes to those of the bodies."""
+    """Inverse of the bodies' tangent (n, n), with translations rotated from global to body axes."""
     own = _turned(model, rotations, _turned(model, rotations, tangent).T).T
     return elimination.inverse(own)
 
@@ -189,9 +192,9 @@ def solution_by_parts(
     load: jax.Array,
     gap: jax.Array,
 ) -> tuple[jax.Array, jax.Array]:
-    """The solutions (n,) and (m,) of `S x + G^T y = load`, `G_T x = gap`.
+    """Solutions (n,) and (m,) of `S x + G^T y = load`, `G_T x = gap`.
 
-    inverse : (n, n) of S, in the axes of the bodies; rows, by_increment : (m, n) G and G_T
+    inverse : (n, n) inverse of S in body axes; rows, by_increment : (m, n) G and G_T
     """
     solved = inverse @ _turned(model, rotations, jnp.concatenate([load[:, None], rows.T], axis=1))
     own, by_joints = solved[:, 0], solved[:, 1:]
@@ -204,7 +207,7 @@ def solution_by_parts(
 
 
 def _turned(model: Model, rotations: jax.Array, columns: jax.Array) -> jax.Array:
-    """Columns (n, k) whose translations are turned from global axes to those of the bodies: `A^T x`."""
+    """Columns (n, k) with translations rotated from global to body axes: `A^T x`."""
     parts: list[Any] = []
     for number, part in enumerate(model.slices):
         frame = columns[part.start : part.start + 3]

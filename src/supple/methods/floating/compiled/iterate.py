@@ -1,4 +1,4 @@
-"""An iterate of a step: where an acceleration leads, and what the equations of motion leave there."""
+"""An iterate of a step: the motion that follows from an acceleration, and its residual."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Trial(NamedTuple):
 
 
 class ReachedState(NamedTuple):
-    """Where an acceleration leads."""
+    """Configuration and velocities that follow from an acceleration."""
 
     configuration: Configuration
     velocity: Any
@@ -41,15 +41,15 @@ class ReachedState(NamedTuple):
 
 
 def _relative(norm: jax.Array, scale: jax.Array) -> jax.Array:
-    """`norm / scale`, and 0 where nothing is out of balance."""
-    # Asked this way round, NaN stays NaN: no comparison with it holds.
+    """`norm / scale`, and 0 where the norm is zero."""
+    # With this comparison NaN stays NaN: every comparison with NaN is false.
     return jnp.where(norm == 0, 0.0, norm / jnp.where(scale > 0, scale, 1.0))
 
 
 def _relative_residual(
     model: Model, terms: Balance, trial: jax.Array, position: jax.Array, rounding: jax.Array
 ) -> jax.Array:
-    """Residual of each kind over the largest term in balance, and the constraints' over the accelerations."""
+    """Residual of each kind relative to its largest term, constraints relative to the accelerations."""
     columns = (terms.residual, terms.inertia, terms.internal, terms.applied, terms.joint)
     norms = jnp.sqrt(kinds_of_rows(model) @ jnp.stack(columns, axis=1) ** 2)
     forces = _relative(norms[:, 0], jnp.max(norms[:, 1:], axis=1))
@@ -63,7 +63,7 @@ def _relative_residual(
 
 
 def place(model: Model, rule: StepRule, start: State, acceleration: jax.Array) -> ReachedState:
-    """Configuration, velocity and increments that belong to an acceleration."""
+    """Configuration, velocity and increments that follow from an acceleration."""
     auxiliary = rule.auxiliary(acceleration, start.acceleration, start.auxiliary)
     increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
     velocity = rule.new_velocity(start.velocity, start.auxiliary, auxiliary)
@@ -78,7 +78,7 @@ def evaluate(
     multipliers: jax.Array,
     tolerance: jax.Array,
 ) -> tuple[Trial, Linearization]:
-    """The iterate of accelerations (n,) and multipliers (m,), evaluated, and its linearisation."""
+    """Residuals of accelerations (n,) and multipliers (m,), and their linearisation."""
     configuration, velocity, increments = place(model, rule, start, acceleration)
     time = start.time + rule.h
     control = _control(start, rule)
@@ -104,7 +104,7 @@ def _control(start: State, rule: StepRule) -> ControlStep | None:
 
 
 def motion_of(rule: StepRule, start: State, at: Any) -> SystemMotion:
-    """What the equations are evaluated at, of an iterate or of the end of a step."""
+    """Motion at which the equations are evaluated, for an iterate or for the end of a step."""
     return SystemMotion(
         start.time + rule.h,
         at.configuration,

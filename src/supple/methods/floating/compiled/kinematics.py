@@ -1,4 +1,4 @@
-"""Kinematic runs: machines whose joints and laws leave nothing free, and the forces that move them."""
+"""Kinematic runs: machines with zero degrees of freedom, and the forces that move them."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ _HELD = ("rigid", "reduced", "full", "intrinsic")
 _INSTANTS_AT_ONCE = 128
 MOST_ITERATIONS = 20
 _REACTIONS, _CONVERGED = 60, 1e-9
-"""Iterations for friction that depends on the joints' forces, and by what part the last may change these."""
+"""Iterations for friction that depends on joint forces, and the relative change of these at convergence."""
 DEAD_POINT = 1e-9
-"""Smallest singular value of the joints' Jacobian over its largest, turns times the machine's size."""
+"""Smallest singular value of the joints' Jacobian over its largest, rotations times the machine's size."""
 
 
 class Instant(NamedTuple):
-    """Where a machine is, how it moves, and what moves it."""
+    """Configuration, motion and joint forces at one instant."""
 
     time: AnyArray
     configuration: Configuration
@@ -50,17 +50,17 @@ class Instant(NamedTuple):
     multipliers: AnyArray
     """(m,)"""
     iterations: AnyArray
-    """Of Newton's method so far"""
+    """Iterations of Newton's method so far"""
     largest_turn: AnyArray
-    """Of a body from one instant to the next so far, rad"""
+    """Largest rotation of a body between two instants so far, rad"""
     failed: AnyArray
-    """True once the joints could not be closed: the state stays that before."""
+    """True once the joints could not be closed: the state stays that of the last closed instant"""
 
 
 def of_frames(terms: JointTerms, parts: Sequence[slice]) -> JointTerms:
-    """The equations of joints whose bodies keep their shape: without columns for deformation.
+    """Constraint terms of joints between rigid bodies: without columns for deformation.
 
-    parts : where the velocities of each body stand, its frame's six first
+    parts : position of each body's velocities, those of its frame in the first six
     """
     jacobian = np.zeros_like(terms.jacobian)
     for part in parts:
@@ -70,47 +70,47 @@ def of_frames(terms: JointTerms, parts: Sequence[slice]) -> JointTerms:
 
 
 class _HeldMachine(CompiledMachine):
-    """Independent equations are those of the frames: in a closed loop bodies that deform have more."""
+    """Machine with constraints independent for its frames; in a closed loop, deformable bodies have more."""
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
-        """Of bodies that keep their shape."""
+        """Constraint terms of bodies that keep their shape."""
         return of_frames(super().joint_terms(time, configuration, velocity), self.seen_slices)
 
 
 def check_held(system: System, run: Run) -> None:
-    """Refuse what a kinematic run has no use for; warn of bodies that are held in shape."""
+    """Raise for options that a kinematic run cannot use; warn about bodies that are treated as rigid."""
     if system.controllers:
         raise ModelError(
-            "the machine has controllers, but the joints alone move it in a kinematic run: integrate it, "
-            "or leave out the controllers"
+            "the machine has controllers, but in a kinematic run the joints alone prescribe the motion: "
+            "integrate it, or leave out the controllers"
         )
     for placed in system.bodies:
         if placed.body.kind not in _HELD:
             raise ModelError(
-                f"body '{placed.body.name}' is {placed.body.kind}, but a kinematic run moves bodies in "
-                "their shape: place a RigidBody, or another body, which is held as it is placed"
+                f"body '{placed.body.name}' is {placed.body.kind}, but a kinematic run moves bodies without "
+                "deformation: place a RigidBody, or another body, whose placed shape is then kept fixed"
             )
         if placed.body.n_coordinates:
             message = (
-                f"body '{placed.body.name}' is held in the shape in which it is placed: a kinematic run "
-                "gives the forces on a rigid body of its mass. To see it deform, integrate"
+                f"body '{placed.body.name}' is treated as rigid in its placed shape: a kinematic run "
+                "computes the forces on a rigid body of its mass. For its deformation, integrate"
             )
             warn_or_raise(message, ValidityWarning, run.validity)
 
 
 def check_determined(system: System, active: Sequence[int]) -> None:
-    """ModelError where the joints leave a motion free."""
+    """Raise ModelError where the joints leave a degree of freedom."""
     free = 6 * len(system.bodies) - len(active)
     if free:
         raise ModelError(
-            f"the joints leave {free} motion{'s' * (free > 1)} free, which a kinematic run cannot find: "
-            "prescribe one for each (PrescribedRotation in the place of Revolute, PrescribedTranslation "
-            "in that of Prismatic), or simulate the machine with an integrator"
+            f"the joints leave {free} degree{'s' * (free > 1)} of freedom, but a kinematic run needs none: "
+            "prescribe each one (PrescribedRotation instead of Revolute, PrescribedTranslation "
+            "instead of Prismatic), or simulate the machine with an integrator"
         )
 
 
 def instants_between(begin: float, times: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """All instants on the way to output times, no further apart than a step; and which are these."""
+    """Instants up to the output times, at most one step apart; and the indices of the output times."""
     intervals = np.diff(times, prepend=begin)
     ends = np.cumsum(np.maximum(np.ceil(intervals / step * (1 - 1e-9)), 1).astype(int))
     every = np.interp(np.arange(1, ends[-1] + 1), [0, *ends], [begin, *times])
@@ -118,16 +118,16 @@ def instants_between(begin: float, times: np.ndarray, step: float) -> tuple[np.n
 
 
 def not_closed(time: float) -> str:
-    """Why a run ends there."""
+    """Message for a run that ends because the joints cannot be closed."""
     return (
-        f"the joints cannot be closed at t = {time:.6g}: the machine is in a dead point there, or its "
-        "laws ask for what its bodies cannot reach. Prescribe another motion, one that determines the "
+        f"the joints cannot be closed at t = {time:.6g}: the machine is at a dead point, or its laws "
+        "prescribe positions out of reach of its bodies. Prescribe another motion, one that determines the "
         "machine throughout; where it moves far from one instant to the next, take a shorter step"
     )
 
 
 class KinematicEngine:
-    """An `Engine` that solves the joints' equations at each instant for the frames of the bodies."""
+    """`Engine` that solves the joints' equations for the frames of the bodies at each instant."""
 
     def __init__(self, system: System, run: Run) -> None:
         check_held(system, run)
@@ -136,7 +136,7 @@ class KinematicEngine:
         self._model: Model | None = None
 
     def start(self, time: float) -> Instant:
-        """The joints closed; ModelError where they leave a motion free."""
+        """Initial instant with closed joints; ModelError where they leave a degree of freedom."""
         start = consistent_start(_HeldMachine(self._system, build_model(self._system)), time)
         report_start(start.change, self._run.validity)
         model = start.machine.model
@@ -163,7 +163,7 @@ class KinematicEngine:
         )
 
     def march(self, state: Instant, times: np.ndarray) -> Leg[Instant]:
-        """To each of the output times, by as many instants between them as the step asks for."""
+        """Solve at each of the output times, with intermediate instants at most one step apart."""
         began = clock.perf_counter()
         every, outputs = instants_between(float(state.time), times, self._step)
         calls = np.pad(every, (0, -len(every) % _INSTANTS_AT_ONCE), mode="edge").reshape(
@@ -227,7 +227,7 @@ def _instant(
 
 
 def _next_instant(model: Model, before: Instant, time: jax.Array) -> Instant:
-    """The machine at another time, found from where it is."""
+    """The machine at another time, found from its position at an instant before."""
     frames = np.concatenate([np.arange(part.start, part.start + 6) for part in model.slices])
     n = model.n_velocities
 
@@ -279,7 +279,7 @@ def _next_instant(model: Model, before: Instant, time: jax.Array) -> Instant:
 def _closed(
     model: Model, time: jax.Array, guess: Configuration, frames: np.ndarray
 ) -> tuple[Configuration, jax.Array, jax.Array]:
-    """Newton's method on `g(q, t) = 0`, as closely as arithmetic allows; what is left, and iterations."""
+    """Newton's method on `g(q, t) = 0` down to rounding error; the remaining residual, and the iterations."""
 
     def gap_of(configuration: Configuration) -> jax.Array:
         return jnp.max(jnp.abs(constraints(model, time, configuration)), initial=0.0)
@@ -305,7 +305,7 @@ def _closed(
 
 
 def _instants(model: Model, start: Instant, times: jax.Array) -> tuple[Instant, Instant]:
-    """One instant after the other: the last one, and all of them stacked."""
+    """All instants in sequence: the last one, and all of them stacked."""
 
     def one(before: Instant, time: jax.Array) -> tuple[Instant, Instant]:
         after = _next_instant(model, before, time)

@@ -1,7 +1,8 @@
-"""Modified Newton's iteration within a step: a tangent kept over iterations and steps.
+"""Modified Newton iteration within a step, with a tangent frozen over iterations and steps.
 
-A tangent that does not gain tenfold in an iteration is made anew at its iterate; one whose single correction
-no longer surely reaches the tolerance, in the next step (`frozen_tangent`).
+A tangent that reduces the residual less than tenfold in an iteration is renewed at that iterate. A tangent
+whose single correction is not predicted to reach the tolerance is renewed in the next step
+(`frozen_tangent`).
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from supple.methods.floating.compiled.state import State
 __all__ = ["modified_pass", "used_in_step"]
 
 _SOON = 2
-"""Evaluations of a step after which the whole tolerance will do: rounding may be in the way of its share."""
+"""Evaluations of a step after which the whole tolerance suffices: rounding may prevent a smaller residual."""
 
 
 def modified_pass(
@@ -47,9 +48,9 @@ def modified_pass(
     size: jax.Array,
     stagnant: jax.Array,
 ) -> Assessed:
-    """The correction of an iterate that is not good enough, with the frozen tangent where it serves.
+    """Correction of an iterate that has not converged, with the frozen tangent where possible.
 
-    size : of its residual, in parts of the tolerance; stagnant : whether the last correction moved nothing
+    size : residual relative to the tolerance; stagnant : whether the last correction changed nothing
     """
     assert old.modified is not None
     assert start.kept is not None
@@ -65,7 +66,7 @@ def modified_pass(
         lambda: (jnp.zeros_like(trial.acceleration), jnp.zeros_like(trial.multipliers), before.inverse),
         lambda: _correction(elimination, model, rule, start, trial, linearization, before.inverse, anew),
     )
-    # By earlier steps alone: what a first correction gains tells little of what a second one will.
+    # From earlier steps alone: the gain of a first correction does not predict that of a second one.
     predicted = jnp.where(
         anew, predicted_to_converge(start.contraction, size, rule.h), predicted_to_suffice(start.kept, size)
     )
@@ -85,7 +86,7 @@ def _correction(
     kept: jax.Array,
     anew: jax.Array,
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Changes of accelerations and multipliers, and the inverse that they were found with."""
+    """Changes of accelerations and multipliers, and the inverse that was used."""
     rotations = trial.configuration.rotations
 
     def made() -> jax.Array:
@@ -109,9 +110,9 @@ def _correction(
 def used_in_step(
     model: Model, start: State, step: jax.Array, end: Iteration, contraction: Contraction
 ) -> tuple[Contraction, FrozenInverse]:
-    """What is known behind an accepted step, of new tangents and of the kept one.
+    """The frozen tangent and its measurements after an accepted step.
 
-    contraction : what its last correction tells, if it was made with a new tangent
+    contraction : as measured by the last correction, if that used a new tangent
     """
     assert end.modified is not None
     assert start.kept is not None

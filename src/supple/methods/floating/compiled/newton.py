@@ -1,4 +1,4 @@
-"""Newton's iteration within a step: the exact tangent of every iterate."""
+"""Newton's iteration within a step, with the exact tangent of every iterate."""
 
 from __future__ import annotations
 
@@ -22,45 +22,45 @@ __all__ = ["Assessed", "Iteration", "Modified", "newton_pass"]
 
 
 class Iteration(NamedTuple):
-    """Newton's iteration within a step: where it stands, and what it knows of the way there."""
+    """State of Newton's iteration within a step."""
 
     acceleration: jax.Array
     multipliers: jax.Array
     evaluated: ReachedState
     relative_residual: jax.Array
-    """At the last evaluation"""
+    """Residuals at the last evaluation"""
     sizes: jax.Array
-    """(2,) of the residual at the last two evaluations, in parts of the tolerance"""
+    """(2,) residuals at the last two evaluations, relative to the tolerance"""
     moved: jax.Array
     """Largest change of a position by the last correction"""
     evaluations: jax.Array
     corrections: jax.Array
     converged: jax.Array
     predicted: jax.Array
-    """Whether its end was accepted without an evaluation"""
+    """Whether the end was accepted without an evaluation"""
     modified: Modified | None
     """None where every iterate has its own tangent"""
 
 
 class Modified(NamedTuple):
-    """What an iteration with a frozen tangent knows besides."""
+    """State of an iteration with a frozen tangent."""
 
     inverse: jax.Array
-    """As in `FrozenTangent`"""
+    """As in `FrozenInverse`"""
     own: jax.Array
-    """Whether the last correction was made with a tangent of its own iterate"""
+    """Whether the last correction used the tangent of its own iterate"""
     made: jax.Array
-    """Tangents in this step"""
+    """Number of tangents in this step"""
 
 
 class Assessed(NamedTuple):
-    """What a pass makes of an evaluated iterate."""
+    """Outcome of a pass over an evaluated iterate."""
 
     converged: jax.Array
     predicted: jax.Array
-    """Whether the corrected one surely is"""
+    """Whether the corrected iterate is predicted to converge"""
     change: jax.Array
-    """Of the accelerations, (n,); zero of a converged iterate"""
+    """(n,) correction of the accelerations; zero for a converged iterate"""
     multiplier_change: jax.Array
     modified: Modified | None
 
@@ -76,9 +76,9 @@ def newton_pass(
     size: jax.Array,
     stagnant: jax.Array,
 ) -> Assessed:
-    """Newton's correction of an iterate that is not good enough.
+    """Newton's correction of an iterate that has not converged.
 
-    size : of its residual, in parts of the tolerance; stagnant : whether the last correction moved nothing
+    size : residual relative to the tolerance; stagnant : whether the last correction changed nothing
     """
     converged = trial.converged | stagnant
     trial = trial._replace(converged=converged)
@@ -101,7 +101,7 @@ def _correction_where_needed(
     trial: Trial,
     linearization: Linearization,
 ) -> tuple[jax.Array, jax.Array]:
-    """The next correction; none of a converged trial."""
+    """The next correction; zero for a converged trial."""
 
     def corrected() -> tuple[jax.Array, jax.Array]:
         step = LinearizedStep(motion_of(rule, start, trial), linearization, trial.increments, rule.factors)
@@ -118,10 +118,10 @@ def _correction_where_needed(
 def _correction_in_turn(
     elimination: DenseElimination, model: Model, rule: StepRule, start: State, *evaluated: Any
 ) -> tuple[jax.Array, jax.Array]:
-    """The same for cases that take turns, each of which copies its numbers: tables of loads would be most."""
+    """`_correction_where_needed` case after case; a case copies its arguments, so without load tables."""
     held = model.loads_at(start.time + rule.h)
     return sequential_vmap(partial(_correction_where_needed, elimination), held, rule, start, *evaluated)
 
 
 _FEWEST_IN_TURN = 16
-"""Velocities of a system whose cases of a batch are corrected in turn: below, mapping them costs less."""
+"""Fewest velocities of a system whose cases of a batch are corrected one after the other, not mapped."""

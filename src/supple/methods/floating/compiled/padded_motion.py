@@ -17,7 +17,7 @@ _OF_COORDINATES = ("coordinates", "coordinate_rates", "coordinate_accelerations"
 
 
 def with_padding_coordinates(system: System) -> System:
-    """The system with its bodies filled up; itself, where they have no room."""
+    """The system with padded bodies; the system itself where no body has padding coordinates."""
 
     def filled(placed: Placed) -> Placed:
         body = placed.body
@@ -36,12 +36,12 @@ def with_padding_coordinates(system: System) -> System:
 
 
 def in_all_coordinates(system: System, solution: Solution) -> Solution:
-    """A motion of the system as that of its bodies filled up."""
+    """A motion of the system in the coordinates of its padded bodies."""
     return _resized(system, solution, lambda own, body: with_zeros_behind(own, body.padding))
 
 
 def in_own_coordinates(system: System, solution: Solution) -> Solution:
-    """A motion of the bodies filled up as that of the system."""
+    """A motion of the padded bodies in the coordinates of the system."""
     return _resized(system, solution, lambda own, body: own[..., : body.r])
 
 
@@ -53,7 +53,7 @@ def _roomy(system: System) -> dict[str, ReducedBody]:
 def _resized(
     system: System, solution: Solution, to_size: Callable[[np.ndarray, ReducedBody], np.ndarray]
 ) -> Solution:
-    """A solution whose coordinates have another number."""
+    """A solution with another number of coordinates."""
     roomy = _roomy(system)
     if not roomy:
         return solution

@@ -1,9 +1,9 @@
-"""The compiled march: runs of one machine that differ in numbers alone share a program, however long.
+"""Compiled time integration: runs of one machine that differ in numbers alone share a program.
 
-It is compiled twice as occasion arises. A quick program is compiled in a third of the time, and its steps
-take ten times as long; it is for runs that are over before the other would have been compiled. The two differ
-in the last bits, so the length of a run decides between them, and nothing that the process did before: the
-same run has the same bits in every process. A run that goes on does so by the program it was begun with.
+There are two programs. The quick one compiles in a third of the time, but its steps take ten times as long;
+it serves runs that end before the other one would be compiled. The two differ in the last bits, so the length
+of the run alone selects the program, not the history of the process: the same run has the same bits in every
+process. A resumed run uses the program that it was started with.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ __all__ = ["COMPILED_MARCH", "QUICK_MARCH", "STOPS_AT_ONCE", "is_over_soon", "ma
 
 
 def well_and_quickly(function: Callable[..., Any]) -> tuple[KeptProgram, KeptProgram]:
-    """Programs of a function of an elimination and of arrays: of fast steps, and compiled fast."""
+    """Two programs of a function of an elimination and of arrays: of fast steps, and of fast compilation."""
     well = KeptProgram(partial(function, ByLoops()), MARCHING)
     return well, KeptProgram(partial(function, ByLapack()), STARTING)
 
 
 COMPILED_MARCH, QUICK_MARCH = well_and_quickly(march)
 STOPS_AT_ONCE = 128
-"""Output times of a call: fewer repeat the last one, which costs nothing; more take several calls."""
+"""Output times of a call; fewer are padded with the last one at no cost, more take several calls."""
 
 _QUICK = 500_000
-"""Steps times velocities of a run: by then a quick program loses three seconds, of four that it saves."""
+"""Steps times velocities of a run, at which a quick program loses three seconds of the four that it saves."""
 
 
 def march_for(model: Model, steps: float) -> KeptProgram:
@@ -41,5 +41,5 @@ def march_for(model: Model, steps: float) -> KeptProgram:
 
 
 def is_over_soon(steps: float, n_velocities: int) -> bool:
-    """Whether a run of so many steps takes less than what a well compiled program costs."""
+    """Whether so many steps take less time than the compilation of the fast program."""
     return steps * n_velocities <= _QUICK

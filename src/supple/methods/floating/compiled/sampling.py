@@ -1,4 +1,4 @@
-"""Sampled controllers in a compiled march: what changes at once when they are called."""
+"""Sampled controllers in a compiled run: the jump of the accelerations when they are called."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["sampled"]
 
 
 def sampled(sampling: ControllerSampling, model: Any, state: State) -> State:
-    """After calling the controllers that are due, with accelerations that belong to their outputs."""
+    """The state after calling the controllers that are due, with the accelerations for their new outputs."""
     if state.control is None:
         return state
     velocity, configuration = np.asarray(state.velocity), jax.tree.map(np.asarray, state.configuration)

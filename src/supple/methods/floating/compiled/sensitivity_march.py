@@ -1,7 +1,8 @@
-"""The compiled march with derivatives along some directions, which go with it step by step.
+"""Compiled time integration with derivatives along some directions, advanced with each step.
 
-States are those of the plain march; steps that were rejected leave derivatives as they were. The derivatives
-are those of the discrete motion: the number of steps between two stops stays, their size follows the stops.
+States are those of the run without derivatives; a rejected step leaves the derivatives unchanged. They are
+derivatives of the discrete motion: the number of steps between two stops is fixed, and their size varies with
+the stops.
 """
 
 from __future__ import annotations
@@ -25,17 +26,17 @@ __all__ = ["Changes", "MarchedWithChanges", "march_with_changes"]
 
 
 class Changes(NamedTuple):
-    """Derivatives along p directions of all that a march takes."""
+    """Derivatives of all inputs of a time integration along p directions."""
 
     model: Sequence[Any]
-    """By leaf of the model (p, ..); None of what does not change"""
+    """For each leaf of the model (p, ..); None for a constant one"""
     start: StateChange
     stops: Any
     """(p, k)"""
 
 
 class MarchedWithChanges(NamedTuple):
-    """Where a march ended, and states and derivatives at its stops (k, ..) and (k, p, ..)."""
+    """Last state of an integration, and states and derivatives at its stops, (k, ..) and (k, p, ..)."""
 
     last: State
     states: State
@@ -45,9 +46,9 @@ class MarchedWithChanges(NamedTuple):
 def march_with_changes(
     model: Model, controls: Controls, start: State, stops: np.ndarray, changes: Changes, n_steps: float
 ) -> MarchedWithChanges:
-    """March through stops (k,), ascending; it ends at the first one that is not reached.
+    """Integrate through stops (k,), ascending, up to the first one that is not reached.
 
-    n_steps : about, which chooses the program
+    n_steps : approximate number of steps, which selects the program
     """
     calls = np.pad(stops, (0, -len(stops) % STOPS_AT_ONCE), mode="edge").reshape(-1, STOPS_AT_ONCE)
     by_call = np.pad(changes.stops, ((0, 0), (0, calls.size - len(stops))), mode="edge")
@@ -77,7 +78,7 @@ def _march(
     stops: jax.Array,
     stop_changes: jax.Array,
 ) -> tuple[State, StateChange, State, StateChange]:
-    """As `march`, with derivatives; the last state and those at the stops."""
+    """`march` with derivatives; the last state and the states and derivatives at the stops."""
     shown = start._replace(kept=None), change
     rows = jax.tree.map(lambda leaf: jnp.zeros((len(stops), *jnp.shape(leaf)), jnp.result_type(leaf)), shown)
 

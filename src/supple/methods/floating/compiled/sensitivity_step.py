@@ -1,13 +1,13 @@
-"""Derivatives of one time step for numbers of the model, of its start and of its end.
+"""Derivatives of one time step with respect to numbers of the model, its start and its end.
 
-With `x` the new accelerations and multipliers, `y` the state that a step begins with and `p` numbers of the
-model, a step solves `F(x, y, p) = 0` and hands on `y_1 = Y(x, y, p)`. Along a direction (dy, dp)
+With `x` the new accelerations and multipliers, `y` the state at the start of a step and `p` numbers of the
+model, a step solves `F(x, y, p) = 0` and returns `y_1 = Y(x, y, p)`. Along a direction (dy, dp)
 
     F_x dx = - (F_y dy + F_p dp),        dy_1 = Y_x dx + Y_y dy + Y_p dp
 
-by the implicit function theorem, at the solution: derivatives of the discrete motion, whatever iteration
-found it. The products are exact (forward mode); `F_x` is inverted once for all directions in the form that
-Newton's iteration has it, and corrections go on until what is left of the products is rounding.
+by the implicit function theorem, at the solution. These are derivatives of the discrete motion, independent
+of the iteration. The products are exact (forward mode). `F_x` is inverted once for all directions in the form
+used by Newton's iteration, and corrections continue until the residual of the products is rounding error.
 Source: staggered direct method [CaracotsiosStewart1985].
 """
 
@@ -34,15 +34,15 @@ from supple.methods.floating.compiled.time_step import equal_steps, is_last
 __all__ = ["Carried", "StateChange", "changed_by_step", "state_change"]
 
 _EXACT = 1e-9
-"""Of a derivative of accelerations and multipliers, the last correction."""
+"""Last correction relative to the derivative, for accelerations and multipliers."""
 _ROUNDING = 1e-13
-"""Of a derivative of positions, what a correction moves them by where constraint equations are rounded."""
+"""Last correction relative to the derivative, for positions: the effect of rounding in the constraints."""
 _MOST = 20
-"""Corrections; two are needed where the tangent of the iteration is exact."""
+"""Largest number of corrections; two are needed where the tangent of the iteration is exact."""
 
 
 class Carried(NamedTuple):
-    """What a step begins with and its result depends on."""
+    """The part of the state at the start of a step that its result depends on."""
 
     time: AnyArray
     configuration: Configuration
@@ -70,7 +70,7 @@ def _carried(state: Any) -> Carried:
 
 
 class _Solved(NamedTuple):
-    """What a step solves for."""
+    """The unknowns of a step."""
 
     acceleration: Any
     multipliers: Any
@@ -87,10 +87,10 @@ def changed_by_step(
     end: jax.Array,
     end_change: jax.Array,
 ) -> StateChange:
-    """Derivatives behind an accepted step; nan where they do not converge.
+    """Derivatives after an accepted step; nan where they do not converge.
 
-    model_change : by leaf of the model (p, ..), None for what does not change
-    end, end_change : the stop on the way to which the step is one of several equal ones, and (p,)
+    model_change : for each leaf of the model (p, ..), None for a constant one
+    end, end_change : the stop to which the step is one of several equal ones, and its derivatives (p,)
     """
     rule = StepRule(controls.coefficients, (end - before.time) / equal_steps(before, end))
     equations, varied = _equations(model, controls, model_change, before, end)
@@ -114,10 +114,10 @@ def changed_by_step(
 def _equations(
     model: Model, controls: Controls, model_change: Sequence[Any], before: State, end: jax.Array
 ) -> tuple[Callable[..., Any], list[Any]]:
-    """Residuals and what is handed on, as a function of leaves of the model that vary; and these leaves."""
+    """Residuals and end state of a step as a function of the model's varying leaves; and these leaves."""
     leaves, structure = jax.tree.flatten(model)
     places = [number for number, own in enumerate(model_change) if own is not None]
-    # The number of steps to the stop stays as it is; their size follows the stop.
+    # The number of steps to the stop is fixed; their size varies with the stop.
     number, remaining = equal_steps(before, end), end - before.time
     ends = is_last(remaining / number, remaining)
 
@@ -143,11 +143,11 @@ def _equations(
 
 
 class _Correcting(NamedTuple):
-    """Derivatives of what a step solves for, as far as they are found."""
+    """Current iterate of the derivatives of a step's unknowns."""
 
     found: _Solved
     carried: Carried
-    """Behind the step, with what was found before the last correction, which was small"""
+    """After the step, at the iterate before the last correction, which was small"""
     unsolved: Any
     corrections: Any
 
@@ -159,12 +159,12 @@ def _solution(
     product: Callable[[_Solved], Any],
     correction: Callable[..., Any],
 ) -> tuple[_Solved, Carried]:
-    """Derivatives of what a step solves for, and of what it hands on."""
+    """Derivatives of the unknowns of a step, and of its end state."""
     scale = position_scale(model)
     n = len(scale)
 
     def size(found: jax.Array) -> jax.Array:
-        """Of accelerations and multipliers (p, n + m), by direction."""
+        """Norm of accelerations and multipliers (p, n + m) for each direction."""
         accelerations = jnp.max(jnp.abs(found[:, :n] / scale), axis=1)
         forces = jnp.max(jnp.abs(found[:, n:]), axis=1, initial=0.0) / (model.mass * model.length)
         return jnp.maximum(accelerations, forces)
@@ -184,7 +184,7 @@ def _solution(
         residuals, carried = product(old.found)
         found = jnp.concatenate(old.found, axis=1)
         step = correction(*residuals)
-        # Asked this way round, what is not a number is unsolved.
+        # With this comparison NaN counts as unsolved.
         unsolved = ~jnp.all(size(step) <= _EXACT * size(found) + rounding)
         new = jnp.where(unsolved, found + step, found)
         return _Correcting(_Solved(new[:, :n], new[:, n:]), carried, unsolved, old.corrections + 1)

@@ -1,4 +1,4 @@
-"""Cases that take turns where the rest of a program is mapped over them."""
+"""Cases computed one after the other within a program that is mapped over them."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ __all__ = ["sequential_vmap"]
 
 
 def sequential_vmap(function: Callable[..., Any], *arguments: Any) -> Any:
-    """`function(*arguments)`; under `jax.vmap` one case after the other instead of all at once.
+    """`function(*arguments)`; under `jax.vmap` the cases are computed one after the other.
 
-    A condition then stays a branch that a case takes or leaves, where mapped together all cases would pay for
-    both sides; and what is put together from many small pieces costs as little as in a program of one case.
+    A condition then stays a branch for each case, whereas mapped cases all compute both sides. Many small
+    operations cost as little as in a program of one case.
     """
     leaves, structure = jax.tree.flatten(arguments)
 
-    # By leaves: classes that check what they are made of do not take the flags that JAX would put in place.
+    # Leaf by leaf: classes that check their fields do not accept the flags that JAX would put in their place.
     @jax.custom_batching.sequential_vmap
     def of_leaves(each: list[Any]) -> Any:
         return function(*structure.unflatten(each))

@@ -1,4 +1,4 @@
-"""What a compiled run carries from step to step, and what steers it."""
+"""State of a compiled run between two steps, and its numerical settings."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["Controls", "State"]
 
 
 class Controls(NamedTuple):
-    """Numbers that steer a run; plain floats, so that changing one compiles nothing anew."""
+    """Numerical settings of a run as plain floats, so that a change needs no new compilation."""
 
     coefficients: Coefficients
     first: Any
@@ -25,11 +25,11 @@ class Controls(NamedTuple):
 
 
 class State(NamedTuple):
-    """Everything needed to go on from an instant."""
+    """All numbers needed to continue from an instant."""
 
     time: AnyArray
     step: AnyArray
-    """Size of the next step to try."""
+    """Size of the next trial step."""
     configuration: Configuration
     velocity: AnyArray
     acceleration: AnyArray
@@ -40,7 +40,7 @@ class State(NamedTuple):
     iterations: AnyArray
     rejected_steps: AnyArray
     failed: AnyArray
-    """True when the smallest step did not converge: the state is that before the step."""
+    """True when the smallest step did not converge; the state is that before this step."""
     relative_residual: AnyArray
     """Relative residual at the last evaluation, by kind: force, moment, deformation, constraint."""
     contraction: Contraction

@@ -1,4 +1,4 @@
-"""Machines of rigid and reduced bodies at rest, or turning steadily."""
+"""Static equilibrium and steady rotation of machines of rigid and reduced bodies."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ __all__ = ["CompiledStatics", "compiled_statics"]
 
 @dataclass(frozen=True, eq=False)
 class CompiledStatics(SteadyEquations):
-    """`Equations` whose steps are compiled."""
+    """`Equations` with compiled residuals and corrections."""
 
     machine: CompiledMachine
     begin: Configuration
@@ -57,11 +57,11 @@ class CompiledStatics(SteadyEquations):
         return False
 
     def start(self) -> StaticState:
-        """As the bodies are placed, without any force in the joints."""
+        """The bodies as placed, with zero joint forces."""
         return StaticState(self.begin, np.zeros(len(self.model.active)), control=first_states(self.model))
 
     def residual(self, state: StaticState, time: float) -> np.ndarray:
-        """What is unbalanced in all freedoms, (n,)."""
+        """Residual of all freedoms, (n,)."""
         terms, _ = self.unbalance(state, time).terms
         return np.asarray(terms.residual)
 
@@ -96,7 +96,7 @@ class CompiledStatics(SteadyEquations):
             linear = steady.control.along(axes.T)
         rows = np.asarray(joint_rows(model, terms.linearization.joints))
         n, m = len(matrix), len(rows)
-        # Rows of one size: multipliers in parts of what the matrix holds.
+        # Rows of equal scale: multipliers are relative to the entries of the matrix.
         size = float(np.max(abs(np.diag(matrix))))
         gap = (size / k * np.asarray(terms.constraint_residual))[:, None]
         bordered = np.block(
@@ -114,7 +114,7 @@ class CompiledStatics(SteadyEquations):
         return self.machine.moved(configuration, increment)
 
     def bodies_at(self, configuration: Configuration) -> Configuration:
-        """The same."""
+        """The same configuration: it is that of the bodies."""
         return configuration
 
     def linear_equations(self, state: StaticState, time: float) -> LinearEquations:
@@ -136,7 +136,7 @@ class CompiledStatics(SteadyEquations):
 
     @cached_property
     def position_scale(self) -> np.ndarray:
-        """What counts as a large change of each freedom, (n,)."""
+        """Size of a large change of each freedom, (n,)."""
         return np.asarray(known_position_scale(self.machine.model))
 
     @property
@@ -151,7 +151,7 @@ class CompiledStatics(SteadyEquations):
 def compiled_statics(
     system: System, turning: SteadyTurning | None, time: float, known: tuple[int, ...] | None = None
 ) -> CompiledStatics:
-    """A machine of rigid and reduced bodies, its joints closed; `known` equations are independent."""
+    """Equations of a machine of rigid and reduced bodies with closed joints; `known` ones are independent."""
     machine = CompiledMachine(system, build_model(system, known))
     if known is not None:
         return CompiledStatics(machine, placed_configuration(system), turning)
@@ -162,9 +162,9 @@ def compiled_statics(
 def _with_states(
     bordered: np.ndarray, control: LinearControl, rates: np.ndarray, k: float, size: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """An augmented matrix with the states of controllers behind its unknowns, and the scale of each.
+    """An augmented matrix extended by the states of controllers, and the scale of each state.
 
-    Rows and columns are made as large as those of the matrix.
+    The new rows and columns are scaled to the size of those of the matrix.
     """
     if not control.size:
         return bordered, np.zeros(0)

@@ -1,14 +1,14 @@
 """The linear equations of Newton's iteration within a step, and their solution.
 
-Unknown are the changes of accelerations and multipliers. With `k = beta h^2 kappa` the constraint equations
-are divided by `k`, so that every row of
+The unknowns are the changes of accelerations and multipliers. With `k = beta h^2 kappa` the constraint
+equations are divided by `k`, so that every row of
 
     [ S    G^T ] [ d vdot   ]     [ residual ]
     [ G_T  0   ] [ d lambda ] = - [ g / k    ]
 
-has the size of a force or an acceleration whatever the step: the index-3 equations stay as well conditioned
-for h to 0 as the mass matrix (Bottasso, Bauchau & Cardona 2007). Small machines are solved as one dense
-matrix, others along their tree; where that leaves more than rounding, as one dense matrix after all.
+has the size of a force or an acceleration for every step: for h to 0 the index-3 equations stay as well
+conditioned as the mass matrix (Bottasso, Bauchau & Cardona 2007). Small machines are solved as one dense
+matrix, others along their tree; a tree solution with more than rounding error is replaced by a dense one.
 """
 
 from __future__ import annotations
@@ -42,33 +42,33 @@ __all__ = [
 ]
 
 _LEAST = 4
-"""Bodies below which a dense matrix is always solved faster."""
+"""Number of bodies below which a dense matrix is always faster."""
 _LOOP = 1e4
-"""Multiplications that take as long as what else the elimination of a body does: four rigid rods on balls are
+"""Overhead of the elimination of one body, as a number of multiplications: four rigid rods on ball joints are
 faster as one matrix (32 us a step, 42 along the tree), eight along the tree (70 us, 107)."""
 
 
 _ROUNDING = 1e-13
-"""What a solution leaves, in parts of the terms in its equations by kind of row, where rounding alone is at
-work; a solution along the tree is refined where it leaves more [ArioliDemmelDuff1989], and then until it
-has left no more twice: small multipliers beside large ones are right one pass after the residual is small."""
+"""Residual due to rounding alone, relative to the terms of the equations, by kind of row. A tree solution
+with a larger residual is refined [ArioliDemmelDuff1989] until two passes have reached it: small multipliers
+beside large ones are accurate one pass after the residual is small."""
 _REFINEMENTS = 4
 _INEXACT = 1e-11
-"""What refinement may leave before the whole matrix is eliminated with row exchanges instead."""
+"""Residual after refinement above which the whole matrix is eliminated with row exchanges instead."""
 
 
 class LinearizedStep(NamedTuple):
-    """Where the equations are linearised."""
+    """Point of linearisation of the equations of a step."""
 
     motion: SystemMotion
     linearization: Linearization
     increments: jax.Array
-    """(n,), those that led to the configuration"""
+    """(n,) increments that led to the configuration"""
     factors: StepFactors
 
 
 def tree_layout(model: Model) -> TreeLayout | None:
-    """The layout by which a machine is eliminated; None where one dense matrix costs less."""
+    """Layout for the elimination along the tree; None where one dense matrix costs less."""
     if len(model.sizes) < _LEAST:
         return None
     layout = TreeLayout.of(model)
@@ -84,7 +84,7 @@ def correction(
     residual: jax.Array,
     constraint_residual: jax.Array,
 ) -> jax.Array:
-    """Changes of accelerations and multipliers (n + m,) that take away the residuals (n,) and (m,)."""
+    """Changes of accelerations and multipliers (n + m,) that cancel the residuals (n,) and (m,)."""
     load = _load(model, step, residual, constraint_residual)
     layout = tree_layout(model)
     if layout is None:
@@ -105,7 +105,7 @@ def _load(
 def step_inverse(
     elimination: DenseElimination, model: Model, step: LinearizedStep
 ) -> Callable[[jax.Array, jax.Array], jax.Array]:
-    """What `correction` gives for residuals (n,) and (m,), eliminated once for many of them, not refined."""
+    """A function equal to `correction`, factored once for many residuals (n,) and (m,), not refined."""
     layout, n = tree_layout(model), model.n_velocities
     if layout is None:
         inverse = elimination.inverse(step_matrix(model, step))
@@ -124,12 +124,12 @@ def _dense_solution(elimination: DenseElimination, matrix: jax.Array, load: jax.
 
 
 class _Refined(NamedTuple):
-    """A solution and what it leaves."""
+    """A solution and its residual."""
 
     solution: jax.Array
     rest: jax.Array
     part: jax.Array
-    """Of the terms in the equations, the rest"""
+    """Residual relative to the terms of the equations"""
     part_before: jax.Array
     passes: jax.Array
 
@@ -137,9 +137,9 @@ class _Refined(NamedTuple):
 def tree_solution(
     elimination: DenseElimination, model: Model, layout: TreeLayout, fronts: jax.Array, load: jax.Array
 ) -> jax.Array:
-    """Solution along the tree, refined; with row exchanges across the whole matrix where that is inexact.
+    """Solution along the tree, refined; by elimination of the whole matrix where it stays inexact.
 
-    Loops where branches would do: of a batch, all cases take a branch that one of them takes, and always.
+    Loops instead of branches: in a batch, all cases would compute a branch that one case takes.
     """
     factor = layout.factored(fronts, elimination)
     sizes = jnp.abs(fronts)
@@ -161,7 +161,7 @@ def tree_solution(
     infinite = jnp.asarray(jnp.inf)
     none = _Refined(jnp.zeros_like(load), load, infinite, infinite, jnp.asarray(0))
     along_tree = jax.lax.while_loop(unfinished, refined, none)
-    # Asked this way round, what is not a number is inexact.
+    # With this comparison NaN counts as inexact.
     _, solution = jax.lax.while_loop(
         lambda known: known[0],
         lambda _: (jnp.zeros((), dtype=bool), _dense_solution(elimination, layout.dense(fronts), load)),
@@ -171,7 +171,7 @@ def tree_solution(
 
 
 def step_matrix(model: Model, step: LinearizedStep) -> jax.Array:
-    """The matrix of the equations, (n + m, n + m), multipliers in parts of the machine's mass."""
+    """Matrix of the equations, (n + m, n + m), with multipliers relative to the machine's mass."""
     matrix = tangent(model, *step)
     rows = constraint_rows(model, step.linearization.joints)
     by_increment = constraint_rows(model, step.linearization.joints, step.increments)
@@ -180,7 +180,7 @@ def step_matrix(model: Model, step: LinearizedStep) -> jax.Array:
 
 
 def step_fronts(layout: TreeLayout, model: Model, step: LinearizedStep) -> jax.Array:
-    """The same matrix as fronts, (nb + 1, T, T)."""
+    """The matrix of `step_matrix` as fronts, (nb + 1, T, T)."""
     blocks = tangent_blocks(model, *step)
     joints = step.linearization.joints
     for block in constraint_blocks(model, joints):
@@ -191,7 +191,7 @@ def step_fronts(layout: TreeLayout, model: Model, step: LinearizedStep) -> jax.A
 
 
 def _kept(model: Model, block: MatrixBlock) -> MatrixBlock:
-    """Constraint equations in parts of the mass, behind the velocities; zero where they are redundant."""
+    """Constraint equations relative to the mass, after the velocities; zero for redundant equations."""
     values = model.mass * block.values
     if len(model.active) < model.n_equations:
         kept = np.zeros(model.n_equations)

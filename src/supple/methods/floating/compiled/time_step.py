@@ -1,7 +1,7 @@
-"""One compiled time step, and the march from output time to output time.
+"""One compiled time step, and the time integration between output times.
 
-Unknown are the new accelerations and multipliers, which Newton's iteration finds (`newton`), or modified
-Newton's (`modified_newton`) where a tangent is kept.
+The unknowns are the new accelerations and multipliers. Newton's iteration (`newton`) solves for them, or the
+modified Newton iteration (`modified_newton`) where the tangent is frozen.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ __all__ = ["equal_steps", "is_last", "march", "substep"]
 
 
 class _Stepped(NamedTuple):
-    """Where the iteration ended."""
+    """End of the iteration of a step."""
 
     acceleration: jax.Array
     multipliers: jax.Array
@@ -44,11 +44,11 @@ class _Stepped(NamedTuple):
 def _try_step(
     elimination: DenseElimination, model: Model, controls: Controls, start: State, h: jax.Array
 ) -> _Stepped:
-    """The iteration for one step of size h, from the acceleration of its start or along a line.
+    """The iteration for one step of size h, from the acceleration of its start or an extrapolated one.
 
-    Each pass evaluates the residual at the iterate left by the pass before and, unless that is good enough,
-    finds the next one; so the code for either stands once in the compiled program. It ends with an iterate
-    that is good, or with one that surely will be.
+    Each pass evaluates the residual of the current iterate and, unless that has converged, computes the next
+    one; so the code of either occurs once in the compiled program. The iteration ends with an iterate that
+    has converged, or that is predicted to.
     """
     rule = StepRule(controls.coefficients, h)
     scale = position_scale(model)
@@ -61,7 +61,7 @@ def _try_step(
     def one_pass(old: Iteration) -> Iteration:
         tolerance = controls.residual_tolerance
         trial, linearization = evaluate(model, rule, start, old.acceleration, old.multipliers, tolerance)
-        # Below rounding error no residual can tell a better answer from a worse one.
+        # Below rounding error, residuals do not distinguish better iterates from worse ones.
         rounding = position_rounding(model.length, trial.configuration.origins)
         stagnant = (old.evaluations > 0) & (old.moved <= rounding) & (trial.relative_residual[3] <= 1e-6)
         size = jnp.max(trial.relative_residual) / tolerance
@@ -131,7 +131,7 @@ def _turn(model: Model, increments: jax.Array) -> jax.Array:
 
 
 def equal_steps(start: State, end: jax.Array) -> jax.Array:
-    """Number of equal steps left to a stop; 1e-9 forgives the rounding of their quotient."""
+    """Number of equal steps left to a stop; 1e-9 covers the rounding of their quotient."""
     return jnp.maximum(jnp.ceil((end - start.time) / start.step * (1 - 1e-9)), 1.0)
 
 
@@ -143,7 +143,7 @@ def is_last(h: jax.Array, remaining: jax.Array) -> jax.Array:
 def substep(
     elimination: DenseElimination, model: Model, controls: Controls, end: jax.Array, start: State
 ) -> State:
-    """Try one step towards `end`: accept it, or cut it."""
+    """Try one step towards `end`: accept it, or reduce its size."""
     remaining = end - start.time
     h = remaining / equal_steps(start, end)
     trial = _try_step(elimination, model, controls, start, h)

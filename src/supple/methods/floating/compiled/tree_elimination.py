@@ -1,15 +1,16 @@
-"""Elimination of the linear equations of a step, body after body along a tree.
+"""Elimination of the linear equations of a step along a tree, one body after another.
 
-Each body has a front: the part of the matrix of its own unknowns (velocities and the multipliers of its
-joint), of its parent's velocities, and of the border. With `o` its own and `q` the others, children done,
+Each body has a front: the part of the matrix with its own unknowns (velocities and the multipliers of its
+joint), the velocities of its parent, and the border. With `o` its own and `q` the other unknowns, after its
+children,
 
     F = [ F_oo  F_oq ]      F_oo^-1,   up = F_oo^-1 F_oq,   down = F_qo F_oo^-1
-        [ F_qo  0    ]      what it leaves for its parent:  - F_qo F_oo^-1 F_oq
+        [ F_qo  0    ]      remainder for its parent:  - F_qo F_oo^-1 F_oq
 
-All fronts have one size, the missing unknowns being decoupled ones, so that one compiled loop serves all
-bodies: the program does not grow with their number, and the work grows in proportion to it. `F_oo` is
-inverted with row exchanges; it is regular because a body on its joint, the parent held, has inertia in all
-directions left to it. Source: multifrontal elimination [DuffReid1983].
+All fronts have one size; missing unknowns are decoupled ones. So one compiled loop serves all bodies: the
+program does not grow with their number, and the work is proportional to it. `F_oo` is inverted with row
+exchanges. It is regular, because a body on its joint with a fixed parent has inertia in every remaining
+direction. Source: multifrontal elimination [DuffReid1983].
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ __all__ = ["TreeFactor", "TreeLayout"]
 
 
 class TreeFactor(NamedTuple):
-    """What eliminations of one matrix share."""
+    """Factors of one matrix, for any load."""
 
     inverses: jax.Array
     """(nb, N, N)"""
@@ -41,12 +42,12 @@ class TreeFactor(NamedTuple):
     downs: jax.Array
     """(nb, Q, N)"""
     border: jax.Array
-    """Inverse of what is left for the border, (b, b)"""
+    """Inverse of the remainder for the border, (b, b)"""
 
 
 @dataclass(frozen=True)
 class TreeLayout:
-    """Where the unknowns of a machine stand in the fronts: velocities, then all constraint equations."""
+    """Position of a machine's unknowns in the fronts: velocities, then all constraint equations."""
 
     tree: EliminationTree
     sizes: tuple[int, ...]
@@ -55,17 +56,17 @@ class TreeLayout:
 
     @classmethod
     def of(cls, model: Model) -> TreeLayout:
-        """Of a machine, from what is known of it when a program is compiled."""
+        """Layout of a machine, from the part of the model that is constant in a compiled program."""
         return cls(elimination_tree(model), model.sizes, model.n_equations, model.active)
 
     @property
     def n_bodies(self) -> int:
-        """Number of bodies on trees."""
+        """Number of bodies in the trees."""
         return len(self.tree.bodies)
 
     @cached_property
     def n_velocities(self) -> int:
-        """Of all bodies."""
+        """Number of velocities of all bodies."""
         return sum(6 + r for r in self.sizes)
 
     @cached_property
@@ -88,14 +89,14 @@ class TreeLayout:
 
     @property
     def operations(self) -> float:
-        """Multiplications of one factorisation, about."""
+        """Approximate number of multiplications of one factorisation."""
         others = self.parent + self.border
         each = self.own * (self.own**2 + 2 * self.own * others + others**2)
         return self.n_bodies * each + self.border**3
 
     @cached_property
     def _pieces(self) -> dict[int, tuple[int, int, int]]:
-        """Front, offset there and size of each piece of unknowns, by its start; front nb is the border."""
+        """Front, offset and size of each piece of unknowns, by its start; front nb is the border."""
         starts = np.cumsum([0, *(6 + r for r in self.sizes)])
         found = {}
         holders = [
@@ -116,7 +117,7 @@ class TreeLayout:
 
     @cached_property
     def _index(self) -> tuple[np.ndarray, np.ndarray]:
-        """Which unknown each place of a front (nb, N) and of the border (b,) holds; -1 for none."""
+        """Number of the unknown at each place of a front (nb, N) and of the border (b,); -1 for none."""
         own = np.full((self.n_bodies, self.own), -1)
         border = np.full(self.border, -1)
         for start, (front, offset, size) in self._pieces.items():
@@ -126,7 +127,7 @@ class TreeLayout:
 
     @cached_property
     def _place(self) -> np.ndarray:
-        """Where the unknowns (velocities, active multipliers) stand behind one another in the fronts."""
+        """Places of the unknowns (velocities, active multipliers) in the concatenated fronts."""
         own, border = self._index
         everything = np.concatenate([own.reshape(-1), border])
         place = np.zeros(self.n_velocities + self.n_equations, dtype=int)
@@ -136,14 +137,14 @@ class TreeLayout:
 
     @cached_property
     def _source(self) -> np.ndarray:
-        """The unknown at each place of the fronts and of the border, one after the last for none."""
+        """Number of the unknown at each place of the fronts and the border; one past the last for none."""
         source = np.full(self.n_bodies * self.own + self.border, len(self._place))
         source[self._place] = np.arange(len(self._place))
         return source
 
     @cached_property
     def _decoupled(self) -> tuple[np.ndarray, np.ndarray]:
-        """1 for places of the fronts (nb, N) and the border (b,) without an unknown, or a redundant one."""
+        """1 for places of the fronts (nb, N) and the border (b,) with no unknown or a redundant one."""
         idle = np.ones(self.n_velocities + self.n_equations + 1)
         idle[: self.n_velocities] = 0
         idle[self.n_velocities + np.array(self.active, dtype=int)] = 0
@@ -151,9 +152,9 @@ class TreeLayout:
         return idle[own], idle[border]
 
     def fronts(self, blocks: Iterable[MatrixBlock]) -> jax.Array:
-        """The matrix as fronts (nb + 1, T, T), T = N + Q, the last one with the border alone.
+        """The matrix as fronts (nb + 1, T, T), T = N + Q; the last one holds the border alone.
 
-        Rows and columns of the blocks that are constraint equations count from the number of velocities on.
+        Rows and columns of constraint equations in the blocks are counted from the number of velocities on.
         """
         size = self.own + self.parent + self.border
         own, border = self._decoupled
@@ -182,7 +183,7 @@ class TreeLayout:
         return total
 
     def _window(self, row: int, column: int) -> tuple[int, int, int]:
-        """Front and corner there of the block of two pieces."""
+        """Front of the block of two pieces, and its first row and column there."""
         front = min(self._pieces[row][0], self._pieces[column][0])
         return front, self._offset(front, row), self._offset(front, column)
 
@@ -196,7 +197,7 @@ class TreeLayout:
         return self.own + offset
 
     def _spread(self, left: jax.Array, axis: int) -> jax.Array:
-        """What a child leaves, (.., Q, ..), at the places of the parent's front, (.., T, ..)."""
+        """Remainder of a child, (.., Q, ..), at the places of the parent's front, (.., T, ..)."""
         parent, border = jnp.split(left, [self.parent], axis=axis)
         shape = list(left.shape)
         shape[axis] = self.own
@@ -204,7 +205,7 @@ class TreeLayout:
         return jnp.concatenate([parent, between, border], axis=axis)
 
     def factored(self, fronts: jax.Array, elimination: DenseElimination) -> TreeFactor:
-        """All fronts eliminated, children before parents."""
+        """Factors of all fronts, children before parents."""
         n, parents = self.own, np.array(self.tree.parents)
         others = fronts.shape[1] - n
 
@@ -249,7 +250,7 @@ class TreeLayout:
         return jnp.concatenate([solutions.reshape(-1), border])[self._place]
 
     def product(self, fronts: jax.Array, unknowns: jax.Array) -> jax.Array:
-        """The matrix in fronts times a vector of unknowns, (n + m,)."""
+        """Product of the matrix in fronts and a vector of unknowns, (n + m,)."""
         own, border = self._distributed(unknowns)
         parents = np.array(self.tree.parents)
         of_parents = jnp.pad(own, ((0, 1), (0, 0)))[parents, : self.parent]
@@ -263,7 +264,7 @@ class TreeLayout:
         return jnp.concatenate([total.reshape(-1), last])[self._place]
 
     def dense(self, fronts: jax.Array) -> jax.Array:
-        """The matrix in fronts as one, (n + m, n + m)."""
+        """The matrix in fronts as one dense matrix, (n + m, n + m)."""
         n = len(self._place)
         own, border = np.split(self._source, [self.n_bodies * self.own])
         own = np.vstack([own.reshape(self.n_bodies, self.own), np.full(self.own, n)])
@@ -273,7 +274,7 @@ class TreeLayout:
         return total[:n, :n]
 
     def _distributed(self, vector: jax.Array) -> tuple[jax.Array, jax.Array]:
-        """Parts of a vector of unknowns for the fronts (nb, N) and the border (b,)."""
+        """Parts of a vector of unknowns in the fronts (nb, N) and the border (b,)."""
         everywhere = jnp.append(vector, 0.0)[self._source]
         own, border = jnp.split(everywhere, [self.n_bodies * self.own])
         return own.reshape(self.n_bodies, self.own), border

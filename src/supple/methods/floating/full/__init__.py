@@ -1,1 +1,1 @@
-"""The engine for bodies with all their freedoms: sparse Newton steps."""
+"""Full-order engine for bodies with all finite-element freedoms: sparse Newton steps."""

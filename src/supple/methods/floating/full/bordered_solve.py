@@ -1,11 +1,11 @@
-"""The bordered linear system of a step, its sparse interiors eliminated: a small dense one is left.
+"""Solution of the bordered linear system of a step: sparse interiors are eliminated, the border is dense.
 
-Unknown are the accelerations of frames, reduced and rigid bodies and interfaces (the border), the joint
-multipliers, and per full body the six multipliers of its frame conditions. Behind the border an interior is
+The unknowns are the accelerations of frames, reduced and rigid bodies and interfaces (the border), the joint
+multipliers, and six multipliers of frame conditions per full body. The interior of a full body is
 
     x = particular + responses [c, y, mu]
 
-with `c` the generalised interface forces, which are the border's own rows for the interface motions, `y` the
+with `c` the generalised interface forces, equal to the border's rows of the interface motions, `y` the
 accelerations of its frame and `mu` the multipliers of its frame conditions.
 """
 
@@ -22,36 +22,36 @@ __all__ = ["Border", "BorderedChange", "EliminatedInterior", "solve_bordered"]
 
 
 class Border(NamedTuple):
-    """The compiled part of the system."""
+    """The compiled part of the linear system."""
 
     matrix: np.ndarray
     """(n, n)"""
     rows: np.ndarray
     """Constraint Jacobian, (m, n)"""
     rows_by_increment: np.ndarray
-    """Likewise for the increments, (m, n)"""
+    """Constraint Jacobian with respect to the increments, (m, n)"""
     residual: np.ndarray
     """(n,)"""
     targets: np.ndarray
-    """What the constraint rows must become, (m,)"""
+    """Required values of the constraint rows, (m,)"""
     scale: float
-    """Of multipliers, in parts of which they are of the size of accelerations"""
+    """Unit of the multipliers, in which they have the size of accelerations"""
 
 
 class EliminatedInterior(NamedTuple):
-    """One full body behind its border."""
+    """One full body, eliminated."""
 
     part: slice
-    """Its frame and interface motions in the border"""
+    """Numbers of its frame and interface motions in the border"""
     out: LoadedElimination
     frame_residual: np.ndarray
     """(6,)"""
     frame_target: np.ndarray
-    """What the frame conditions must become, (6,)"""
+    """Required values of the frame conditions, (6,)"""
 
 
 class BorderedChange(NamedTuple):
-    """The solution: of the border, the joint multipliers, and of every interior."""
+    """Solution: changes of the border, the joint multipliers, and every interior."""
 
     border: np.ndarray
     multipliers: np.ndarray
@@ -62,7 +62,7 @@ class BorderedChange(NamedTuple):
 
 
 def solve_bordered(border: Border, interiors: Sequence[EliminatedInterior]) -> BorderedChange:
-    """Solve for the change of accelerations and multipliers."""
+    """Change of accelerations and multipliers that solves the bordered system."""
     n, m = len(border.matrix), len(border.targets)
     joints = slice(n, n + m)
     frames = [slice(n + m + 6 * number, n + m + 6 * number + 6) for number in range(len(interiors))]
@@ -92,7 +92,7 @@ def _condense(interior: EliminatedInterior, mu: slice, matrix: np.ndarray, right
     part, out = interior.part, interior.out
     frame, interface = slice(part.start, part.start + 6), slice(part.start + 6, part.stop)
     p = interface.stop - interface.start
-    # All that the rest of the machine sees of the interior, per unknown: `c` stands in the interface's rows.
+    # All coupling of the interior to the machine, per unknown: `c` is in the rows of the interface.
     seen = out.seen_responses[:, :p] @ matrix[interface]
     seen[:, frame] += out.seen_responses[:, p : p + 6]
     seen[:, mu] += out.seen_responses[:, p + 6 :]

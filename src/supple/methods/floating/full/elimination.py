@@ -1,13 +1,13 @@
-"""What a full body's own equations leave of it once they are eliminated, for any load on them.
+"""Elimination of a full body's interior equations, for any load on them.
 
 With the factored tangent `S`, the loads `r`, and the unknowns `u`, which are generalised interface forces,
 accelerations of the frame and frame multipliers,
 
     x = - S^-1 r + Z u,       Z = - S^-1 [B^T, F, D^T]
 
-and the rest of the machine sees `L x` of it: what it adds to the frame's equations, the motion of the
-interfaces, and the frame conditions, with `L = [E; B; D]`. Of the frame, all components here are the body's,
-so that an elimination still serves when the body has turned on.
+and the coupling of the interior to the machine is `L x`, with `L = [E; B; D]`: its part in the equations of
+the frame, the motion of the interfaces, and the frame conditions. Vectors of the frame have body components
+here, so that an elimination stays valid when the body has rotated.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ __all__ = ["Elimination", "LoadedElimination", "elimination"]
 
 
 class LoadedElimination(NamedTuple):
-    """An eliminated interior under its loads; forces and motions of the frame are global."""
+    """An eliminated interior under its loads; forces and motions of the frame have global components."""
 
     particular: np.ndarray
     """`- S^-1 r`, (n,)"""
     responses: np.ndarray
-    """`Z`, (n, k), k = 6 p + 12, the frame's components the body's"""
+    """`Z`, (n, k), k = 6 p + 12, frame vectors in body components"""
     turn: np.ndarray
-    """The unknowns of these from those with global components, (k, k)"""
+    """Unknowns with body components from unknowns with global components, (k, k)"""
     seen: np.ndarray
     """`L` times the particular part, (k,)"""
     seen_responses: np.ndarray
@@ -45,7 +45,7 @@ class LoadedElimination(NamedTuple):
 
 
 class Elimination(NamedTuple):
-    """An eliminated interior, the frame's components the body's; built by `elimination`."""
+    """An eliminated interior, frame vectors in body components; built by `elimination`."""
 
     factor: SparseFactor | LowRankUpdate
     responses: np.ndarray
@@ -62,7 +62,7 @@ class Elimination(NamedTuple):
     """(6, 6)"""
 
     def loaded(self, residual: np.ndarray, rotation: np.ndarray) -> LoadedElimination:
-        """Under unbalanced forces (n,), with the body's axes at a rotation (3, 3)."""
+        """The elimination under unbalanced forces (n,), with the body's axes at a rotation (3, 3)."""
         particular = -self.factor.solve(residual)
         p = self.responses.shape[1] - 12
         seen = _seen(self.frame_equations, self.interface_rows, self.frame_rows, particular)
@@ -88,7 +88,7 @@ def elimination(
     frame_equations: np.ndarray,
     frame_corner: np.ndarray,
 ) -> Elimination:
-    """Everything of an elimination that does not depend on the loads."""
+    """The part of an elimination that does not depend on the loads."""
     seen = _seen(frame_equations, interface_rows, frame_rows, responses)
     return Elimination(factor, responses, interface_rows, frame_rows, frame_equations, seen, frame_corner)
 

@@ -1,6 +1,6 @@
-"""The full-order engine: machines with bodies that keep all their finite-element freedoms, as references.
+"""Full-order engine: machines with bodies that keep all finite-element freedoms, as references.
 
-A Python loop over time steps is unavoidable here: each iteration solves with sparse factors.
+The loop over time steps is in Python, because each iteration solves with sparse factors.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class FullEngine:
         self._run = run
         self._iteration = iteration
         self._every = FullSystem(machine)
-        """With all constraint equations"""
+        """The machine with all constraint equations"""
         system = self._every.system
         self._machine = self._every
         self._sampling = sampling_of(system, run)
@@ -77,11 +77,11 @@ class FullEngine:
 
     @property
     def machine(self) -> FullSystem:
-        """The equations; those constraints that are active, once it has started."""
+        """The equations; after the start, with the active constraints only."""
         return self._machine
 
     def start(self, time: float) -> March:
-        """Consistent positions and velocities on the joints and in the frames, first accelerations."""
+        """Consistent positions and velocities for joints and frames, and the first accelerations."""
         self._machine, configuration, velocity, change = consistent_start(self._every, time)
         report_start(change, self._run.validity)
         self._machine.check_frames(configuration)
@@ -92,8 +92,8 @@ class FullEngine:
     def resumed(self, last: Solution) -> March:
         """The state at the end of a recorded part.
 
-        Without the `engine_state` the auxiliary acceleration of the integrator is taken equal to the true
-        one, which keeps the order of accuracy but not the last digits.
+        Without `engine_state` the auxiliary acceleration of the integrator is set to the true acceleration.
+        This keeps the order of accuracy but not the last digits.
         """
         known = last.engine_state
         machine = self._every
@@ -120,13 +120,13 @@ class FullEngine:
         )
 
     def march(self, state: March, times: np.ndarray) -> Leg[March]:
-        """Step by step to each of the output times."""
+        """Integrate step by step to each of the output times."""
         began = clock.perf_counter()
         reached: list[FullState] = []
         before, stopped = state, None
         stops, outputs = self._stops.on_the_way(state.state.time, times)
         for number, end in enumerate(stops):
-            if end > state.state.time:  # what is due is called when the march goes on
+            if end > state.state.time:  # controllers due at the last time are called when the run goes on
                 state = state._replace(state=self._sampled(state.state))
             state, residual = self._to_output(state, float(end))
             if residual is not None:
@@ -150,7 +150,7 @@ class FullEngine:
         return Leg((reached, state), len(reached), state, statistics, stopped)
 
     def _sampled(self, state: FullState) -> FullState:
-        """After calling the sampled controllers that are due, with accelerations that belong to them."""
+        """The state after calling the sampled controllers that are due, with its new accelerations."""
         if self._sampling is None or state.control is None:
             return state
         machine, step = self._machine, state.control
@@ -218,7 +218,7 @@ class FullEngine:
         states, last = leg.states
         machine, ending = self._machine, states[-1]
         control = ending.control
-        # What the motions of bodies that are seen at stations do not hold.
+        # Internal state of bodies with stations, which the motions do not hold.
         by_velocity = {"velocity": ending.velocity, "acceleration": ending.acceleration}
         return full_solution(
             machine,

@@ -1,8 +1,8 @@
-"""A tangent of the whole machine that serves several iterations and steps, and is made again from numbers.
+"""Frozen tangent of the whole machine for several iterations and steps, reconstructed from few numbers.
 
-It is that of an earlier iterate, of bodies that neither deform nor accelerate against their frames: both
-change it in the measure of what a step deforms the body. So it depends on few numbers, which a recorded run
-keeps, and a resumed one takes the same iterations.
+It is the tangent of an earlier iterate with zero deformation rates and accelerations relative to the frames;
+the error from both is of the size of the deformation in one step. So it depends on few numbers. A recorded
+run stores them, and the resumed run has the same iterations.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from supple.methods.floating.full.full_tangent import FullTangent
 __all__ = ["FrozenTangent", "frozen_tangent", "numbers_of", "serves", "tangent_of"]
 
 SIMILAR = 0.1
-"""Part by which the step factors may differ from those of a frozen tangent."""
+"""Relative difference up to which the step factors may differ from those of a frozen tangent."""
 
 _FIELDS = ("rotation", "angular_velocity", "angular_acceleration", "acceleration", "time", "coordinates")
 
 
 class FrozenTangent(NamedTuple):
-    """Eliminated interiors, and what they were made for."""
+    """Eliminated interiors, and the states that they were computed for."""
 
     eliminations: tuple[Elimination, ...]
     states: tuple[InteriorState, ...]
@@ -34,9 +34,9 @@ class FrozenTangent(NamedTuple):
     """Rotation of each interior's frame within the step, (b, 3)"""
     factors: StepFactors
     symmetric: bool
-    """Whether the interiors' tangents are their symmetric parts"""
+    """Whether only the symmetric parts of the interiors' tangents were factored"""
     proven: bool = False
-    """Whether an iteration with it has gained tenfold"""
+    """Whether an iteration with it has reduced the correction tenfold"""
 
 
 def frozen_tangent(
@@ -47,7 +47,7 @@ def frozen_tangent(
     *,
     symmetric: bool,
 ) -> FrozenTangent:
-    """Factor every interior's tangent at these states, or its symmetric part."""
+    """Eliminations of every interior at these states, by its tangent or the symmetric part of it."""
     none = [np.zeros(interior.full.n_coordinates) for interior in machine.interiors]
     still = tuple(
         state._replace(rates=zero, accelerations=zero, frame_multipliers=np.zeros(6))
@@ -58,12 +58,12 @@ def frozen_tangent(
 
 
 def serves(tangent: FrozenTangent, factors: StepFactors) -> bool:
-    """Whether it is of about the same step."""
+    """Whether the tangent is of nearly the same step factors."""
     return bool(np.allclose(factors, tangent.factors, rtol=SIMILAR, atol=0.0))
 
 
 def numbers_of(machine: FullSystem, tangent: FrozenTangent | None) -> np.ndarray:
-    """What a frozen tangent was made for, as one row of numbers; NaN where there is none."""
+    """State of a frozen tangent as one row of numbers; NaN where there is none."""
     if tangent is None:
         return np.full(_size(machine), np.nan)
     of_step = [*tangent.factors, float(tangent.symmetric), float(tangent.proven)]
@@ -72,7 +72,7 @@ def numbers_of(machine: FullSystem, tangent: FrozenTangent | None) -> np.ndarray
 
 
 def tangent_of(machine: FullSystem, numbers: np.ndarray) -> FrozenTangent | None:
-    """The tangent that `numbers_of` describes, factored again."""
+    """The tangent described by `numbers_of`, factored again."""
     if len(numbers) != _size(machine) or not np.isfinite(numbers).all():
         return None
     b = len(machine.interiors)

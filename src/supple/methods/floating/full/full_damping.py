@@ -1,4 +1,4 @@
-"""Damping of a full body: a sparse matrix, a product of few columns, and what follows the strain rate."""
+"""Damping of a full body: a sparse matrix, a low-rank product, and damping proportional to strain rate."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class FullDamping:
-    """D(q) = C + W S W^T + beta K_mat(q) of one full body, in motion against its frame.
+    """D(q) = C + W S W^T + beta K_mat(q) of one full body, for motion relative to its frame.
 
     constant : C, sparse (n, n)
-    columns : W (n, m), of the modes that are damped, or of an interface that alpha acts against
+    columns : W (n, m), of the damped modes, or of the interface relative to which alpha acts
     signs : diagonal of S, (m,), each 1 or -1
-    retardation_time : beta, s; 0 without
+    retardation_time : beta, s; 0 without damping by strain rate
     """
 
     full: FullBody
@@ -34,18 +34,18 @@ class FullDamping:
     retardation_time: float
 
     def force(self, rates: Array) -> Array:
-        """(C + W S W^T) q_dot, (n,); what follows the strain rate comes with the elastic force."""
+        """(C + W S W^T) q_dot, (n,); the elastic force includes the part by strain rate."""
         return self.constant @ rates + self.columns @ (self.signs * (self.columns.T @ rates))
 
     def with_modes(self, factor: SparseFactor, by_velocity: float) -> SparseFactor | LowRankUpdate:
-        """The factor of a tangent that lacks W S W^T, with it."""
+        """The factor of a tangent without W S W^T, updated by that term."""
         if not (by_velocity and self.columns.size):
             return factor
         return LowRankUpdate(factor, self.columns, by_velocity * self.signs)
 
 
 def full_damping(full: FullBody) -> FullDamping:
-    """The damping of a full body, as its option says; ModelError for one that does not fit it."""
+    """Damping of a full body by its damping option; ModelError for an option that does not fit it."""
     body, damping = full.body, full.damping
     none, no_columns = csc_array(body.mass.shape), np.empty((body.n, 0))
     own = none if body.damping is None else body.damping
@@ -72,7 +72,7 @@ def _interface_motion(body: FlexibleBody, held: Frame) -> Array:
 
 
 def _seen_from(body: FlexibleBody, held: Frame) -> Array:
-    """What P^T M P, P = I - R G, has beside M: W W^T - U U^T, (n, 12).
+    """The part of P^T M P beside M, P = I - R G: W W^T - U U^T, (n, 12).
 
     U = M R L^-T and W = U - G^T L, with R^T M R = L L^T.
     """

@@ -1,4 +1,4 @@
-"""One full body inside a step: its sparse equations, and their coupling to the frame and the interfaces."""
+"""Interior of one full body in a step: its sparse equations, and their coupling to frame and interfaces."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ __all__ = ["FullInterior", "InteriorForces", "InteriorState", "prepare_interior"
 
 
 MOST_PREPARED = 4
-"""Bodies that a process holds prepared."""
+"""Number of prepared bodies that a process stores."""
 
 _right_jacobian = jax.jit(rotation_right_jacobian)
 _forces = jax.jit(nodal_forces)
@@ -42,14 +42,14 @@ _forces_by_places = jax.jit(forces_by_places)
 
 
 class _LoadOnNodes(NamedTuple):
-    """A nodal load, its numbers where JAX computes: the table of a long run is many megabytes."""
+    """A nodal load with its numbers on the device of JAX: the table of a long run has many megabytes."""
 
     nodes: np.ndarray
     prepared: PreparedLoad
 
 
 class _LoadForces(NamedTuple):
-    """Forces of a load on its nodes (k,), body components, and their change as the frame turns."""
+    """Forces of a load on its nodes (k,), body components, and their derivative by the frame's rotation."""
 
     nodes: np.ndarray
     forces: np.ndarray
@@ -74,18 +74,18 @@ class InteriorState(NamedTuple):
 
 
 def tangent_point(state: InteriorState, factors: StepFactors) -> TangentPoint:
-    """What the tangent of an interior depends on."""
+    """The quantities that the tangent of an interior depends on."""
     return TangentPoint(state.coordinates, state.angular_velocity, state.angular_acceleration, factors)
 
 
 class InteriorForces(NamedTuple):
-    """The terms in balance, frame part (6,) and coordinates (n,) joined, (6 + n,) each."""
+    """Terms of the equations of motion, frame part (6,) and coordinates (n,) joined, (6 + n,) each."""
 
     inertia: np.ndarray
     internal: np.ndarray
     applied: np.ndarray
     joint: np.ndarray
-    """Of the frame conditions alone."""
+    """Force of the frame conditions alone."""
     frame_residual: np.ndarray
     """`D q`, (6,)"""
 
@@ -122,7 +122,7 @@ class FullInterior:
         )
 
     def _load_forces(self, state: InteriorState, place: np.ndarray) -> list[_LoadForces]:
-        """Of every nodal load, where the nodes are at `place` (N, 3)."""
+        """Forces of every nodal load, for nodes at `place` (N, 3)."""
         forces = []
         for load in self.loads:
             arguments = load.prepared, place[load.nodes], state.rotation, state.time
@@ -160,9 +160,9 @@ class FullInterior:
     def eliminate(
         self, state: InteriorState, increment: np.ndarray, factors: StepFactors, factored: Factored
     ) -> Elimination:
-        """What is left of the interior, with its factored tangent, for whatever acts on it.
+        """The interior eliminated with its factored tangent, for any forces at frame and interfaces.
 
-        increment : (3,) of the frame's rotation in this step
+        increment : (3,) rotation of the frame in this step
         """
         columns, rows, corner = self._border(self._motion(state), state, increment, factors)
         p = 6 * len(self.full.interfaces)
@@ -171,7 +171,7 @@ class FullInterior:
         return elimination(factored.factor, responses, self.interface_rows, self.frame_rows, rows, corner)
 
     def linear_parts(self, state: InteriorState) -> tuple[csr_array, ...]:
-        """`M`, `C` and `K` (6 + n, 6 + n) of a body that turns steadily, all in its own axes."""
+        """`M`, `C` and `K` (6 + n, 6 + n) of a steadily rotating body, all in body axes."""
         motion, none = self._motion(state), np.zeros(3)
         borders = [
             self._border(motion, state, none, StepFactors(*factors))
@@ -189,7 +189,7 @@ class FullInterior:
         return tuple(parts)
 
     def _following_loads(self, state: InteriorState) -> csr_array | None:
-        """Change (6 + n, 6 + n) of minus the loads that follow the places of their nodes."""
+        """Derivative (6 + n, 6 + n) of minus the loads that depend on the positions of their nodes."""
         body, d = self.full.body, self.full.body.dofs_per_node
         place = body.nodes + self._nodal(state.coordinates)[:, :3]
         entries, rows, columns = [], [], []
@@ -208,7 +208,7 @@ class FullInterior:
             return None
         joined = (np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns)))
         by_nodes = csr_array(coo_array(joined, shape=(body.n_nodal, body.n_nodal)))
-        # Forces on nodes as forces and moments on the frame, and on the coordinates.
+        # Nodal forces as forces and moments on the frame, and as generalised forces on the coordinates.
         frame = np.zeros((len(body.nodes), d, 6))
         frame[:, :3, :3] = np.eye(3)
         frame[:, :3, 3:] = -cross_matrices(place)
@@ -217,7 +217,7 @@ class FullInterior:
         return csr_array(-(on_freedoms.T @ by_nodes @ seen))
 
     def frame_mass(self, state: InteriorState) -> np.ndarray:
-        """Mass matrix of the body moving rigidly, for its frame's velocities, the first three global."""
+        """Mass matrix of the body in rigid motion, for the velocities of its frame (three global first)."""
         corner = self.inertia.border(self._motion(state), StepFactors(0.0, 0.0)).corner.copy()
         corner[:, :3] = corner[:, :3] @ state.rotation.T
         corner[:3] = state.rotation @ corner[:3]
@@ -240,7 +240,7 @@ class FullInterior:
         increment: np.ndarray,
         factors: StepFactors,
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Tangents with the frame, whose components are the body's: columns (n, 6), rows (6, n), corner."""
+        """Tangents of the frame in body components: columns (n, 6), rows (6, n), corner (6, 6)."""
         columns, rows, corner = self.inertia.border(motion, factors)
         turn = factors.by_position * np.asarray(_right_jacobian(increment))
         frame_force = self.inertia.terms(motion).frame[:3]
@@ -256,7 +256,7 @@ class FullInterior:
         by_node = np.zeros((len(body.nodes), d, 6))
         row_by_node = np.zeros((6, len(body.nodes), d))
         for nodes, values, by_rotation in self._load_forces(state, place):
-            # How forces follow the displacements of their own nodes is left to Newton's iteration.
+            # The derivative of forces by the displacements of their own nodes is neglected here.
             crosses = cross_matrices(values)
             np.add.at(by_node[:, :3, 3:], nodes, -by_rotation @ turn)
             np.add.at(row_by_node[3:, :, :3].swapaxes(0, 1), nodes, factors.by_position * crosses)
@@ -274,7 +274,7 @@ def _unit_rows(rows: np.ndarray) -> np.ndarray:
 
 
 def prepare_interior(index: int, full: FullBody, loads: tuple[NodalLoad, ...]) -> FullInterior:
-    """Everything of a full body that does not change from step to step."""
+    """The part of a full body that is constant over all steps."""
     return replace(
         _unloaded_interior(full),
         index=index,
@@ -284,7 +284,7 @@ def prepare_interior(index: int, full: FullBody, loads: tuple[NodalLoad, ...]) -
 
 @lru_cache(maxsize=MOST_PREPARED)
 def _unloaded_interior(full: FullBody) -> FullInterior:
-    """Of a body by itself: the same in its equilibrium, in every round and in the statement of its error."""
+    """Interior of a body without loads; shared by its equilibrium, every round and its error estimate."""
     body = full.body
     inertia = FullInertia(body)
     damping = full_damping(full)

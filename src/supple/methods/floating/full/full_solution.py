@@ -1,4 +1,4 @@
-"""States of machines with full bodies as a solution."""
+"""Conversion of the states of machines with full bodies to a solution."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""States of machines with full bodies, and what is left of their equations there."""
+"""States of machines with full bodies, and the residuals of their equations."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ class FullState(NamedTuple):
     multipliers: np.ndarray
     frame_multipliers: tuple[np.ndarray, ...]
     control: ControlStep | None = None
-    """Of the step that leads here; of the start of one, without length. None without controllers"""
+    """At the end of the last step, or of a step of zero length at the start. None without controllers"""
 
 
 Targets = tuple[np.ndarray, tuple[np.ndarray, ...]]
-"""Of the constraint rows, and of the frame conditions of each full body"""
+"""Targets of the constraint rows, and of the frame conditions of each full body"""
 
 
 class LineEvaluation(NamedTuple):
-    """A body that is seen at stations, at one iterate."""
+    """A body with stations, at one iterate."""
 
     state: BodyState
     stations: Stations
     residual: np.ndarray
-    """(6 + r,), the forces at its stations included"""
+    """(6 + r,), with the forces at its stations"""
     station_forces: np.ndarray
     """(6 s,)"""
 
@@ -51,22 +51,22 @@ class Evaluation(NamedTuple):
     constraint_residual: np.ndarray
     interior_states: tuple[InteriorState, ...]
     interior_residuals: tuple[np.ndarray, ...]
-    """(6 + n,) of each full body, its interface forces included in the last n."""
+    """(6 + n,) for each full body; the last n include its interface forces"""
     frame_residuals: tuple[np.ndarray, ...]
     relative_residual: np.ndarray
     largest_terms: np.ndarray
-    """Of forces, moments and deformation, (3,): what the first residuals are compared with"""
+    """Norms of forces, moments and deformation forces, (3,), the reference of the first residuals"""
     rotations: np.ndarray
-    """Of the system's bodies, (nb, 3, 3)"""
+    """Rotations of the system's bodies, (nb, 3, 3)"""
     lines: tuple[LineEvaluation, ...] = ()
 
     def closing(self, by_position: float) -> Targets:
-        """What constraint rows and frame conditions must become, in accelerations, to close what is open."""
+        """Values of constraint rows and frame conditions, as accelerations, that close their residuals."""
         frames = tuple(-residual / by_position for residual in self.frame_residuals)
         return -self.constraint_residual / by_position, frames
 
     def left_with(self, border: np.ndarray, interiors: tuple[np.ndarray, ...]) -> Evaluation:
-        """As if nothing but these were left: (n,) of the border, and (6 + n,) of each full body."""
+        """The evaluation with other residuals: (n,) of the border, and (6 + n,) of each full body."""
         none = np.zeros_like(self.border.inertia)
         return self._replace(
             border=self.border._replace(inertia=none, internal=none, applied=border, joint=none),

@@ -1,15 +1,15 @@
-"""Full-order simulation: bodies with all their finite-element freedoms, by sparse bordered Newton steps.
+"""Full-order equations: bodies with all finite-element freedoms, solved by sparse bordered Newton steps.
 
-The interior of the linear system of a step is each full body's own sparse matrix `S`, factored alone; the
-border, a few dozen unknowns, holds the frames, the reduced and rigid bodies, the joint multipliers and, per
-full body, the six multipliers `mu` of its frame conditions `D q = 0`. What joints and forces see of a full
-body is the motion of its interfaces, `w = B q`, which the compiled equations treat as coordinates of a
+The interior of the linear system of a step is the sparse matrix `S` of each full body, factored by itself.
+The border, a few dozen unknowns, holds the frames, the reduced and rigid bodies, the joint multipliers and,
+per full body, the six multipliers `mu` of its frame conditions `D q = 0`. Joints and forces depend on the
+motion of a full body's interfaces, `w = B q`. The compiled equations treat these motions as coordinates of a
 massless body (`build_model`). Eliminating the interior,
 
     x = - S^-1 ( r + B^T c + F y + D^T dmu ),      w = B x,      D x = - D q / k,
 
 with `c` the generalised interface forces and `y` the frame's accelerations, leaves a small dense system.
-A Python loop over time steps is unavoidable here: each iteration solves with sparse factors.
+The loop over time steps is in Python, because each iteration solves with sparse factors.
 """
 
 from __future__ import annotations
@@ -76,14 +76,14 @@ _border_matrices = KeptProgram(_matrices)
 
 
 class FullSystem:
-    """A system with bodies that keep every freedom, ready for stepping. Holds no state of the motion.
+    """A system with full bodies, ready for stepping; it holds no state of the motion.
 
     It is also the `StartingMachine` of its engine.
 
-    Bodies that are seen at stations are dense parts of the border: with P = diag(I, J) from their velocities
-    to those of the stations, the border's matrix becomes P^T B P + diag(0, S), S their own tangents.
+    Bodies with stations are dense parts of the border. With P = diag(I, J) from their velocities to those of
+    the stations, the border's matrix becomes P^T B P + diag(0, S), with S the tangents of these bodies.
 
-    active : the constraint equations to keep, redundant ones left out; all of them until the start finds out
+    active : the independent constraint equations; all equations until the start has found the redundant ones
     """
 
     def __init__(self, system: System | SeenMachine, active: tuple[int, ...] | None = None) -> None:
@@ -105,7 +105,7 @@ class FullSystem:
         self.seen_slices = self._seen_slices()
 
     def _border_slices(self) -> tuple[slice, ...]:
-        """Where what is seen of each body stands in the border: its frame and interfaces, or its stations."""
+        """Numbers in the border of each body's velocities: of frame and interfaces, or of stations."""
         parts = iter(self.model.slices)
         known = {index: next(parts) for index in range(len(self.system.bodies)) if index not in self.line_of}
         first = max((part.stop for part in known.values()), default=0)
@@ -115,7 +115,7 @@ class FullSystem:
         return tuple(known[index] for index in range(len(self.system.bodies)))
 
     def _seen_slices(self) -> tuple[slice, ...]:
-        """The same with the own velocities of bodies that are seen at stations, in the place of these."""
+        """`_border_slices` with own velocities of bodies with stations instead of the stations'."""
         parts = list(self.border_slices)
         first = max((parts[index].stop for index in self._others), default=0)
         for line in self.lines:
@@ -126,11 +126,11 @@ class FullSystem:
 
     @property
     def _others(self) -> list[int]:
-        """Bodies that are not seen at stations."""
+        """Bodies without stations."""
         return [index for index in range(len(self.system.bodies)) if index not in self.line_of]
 
     def restricted(self, active: tuple[int, ...]) -> Self:
-        """Without some of the constraint equations."""
+        """The system with the given constraint equations only."""
         other = copy(self)
         other.model = replace(self.model, active=active)
         return other
@@ -143,7 +143,7 @@ class FullSystem:
         )
 
     def stations(self, configuration: Configuration, velocity: np.ndarray) -> tuple[Stations, ...]:
-        """Of the bodies that are seen at stations."""
+        """Motions of the stations, for each body that has them."""
         none = np.zeros_like(velocity)
         return tuple(
             line.stations(self._body_state(line.index, 0.0, configuration, velocity, none))
@@ -169,14 +169,14 @@ class FullSystem:
         )
 
     def body_states(self, index: int, states: Sequence[FullState]) -> list[BodyState]:
-        """Of one body over some instants."""
+        """States of one body at several instants."""
         return [
             self._body_state(index, each.time, each.configuration, each.velocity, each.acceleration)
             for each in states
         ]
 
     def to_border(self, vector: np.ndarray, stations: tuple[Stations, ...]) -> np.ndarray:
-        """Velocities (or the like) of the compiled part: interfaces' and stations' motions."""
+        """Velocities (or accelerations) of the compiled part, with the motions of interfaces and stations."""
         seen = np.empty(self.model.n_velocities)
         for index, (part, border) in enumerate(zip(self.slices, self.border_slices, strict=True)):
             own, interior = vector[part], self.interior_of.get(index)
@@ -224,7 +224,7 @@ class FullSystem:
         )
 
     def border_motion(self, state: FullState, stations: tuple[Stations, ...] | None = None) -> SystemMotion:
-        """The motion of the compiled part; stations have no mass, and their accelerations do not matter."""
+        """Motion of the compiled part; stations are massless, so their accelerations have no effect."""
         if stations is None:
             stations = self.stations(state.configuration, state.velocity)
         return SystemMotion(
@@ -237,14 +237,14 @@ class FullSystem:
         )
 
     def ended(self, state: FullState) -> FullState:
-        """The state at the end of a step, its controllers at the start of the next one."""
+        """The state at the end of a step, with its controllers at the start of the next one."""
         if state.control is None:
             return state
         control = control_after(self.model, self.border_motion(state))
         return state._replace(control=ControlStep(control, np.zeros(())))
 
     def evaluate(self, state: FullState, by_position: float) -> Evaluation:
-        """All residuals at a state; `by_position`, of the step, scales those of the constraints."""
+        """All residuals at a state; the factor `by_position` of the step scales those of the constraints."""
         stations = self.stations(state.configuration, state.velocity)
         motion = self.border_motion(state, stations)
         terms = jax.tree.map(np.asarray, _border_terms(self.model, motion))
@@ -292,7 +292,7 @@ class FullSystem:
     def _evaluated_line(
         self, number: int, state: FullState, stations: Stations, terms: Balance
     ) -> tuple[LineEvaluation, list[np.ndarray]]:
-        """A body that is seen at stations, and its inertia, internal, applied and joint forces, (6 + r,)."""
+        """A body with stations, and its inertia, internal, applied and joint forces, (6 + r,)."""
         line = self.lines[number]
         part = self.border_slices[line.index]
         at = self._body_state(line.index, state.time, state.configuration, state.velocity, state.acceleration)
@@ -315,7 +315,7 @@ class FullSystem:
 
     @cached_property
     def position_scale(self) -> np.ndarray:
-        """What counts as a large change of each freedom, (n,)."""
+        """Size of a large change of each freedom, (n,)."""
         length = self.model.length
         parts = []
         for index, (placed, part) in enumerate(zip(self.system.bodies, self.slices, strict=True)):
@@ -326,7 +326,7 @@ class FullSystem:
 
     @cached_property
     def border_scale(self) -> np.ndarray:
-        """As `position_scale`, of the border: translations and rotations of interfaces."""
+        """`position_scale` for the border: translations and rotations of interfaces."""
         of_frame = [self.model.length] * 3 + [1.0] * 3
         found = np.empty(self.model.n_velocities)
         for index, part in enumerate(self.border_slices):
@@ -337,7 +337,7 @@ class FullSystem:
         return found
 
     def under(self, evaluation: Evaluation, forces: np.ndarray) -> Evaluation:
-        """As if other forces (n of the border) than those evaluated were unbalanced."""
+        """The evaluation with other unbalanced forces (n of the border) than those evaluated."""
         interiors = []
         for interior in self.interiors:
             own = -forces[self.border_slices[interior.index]]
@@ -345,7 +345,7 @@ class FullSystem:
         return evaluation.left_with(-forces, tuple(interiors))
 
     def residual_of(self, evaluation: Evaluation) -> np.ndarray:
-        """What is unbalanced in all freedoms (n,); of frames the force is global, the moment in body axes."""
+        """Residual of all freedoms (n,); for frames, a global force and a moment in body axes."""
         parts = [evaluation.border.residual[part] for part in self.border_slices]
         for interior, own in zip(self.interiors, evaluation.interior_residuals, strict=True):
             parts[interior.index] = own
@@ -354,11 +354,11 @@ class FullSystem:
         return np.concatenate(parts)
 
     def norms(self, residual: np.ndarray) -> np.ndarray:
-        """Of forces, moments and deformation in a residual (n,), (3,)."""
+        """Norms (3,) of forces, moments and deformation forces in a residual (n,)."""
         return np.sqrt(np.sum([_squares_by_kind(residual[part]) for part in self.slices], axis=0))
 
     def without(self, evaluation: Evaluation, forces: np.ndarray) -> Evaluation:
-        """As if forces (n,) were held back; its relative residual is left as it was."""
+        """The evaluation without forces (n,); its relative residual is unchanged."""
         border = np.zeros(self.model.n_velocities)
         for index, (part, own) in enumerate(zip(self.border_slices, self.slices, strict=True)):
             if index not in self.interior_of and index not in self.line_of:
@@ -398,14 +398,14 @@ class FullSystem:
     ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
         """Solve the bordered system for the change of accelerations, multipliers and frame multipliers.
 
-        targets : what the constraint rows and the frame conditions of each full body must become
+        targets : required values of the constraint rows and the frame conditions of each full body
         """
         turns = self.turns(increments)
         eliminations = self.eliminated(evaluation.interior_states, turns, factors, FullTangent.serving)
         return self.correction_behind(eliminations, evaluation, targets, increments, factors)
 
     def turns(self, increments: np.ndarray) -> np.ndarray:
-        """Rotations of the full bodies' frames among increments (n,), (b, 3)."""
+        """Rotations of the full bodies' frames in increments (n,), (b, 3)."""
         return np.array([increments[self.slices[each.index]][3:6] for each in self.interiors])
 
     def eliminated(
@@ -415,7 +415,7 @@ class FullSystem:
         factors: StepFactors,
         factor: Callable[[FullTangent, TangentPoint], Factored],
     ) -> tuple[Elimination, ...]:
-        """Every interior eliminated, by the `factor` of its tangent."""
+        """Eliminations of all interiors, with the `factor` of their tangents."""
         return tuple(
             interior.eliminate(state, turn, factors, factor(interior.tangent, tangent_point(state, factors)))
             for interior, state, turn in zip(self.interiors, states, turns, strict=True)
@@ -429,10 +429,10 @@ class FullSystem:
         increments: np.ndarray,
         factors: StepFactors,
     ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
-        """As `correction`, with interiors that are eliminated already."""
+        """`correction` for interiors that are already eliminated."""
         model = self.model
         stations = tuple(line.stations for line in evaluation.lines)
-        # Of stations the tangents are of where they are, not of what has brought them there.
+        # Tangents of stations depend on their positions, not on the increments that led there.
         still = tuple(each._replace(motion=np.zeros_like(each.motion)) for each in stations)
         matrix, rows, rows_by_increment = (
             np.asarray(x)
@@ -482,9 +482,9 @@ class FullSystem:
         increments: np.ndarray,
         factors: StepFactors,
     ) -> tuple[np.ndarray, ...]:
-        """The border's matrices and residual for `seen_slices`, with the tangents of the lines in it.
+        """Matrices and residual of the border for `seen_slices`, with the tangents of the lines included.
 
-        How the velocities of stations change with their places is left to Newton's iteration.
+        The derivative of the stations' velocities by their positions is neglected in Newton's iteration.
         """
         by_line = self._by_line(tuple(line.stations for line in evaluation.lines))
         matrix, rows, by_increment = by_line.T @ matrix @ by_line, rows @ by_line, rows_by_increment @ by_line
@@ -520,7 +520,7 @@ class FullSystem:
         )
 
     def metric(self, configuration: Configuration) -> np.ndarray:  # noqa: ARG002
-        """One: motions of the interfaces, which have no mass of their own, scale the rows."""
+        """Unit metric: interface motions, which have no mass of their own, scale the rows."""
         return np.eye(max(part.stop for part in self.seen_slices))
 
     def _border_mass(self, configuration: Configuration) -> np.ndarray:
@@ -530,7 +530,7 @@ class FullSystem:
         )
 
     def frame_masses(self, configuration: Configuration) -> np.ndarray:
-        """Of full bodies node by node, of lines their own, of the others from the compiled equations."""
+        """Mass matrices of the frames: full bodies by node, lines by themselves, others compiled."""
         border = self._border_mass(configuration)
         masses = np.zeros((len(self.slices), 6, 6))
         at_rest = self.state_at(0.0, configuration, np.zeros(self.n))
@@ -551,7 +551,7 @@ class FullSystem:
         return found
 
     def kinetic_energies(self, configuration: Configuration, velocity: np.ndarray) -> np.ndarray:
-        """Of full bodies node by node, of lines their own, of the others from the compiled equations."""
+        """Kinetic energies: full bodies by node, lines by themselves, others compiled."""
         border = self.to_border(velocity, self.stations(configuration, velocity))
         products = border * (self._border_mass(configuration) @ border)
         energies = np.array([products[part].sum() / 2 for part in self.border_slices])
@@ -568,7 +568,7 @@ class FullSystem:
         self,
         configuration: Configuration,
         velocity: np.ndarray,
-        terms: JointTerms,  # noqa: ARG002 - the border finds them again
+        terms: JointTerms,  # noqa: ARG002 - the border evaluates them again
         joint_residual: np.ndarray,
     ) -> np.ndarray:
         """`M x + G^T y + D^T z = 0`, `G x = - residual`, `D x = - D velocity` of every full body."""
@@ -587,7 +587,7 @@ class FullSystem:
     def _pushed(
         self, configuration: Configuration, targets: Sequence[Targets]
     ) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Motions (n,) that joints alone give to bodies at rest, and their multipliers, for each target."""
+        """Motions (n,) of bodies at rest under joint forces alone, and their multipliers, for each target."""
         still = self.evaluate(self.state_at(0.0, configuration, np.zeros(self.n)), 0.0)
         balanced = still.left_with(
             np.zeros_like(still.border.inertia), tuple(np.zeros_like(r) for r in still.interior_residuals)
@@ -601,12 +601,12 @@ class FullSystem:
         ]
 
     def _coordinates(self, interior: FullInterior) -> slice:
-        """Where the coordinates of a full body stand in the velocities."""
+        """Numbers of a full body's coordinates among the velocities."""
         part = self.slices[interior.index]
         return slice(part.start + 6, part.stop)
 
     def check_frames(self, configuration: Configuration) -> None:
-        """Raise ModelError for an initial deformation that moves a body's frame."""
+        """Raise ModelError for an initial deformation that moves the frame of its body."""
         for interior in self.interiors:
             moved = interior.frame_rows @ configuration.coordinates[self.coordinate_slices[interior.index]]
             if np.max(abs(moved)) > 1e-9 * self.model.length:
@@ -616,7 +616,7 @@ class FullSystem:
                 )
 
     def state_at(self, time: float, configuration: Configuration, velocity: np.ndarray) -> FullState:
-        """A state without accelerations and multipliers, its controllers as they begin."""
+        """A state with zero accelerations and multipliers, and controllers in their initial states."""
         none = np.zeros(self.n)
         control = fresh_control(self.system)
         return FullState(
@@ -635,7 +635,7 @@ class FullSystem:
         bias = self.joint_terms(state.time, state.configuration, state.velocity).acceleration_bias
         none = tuple(np.zeros(6) for _ in self.interiors)
         still, targets = np.zeros(self.n), (-bias, none)
-        # The correction from no acceleration is the acceleration; a march may have left another one.
+        # The correction from zero acceleration is the acceleration; the state may hold another one.
         begun = state._replace(acceleration=still, frame_multipliers=none)
 
         def answered(carried: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
@@ -665,5 +665,5 @@ def _slices(sizes: list[int]) -> tuple[slice, ...]:
 
 
 def _squares_by_kind(row: np.ndarray) -> np.ndarray:
-    """Squared norms of forces, moments and deformation forces of one body's row (6 + r,)."""
+    """Squared norms of forces, moments and deformation forces in one body's row (6 + r,)."""
     return np.array([row[:3] @ row[:3], row[3:6] @ row[3:6], row[6:] @ row[6:]])

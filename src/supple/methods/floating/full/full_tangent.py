@@ -1,12 +1,12 @@
-"""The tangent of a full body's own equations: its entries on one sparse pattern, and its factors.
+"""Tangent of a full body's own equations: its entries on one sparse pattern, and its factors.
 
 With the step's factors `b'` by position and `g'` by velocity,
 
     S = M + g' (C + beta K_mat(q)) + b' K(q) + g' w_i G_i + b' (dw_i E_i + w_i w_j Z_ij)
 
-Mass, stiffness, damping and centrifugal terms are symmetric, the gyroscopic ones `G_i` skew, and the `E_i` of
-the angular acceleration are neither. The symmetric part has an L D L^T factor on an analysis that is made
-once; the whole takes an L U factor, two to three times the work.
+Mass, stiffness, damping and centrifugal terms are symmetric, the gyroscopic terms `G_i` skew-symmetric, and
+the terms `E_i` of the angular acceleration neither. The symmetric part has an L D L^T factor with a symbolic
+analysis done once; the whole tangent needs an L U factor, two to three times the work.
 """
 
 from __future__ import annotations
@@ -28,14 +28,15 @@ from supple.methods.floating.full.full_damping import FullDamping
 __all__ = ["LARGEST_TURN", "Factored", "FullTangent", "TangentPoint", "full_tangent"]
 
 LARGEST_TURN = 0.02
-"""Change of angular velocity times step up to which a linear body's factor is kept: Newton's contraction."""
+"""Change of angular velocity times step up to which a linear body's factor is reused, by the contraction of
+Newton's iteration."""
 
 SYMMETRIC = ("mass", "euler", "centrifugal")
 """Inertia matrices with a symmetric part."""
 
 
 class TangentPoint(NamedTuple):
-    """What the tangent depends on."""
+    """The quantities that the tangent depends on."""
 
     coordinates: np.ndarray
     angular_velocity: np.ndarray
@@ -55,14 +56,14 @@ class Factored(NamedTuple):
 class _FactorCache:
     """The last factored tangent of a linear body.
 
-    It changes with the step and the angular velocity alone, so that one factor serves many instants.
+    The factor depends on the step and the angular velocity alone, so one factor serves many instants.
     """
 
     _point: TangentPoint | None = field(default=None, init=False)
     _factored: Factored | None = field(default=None, init=False)
 
     def serving(self, point: TangentPoint) -> Factored | None:
-        """The last factor, where Newton's iteration still converges fast with it."""
+        """The last factor, if Newton's iteration still converges fast with it."""
         last = self._point
         if last is None:
             return None
@@ -90,13 +91,13 @@ class FullTangent:
     constant: dict[str, np.ndarray]
     """Entries on the pattern of the constant matrices: kind to (number, nnz)."""
     elastic_places: np.ndarray
-    """Where the entries of the nonlinear stiffness stand in the pattern."""
+    """Places of the nonlinear stiffness's entries in the pattern."""
     couplings: np.ndarray
     """Loads of interface forces and frame multipliers, `[B^T, D^T]`, (n, 6 p + 6)"""
     _cache: _FactorCache = field(default_factory=_FactorCache, init=False, repr=False)
 
     def linear_parts(self, coordinates: np.ndarray, angular_velocity: np.ndarray) -> tuple[csc_array, ...]:
-        """`M`, `C` and `K` of the body in its frame, which turns steadily: no rates, no accelerations."""
+        """`M`, `C` and `K` of the body in its steadily rotating frame: zero rates and accelerations."""
         weights = FullInertia.weights(angular_velocity, np.zeros(3), StepFactors(1.0, 1.0))
         mass, damping, stiffness = (
             self.constant[kind][0].copy() for kind in ("mass", "damping", "stiffness")
@@ -111,16 +112,16 @@ class FullTangent:
         return self._matrix(mass), self._matrix(damping), self._matrix(stiffness)
 
     def exact(self, point: TangentPoint) -> Factored:
-        """Factor the tangent as it is, unsymmetric."""
+        """Factor of the unsymmetric tangent."""
         return self._factored(point, factorize_general(self._matrix(self._data(point, self.constant))))
 
     def symmetric(self, point: TangentPoint) -> Factored:
-        """Factor its symmetric part, on the analysis that is there."""
+        """Factor of its symmetric part, on the existing symbolic analysis."""
         data = self._data(point, self._symmetric_constant)
         return self._factored(point, self._analysed.refactorize(self._matrix(data)))
 
     def serving(self, point: TangentPoint) -> Factored:
-        """As `exact`, but the last factor of a linear body is kept while it serves."""
+        """As `exact`, but the last factor of a linear body is reused while it converges fast."""
         if not self.full.is_linear:
             return self.exact(point)
         factored = self._cache.serving(point)
@@ -135,7 +136,7 @@ class FullTangent:
 
     @cached_property
     def _analysed(self) -> SparseFactor:
-        """A factor of the mass matrix on the pattern, whose symbolic analysis serves every tangent."""
+        """Factor of the mass matrix on the pattern; its symbolic analysis serves every tangent."""
         return factorize_symmetric(self._matrix(self.constant["mass"][0]))
 
     @cached_property
@@ -159,7 +160,7 @@ class FullTangent:
         return data
 
     def _add_elastic(self, data: np.ndarray, point: TangentPoint, constant: dict[str, np.ndarray]) -> None:
-        """Add the internal force's and the damping's by strain rate, without the change of D(q) with q."""
+        """Add tangents of the internal and strain-rate damping forces, without the derivative of D(q)."""
         position, velocity = point.factors
         if self.full.is_linear:
             data += position * constant["stiffness"][0]
@@ -175,7 +176,7 @@ class FullTangent:
 def full_tangent(
     full: FullBody, inertia: FullInertia, damping: FullDamping, couplings: np.ndarray
 ) -> FullTangent:
-    """Everything of a full body's tangent that does not change from step to step."""
+    """The part of a full body's tangent that is constant over all steps."""
     body = full.body
     matrices: dict[str, list[Any]] = {
         **inertia.matrices,
@@ -187,7 +188,7 @@ def full_tangent(
         assembly = body.assembly
         ones = np.ones(len(assembly.indices))
         elastic = csc_array((ones, assembly.indices, assembly.indptr), shape=body.mass.shape)
-    # Added as ones, so that entries that happen to vanish at rest keep their place.
+    # Added as ones, so that entries that are zero at rest keep their place.
     one_way = sum((abs(matrix) for group in matrices.values() for matrix in group), start=elastic)
     pattern = csc_array(one_way + one_way.T)
     pattern.sort_indices()
@@ -206,7 +207,7 @@ def full_tangent(
 
 
 def _on_pattern(pattern: csc_array, matrix: csc_array) -> np.ndarray:
-    """Entries of a matrix in the places of a pattern that contains it."""
+    """Entries of a matrix at the places of a pattern that contains it."""
     data = np.zeros(pattern.nnz)
     coo = matrix.tocoo()
     np.add.at(data, _places(pattern, coo.row, coo.col), coo.data)

@@ -1,4 +1,4 @@
-"""The equations of one implicit step of the full engine: evaluated at an iterate, and solved once."""
+"""Equations of one implicit step of the full engine: residuals at an iterate, and one correction."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["ImplicitStep", "Iterate", "Stepped"]
 
 
 class Stepped(NamedTuple):
-    """The end of a step, and what it cost."""
+    """End of a step, with its counts of iterations and factorisations."""
 
     state: FullState
     relative_residual: np.ndarray
@@ -26,30 +26,30 @@ class Stepped(NamedTuple):
     iterations: int
     factorizations: int
     decades: float
-    """Of the residual, gained by all iterations together"""
+    """Reduction of the residual by all iterations together"""
     kept: FrozenTangent | None
-    """For the next step; None where it shall make its own"""
+    """Frozen tangent for the next step; None if that computes its own"""
 
 
 class Iterate(NamedTuple):
-    """Unknowns, and the exact equations there."""
+    """Unknowns, and the residuals of the exact equations there."""
 
     unknowns: Unknowns
     state: FullState
     increments: np.ndarray
     evaluation: Evaluation
     reached: bool
-    """Whether the stated tolerance is"""
+    """Whether the residual is below the stated tolerance"""
     converged: bool
-    """Whether the step's share of it is"""
+    """Whether the residual is below the step's share of the tolerance"""
     distance: float
-    """Largest relative residual in parts of that share"""
+    """Largest relative residual over that share"""
     moved: float
-    """By the last correction, in parts of the machine; infinite at the first iterate"""
+    """Size of the last correction relative to the machine; infinite at the first iterate"""
 
 
 class ImplicitStep(NamedTuple):
-    """The equations of one step, and how to solve them once."""
+    """Equations of one step, with residuals and corrections."""
 
     machine: FullSystem
     start: FullState
@@ -57,12 +57,12 @@ class ImplicitStep(NamedTuple):
     rule: StepRule
     tolerances: Tolerances
     share: float = 1.0
-    """Of the tolerance, to iterate to"""
+    """Part of the tolerance to which to iterate"""
 
     def at(self, unknowns: Unknowns, moved: float = np.inf, *, trusted: bool = False) -> Iterate:
-        """The exact equations at an iterate, which a correction has moved so far.
+        """Residuals of the exact equations at an iterate; `moved` is the size of the last correction.
 
-        trusted : whether what is left to move is no more than that
+        trusted : whether the remaining error is no larger than that correction
         """
         machine, start, rule = self.machine, self.start, self.rule
         auxiliary = rule.auxiliary(unknowns.acceleration, start.acceleration, start.auxiliary)
@@ -87,9 +87,9 @@ class ImplicitStep(NamedTuple):
         return Iterate(unknowns, state, increments, evaluation, reached, converged, distance, moved)
 
     def corrected(self, iterate: Iterate, tangent: FrozenTangent | None, *, trusted: bool) -> Iterate:
-        """The next iterate, by a frozen tangent or, where that is None, the exact one of this iterate.
+        """The next iterate, by a frozen tangent or, if that is None, by the exact tangent of this iterate.
 
-        trusted : as of `at`
+        trusted : as in `at`
         """
         machine, by_position = self.machine, self.rule.factors.by_position
         evaluation, increments = iterate.evaluation, iterate.increments
@@ -113,12 +113,12 @@ class ImplicitStep(NamedTuple):
         return self.at(unknowns, moved, trusted=trusted)
 
     def tangent(self, iterate: Iterate, *, symmetric: bool) -> FrozenTangent:
-        """A tangent at an iterate, factored, to be kept."""
+        """Factored tangent at an iterate, for use as a frozen tangent."""
         turns, states = self.machine.turns(iterate.increments), iterate.evaluation.interior_states
         return frozen_tangent(self.machine, states, turns, self.rule.factors, symmetric=symmetric)
 
     def ended(self, at: Iterate, began: float, iterations: int, factorizations: int) -> Stepped:
-        """The outcome of an iteration that began at a distance."""
+        """Outcome of an iteration whose first iterate had the distance `began`."""
         known = at.reached and at.distance > 0
         return Stepped(
             at.state,

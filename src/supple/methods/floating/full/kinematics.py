@@ -1,8 +1,8 @@
-"""Kinematic runs of machines with full bodies and lines, held in the shape in which they are placed.
+"""Kinematic runs of machines with full bodies and lines, treated as rigid in their placed shape.
 
     g(q, t) = 0,      G v = -g_t,      G vdot = -d2g/dt2 at constant v,      G^T lambda = -r
 
-for the motions of the frames alone, r what is unbalanced in their equations.
+for the motions of the frames alone, with r the residual of their equations.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ __all__ = ["FullKinematicEngine"]
 
 
 class HeldInstant(NamedTuple):
-    """Where a machine is, the iterations so far, and the largest rotation of a body between two instants."""
+    """Configuration of a machine, iterations so far, and largest rotation of a body between two instants."""
 
     state: FullState
     iterations: int = 0
@@ -47,15 +47,15 @@ class HeldInstant(NamedTuple):
 
 
 class _HeldSystem(FullSystem):
-    """Independent equations are those of the frames."""
+    """Full system with constraints independent for its frames."""
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
-        """Of bodies that keep their shape."""
+        """Constraint terms of bodies that keep their shape."""
         return of_frames(super().joint_terms(time, configuration, velocity), self.seen_slices)
 
 
 class FullKinematicEngine:
-    """An `Engine` that solves the joints' equations at each instant for the frames of the bodies."""
+    """`Engine` that solves the joints' equations for the frames of the bodies at each instant."""
 
     def __init__(self, machine: SeenMachine, run: Run) -> None:
         check_held(machine.system, run)
@@ -63,7 +63,7 @@ class FullKinematicEngine:
         self._run, self._step = run, run.step_control.largest
 
     def start(self, time: float) -> HeldInstant:
-        """The joints closed; ModelError where they leave a motion free."""
+        """Initial instant with closed joints; ModelError where they leave a degree of freedom."""
         self._machine, configuration, _, change = consistent_start(self._every, time)
         report_start(change, self._run.validity)
         check_determined(self._machine.system, self._machine.model.active)
@@ -87,7 +87,7 @@ class FullKinematicEngine:
         )
 
     def march(self, state: HeldInstant, times: np.ndarray) -> Leg[HeldInstant]:
-        """To each of the output times, by as many instants between them as the step asks for."""
+        """Solve at each of the output times, with intermediate instants at most one step apart."""
         began, reached, before, stopped = clock.perf_counter(), [], state, None
         every, outputs = instants_between(float(state.state.time), times, self._step)
         number = -1
@@ -116,7 +116,7 @@ class FullKinematicEngine:
         return full_solution(self._machine, states, leg.statistics, kept)
 
     def _next(self, before: HeldInstant, time: float) -> HeldInstant | None:
-        """The machine at another time, found from where it is; None where the joints cannot be closed."""
+        """The machine at another time, found from its position; None if the joints cannot be closed."""
         machine, start = self._machine, before.state
         h, none = time - start.time, np.zeros(machine.n)
         foreseen = machine.moved(start.configuration, h * start.velocity + h**2 / 2 * start.acceleration)
@@ -142,7 +142,7 @@ class FullKinematicEngine:
         return HeldInstant(state, before.iterations + iterations, turn)
 
     def _closed(self, configuration: Configuration, time: float) -> tuple[Configuration, int]:
-        """Newton's method on g(q, t) = 0, as closely as arithmetic allows, and its iterations."""
+        """Newton's method on g(q, t) = 0 down to rounding error; the configuration, and the iterations."""
         machine, none, before = self._machine, np.zeros(self._machine.n), np.inf
         for iteration in range(MOST_ITERATIONS + 1):
             terms = machine.joint_terms(time, configuration, none)
@@ -157,7 +157,7 @@ class FullKinematicEngine:
         raise ConvergenceError(not_closed(time))
 
     def _carried(self, state: FullState, jacobian: np.ndarray) -> np.ndarray:
-        """Multipliers that balance the frames."""
+        """Multipliers that balance the forces on the frames."""
         machine = self._machine
 
         def answered(multipliers: np.ndarray) -> tuple[None, np.ndarray]:
@@ -170,7 +170,7 @@ class FullKinematicEngine:
 
     @property
     def _frames(self) -> np.ndarray:
-        """Where velocities of frames stand among all."""
+        """Numbers of the frames' velocities among all velocities."""
         return np.concatenate([np.arange(part.start, part.start + 6) for part in self._machine.slices])
 
     def _of_frames(self, jacobian: np.ndarray) -> np.ndarray:

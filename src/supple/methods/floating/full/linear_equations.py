@@ -1,7 +1,7 @@
-"""Machines with full bodies, linearised about a steady motion: sparse matrices of all freedoms.
+"""Linear equations of machines with full bodies about a steady motion: sparse matrices of all freedoms.
 
-The equations of the border come compiled, `w = B q` for the interfaces of a full body; those of its interior
-stand beside them, coordinate by coordinate, with the six conditions `D q = 0` of its frame.
+The equations of the border are compiled, with `w = B q` for the interfaces of a full body. The equations of
+its interior are added coordinate by coordinate, with the six conditions `D q = 0` of its frame.
 """
 
 from __future__ import annotations
@@ -23,33 +23,33 @@ __all__ = ["SparseEquations", "frame_conditions", "full_linear_equations", "to_b
 
 
 class SparseEquations(NamedTuple):
-    """`M p'' + (C + W S W^T) p' + K p + A^T l = H z`, `A p = 0`, in axes that turn with the bodies."""
+    """`M p'' + (C + W S W^T) p' + K p + A^T l = H z`, `A p = 0`, in axes that rotate with the bodies."""
 
     mass: Any
-    """Sparse (n, n), regular on the motions that the constraints leave free"""
+    """Sparse (n, n), regular on the motions that satisfy the constraints"""
     damping: Any
     """Sparse (n, n), with the gyroscopic terms"""
     damping_columns: np.ndarray
-    """`W` (n, w), of damped modes and of interfaces that damping by mass acts against"""
+    """`W` (n, w), of damped modes and of interfaces relative to which mass-proportional damping acts"""
     damping_signs: np.ndarray
     """Diagonal of `S`, (w,), each 1 or -1"""
     stiffness: Any
-    """Sparse (n, n), with the centrifugal terms and those of the forces that are carried"""
+    """Sparse (n, n), with centrifugal terms and the geometric stiffness of the steady forces"""
     constraint: Any
-    """Sparse (m, n): of the joints, and of the frames of full bodies"""
+    """Sparse (m, n): constraints of joints, and of frames of full bodies"""
     interior: np.ndarray
     """Numbers of freedoms whose matrices are sparse, and regular by themselves"""
     control: LinearControl
     """States z of controllers"""
 
     def damped(self, motions: np.ndarray) -> np.ndarray:
-        """`(C + W S W^T) p` of motions (n, k)."""
+        """`(C + W S W^T) p` for motions (n, k)."""
         along = self.damping_signs[:, None] * (self.damping_columns.T @ motions)
         return self.damping @ motions + self.damping_columns @ along
 
 
 def full_linear_equations(machine: FullSystem, turning: SteadyTurning, terms: Evaluation) -> SparseEquations:
-    """The equations of motion, linearised about a state in which every body turns steadily."""
+    """Equations of motion linearised about a state in which every body rotates steadily."""
     border = linear_equations(
         machine.model, _border_turning(machine, turning), terms.border_motion, terms.border
     )
@@ -82,7 +82,7 @@ def full_linear_equations(machine: FullSystem, turning: SteadyTurning, terms: Ev
 
 
 def _turning_parts(parts: tuple[Any, ...], angular_velocity: np.ndarray) -> tuple[Any, ...]:
-    """`M`, `C` and `K` (6 + n, 6 + n) of one body along its axes, seen in these, which turn along."""
+    """`M`, `C` and `K` (6 + n, 6 + n) of one body in axes that rotate with it, from those in fixed axes."""
     mass, damping, stiffness = parts
     if not angular_velocity.any():
         return parts
@@ -97,14 +97,14 @@ def _turning_parts(parts: tuple[Any, ...], angular_velocity: np.ndarray) -> tupl
 
 
 def _line_parts(body: StationBody, line: LineEvaluation) -> tuple[Any, ...]:
-    """The same of a body that is seen at stations."""
+    """`M`, `C` and `K` of a body with stations."""
     axes = _along_axes(line.state.rotation[None], len(line.residual))
     own = (csr_array(axes.T @ part @ axes) for part in body.tangent(line.state, line.station_forces))
     return _turning_parts(tuple(own), line.state.velocity[3:6])
 
 
 def _along_axes(rotations: np.ndarray, n: int) -> np.ndarray:
-    """From velocities (n,) along the axes of some frames, six for each, to those along global axes."""
+    """Map of velocities (n,) along the axes of some frames, six for each, to those along global axes."""
     axes = np.eye(n)
     for number, rotation in enumerate(rotations):
         axes[6 * number : 6 * number + 3, 6 * number : 6 * number + 3] = rotation
@@ -112,7 +112,7 @@ def _along_axes(rotations: np.ndarray, n: int) -> np.ndarray:
 
 
 def _border_turning(machine: FullSystem, turning: SteadyTurning) -> SteadyTurning:
-    """The same of the border, whose stations turn with their bodies."""
+    """The steady rotation of the border, whose stations rotate with their bodies."""
     if not machine.lines:
         return turning
     rates = np.asarray(turning.angular_velocities)
@@ -122,7 +122,7 @@ def _border_turning(machine: FullSystem, turning: SteadyTurning) -> SteadyTurnin
 
 
 def to_border(machine: FullSystem, terms: Evaluation) -> csr_array:
-    """From all freedoms to those of the border: interfaces and stations move with their bodies."""
+    """Map of all freedoms to those of the border: interfaces and stations move with their bodies."""
     parts: dict[int, Any] = {
         each.index: block_diag([eye_array(6), each.interface_rows]) for each in machine.interiors
     }
@@ -155,16 +155,16 @@ def _behind_frame(rows: np.ndarray) -> csr_array:
 
 
 def _by_body(machine: FullSystem, parts: Mapping[int, Any], *, square: bool = True) -> csr_array:
-    """Matrices of some bodies where their freedoms stand, zero elsewhere."""
+    """Matrices of some bodies at the places of their freedoms, zero elsewhere."""
     sizes = [part.stop - part.start for part in machine.slices]
     blocks = [parts.get(i, csr_array((size, size if square else 0))) for i, size in enumerate(sizes)]
     return csr_array(block_diag(blocks))
 
 
 def _interior(machine: FullSystem) -> np.ndarray:
-    """Numbers of full bodies' coordinates among all freedoms, without those that hold their rigid motion.
+    """Numbers of full bodies' coordinates among all freedoms, without those that fix their rigid motion.
 
-    Of a machine without any, of the coordinates of bodies that are seen at stations.
+    In a machine without full bodies, those of the coordinates of bodies with stations.
     """
     found = [np.zeros(0, dtype=int)]
     for interior in machine.interiors:

@@ -1,21 +1,22 @@
-"""Iterations that solve a step: modified Newton's on a frozen tangent, and Newton's own behind it.
+"""Iterations that solve a step: modified Newton with a frozen tangent, then Newton's method if that fails.
 
-Each iteration evaluates the exact equations and solves for a correction with a tangent that may be old:
+Each iteration evaluates the exact equations and solves for a correction with a possibly older tangent:
 
     x_1 = x_0 - T^-1 r(x_0),       rate = |x_2 - x_1| / |x_1 - x_0|
 
-`T` is first the symmetric part of the tangent, L D L^T. It is kept over iterations and steps while an
-iteration gains tenfold (rate below 0.1), or the next one reaches the tolerance; then it is made anew. Where a
-new symmetric one gains less, as at high angular velocities, whose terms are skew, the unsymmetric tangent
-takes its place and is kept in the same way. Corrections that do not become smaller are taken back.
+`T` is first the symmetric part of the tangent, L D L^T. It is reused over iterations and steps while an
+iteration reduces the correction tenfold (rate below 0.1), or while the next iteration reaches the tolerance;
+then it is renewed. Where a new symmetric tangent converges more slowly, as with the skew-symmetric terms of
+high angular velocities, the unsymmetric tangent replaces it and is reused in the same way. Corrections that
+do not become smaller are undone.
 
-Where this does not converge, Newton's method with the exact tangent of every iterate does the step from its
-start. A tangent decides on the iterations alone: a step ends where the exact equations hold to the tolerance,
-with a frozen tangent to a tenth of it if rounding allows, or where a correction moves nothing. A tangent is
-trusted to say the latter when it is new or has gained tenfold before: of a positive definite symmetric part
-with a skew rest, the correction bounds the true one.
+Where this does not converge, Newton's method with the exact tangent of every iterate solves the step from its
+start. The tangent affects the iterations alone: a step ends where the exact equations hold to the tolerance
+(with a frozen tangent to a tenth of it, if rounding allows), or where a correction changes nothing. The
+second criterion requires a tangent that is new or has converged tenfold before: with a positive definite
+symmetric part and a skew-symmetric rest, the correction bounds the exact one.
 
-Source: [BrenanCampbellPetzold1996], section 5.2, for keeping a factor by its rate.
+Source: [BrenanCampbellPetzold1996], section 5.2, for renewing a factor by its rate.
 """
 
 from __future__ import annotations
@@ -35,18 +36,18 @@ SLOWEST = 0.1
 """Rate beyond which a frozen tangent is renewed."""
 
 SHARE = 0.1
-"""Of the tolerance, which an old tangent has to reach.
+"""Part of the tolerance that a frozen tangent must reach.
 
-What it leaves of the residual lies where it is wrong, in stiff directions of little mass among others;
-Newton's own, which converges quadratically, leaves far less than the tolerance.
+Its remaining residual lies in the directions of its error, among others stiff directions of little mass.
+Newton's method converges quadratically, so it ends far below the tolerance.
 """
 
 NewtonIteration = Callable[[ImplicitStep, Unknowns, FrozenTangent | None], Stepped]
-"""Of a step, where the iteration starts, and the tangent of an earlier step."""
+"""Iteration of a step from a first guess, with the tangent of an earlier step or None."""
 
 
 def modified_newton(step: ImplicitStep, predicted: Unknowns, kept: FrozenTangent | None) -> Stepped:
-    """The frozen tangent as far as it goes, then Newton's own."""
+    """Solution of a step by a frozen tangent; by Newton's method if that does not converge."""
     modified = _modified(step, predicted, kept)
     if modified.converged:
         return modified
@@ -58,7 +59,7 @@ def modified_newton(step: ImplicitStep, predicted: Unknowns, kept: FrozenTangent
 
 
 def exact_newton(step: ImplicitStep, predicted: Unknowns, kept: FrozenTangent | None) -> Stepped:  # noqa: ARG001
-    """Newton's iteration with the exact tangent of every iterate, from the unknowns of the step's start."""
+    """Newton's method with the exact tangent of every iterate, from the unknowns at the step's start."""
     at = step.at(unknowns_of(step.start))
     began, iterations = at.distance, 0
     while not at.converged and np.isfinite(at.distance) and iterations < step.tolerances.max_iterations:
@@ -68,7 +69,7 @@ def exact_newton(step: ImplicitStep, predicted: Unknowns, kept: FrozenTangent | 
 
 
 def _modified(step: ImplicitStep, predicted: Unknowns, kept: FrozenTangent | None) -> Stepped:
-    """Modified Newton's iteration."""
+    """Modified Newton iteration."""
     step = step._replace(share=SHARE)
     at = first = step.at(predicted)
     iterations = made = 0
@@ -80,18 +81,18 @@ def _modified(step: ImplicitStep, predicted: Unknowns, kept: FrozenTangent | Non
         if kept is None:
             try:
                 kept = step.tangent(at, symmetric=symmetric)
-            except AccuracyError:  # of this tangent; Newton's own may be regular
+            except AccuracyError:  # of this tangent; that of Newton's method may be regular
                 break
             made += 1
         tried = step.corrected(at, kept, trusted=new or kept.proven)
         iterations += 1
-        rate = tried.moved / at.moved  # 0 after the first, of which nothing is known yet
+        rate = tried.moved / at.moved  # 0 after the first iteration, whose rate is unknown
         if tried.converged or rate <= SLOWEST or rate * tried.distance <= 1:
             kept = kept._replace(proven=kept.proven or 0 < rate <= SLOWEST)
             at = tried
             continue
         of_this_step = made > 0
-        if new and tried.reached:  # rounding is in the way of more
+        if new and tried.reached:  # rounding prevents a smaller residual
             at = tried
             break
         if rate < 1:

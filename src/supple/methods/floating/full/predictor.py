@@ -1,4 +1,4 @@
-"""Where the iteration of a step starts: accelerations and multipliers, extrapolated along a line."""
+"""First guess of a step's iteration: linearly extrapolated accelerations and multipliers."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["Earlier", "Unknowns", "earlier_numbers", "earlier_of", "predicted", 
 
 
 class Unknowns(NamedTuple):
-    """What the iteration looks for."""
+    """Unknowns of a step."""
 
     acceleration: np.ndarray
     multipliers: np.ndarray
@@ -28,7 +28,7 @@ class Earlier(NamedTuple):
 
 
 def unknowns_of(state: FullState) -> Unknowns:
-    """Those of a state."""
+    """The unknowns of a state."""
     return Unknowns(state.acceleration, state.multipliers, state.frame_multipliers)
 
 
@@ -55,7 +55,7 @@ def earlier_numbers(machine: FullSystem, earlier: Earlier | None) -> np.ndarray:
 
 
 def earlier_of(machine: FullSystem, numbers: np.ndarray) -> Earlier | None:
-    """What `earlier_numbers` describes."""
+    """The `Earlier` described by `earlier_numbers`."""
     if len(numbers) != _size(machine) or not np.isfinite(numbers).all():
         return None
     m = len(machine.model.active)

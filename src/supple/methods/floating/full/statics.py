@@ -1,4 +1,4 @@
-"""Machines with full bodies at rest, or turning steadily."""
+"""Static equilibrium and steady rotation of machines with full bodies."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ __all__ = ["FullStatics", "full_statics"]
 class FullStatics(SteadyEquations):
     """`Equations` by sparse bordered steps.
 
-    Their tangent is that of `full_linear_equations`: frames change their velocities with their places,
-    without which a machine that turns faster than it vibrates would not be found.
+    Their tangent is that of `full_linear_equations`, with the derivative of the frames' velocities by their
+    positions. Without it, equilibria at speeds above the first natural frequency would not converge.
     """
 
     machine: FullSystem
@@ -39,17 +39,17 @@ class FullStatics(SteadyEquations):
 
     @property
     def is_discrete(self) -> bool:
-        """Whether there are lines, whose modes have mass at other velocities than those of their places."""
+        """Whether there are lines, whose modes of velocity differ from their modes of position."""
         return bool(self.machine.lines)
 
     def start(self) -> StaticState:
-        """As the bodies are placed, without any force in joints and frames."""
+        """The bodies as placed, with zero forces in joints and frames."""
         frames = tuple(np.zeros(6) for _ in self.machine.interiors)
         none = np.zeros(len(self.model.active))
         return StaticState(self.begin, none, frames, first_states(self.model))
 
     def residual(self, state: StaticState, time: float) -> np.ndarray:
-        """What is unbalanced in all freedoms, (n,)."""
+        """Residual of all freedoms, (n,)."""
         terms, _ = self.unbalance(state, time).terms
         return self.machine.residual_of(terms)
 
@@ -83,7 +83,7 @@ class FullStatics(SteadyEquations):
 
     def correction(
         self,
-        state: StaticState,  # noqa: ARG002 - the terms say all
+        state: StaticState,  # noqa: ARG002 - the terms include it
         time: float,  # noqa: ARG002
         unbalance: EquilibriumResidual,
         k: float,
@@ -109,7 +109,7 @@ class FullStatics(SteadyEquations):
         return self.machine.moved(configuration, increment)
 
     def bodies_at(self, configuration: Configuration) -> Configuration:
-        """The same."""
+        """The same configuration: it is that of the bodies."""
         return configuration
 
     def constraint_rows(self, state: StaticState, time: float) -> np.ndarray:
@@ -124,7 +124,7 @@ class FullStatics(SteadyEquations):
 
     @property
     def position_scale(self) -> np.ndarray:
-        """What counts as a large change of each freedom, (n,)."""
+        """Size of a large change of each freedom, (n,)."""
         return self.machine.position_scale
 
     def _linear(self, terms: Evaluation) -> SparseEquations:
@@ -149,7 +149,7 @@ class FullStatics(SteadyEquations):
 class StaticTangent:
     """`K + M / k` bordered by the joints, factored at one state, for corrections there and nearby.
 
-    motions, forces : (n, c), (m, c)    what each state of a controller causes
+    motions, forces : (n, c), (m, c)    response to each state of a controller
     """
 
     machine: FullSystem
@@ -160,7 +160,7 @@ class StaticTangent:
     k: float
 
     def correction(self, unbalance: EquilibriumResidual) -> StaticStep:
-        """What balances a state, as far as the tangent goes."""
+        """Correction towards equilibrium, by the linearised equations."""
         machine, linear, (terms, control) = self.machine, self.equations.control, unbalance.terms
         rotations = terms.rotations
         loads = _turned(machine, -machine.residual_of(terms), np.swapaxes(rotations, 1, 2))
@@ -170,7 +170,7 @@ class StaticTangent:
         )
         moved = np.zeros(0)
         if linear.size:
-            # What the machine answers to each state closes the equations of the states.
+            # The machine's response to each state closes the equations of the states.
             by_motion = linear.by_position + linear.by_velocity / np.sqrt(self.k)
             own = np.eye(linear.size) / np.sqrt(self.k) - linear.by_state - by_motion @ self.motions
             moved = np.linalg.solve(own, control.rates + by_motion @ motion)
@@ -192,7 +192,7 @@ def _turned(machine: FullSystem, vector: np.ndarray, rotations: np.ndarray) -> n
 def full_statics(
     machine: SeenMachine, turning: SteadyTurning | None, time: float, known: tuple[int, ...] | None = None
 ) -> FullStatics:
-    """A machine with full bodies, its joints closed; `known` are equations that are independent."""
+    """Equations of a machine with full bodies and closed joints; `known` equations are independent."""
     prepared = FullSystem(machine, known)
     if known is not None:
         return FullStatics(prepared, placed_configuration(prepared.system), turning)
