@@ -25,6 +25,7 @@ from error.equation.machines import (
 from supple.body import FullBody, ModalDamping, RayleighDamping
 from supple.error import ErrorEstimator, estimate_error, system_corrections
 from supple.error.basis_error import FIRST_ORDER
+from supple.error.converged_error import is_large
 from supple.error.missing_motion import MissingMotionSearch
 from supple.error.residual_correction import expanded_states
 from supple.errors import ModelError
@@ -102,6 +103,28 @@ def test_an_error_clearly_above_what_is_allowed_is_told_to_first_order():
         assert (told.rms != settled.rms) == is_clear
         assert told.rms == pytest.approx(settled.rms, rel=told.second)
         assert told.second < 0.1
+
+
+@pytest.mark.parametrize("machine", [spinning(MEAN), tumbling()], ids=["spinning", "tumbling"])
+def test_an_error_of_the_size_of_the_deformation_is_found_by_sweeps_that_converge(machine):
+    system, run = machine
+    small, bases = reduced(system, 3, 0)
+    solution = simulate(small, run)
+    true = rms(nodal_errors(system, small, simulate(system, run), solution)["strip"]).max()
+    estimate = ErrorEstimator(system, run).assess(small, bases, solution)
+    own = estimate.error.bodies["strip"]
+    assert is_large(estimate.histories["strip"])
+    assert own.is_converged
+    assert own.estimate == pytest.approx(true, rel=0.01)
+
+
+def test_an_error_of_the_size_of_the_deformation_is_unknown_without_the_motion_outside_the_basis():
+    """Late in the run no equilibrium is found: columns lock without it, and sweeps converge to 0.43 of it."""
+    system, run = spinning(NODAL)
+    small, bases = reduced(system, 1, 0)
+    own = estimate_error(system, small, bases, run, simulate(small, run)).bodies["strip"]
+    assert own.indicator == np.inf
+    assert not own.is_converged
 
 
 @pytest.mark.parametrize("frame", [NODAL, MEAN], ids=["nodal-fixed", "mean-axis"])
