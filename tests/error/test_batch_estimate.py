@@ -115,7 +115,7 @@ def test_an_estimate_of_a_body_that_locks_is_replaced_by_a_richer_run():
 def test_an_estimate_that_has_not_converged_is_replaced_by_a_richer_run():
     """With one mode a strip that bends far has no equilibrium in reach: the error equation has no number."""
     whole, run = spinning(NODAL)
-    small, bases = reduced(whole, 1, 0)
+    small, _ = reduced(whole, 1, 0)
     solution, fulls = simulate(small, run), whole.bodies_of(FullBody)
     (unknown,) = estimate_batch_errors([small], run, [solution], fulls)
     assert not unknown.bodies["strip"].is_converged
