@@ -6,8 +6,8 @@ A flat beam (L = 10 m, EA = 2.8e7 N, EI = 1.4e4 N m^2, 1.2 kg/m) is accelerated 
 the basis and repeats the run. A full run is made afterwards, only for comparison.
 
 Expected: 18 coordinates, under 1e-6 m, after two enrichments. The error falls a hundredfold or more in each
-(6e-2, 4e-5, 2e-7 m). The first basis is too poor for an estimate (inf); the others are within 1 % of the
-true error.
+(6e-2, 4e-5, 3e-8 m). The estimates are within 1 % of the true errors, although that of the first basis is
+0.7 of the deformation itself.
 
 Draws self_correcting_beam.png, the error over the number of coordinates.
 Source of the beam: [Wu2019] section 6.1.
@@ -90,7 +90,7 @@ if __name__ == "__main__":
 
     assert sizes.tolist() == [10, 14, 18]
     assert true[-1] <= 1e-6
-    assert np.all(np.abs(estimated[1:] / true[1:] - 1) < 0.01)
+    assert np.all(np.abs(estimated / true - 1) < 0.01)
     assert np.all(true[1:] < 1e-2 * true[:-1])
 
     plot_error_over_parameter(

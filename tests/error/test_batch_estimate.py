@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from error.equation.machines import NODAL, nodal_errors, reduced, rms, run_of, soft_strip
+from error.equation.machines import NODAL, nodal_errors, reduced, rms, run_of, soft_strip, spinning
 
 from supple.body import FullBody, RayleighDamping
 from supple.error import estimate_batch_errors, estimate_error, state_batch_errors
@@ -84,8 +84,8 @@ def test_bodies_that_differ_are_refused(batch):
         estimate_batch_errors([cases[0], other], RUN, solutions[:2], wholes[0].bodies_of(FullBody))
 
 
-def test_an_estimate_that_has_not_converged_is_replaced_by_a_richer_run():
-    """A strip with one mode that touches a stiff stop: the error equation has no finite solution."""
+def test_an_estimate_of_a_body_that_locks_is_replaced_by_a_richer_run():
+    """A strip with one mode that touches a stiff stop: the error is as large as the deformation."""
     body = FullBody(soft_strip("strip", 1.0, 3), NODAL, RayleighDamping(0.5, 1e-3))
     near = int(np.argmin(np.linalg.norm(body.nodes - [1 / 3, 0, 0], axis=1)))
     wall = Fixed(name="wall", first=GROUND, second=At("strip", "root"))
@@ -101,13 +101,28 @@ def test_an_estimate_that_has_not_converged_is_replaced_by_a_richer_run():
     run = run_of(0.4, 0.02, residual=1e-10)
     solution = simulate(small, run)
     fulls = whole.bodies_of(FullBody)
-    (unknown,) = estimate_batch_errors([small], run, [solution], fulls)
-    assert not unknown.bodies["strip"].is_converged
-    (stated,) = state_batch_errors([small], run, [solution], fulls)
+    (estimated,) = estimate_batch_errors([small], run, [solution], fulls)
+    assert estimated.bodies["strip"].is_doubtful(np.inf)
     true = rms(nodal_errors(whole, small, simulate(whole, run), solution)["strip"]).max()
+    assert estimated.bodies["strip"].estimate == pytest.approx(true, rel=1e-3)
+    (stated,) = state_batch_errors([small], run, [solution], fulls)
+    assert stated.errors["strip"].basis.how.startswith("a run with")
     assert stated.errors["strip"].basis.value == pytest.approx(true, rel=0.05)
     (stopped,) = state_batch_errors([small], run, [replace(solution, stopped="no convergence")], fulls)
     assert stopped.errors["strip"].basis is None
+
+
+def test_an_estimate_that_has_not_converged_is_replaced_by_a_richer_run():
+    """With one mode a strip that bends far has no equilibrium in reach: the error equation has no number."""
+    whole, run = spinning(NODAL)
+    small, _ = reduced(whole, 1, 0)
+    solution, fulls = simulate(small, run), whole.bodies_of(FullBody)
+    (unknown,) = estimate_batch_errors([small], run, [solution], fulls)
+    assert not unknown.bodies["strip"].is_converged
+    (stated,) = state_batch_errors([small], run, [solution], fulls)
+    assert stated.errors["strip"].basis.how.startswith("a run with")
+    true = rms(nodal_errors(whole, small, simulate(whole, run), solution)["strip"]).max()
+    assert stated.errors["strip"].basis.value == pytest.approx(true, rel=0.05)
 
 
 def test_a_richer_run_that_breaks_off_is_no_estimate(batch, monkeypatch):

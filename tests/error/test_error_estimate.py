@@ -25,6 +25,7 @@ from error.equation.machines import (
 from supple.body import FullBody, ModalDamping, RayleighDamping
 from supple.error import ErrorEstimator, estimate_error, system_corrections
 from supple.error.basis_error import FIRST_ORDER
+from supple.error.converged_error import is_large
 from supple.error.missing_motion import MissingMotionSearch
 from supple.error.residual_correction import expanded_states
 from supple.errors import ModelError
@@ -104,6 +105,28 @@ def test_an_error_clearly_above_what_is_allowed_is_told_to_first_order():
         assert told.second < 0.1
 
 
+@pytest.mark.parametrize("machine", [spinning(MEAN), tumbling()], ids=["spinning", "tumbling"])
+def test_an_error_of_the_size_of_the_deformation_is_found_by_sweeps_that_converge(machine):
+    system, run = machine
+    small, bases = reduced(system, 3, 0)
+    solution = simulate(small, run)
+    true = rms(nodal_errors(system, small, simulate(system, run), solution)["strip"]).max()
+    estimate = ErrorEstimator(system, run).assess(small, bases, solution)
+    own = estimate.error.bodies["strip"]
+    assert is_large(estimate.histories["strip"])
+    assert own.is_converged
+    assert own.estimate == pytest.approx(true, rel=0.01)
+
+
+def test_an_error_of_the_size_of_the_deformation_is_unknown_without_the_motion_outside_the_basis():
+    """Late in the run no equilibrium is found: columns lock without it, and sweeps converge to 0.43 of it."""
+    system, run = spinning(NODAL)
+    small, bases = reduced(system, 1, 0)
+    own = estimate_error(system, small, bases, run, simulate(small, run)).bodies["strip"]
+    assert own.indicator == np.inf
+    assert not own.is_converged
+
+
 @pytest.mark.parametrize("frame", [NODAL, MEAN], ids=["nodal-fixed", "mean-axis"])
 def test_missed_motion_is_the_same_where_the_instants_between_are_passed_over(frame, monkeypatch):
     system, run = spinning(frame)
@@ -173,6 +196,7 @@ def test_the_error_of_a_contact_is_told_about_the_corrected_motion(monkeypatch):
 
     assert told() == pytest.approx(true, rel=0.01)
     monkeypatch.setattr("supple.error.error_estimate.is_smooth", lambda _: True)
+    monkeypatch.setattr("supple.error.converged_error.is_large", lambda _: False)
     assert told() > 1.1 * true
 
 

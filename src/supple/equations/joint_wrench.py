@@ -87,10 +87,16 @@ def _coefficients(joint: Joint, times: np.ndarray) -> np.ndarray:
     constraint = type(joint).constraint
     law = joint.law
     if law is None:
-        return np.broadcast_to(affine_form(constraint, None)[0], (len(times), joint.n_constraints, 12))
+        return np.broadcast_to(_constant(constraint), (len(times), joint.n_constraints, 12))
     padded = np.pad(times, (0, -len(times) % _BLOCK), mode="edge").reshape(-1, _BLOCK)
     blocks = (_program(constraint)(law, block) for block in padded)
     return np.concatenate([np.asarray(block) for block in blocks])[: len(times)]
+
+
+@lru_cache
+def _constant(constraint: Callable[..., jax.Array]) -> np.ndarray:
+    """`L` (m, 12) of a joint without a law, which holds for every piece of a run."""
+    return np.asarray(affine_form(constraint, None)[0])
 
 
 @lru_cache

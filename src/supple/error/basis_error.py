@@ -31,9 +31,8 @@ class BodyError:
     worst_node : int        that node
     worst_time : float      when it has that error
     rest : float            RMS of what the space of the error itself lacks, seen at instants of its own
-    second : float | None   size of a second correction over the first at the worst instants, or of the error
-                            over the deformation, if that is more; above a third the error is an order of
-                            magnitude only; None: not estimated
+    second : float | None   size of a second correction over the first at the worst instants; above a third
+                            the error is an order of magnitude only; None: not estimated
     history : (t,)          RMS over the nodes at the output times
     indicator : float       largest RMS over the nodes of the motion outside the basis at rest; infinite
                             where no equilibrium was found; 0: not estimated

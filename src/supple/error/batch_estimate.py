@@ -16,7 +16,7 @@ from supple.body.full_body import FullBody
 from supple.error.basis_error import ENRICH, FIRST_ORDER, BasisError
 from supple.error.basis_part import in_full, stated_of
 from supple.error.check_run import check_run
-from supple.error.converged_error import converged, is_small
+from supple.error.converged_error import converged, deformed_rows, is_small
 from supple.error.equation import (
     AssessedBody,
     ErrorEquation,
@@ -33,7 +33,6 @@ from supple.error.error_estimate import (
     ErrorEstimator,
     body_error,
     check_linearised,
-    deformed_rows,
     is_smooth,
     modal_damping,
     no_estimate,

@@ -10,7 +10,16 @@ from supple.error.basis_error import FIRST_ORDER
 from supple.error.equation import ErrorEquation, ErrorHistory, TangentMotion
 from supple.error.equation.linearised_march import ErrorState
 
-__all__ = ["Differences", "converged", "is_clearly_larger", "is_finite", "is_small"]
+__all__ = [
+    "Differences",
+    "converged",
+    "deflection",
+    "deformed_rows",
+    "is_clearly_larger",
+    "is_finite",
+    "is_large",
+    "is_small",
+]
 
 SMALL_SECOND = 0.02
 """A second correction below it is not made: the first is right to as much."""
@@ -21,6 +30,7 @@ SWEEPS = 3
 """About the corrected motion, at most."""
 SMALL_TURN = 0.02
 """Error of a frame's turn, rad, below which it counts as small."""
+DEFORMED = 8
 
 Differences = tuple[ErrorState, Mapping[str, ErrorHistory], dict[str, float]]
 """Differences of the true motion and a run's; what they are of each body; their last change, by body."""
@@ -38,7 +48,8 @@ def converged(
 
     Each time is a step of Newton's method for the motion itself. Where it does not converge, the first is as
     good a guess as any, and no more than that. Where forces have kinks, a small change may be that of a
-    sweep between them: there more sweeps are made, until the change is small.
+    sweep between them, and errors of the size of the deformation are far from the run: there more sweeps are
+    made, until the change is small.
     """
     found, own, changes = first, histories, dict.fromkeys(histories, np.inf)
     if not is_finite(histories):
@@ -50,7 +61,8 @@ def converged(
         if not np.isfinite(max(changes.values())):
             break
         found, own = more, again
-        if max(changes.values()) <= (FIRST_ORDER if smooth else SMALL_SECOND):
+        near = smooth and not any(map(is_large, own.values()))
+        if max(changes.values()) <= (FIRST_ORDER if near else SMALL_SECOND):
             break
     if max(changes.values()) <= FIRST_ORDER:
         return found, own, changes
@@ -63,8 +75,9 @@ def is_finite(histories: Mapping[str, ErrorHistory]) -> bool:
 
 
 def is_small(histories: Mapping[str, ErrorHistory], second: Mapping[str, float]) -> bool:
-    """Whether errors are small, by their second corrections and the turns of the frames."""
-    return max(second.values()) <= SMALL_SECOND and _largest_turn(histories) <= SMALL_TURN
+    """Whether errors are small, by their second corrections, the turns of the frames and the deformation."""
+    small = max(second.values()) <= SMALL_SECOND and _largest_turn(histories) <= SMALL_TURN
+    return small and not any(map(is_large, histories.values()))
 
 
 def is_clearly_larger(
@@ -75,9 +88,33 @@ def is_clearly_larger(
     Rounds of a self-correction that cannot be the last take a sweep less, which is a third of their cost.
     """
     small = max(second.values()) <= CLEAR_SECOND and _largest_turn(histories) <= CLEAR_SECOND
-    return small and any(
+    larger = any(
         history.rms.max() > CLEARLY * allowed.get(name, np.inf) for name, history in histories.items()
     )
+    return small and larger and not any(map(is_large, histories.values()))
+
+
+def deformed_rows(n_steps: int) -> np.ndarray:
+    """Steps of a run at which its deformation is sampled, the first among them."""
+    return np.unique(np.linspace(0, n_steps - 1, DEFORMED + 1).round().astype(int))
+
+
+def deflection(history: ErrorHistory) -> float:
+    """Largest RMS over the nodes of the deformation of the run itself."""
+    motion = history.body.motion
+    rows = deformed_rows(len(motion.coordinates))
+    fields = history.body.full.expand(motion.vectors.T)
+    deformed = np.tensordot(motion.coordinates[rows], fields, axes=1)
+    return float(np.sqrt(np.mean(np.sum(deformed**2, axis=2), axis=1)).max(initial=0.0))
+
+
+def is_large(history: ErrorHistory) -> bool:
+    """Whether an error has the size of the deformation.
+
+    A small second correction does not show then that it is right, as the linearised march may have grown
+    without bound; sweeps that converge do, in columns that have the motion outside the basis.
+    """
+    return bool(history.rms.max() > FIRST_ORDER * deflection(history))
 
 
 def _largest_turn(histories: Mapping[str, ErrorHistory]) -> float:

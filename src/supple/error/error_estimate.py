@@ -13,7 +13,16 @@ from supple.body import FullBody, ModalDamping
 from supple.equations.configuration import Configuration
 from supple.equations.consistent_start import consistent_start
 from supple.error.basis_error import FIRST_ORDER, BasisError, BodyError
-from supple.error.converged_error import Differences, converged, is_clearly_larger, is_finite, is_small
+from supple.error.converged_error import (
+    Differences,
+    converged,
+    deflection,
+    deformed_rows,
+    is_clearly_larger,
+    is_finite,
+    is_large,
+    is_small,
+)
 from supple.error.equation import (
     AssessedBody,
     ErrorEquation,
@@ -48,7 +57,6 @@ __all__ = ["ErrorEstimate", "ErrorEstimator", "estimate_error"]
 INSTANTS = 50
 FRESH = 16
 """Of the instants: those that the space of the error does not know, to see what it lacks."""
-DEFORMED = 8
 WILD = 10.0
 """Times the deformation: an error larger than that has grown by instability."""
 
@@ -374,7 +382,7 @@ def _differences(
 
 def _are_bounded(histories: Mapping[str, ErrorHistory]) -> bool:
     return is_finite(histories) and all(
-        float(history.rms.max()) <= WILD * _deflection(history) for history in histories.values()
+        float(history.rms.max()) <= WILD * deflection(history) for history in histories.values()
     )
 
 
@@ -406,26 +414,12 @@ def body_error(
         worst_node=int(np.argmax(sizes)),
         worst_time=float(history.times[row]),
         rest=_rest(history, fresh),
-        second=max(second, float(rms.max()) / max(_deflection(history), 1e-300)),
+        # Without the motion outside the basis at rest, columns of so large an error may lock.
+        second=np.inf if is_large(history) and not np.isfinite(indicator) else second,
         history=rms,
         indicator=indicator,
         withheld=withheld,
     )
-
-
-def deformed_rows(n_steps: int) -> np.ndarray:
-    """Steps of a run at which its deformation is sampled, the first among them."""
-    return np.unique(np.linspace(0, n_steps - 1, DEFORMED + 1).round().astype(int))
-
-
-def _deflection(history: ErrorHistory) -> float:
-    """Largest RMS over the nodes of the deformation itself: an error of its size is not small, however the
-    second correction compares with the first where the linearised march grows without bound."""
-    motion = history.body.motion
-    rows = deformed_rows(len(motion.coordinates))
-    fields = history.body.full.expand(motion.vectors.T)
-    deformed = np.tensordot(motion.coordinates[rows], fields, axes=1)
-    return float(np.sqrt(np.mean(np.sum(deformed**2, axis=2), axis=1)).max(initial=0.0))
 
 
 def no_estimate(solution: Solution) -> BodyError:

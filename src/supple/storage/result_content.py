@@ -154,10 +154,12 @@ class ResultContent:
         self._check_not_empty()
         try:
             # At once where nothing is wrong, for reading chunk by chunk takes long.
-            arrays = self._arrays(0, header.n_times)
+            arrays, states = self._arrays(0, header.n_times), self._states()
+            state: dict[str, Array] = {}
             for number, (begin, end) in enumerate(self._spans()):
-                self._check_content(number, {path: array[begin:end] for path, array in arrays.items()})
-            state = self._state(len(self._rows) - 1)
+                state = {key: own[number].copy() for key, own in states.items()}
+                own_rows = {path: array[begin:end] for path, array in arrays.items()}
+                self._check_content(number, own_rows, state)
         except DAMAGE as error:
             broken = dict(self._broken())
             raise (self._chunks_damaged(broken) if broken else error) from error
@@ -214,7 +216,7 @@ class ResultContent:
                 path: _RowsOf(self._checked(path, np.dtype(np.float64), shape, rows=span[1]), *span)
                 for path, shape in self._layout.arrays.items()
             }
-            self._check_content(number, rows)
+            self._check_content(number, rows, self._state(number))
         except DAMAGE as error:
             raise self._chunks_damaged({number: str(error)}) from error
 
@@ -267,8 +269,10 @@ class ResultContent:
         for begin, n_times in self._rows[:, :2].astype(int).tolist():
             yield begin, begin + n_times
 
-    def _check_content(self, number: int, arrays: Mapping[str, SeriesRows]) -> None:
-        if content_seal(arrays, self._state(number)) != self._content_seals[number]:
+    def _check_content(
+        self, number: int, arrays: Mapping[str, SeriesRows], state: Mapping[str, Array]
+    ) -> None:
+        if content_seal(arrays, state) != self._content_seals[number]:
             raise ValueError("its numbers")
 
     def _chunk(self, number: int, *, last_only: bool = False) -> Solution:
@@ -277,13 +281,14 @@ class ResultContent:
             raise ValueError("its row of commits")
         begin, n_times = self._rows[number, :2].astype(int)
         arrays = self._arrays(begin, begin + n_times)
-        self._check_content(number, arrays)
+        state = self._state(number)
+        self._check_content(number, arrays, state)
         if last_only:
             arrays = {path: array[-1:].copy() for path, array in arrays.items()}
         statistics = statistics_from_rows(
             self._rows[: number + 1, 2:] if last_only else self._rows[[number], 2:]
         )
-        return from_arrays(arrays, statistics, self._layout.kinds, self._state(number))
+        return from_arrays(arrays, statistics, self._layout.kinds, state)
 
     def _broken(self) -> Iterator[tuple[int, str]]:
         for number in range(len(self._rows)):
@@ -311,6 +316,14 @@ class ResultContent:
         """The engine's state at the end of a chunk."""
         return {
             key: self._checked(f"engine_state/{key}", np.dtype(np.float64), shape, rows=number + 1)[number]
+            for key, shape in self._layout.engine_state.items()
+        }
+
+    def _states(self) -> dict[str, Array]:
+        """The same at the ends of all chunks, one by row."""
+        n = len(self._rows)
+        return {
+            key: self._checked(f"engine_state/{key}", np.dtype(np.float64), shape, rows=n)[:n]
             for key, shape in self._layout.engine_state.items()
         }
 
