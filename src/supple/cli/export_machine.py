@@ -17,7 +17,8 @@ from supple.cases.static_case import starting_system
 from supple.errors import ArgumentError, CaseError, did_you_mean
 from supple.export.c.write_machine import write_machine
 from supple.export.fmu.platforms import PLATFORMS, Platform
-from supple.export.fmu.write_fmu import write_fmu
+from supple.export.fmu.write_fmu import write_fmu, write_linear_fmu
+from supple.export.linear.linear_form import linear_form
 from supple.machine import (
     Cylindrical,
     Joint,
@@ -63,6 +64,7 @@ def export_fmu(
     *,
     fmi: int,
     platforms: Sequence[str],
+    linear: bool,
     case_file: Path | None,
     allow_code: bool,
 ) -> None:
@@ -70,18 +72,22 @@ def export_fmu(
 
     fmi : version of the interface
     platforms : systems for which it has libraries; this computer where none is given
+    linear : small motions about its equilibrium, as matrices
 
-    Raises ArgumentError for a system that is not known, and as `export_c` and `write_fmu`.
+    Raises ArgumentError for a system that is not known, and as `export_c`, `write_fmu`, `linear_form`.
     """
     kinds = _platforms(platforms)
-    _export(
-        path,
-        target,
-        inputs,
-        case_file,
-        allow_code,
-        lambda step, title: write_fmu(target, step, title, fmi=fmi, platforms=kinds),
-    )
+    if linear:
+        _export_linear(path, target, inputs, case_file, allow_code, fmi, kinds)
+    else:
+        _export(
+            path,
+            target,
+            inputs,
+            case_file,
+            allow_code,
+            lambda step, title: write_fmu(target, step, title, fmi=fmi, platforms=kinds),
+        )
     say(f"written to {target}, FMI {fmi}")
 
 
@@ -107,6 +113,44 @@ def _export(
     _report(step)
 
 
+def _export_linear(
+    path: Path,
+    target: Path,
+    inputs: Sequence[str],
+    case_file: Path | None,
+    allow_code: bool,
+    fmi: int,
+    platforms: tuple[Platform, ...],
+) -> None:
+    with console.status("reading") as status:
+
+        def notify(step: str, detail: str = "") -> None:
+            status.update(worded(step, detail))
+
+        case, system = _machine(path, case_file, allow_code, notify)
+        check_not_an_input(case, [target])
+        if case.tables.parameter:
+            raise CaseError(
+                f"{case.path}: the matrices of a linear machine have no parameters; remove [[parameter]], or "
+                "export one machine for each value"
+            )
+        notify("linearising")
+        chosen, units = _inputs(case, system, inputs)
+        sensors = machine_outputs(case, system)
+        form = linear_form(system, case.run, sensors, chosen, input_units=units, units=case.units)
+        notify("writing")
+        write_linear_fmu(target, form, case.title or path.stem, fmi=fmi, platforms=platforms)
+    rows = {
+        "states": str(len(form.state)),
+        "inputs": ", ".join(variable.name for variable in form.inputs) or "none",
+        "outputs": ", ".join(variable.name for variable in form.outputs),
+        "first accelerations off the nonlinear ones": f"{form.deviation:.2g} of their size",
+    }
+    print_rows("Linear machine", list(rows.items()))
+    if form.left_out:
+        say(f"left out, for they are read from results alone: {', '.join(form.left_out)}")
+
+
 def _platforms(names: Sequence[str]) -> tuple[Platform, ...]:
     for name in names:
         if name not in PLATFORMS:
@@ -130,15 +174,20 @@ def _machine(path: Path, case_file: Path | None, allow_code: bool, notify: Any) 
     return case, starting_system(case, allow_code=allow_code)
 
 
-def _step(case: Case, system: System, inputs: Sequence[str]) -> StepProgram:
+def _inputs(case: Case, system: System, names: Sequence[str]) -> tuple[dict[str, Any], dict[str, str]]:
+    """The elements whose laws are inputs, and the units of these, by name."""
     known = _elements(case, system)
-    for name in inputs:
+    for name in names:
         if name not in known:
             raise CaseError(
                 f"{case.path} has no joint, spring or element '{name}'{did_you_mean(name, known)}"
             )
-    chosen = {name: known[name] for name in inputs}
-    units = {name: _unit(case, element) for name, element in chosen.items()}
+    chosen = {name: known[name] for name in names}
+    return chosen, {name: _unit(case, element) for name, element in chosen.items()}
+
+
+def _step(case: Case, system: System, inputs: Sequence[str]) -> StepProgram:
+    chosen, units = _inputs(case, system, inputs)
     return step_program(
         system,
         case.run,
