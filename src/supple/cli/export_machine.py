@@ -11,7 +11,6 @@ import numpy as np
 from supple.cases import Case, read_case
 from supple.cases.case_family import case_family
 from supple.cases.outputs import check_not_an_input
-from supple.cases.parameter_path import number_at, parameter_path
 from supple.cases.result_machine import result_machine
 from supple.cases.static_case import starting_system
 from supple.errors import ArgumentError, CaseError, did_you_mean
@@ -31,7 +30,7 @@ from supple.machine import (
 from supple.quantities import JointMotionSensor, PositionSensor, Quantity
 from supple.stepping import StepProgram, Variable, step_program
 from supple.stepping.parameters import Exported, MachineParameters
-from supple.sweeps.body_numbers import is_number_of_run
+from supple.sweeps.body_numbers import number_of_run
 from supple.terminal import console, print_rows, say, worded
 
 __all__ = ["export_c", "export_fmu", "machine_outputs"]
@@ -211,14 +210,7 @@ def _parameters(case: Case, system: System, inputs: Sequence[str]) -> MachinePar
     family = case_family(case.path)
     places, variables = [], []
     for table in given:
-        place = parameter_path(table.path, family.raw)
-        value = number_at(place, family.raw)
-        assert value is not None
-        if not is_number_of_run(place, value, family.raw):
-            raise CaseError(
-                f"{case.path}: {table.path} makes another body or another run, and cannot be a parameter; "
-                "numbers of loads, joints, springs, elements, gravity and rigid bodies can"
-            )
+        place, value = number_of_run(case.path, table.path, family.raw)
         places.append(place)
         variables.append(Variable(table.name, table.unit, table.path, value))
     made = {each.body.name: each.body for each in system.bodies if each.body.kind != "rigid"}
