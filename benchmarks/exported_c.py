@@ -1,6 +1,8 @@
 """Machines as C beside the compiled march: how far they differ, and what a step costs.
 
 Run with one thread: OMP_NUM_THREADS=1 python benchmarks/exported_c.py [--blade RESULT.h5] [--only NAME ..]
+Each machine has a process of its own, which is ended after LIMIT seconds; one that fails is listed with its
+cause.
 Machines: those of `tests/fixtures/exported_machines.py`, the slider-crank of the examples, and their blade as
 the result of its run holds it (`supple run examples/blade.toml`).
 
@@ -14,8 +16,11 @@ Microseconds are the processor's: of C by the exported test, mean and slowest of
 from __future__ import annotations
 
 import argparse
+import json
+import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -45,6 +50,8 @@ from supple.storage import write_json  # noqa: E402
 from supple_benchmarks.computer import describe_computer  # noqa: E402
 
 STEPS = 1000
+LIMIT = 150
+"""Seconds for one machine."""
 GROUPS = {"places": ("length", "angle"), "rates": ("velocity", "angular velocity")}
 """Kinds of quantities that are compared together; accelerations and forces are the rest."""
 LEVELS = {"O2": "-std=c99 -O2 -ffp-contract=off", "O3 native": "-std=c99 -O3 -march=native"}
@@ -165,20 +172,47 @@ def row(name: str, make: Callable[[], Machine]) -> dict[str, Any]:
     return found
 
 
+def measured(name: str, blade: Path | None, target: Path) -> dict[str, Any]:
+    """The row of a machine, measured in another process; its cause where there is none."""
+    command = [sys.executable, __file__, "--one", name, "--json", str(target)]
+    command += [] if blade is None else ["--blade", str(blade)]
+    # A session of its own: its compiler is ended with it, and does not run beside the next machine.
+    with subprocess.Popen(
+        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as process:
+        try:
+            errors = process.communicate(timeout=LIMIT)[1]
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            return {"failed": f"not within {LIMIT} s"}
+    if process.returncode:
+        return {"failed": (errors.strip().splitlines() or ["no message"])[-1]}
+    found: dict[str, Any] = json.loads(target.read_text())
+    if "march, us" in found:
+        found["march over C"] = found["march, us"] / min(found[f"{level}, us"] for level in LEVELS)
+    return found
+
+
 def main() -> None:
     """Measure, print and keep the rows."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--blade", type=Path)
     parser.add_argument("--only", nargs="*")
+    parser.add_argument("--one", help="measure this machine here, and write its row alone")
     parser.add_argument("--json", type=Path, default=RESULTS / "exported_c.json")
     given = parser.parse_args()
+    every = machines(given.blade)
+    if given.one:
+        write_json(given.json, row(given.one, every[given.one]))
+        return
     rows = {}
-    for name, make in machines(given.blade).items():
-        if given.only and name not in given.only:
-            continue
-        rows[name] = row(name, make)
-        print(name, rows[name], flush=True)
-        write_json(given.json, {"computer": describe_computer(), "machines": rows})
+    with TemporaryDirectory() as place:
+        for name in every:
+            if given.only and name not in given.only:
+                continue
+            rows[name] = measured(name, given.blade, Path(place) / "row.json")
+            print(name, rows[name], flush=True)
+            write_json(given.json, {"computer": describe_computer(), "machines": rows})
     print(table_of([{"machine": name, **own} for name, own in rows.items()]))
 
 

@@ -177,7 +177,7 @@ def test_numbers_that_a_case_names_are_parameters(case, tmp_path, monkeypatch):
     [
         ("body.rod.rigid.weight", "not a number in this file"),
         ("body.rod.rigid", "not a number in this file"),
-        ("simulation.step", "another run"),
+        ("simulation.step", "another body, run or program"),
     ],
 )
 def test_what_is_no_number_of_the_march_is_refused(case, tmp_path, path, message):
@@ -185,3 +185,15 @@ def test_what_is_no_number_of_the_march_is_refused(case, tmp_path, path, message
     result = exported(case, "-o", tmp_path / "rod.fmu")
     assert result.exit_code != 0
     assert message in " ".join(result.output.split())
+
+
+@needs_compiler
+def test_a_linear_machine_is_written_from_its_equilibrium(case, tmp_path):
+    text = case.read_text().replace("duration", 'start = "equilibrium"\nduration').replace("3.0", "0.5")
+    case.write_text(text)
+    target = tmp_path / "machine.fmu"
+    done = CliRunner().invoke(app, ["export", str(case), "-o", str(target), "--linear", "--input", "motor"])
+    assert done.exit_code == 0, done.output
+    with zipfile.ZipFile(target) as archive:
+        assert "resources/linear.bin" in archive.namelist()
+        assert 'name="motor"' in archive.read("modelDescription.xml").decode()

@@ -26,6 +26,7 @@ class ExportOptions:
     inputs: Sequence[str] | None = None
     fmi: int | None = None
     platforms: Sequence[str] | None = None
+    linear: bool = False
     allow_code: bool = False
 
     @property
@@ -91,7 +92,10 @@ def _target(path: Path, output: Path | None, options: ExportOptions) -> _Target:
     deck = ("superelement", "body", "abaqus")
     rows = (
         (output is None, _Target("a machine as C", ("inputs", "allow_code", *of_result), _c)),
-        (suffix == ".fmu", _Target("an FMU", ("inputs", "fmi", "platforms", "allow_code", *of_result), _fmu)),
+        (
+            suffix == ".fmu",
+            _Target("an FMU", ("inputs", "linear", "fmi", "platforms", "allow_code", *of_result), _fmu),
+        ),
         (options.mode is not None, _Target("a mode", ("mode", "body", "time"), _mode)),
         (options.superelement, _Target("a deck with a superelement", deck, _superelement)),
         (suffix in SUPERELEMENT_SUFFIXES, _Target("a superelement", ("body",), _superelement)),
@@ -121,6 +125,7 @@ def _fmu(path: Path, target: Path, options: ExportOptions) -> None:
         options.inputs or (),
         fmi=options.fmi or 3,
         platforms=options.platforms or (),
+        linear=options.linear,
         case_file=options.case,
         allow_code=options.allow_code,
     )

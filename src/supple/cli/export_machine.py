@@ -11,13 +11,13 @@ import numpy as np
 from supple.cases import Case, read_case
 from supple.cases.case_family import case_family
 from supple.cases.outputs import check_not_an_input
-from supple.cases.parameter_path import number_at, parameter_path
 from supple.cases.result_machine import result_machine
 from supple.cases.static_case import starting_system
 from supple.errors import ArgumentError, CaseError, did_you_mean
 from supple.export.c.write_machine import write_machine
 from supple.export.fmu.platforms import PLATFORMS, Platform
-from supple.export.fmu.write_fmu import write_fmu
+from supple.export.fmu.write_fmu import write_fmu, write_linear_fmu
+from supple.export.linear.linear_form import linear_form
 from supple.machine import (
     Cylindrical,
     Joint,
@@ -30,7 +30,7 @@ from supple.machine import (
 from supple.quantities import JointMotionSensor, PositionSensor, Quantity
 from supple.stepping import StepProgram, Variable, step_program
 from supple.stepping.parameters import Exported, MachineParameters
-from supple.sweeps.body_numbers import is_number_of_run
+from supple.sweeps.body_numbers import number_of_run
 from supple.terminal import console, print_rows, say, worded
 
 __all__ = ["export_c", "export_fmu", "machine_outputs"]
@@ -63,6 +63,7 @@ def export_fmu(
     *,
     fmi: int,
     platforms: Sequence[str],
+    linear: bool,
     case_file: Path | None,
     allow_code: bool,
 ) -> None:
@@ -70,18 +71,22 @@ def export_fmu(
 
     fmi : version of the interface
     platforms : operating systems of its libraries; by default this computer's
+    linear : small motions about the equilibrium of the machine, as matrices
 
-    Raises ArgumentError for an unknown operating system, and as `export_c` and `write_fmu`.
+    Raises ArgumentError for an unknown operating system, and as `export_c`, `write_fmu`, `linear_form`.
     """
     kinds = _platforms(platforms)
-    _export(
-        path,
-        target,
-        inputs,
-        case_file,
-        allow_code,
-        lambda step, title: write_fmu(target, step, title, fmi=fmi, platforms=kinds),
-    )
+    if linear:
+        _export_linear(path, target, inputs, case_file, allow_code, fmi, kinds)
+    else:
+        _export(
+            path,
+            target,
+            inputs,
+            case_file,
+            allow_code,
+            lambda step, title: write_fmu(target, step, title, fmi=fmi, platforms=kinds),
+        )
     say(f"written to {target}, FMI {fmi}")
 
 
@@ -107,6 +112,44 @@ def _export(
     _report(step)
 
 
+def _export_linear(
+    path: Path,
+    target: Path,
+    inputs: Sequence[str],
+    case_file: Path | None,
+    allow_code: bool,
+    fmi: int,
+    platforms: tuple[Platform, ...],
+) -> None:
+    with console.status("reading") as status:
+
+        def notify(step: str, detail: str = "") -> None:
+            status.update(worded(step, detail))
+
+        case, system = _machine(path, case_file, allow_code, notify)
+        check_not_an_input(case, [target])
+        if case.tables.parameter:
+            raise CaseError(
+                f"{case.path}: the matrices of a linear machine have no parameters; remove [[parameter]], or "
+                "export one machine for each value"
+            )
+        notify("linearising")
+        chosen, units = _inputs(case, system, inputs)
+        sensors = machine_outputs(case, system)
+        form = linear_form(system, case.run, sensors, chosen, input_units=units, units=case.units)
+        notify("writing")
+        write_linear_fmu(target, form, case.title or path.stem, fmi=fmi, platforms=platforms)
+    rows = {
+        "states": str(len(form.state)),
+        "inputs": ", ".join(variable.name for variable in form.inputs) or "none",
+        "outputs": ", ".join(variable.name for variable in form.outputs),
+        "first accelerations off the nonlinear ones": f"{form.deviation:.2g} of their size",
+    }
+    print_rows("Linear machine", list(rows.items()))
+    if form.left_out:
+        say(f"left out, for they are read from results alone: {', '.join(form.left_out)}")
+
+
 def _platforms(names: Sequence[str]) -> tuple[Platform, ...]:
     for name in names:
         if name not in PLATFORMS:
@@ -130,15 +173,20 @@ def _machine(path: Path, case_file: Path | None, allow_code: bool, notify: Any) 
     return case, starting_system(case, allow_code=allow_code)
 
 
-def _step(case: Case, system: System, inputs: Sequence[str]) -> StepProgram:
+def _inputs(case: Case, system: System, names: Sequence[str]) -> tuple[dict[str, Any], dict[str, str]]:
+    """The elements whose laws are inputs, and the units of these, by name."""
     known = _elements(case, system)
-    for name in inputs:
+    for name in names:
         if name not in known:
             raise CaseError(
                 f"{case.path} has no joint, spring or element '{name}'{did_you_mean(name, known)}"
             )
-    chosen = {name: known[name] for name in inputs}
-    units = {name: _unit(case, element) for name, element in chosen.items()}
+    chosen = {name: known[name] for name in names}
+    return chosen, {name: _unit(case, element) for name, element in chosen.items()}
+
+
+def _step(case: Case, system: System, inputs: Sequence[str]) -> StepProgram:
+    chosen, units = _inputs(case, system, inputs)
     return step_program(
         system,
         case.run,
@@ -162,14 +210,7 @@ def _parameters(case: Case, system: System, inputs: Sequence[str]) -> MachinePar
     family = case_family(case.path)
     places, variables = [], []
     for table in given:
-        place = parameter_path(table.path, family.raw)
-        value = number_at(place, family.raw)
-        assert value is not None
-        if not is_number_of_run(place, value, family.raw):
-            raise CaseError(
-                f"{case.path}: {table.path} makes another body or another run, and cannot be a parameter; "
-                "numbers of loads, joints, springs, elements, gravity and rigid bodies can"
-            )
+        place, value = number_of_run(case.path, table.path, family.raw)
         places.append(place)
         variables.append(Variable(table.name, table.unit, table.path, value))
     made = {each.body.name: each.body for each in system.bodies if each.body.kind != "rigid"}

@@ -302,6 +302,12 @@ def export(
             "supple[fmu]; default: this computer, by its own compiler.",
         ),
     ] = None,
+    linear: Annotated[
+        bool,
+        typer.Option(
+            "--linear", help="An FMU of small motions about the equilibrium: matrices and one runtime."
+        ),
+    ] = False,
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
@@ -315,7 +321,19 @@ def export(
 
     with reported_errors(debug=debug), reported_warnings():
         given = ExportOptions(
-            body, time, mode, times, stress, case, abaqus, superelement, inputs, fmi, platforms, allow_code
+            body=body,
+            time=time,
+            mode=mode,
+            times=times,
+            stress=stress,
+            case=case,
+            abaqus=abaqus,
+            superelement=superelement,
+            inputs=inputs,
+            fmi=fmi,
+            platforms=platforms,
+            linear=linear,
+            allow_code=allow_code,
         )
         write(path, output, c, given)
 

@@ -7,12 +7,15 @@ others are groups of their own: of bodies (thickness, basis), of the run (durati
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from supple.cases.body_kinds import kind_of
+from supple.cases.parameter_path import number_at, parameter_path
+from supple.errors import CaseError
 from supple.importers.toml import KeyPath, Raw
 
-__all__ = ["DAMPING_NUMBERS", "PLACING", "is_number_of_run"]
+__all__ = ["DAMPING_NUMBERS", "PLACING", "is_number_of_run", "number_of_run"]
 
 _FORCES = ("load", "joint", "spring", "element", "gravity", "tie")
 PLACING = ("position", "rotation", "velocity", "centre_velocity", "angular_velocity")
@@ -34,6 +37,23 @@ def is_number_of_run(place: KeyPath, value: Any, raw: Raw) -> bool:
     if key in PLACING or "rigid" in body:
         return True
     return key == "damping" and inner[-1] in DAMPING_NUMBERS and _is_damped_apart(body)
+
+
+def number_of_run(case: Path, name: str, raw: Raw) -> tuple[KeyPath, float]:
+    """Place and value of a parameter of a case by its path, a number with which the machine stays the same.
+
+    Raises CaseError for a path that leads nowhere, to no number, or to one that makes another body.
+    """
+    place = parameter_path(name, raw)
+    value = number_at(place, raw)
+    if value is None:
+        raise CaseError(f"{name} is no number of {case}: give its value there, or another path")
+    if not is_number_of_run(place, value, raw):
+        raise CaseError(
+            f"{case}: {name} makes another body, run or program, and cannot be a parameter; numbers of "
+            "loads, joints, springs, elements, gravity and rigid bodies can: run or export each value alone"
+        )
+    return place, value
 
 
 def _is_damped_apart(body: Mapping[str, Any]) -> bool:

@@ -12,13 +12,12 @@ from weakref import WeakKeyDictionary
 
 from supple.arguments import checked_arguments
 from supple.cases.case_family import case_family
-from supple.cases.parameter_path import number_at, parameter_path
 from supple.errors import CaseError, did_you_mean
 from supple.integrate import Run
 from supple.machine import System
 from supple.quantities import Quantity
 from supple.sensitivity import Calibration, Measurement, Sensitivities, calibrate, sensitivities
-from supple.sweeps.body_numbers import is_number_of_run
+from supple.sweeps.body_numbers import number_of_run
 from supple.sweeps.case_table import CaseTable
 from supple.sweeps.plan import make_plan
 from supple.sweeps.sweep_file import SweepOutput
@@ -119,19 +118,8 @@ def case_parameters(case: Path | str, paths: Sequence[str], *, allow_code: bool 
     SuppleError     whatever meshes, bodies and reductions find wrong
     """
     path = Path(case)
-    family = case_family(path)
-    values = {}
-    for name in paths:
-        place = parameter_path(name, family.raw)
-        value = number_at(place, family.raw)
-        if value is None:
-            raise CaseError(f"{name} is no number of {path}: give its value there, or another path")
-        if not is_number_of_run(place, value, family.raw):
-            raise CaseError(
-                f"{name} makes another body, run or program, whose outputs are not differentiated: sweep it, "
-                "and take differences"
-            )
-        values[name] = value
+    raw = case_family(path).raw
+    values = {name: number_of_run(path, name, raw)[1] for name in paths}
     table = CaseTable({name: [value] for name, value in values.items()})
     plan = make_plan(path, table, SweepOutput.model_validate({}), allow_code=allow_code)
     with tempfile.TemporaryDirectory(prefix="supple-parameters-") as folder:

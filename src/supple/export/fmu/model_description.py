@@ -7,7 +7,7 @@ from importlib.metadata import version
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from supple.stepping import StepProgram
+from supple.export.fmu.interface import Interface
 from supple.stepping.variables import Variable
 
 __all__ = ["IDENTIFIER", "build_description", "model_description_2", "model_description_3"]
@@ -27,22 +27,22 @@ def _root(fmi: str, title: str, **token: str) -> Element:
     return Element("fmiModelDescription", own | by)
 
 
-def _units(root: Element, step: StepProgram) -> None:
-    names = sorted({each.variable.unit for each in _referenced(step)} - {""})
+def _units(root: Element, machine: Interface) -> None:
+    names = sorted({each.variable.unit for each in _referenced(machine)} - {""})
     if names:
         units = SubElement(root, "UnitDefinitions")
         for name in names:
             SubElement(units, "Unit", name=name)
 
 
-def _experiment(root: Element, step: StepProgram) -> None:
-    start = float(step.start.state.time)
+def _experiment(root: Element, machine: Interface) -> None:
+    start = machine.time
     SubElement(
         root,
         "DefaultExperiment",
         startTime=repr(start),
-        stopTime=repr(start + step.duration),
-        stepSize=repr(step.size),
+        stopTime=repr(start + machine.duration),
+        stepSize=repr(machine.size),
     )
 
 
@@ -73,21 +73,21 @@ class _Referenced(NamedTuple):
         return unit | start
 
 
-def _referenced(step: StepProgram) -> list[_Referenced]:
+def _referenced(machine: Interface) -> list[_Referenced]:
     """Parameters, inputs and outputs; 0 is the time."""
-    fixed = step.fixed_parameters
+    fixed = machine.fixed_parameters
     kinds = [
         *(
             (each, "parameter", "fixed" if k in fixed else "tunable")
-            for k, each in enumerate(step.parameters)
+            for k, each in enumerate(machine.parameters)
         ),
-        *((each, "input", "continuous") for each in step.inputs.variables),
-        *((each, "output", "continuous") for each in step.outputs.variables),
+        *((each, "input", "continuous") for each in machine.inputs),
+        *((each, "output", "continuous") for each in machine.outputs),
     ]
     return [_Referenced(place + 1, *each) for place, each in enumerate(kinds)]
 
 
-def model_description_3(step: StepProgram, title: str, token: str) -> str:
+def model_description_3(machine: Interface, title: str, token: str) -> str:
     """`modelDescription.xml` of FMI 3.0."""
     root = _root("3.0", title, instantiationToken=token)
     simulation = {
@@ -96,13 +96,13 @@ def model_description_3(step: StepProgram, title: str, token: str) -> str:
         "canGetAndSetFMUState": "true",
         "canSerializeFMUState": "true",
     }
-    if step.inputs.variables:
+    if machine.inputs:
         simulation["providesDirectionalDerivatives"] = "true"
-    if len(step.start.touching):
+    if machine.has_contacts:
         simulation |= {"hasEventMode": "true", "mightReturnEarlyFromDoStep": "true"}
     SubElement(root, "CoSimulation", simulation)
-    _units(root, step)
-    _experiment(root, step)
+    _units(root, machine)
+    _experiment(root, machine)
     variables = SubElement(root, "ModelVariables")
     SubElement(
         variables,
@@ -112,20 +112,20 @@ def model_description_3(step: StepProgram, title: str, token: str) -> str:
         causality="independent",
         variability="continuous",
     )
-    for each in _referenced(step):
+    for each in _referenced(machine):
         SubElement(variables, "Float64", each.named | each.value)
     structure = SubElement(root, "ModelStructure")
     for kind in ("Output", "InitialUnknown"):
-        for reference in _output_references(step):
+        for reference in _output_references(machine):
             SubElement(structure, kind, valueReference=str(reference))
     return _written(root)
 
 
-def _output_references(step: StepProgram) -> list[int]:
-    return [each.reference for each in _referenced(step) if each.causality == "output"]
+def _output_references(machine: Interface) -> list[int]:
+    return [each.reference for each in _referenced(machine) if each.causality == "output"]
 
 
-def model_description_2(step: StepProgram, title: str, token: str, sources: Sequence[str]) -> str:
+def model_description_2(machine: Interface, title: str, token: str, sources: Sequence[str]) -> str:
     """`modelDescription.xml` of FMI 2.0."""
     root = _root("2.0", title, guid=token)
     attributes = {
@@ -134,23 +134,23 @@ def model_description_2(step: StepProgram, title: str, token: str, sources: Sequ
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",
     }
-    if step.inputs.variables:
+    if machine.inputs:
         attributes["providesDirectionalDerivative"] = "true"
     simulation = SubElement(root, "CoSimulation", attributes)
     files = SubElement(simulation, "SourceFiles")
     for name in sources:
         SubElement(files, "File", name=name)
-    _units(root, step)
-    _experiment(root, step)
+    _units(root, machine)
+    _experiment(root, machine)
     variables = SubElement(root, "ModelVariables")
-    for each in _referenced(step):
+    for each in _referenced(machine):
         own = SubElement(variables, "ScalarVariable", each.named)
         SubElement(own, "Real", each.value)
     structure = SubElement(root, "ModelStructure")
     for kind in ("Outputs", "InitialUnknowns"):
-        if step.outputs.variables:
+        if machine.outputs:
             unknowns = SubElement(structure, kind)
-            for reference in _output_references(step):  # places count from 1, as references do here
+            for reference in _output_references(machine):  # places count from 1, as references do here
                 SubElement(unknowns, "Unknown", index=str(reference))
     return _written(root)
 

@@ -12,9 +12,12 @@ from importlib.resources import files
 from pathlib import Path
 from string import Template
 
+import numpy as np
+
 from supple.errors import ModelError
 from supple.export.c.machine_source import machine_sources
 from supple.export.fmu.derivative_source import derivative_source
+from supple.export.fmu.interface import Interface
 from supple.export.fmu.model_description import (
     IDENTIFIER,
     build_description,
@@ -22,10 +25,11 @@ from supple.export.fmu.model_description import (
     model_description_3,
 )
 from supple.export.fmu.platforms import Compiler, Platform, compilers_of
+from supple.export.linear.linear_form import LinearForm
 from supple.stepping import StepProgram
 from supple.storage.atomic_write import replacing
 
-__all__ = ["write_fmu"]
+__all__ = ["write_fmu", "write_linear_fmu"]
 
 _WRAPPERS = {2: "fmi2.c", 3: "fmi3.c"}
 
@@ -44,29 +48,72 @@ def write_fmu(
                         has no form in C
     ResultFileError     a file that cannot be written
     """
-    if fmi not in _WRAPPERS:
-        raise ModelError(f"FMUs of FMI 3 and 2 are written, not of {fmi}: give one of these")
-    compilers = compilers_of(platforms, fmi)
+    compilers = _compilers(platforms, fmi)
     made = machine_sources(step, title)
     # One and the same machine has one token: an importer may cache what it knows of it.
-    token = hashlib.sha256((made["machine.c"] + made["machine.h"]).encode()).hexdigest()[:32]
-    wrapper = _WRAPPERS[fmi]
-    instance = Template(_asset("instance.h")).substitute(token=token, **_of_instance(step))
+    token = _token((made["machine.c"] + made["machine.h"]).encode())
+    simulation = Template(_asset("printed_simulation.h")).substitute(token=token, **_of_simulation(step))
     sources = {
         "machine.c": made["machine.c"],
         "machine.h": made["machine.h"],
-        "instance.h": instance,
-        wrapper: _asset(wrapper),
+        "simulation.h": simulation,
     }
     if step.inputs.variables:
         sources["derivative.c"] = derivative_source(step)
+    return _write(path, Interface.of_steps(step), title, token, sources, {}, fmi, compilers)
+
+
+def write_linear_fmu(
+    path: Path, form: LinearForm, title: str, *, fmi: int = 3, platforms: tuple[Platform, ...] = ()
+) -> Path:
+    """Write a linear machine as an FMU for co-simulation: its numbers beside a library that all share.
+
+    Arguments and errors as those of `write_fmu`. `resources/linear.bin` holds the token, and doubles, the
+    least significant byte first: the version 1, the numbers of states, inputs and outputs, start and step of
+    the run; the inputs at rest, the outputs at rest, the states at the start, A, B, C, D by rows.
+    """
+    compilers = _compilers(platforms, fmi)
+    head = [1, len(form.state), len(form.inputs), len(form.outputs), form.time, form.size]
+    given = [each.start for each in form.inputs]
+    arrays = (head, given, form.rest, form.state, form.a, form.b, form.c, form.d)
+    numbers = np.concatenate([np.ravel(np.asarray(each, dtype="<f8")) for each in arrays]).tobytes()
+    token = _token(numbers)
+    sources = {"simulation.h": _asset("linear_simulation.h")}
+    resources = {"linear.bin": token.encode() + numbers}
+    return _write(path, Interface.of_linear(form), title, token, sources, resources, fmi, compilers)
+
+
+def _compilers(platforms: tuple[Platform, ...], fmi: int) -> tuple[Compiler, ...]:
+    if fmi not in _WRAPPERS:
+        raise ModelError(f"FMUs of FMI 3 and 2 are written, not of {fmi}: give one of these")
+    return compilers_of(platforms, fmi)
+
+
+def _token(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()[:32]
+
+
+def _write(
+    path: Path,
+    machine: Interface,
+    title: str,
+    token: str,
+    sources: Mapping[str, str],
+    resources: Mapping[str, bytes],
+    fmi: int,
+    compilers: tuple[Compiler, ...],
+) -> Path:
+    """The archive: sources of a machine with those that all share, their libraries, and files of data."""
+    wrapper = _WRAPPERS[fmi]
+    sources = {**sources, "instance.h": _asset("instance.h"), wrapper: _asset(wrapper)}
     compiled = [name for name in sources if name.endswith(".c")]
     parts: dict[str, str | bytes] = {f"sources/{name}": own for name, own in sources.items()}
+    parts |= {f"resources/{name}": own for name, own in resources.items()}
     if fmi == 3:
-        parts["modelDescription.xml"] = model_description_3(step, title, token)
+        parts["modelDescription.xml"] = model_description_3(machine, title, token)
         parts["sources/buildDescription.xml"] = build_description(compiled)
     else:
-        parts["modelDescription.xml"] = model_description_2(step, title, token, compiled)
+        parts["modelDescription.xml"] = model_description_2(machine, title, token, compiled)
     for each in compilers:
         name = f"binaries/{each.platform.folders[fmi]}/{IDENTIFIER}{each.platform.suffix}"
         parts[name] = _library(each, sources, compiled)
@@ -78,8 +125,8 @@ def write_fmu(
     return path
 
 
-def _of_instance(step: StepProgram) -> dict[str, str]:
-    """Parts of `instance.h`."""
+def _of_simulation(step: StepProgram) -> dict[str, str]:
+    """Parts of `simulation.h`."""
     first = "parameter" if step.parameters else "input" if step.inputs.variables else None
     numbers = range(len(step.parameters))
     return {

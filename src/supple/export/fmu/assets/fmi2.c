@@ -50,18 +50,23 @@ EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component given, fmi2Boolean on, size_
 EXPORT fmi2Component fmi2Instantiate(fmi2String name, int type, fmi2String token, fmi2String resources,
                                      const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging)
 {
-    (void)name, (void)resources, (void)visible, (void)logging;
-    if (type != 1 || !token || strcmp(token, TOKEN) != 0) return NULL;
+    (void)name, (void)visible, (void)logging;
+    if (type != 1) return NULL; /* co-simulation */
     instance *one = calloc(1, sizeof *one);
     if (!one) return NULL;
     one->callbacks = callbacks;
-    reset(&one->s);
-    return one;
+    const char *cause = opened(&one->s, &one->last, token, resources);
+    if (!cause) return one;
+    failed(one, cause);
+    free(one);
+    return NULL;
 }
 
 EXPORT void fmi2FreeInstance(fmi2Component given)
 {
-    free(given);
+    instance *one = given;
+    if (one) closed(&one->s);
+    free(one);
 }
 
 EXPORT fmi2Status fmi2SetupExperiment(fmi2Component given, fmi2Boolean has_tolerance, fmi2Real tolerance,
@@ -69,7 +74,7 @@ EXPORT fmi2Status fmi2SetupExperiment(fmi2Component given, fmi2Boolean has_toler
 {
     instance *one = given;
     (void)has_tolerance, (void)tolerance, (void)has_stop, (void)stop;
-    return same_time(start, one->s.m.time) ? fmi2OK : failed(one, OTHER_START);
+    return same_time(&one->s.m, start) ? fmi2OK : failed(one, OTHER_START);
 }
 
 EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component given)
@@ -125,13 +130,16 @@ EXPORT fmi2Status fmi2SetReal(fmi2Component given, const fmi2ValueReference refe
 
 EXPORT fmi2Status fmi2GetFMUstate(fmi2Component given, fmi2FMUstate *state)
 {
-    return kept(state, &((instance *)given)->s) ? fmi2OK : fmi2Error;
+    instance *one = given;
+    if (!has_place(state, state_size(&one->s))) return failed(one, NO_MEMORY);
+    write_state(&one->s, *state);
+    return fmi2OK;
 }
 
 EXPORT fmi2Status fmi2SetFMUstate(fmi2Component given, fmi2FMUstate state)
 {
     instance *one = given;
-    memcpy(&one->s, state, sizeof(simulation));
+    read_state(&one->s, state);
     one->last.made = false;
     return fmi2OK;
 }
@@ -146,14 +154,14 @@ EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component given, fmi2FMUstate *state)
 
 EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component given, fmi2FMUstate state, size_t *size)
 {
-    (void)given, (void)state;
-    *size = sizeof(simulation);
+    (void)state;
+    *size = state_size(&((instance *)given)->s);
     return fmi2OK;
 }
 
 EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component given, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
 {
-    if (size != sizeof(simulation)) return failed(given, "a serialized state has another size");
+    if (size != state_size(&((instance *)given)->s)) return failed(given, "a serialized state has another size");
     memcpy(bytes, state, size);
     return fmi2OK;
 }
@@ -161,8 +169,10 @@ EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component given, fmi2FMUstate state,
 EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component given, const fmi2Byte bytes[], size_t size,
                                           fmi2FMUstate *state)
 {
-    if (size != sizeof(simulation)) return failed(given, "a serialized state has another size");
-    return kept(state, bytes) ? fmi2OK : fmi2Error;
+    if (size != state_size(&((instance *)given)->s)) return failed(given, "a serialized state has another size");
+    if (!has_place(state, size)) return failed(given, NO_MEMORY);
+    memcpy(*state, bytes, size);
+    return fmi2OK;
 }
 
 EXPORT fmi2Status fmi2DoStep(fmi2Component given, fmi2Real begin, fmi2Real size, fmi2Boolean no_return)
@@ -180,7 +190,7 @@ EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component given, const fmi2Va
                                                size_t n_knowns, const fmi2Real seed[], fmi2Real found[])
 {
     instance *one = given;
-    const char *cause = derivatives(&one->last, unknowns, n_unknowns, knowns, n_knowns, seed, found);
+    const char *cause = derivatives(&one->last, &one->s.m, unknowns, n_unknowns, knowns, n_knowns, seed, found);
     return cause ? failed(one, cause) : fmi2OK;
 }
 

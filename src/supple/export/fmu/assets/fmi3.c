@@ -46,12 +46,8 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String toke
                                                 fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
                                                 void *intermediate)
 {
-    (void)name, (void)resources, (void)visible, (void)logging, (void)required, (void)n;
+    (void)name, (void)visible, (void)logging, (void)required, (void)n;
     (void)intermediate;
-    if (!token || strcmp(token, TOKEN) != 0) {
-        if (log) log(environment, fmi3Error, "logStatusError", "the instantiation token is another machine's");
-        return NULL;
-    }
     instance *one = calloc(1, sizeof *one);
     if (!one) return NULL;
     one->environment = environment;
@@ -61,13 +57,18 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String toke
 #else
     (void)events, (void)early;
 #endif
-    reset(&one->s);
-    return one;
+    const char *cause = opened(&one->s, &one->last, token, resources);
+    if (!cause) return one;
+    failed(one, cause);
+    free(one);
+    return NULL;
 }
 
 EXPORT void fmi3FreeInstance(fmi3Instance given)
 {
-    free(given);
+    instance *one = given;
+    if (one) closed(&one->s);
+    free(one);
 }
 
 EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance given, fmi3Boolean has_tolerance, fmi3Float64 tolerance,
@@ -75,7 +76,7 @@ EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance given, fmi3Boolean ha
 {
     instance *one = given;
     (void)has_tolerance, (void)tolerance, (void)has_stop, (void)stop;
-    return same_time(start, one->s.m.time) ? fmi3OK : failed(one, OTHER_START);
+    return same_time(&one->s.m, start) ? fmi3OK : failed(one, OTHER_START);
 }
 
 EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance given)
@@ -127,13 +128,16 @@ EXPORT fmi3Status fmi3SetFloat64(fmi3Instance given, const fmi3ValueReference re
 
 EXPORT fmi3Status fmi3GetFMUState(fmi3Instance given, fmi3FMUState *state)
 {
-    return kept(state, &((instance *)given)->s) ? fmi3OK : fmi3Error;
+    instance *one = given;
+    if (!has_place(state, state_size(&one->s))) return failed(one, NO_MEMORY);
+    write_state(&one->s, *state);
+    return fmi3OK;
 }
 
 EXPORT fmi3Status fmi3SetFMUState(fmi3Instance given, fmi3FMUState state)
 {
     instance *one = given;
-    memcpy(&one->s, state, sizeof(simulation));
+    read_state(&one->s, state);
     one->last.made = false;
     return fmi3OK;
 }
@@ -148,14 +152,14 @@ EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance given, fmi3FMUState *state)
 
 EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance given, fmi3FMUState state, size_t *size)
 {
-    (void)given, (void)state;
-    *size = sizeof(simulation);
+    (void)state;
+    *size = state_size(&((instance *)given)->s);
     return fmi3OK;
 }
 
 EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance given, fmi3FMUState state, fmi3Byte bytes[], size_t size)
 {
-    if (size != sizeof(simulation)) return failed(given, "a serialized state has another size");
+    if (size != state_size(&((instance *)given)->s)) return failed(given, "a serialized state has another size");
     memcpy(bytes, state, size);
     return fmi3OK;
 }
@@ -163,8 +167,10 @@ EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance given, fmi3FMUState state, 
 EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance given, const fmi3Byte bytes[], size_t size,
                                           fmi3FMUState *state)
 {
-    if (size != sizeof(simulation)) return failed(given, "a serialized state has another size");
-    return kept(state, bytes) ? fmi3OK : fmi3Error;
+    if (size != state_size(&((instance *)given)->s)) return failed(given, "a serialized state has another size");
+    if (!has_place(state, size)) return failed(given, NO_MEMORY);
+    memcpy(*state, bytes, size);
+    return fmi3OK;
 }
 
 EXPORT fmi3Status fmi3DoStep(fmi3Instance given, fmi3Float64 begin, fmi3Float64 size, fmi3Boolean no_return,
@@ -217,7 +223,7 @@ EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance given, const fmi3Val
 {
     if (n_seed != n_knowns || n_found != n_unknowns) return failed(given, "one number is needed for each variable");
     instance *one = given;
-    const char *cause = derivatives(&one->last, unknowns, n_unknowns, knowns, n_knowns, seed, found);
+    const char *cause = derivatives(&one->last, &one->s.m, unknowns, n_unknowns, knowns, n_knowns, seed, found);
     return cause ? failed(one, cause) : fmi3OK;
 }
 

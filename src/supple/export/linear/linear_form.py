@@ -1,0 +1,240 @@
+"""A machine as linear equations between its inputs and outputs, about its equilibrium."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+
+from supple.algebra.rotation import rotation_log
+from supple.equations.compiled_machine import CompiledStart, compiled_start
+from supple.equations.steady_motion import in_turning_axes
+from supple.errors import ModelError
+from supple.export.linear.small_motions import Changes, SmallMotions, small_motions, varies_in_time
+from supple.integrate import Run
+from supple.linearization import LinearMachine, linearize
+from supple.machine import JointFriction, PrismaticFriction, RevoluteFriction, System
+from supple.quantities import Quantity
+from supple.stepping.external_inputs import external_inputs
+from supple.stepping.seen_machine import SeenMachine
+from supple.stepping.sensed_outputs import SensedOutputs, sensed_outputs
+from supple.stepping.variables import Variable
+from supple.units import UNNAMED, UnitSystem
+
+__all__ = ["LinearForm", "linear_form"]
+
+Array = np.ndarray
+_SMALL = 0.1
+"""Part by which the accelerations of a start may differ from the linear ones."""
+
+
+@dataclass(frozen=True, eq=False)
+class LinearForm:
+    """`x' = A x + B (u - u_0)`, `w = w_0 + C x + D (u - u_0)`.
+
+    a : (m, m)    b : (m, i)    c : (o, m)    d : (o, i)
+    rest : (o,) w_0, outputs in the equilibrium
+    state : (m,) x at the start
+    inputs, outputs : with their values at the start; the inputs hold the equilibrium
+    left_out : sensors without a form that JAX traces
+    time, size, duration : of the run: its start, its step, its length
+    deviation : of the accelerations at the start, from the nonlinear ones
+    """
+
+    a: Array
+    b: Array
+    c: Array
+    d: Array
+    rest: Array
+    state: Array
+    inputs: tuple[Variable, ...]
+    outputs: tuple[Variable, ...]
+    left_out: tuple[str, ...]
+    time: float
+    size: float
+    duration: float
+    deviation: float
+
+
+def linear_form(
+    system: System,
+    run: Run,
+    sensors: Sequence[Quantity] = (),
+    inputs: Mapping[str, Any] = MappingProxyType({}),
+    *,
+    input_units: Mapping[str, str] = MappingProxyType({}),
+    units: UnitSystem = UNNAMED,
+) -> LinearForm:
+    """Small motions of a machine of rigid and reduced bodies about its equilibrium, from its start.
+
+        M y'' + C y' + K y = N^T f_u u + H z,   p = N y,   G^T l = -(M p'' + C p' + K p - f_u u - H z)
+
+    with x = (e, e', z): y = V e by the undamped modes V, z the states of the controllers; the states are
+    scaled by powers of two so that rows and columns of A are of one size. Outputs are linear in p, p', p'',
+    the joint forces l and u. Arguments as those of `step_program`.
+
+    Raises
+    ------
+    ModelError          what has no linear form: other bodies, stops, friction, prescribed motions as inputs,
+                        loads that vary with time and are no inputs, a start far from the equilibrium
+    ConvergenceError    no equilibrium
+    """
+    _check(system, inputs)
+    given = external_inputs(system, inputs, input_units, run.start)
+    machine = linearize(given.system, time=run.start, fulls=())
+    assert isinstance(machine, LinearMachine)
+    rest, begun = compiled_start(machine.system, run.start), compiled_start(given.system, run.start)
+    given.check_read(rest.model)
+    if varies_in_time(rest, run.start, run.start + run.duration):
+        raise ModelError(
+            "loads, prescribed motions or controllers vary with time, for which the matrices of a linear "
+            "machine have no place: make their laws inputs (--input NAME), or constant; for a "
+            "prescribed motion export the machine itself"
+        )
+    sensed = sensed_outputs(SeenMachine(machine.system, machine.system), sensors, units)
+    if not sensed.variables:
+        raise ModelError("the machine has no output: name sensors, or places to track")
+    small = small_motions(rest, run.start, given, sensed)
+    a, b, changes = _equations(machine, small)
+    _, read = small.along(changes)
+    size, (scale, _) = scipy.linalg.matrix_balance(a, permute=False, separate=True)
+    m = len(a)
+    state, deviation = _start(machine, small, changes, rest, begun)
+    if deviation > _SMALL:
+        raise ModelError(
+            f"the machine starts too far from its equilibrium to be linear: its first accelerations differ "
+            f'by {deviation:.2g} of their size; start nearer to the rest (start = "equilibrium"), or export '
+            "the machine itself"
+        )
+    c, d = read[:, :m] * scale, read[:, m:]
+    state = state / scale
+    first = small.rest + c @ state
+    return LinearForm(
+        a=size,
+        b=b / scale[:, None],
+        c=c,
+        d=d,
+        rest=small.rest,
+        state=state,
+        inputs=given.variables,
+        outputs=_named(sensed, first),
+        left_out=sensed.left_out,
+        time=float(run.start),
+        size=float(run.step_control.first),
+        duration=float(run.duration),
+        deviation=deviation,
+    )
+
+
+def _named(sensed: SensedOutputs, values: Array) -> tuple[Variable, ...]:
+    pairs = zip(sensed.variables, values, strict=True)
+    return tuple(replace(variable, start=float(value)) for variable, value in pairs)
+
+
+def _equations(machine: LinearMachine, small: SmallMotions) -> tuple[Array, Array, Changes]:
+    """A and B for states (e, e', z), and the changes of the machine by these states and the inputs."""
+    control, k, n_inputs = machine.control, machine.size, small.outputs.inputs.shape[1]
+    symmetric = (machine.stiffness + machine.stiffness.T) / 2
+    modes = scipy.linalg.eigh(symmetric, machine.mass)[1]  # V^T M V = 1
+    shapes = machine.basis @ modes
+    own = control.along(modes)
+    pushed = -shapes.T @ small.residual.inputs
+    rows = [-modes.T @ machine.stiffness @ modes, -modes.T @ machine.damping @ modes, own.forces, pushed]
+    accelerations = np.hstack(rows)
+    m = 2 * k + control.size
+    a = np.vstack(
+        [
+            np.eye(k, m, k),
+            accelerations[:, :m],
+            np.hstack([own.by_position, own.by_velocity, own.by_state]),
+        ]
+    )
+    b = np.vstack([np.zeros((k, n_inputs)), pushed, np.zeros((control.size, n_inputs))])
+    every = np.eye(m + n_inputs)
+    states = np.split(every, [k, 2 * k, m])
+    changes = Changes(
+        position=shapes @ states[0],
+        velocity=shapes @ states[1],
+        acceleration=shapes @ accelerations,
+        control=states[2],
+        reactions=None,
+        inputs=states[3],
+    )
+    return a, b, changes
+
+
+def _start(
+    machine: LinearMachine,
+    small: SmallMotions,
+    changes: Changes,
+    rest: CompiledStart,
+    begun: CompiledStart,
+) -> tuple[Array, float]:
+    """States (m,) at the start, and by what part its accelerations are not the linear ones.
+
+    Parts are of the kinetic norm; of accelerations that are nothing beside what the forces balance, none.
+    """
+    axes = in_turning_axes(rest.model, rest.configuration)
+    apart = _apart(rest, begun)
+    moved = np.linalg.lstsq(changes.position[:, : machine.size], apart, rcond=None)[0]
+    rates = np.linalg.lstsq(changes.position[:, : machine.size], axes.T @ begun.velocity, rcond=None)[0]
+    control = (
+        []
+        if begun.control is None or rest.control is None
+        else [
+            np.asarray(one)[: np.size(law.initial)] - np.asarray(other)[: np.size(law.initial)]
+            for one, other, law in zip(
+                begun.control.states, rest.control.states, rest.model.controllers, strict=True
+            )
+        ]
+    )
+    state = np.concatenate([moved, rates, *control])
+    own = in_turning_axes(begun.model, begun.configuration).T @ begun.acceleration
+    linear = changes.acceleration[:, : len(state)] @ state
+
+    def size(accelerations: Array) -> float:
+        return float(np.sqrt(accelerations @ machine.full_mass @ accelerations))
+
+    # What the forces in balance would give alone: beside it, rounding is no acceleration.
+    carried = np.linalg.solve(machine.full_mass, small.residual.reactions @ rest.multipliers)
+    most = size(carried) + size(np.abs(changes.acceleration[:, : len(state)]) @ np.abs(state))
+    return state, size(own - linear) / max(size(own), 1e-6 * most, 1e-300)
+
+
+def _apart(rest: CompiledStart, begun: CompiledStart) -> Array:
+    """Small motion (n,) from the equilibrium to the start, in the axes of the bodies."""
+    model, one, other = rest.model, rest.configuration, begun.configuration
+    found = np.zeros(model.n_velocities)
+    pairs = zip(model.slices, model.coordinate_slices, strict=True)
+    for body, (part, own) in enumerate(pairs):
+        turn = np.asarray(one.rotations[body])
+        found[part.start : part.start + 3] = turn.T @ (other.origins[body] - one.origins[body])
+        found[part.start + 3 : part.start + 6] = np.asarray(rotation_log(turn.T @ other.rotations[body]))
+        found[part.start + 6 : part.stop] = other.coordinates[own] - one.coordinates[own]
+    return found
+
+
+def _check(system: System, inputs: Mapping[str, Any]) -> None:
+    """ModelError for machines that have no linear form, with the cause and the remedy."""
+    for placed in system.bodies:
+        if placed.body.kind not in ("rigid", "reduced"):
+            raise ModelError(
+                f"'{placed.body.name}' is {placed.body.kind}, and linear machines are of rigid and reduced "
+                "bodies: reduce it, or export the machine itself"
+            )
+    for load in system.loads:
+        if hasattr(load, "penalty") or isinstance(load, JointFriction | RevoluteFriction | PrismaticFriction):
+            raise ModelError(
+                f"{load.label}: stops, contacts and friction have no linear form; leave it out, or export "
+                "the machine itself"
+            )
+    for name, element in inputs.items():
+        if any(element is joint for joint in system.joints):
+            raise ModelError(
+                f"the prescribed motion of '{name}' cannot be an input of a linear machine, whose equations "
+                "would contain its rates: let a servo turn a free joint, and make its set-point the input"
+            )

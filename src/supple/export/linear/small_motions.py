@@ -1,0 +1,131 @@
+"""Residual and outputs of a machine near its rest: their derivatives for motions, reactions and inputs."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.equations.balance import balance
+from supple.equations.compiled_machine import CompiledStart
+from supple.equations.compiler_options import STARTING
+from supple.equations.configuration import ControlStep, SystemMotion, advance
+from supple.equations.control_force import stepped
+from supple.equations.steady_motion import in_turning_axes
+from supple.stepping.external_inputs import ExternalInputs
+from supple.stepping.sensed_outputs import SensedOutputs
+
+__all__ = ["Changes", "SmallMotions", "small_motions", "varies_in_time"]
+
+Array = np.ndarray
+_INSTANTS = 101
+"""At which loads are compared with those of the start."""
+_ROUNDING = 1e-9
+"""Of the largest entry: what is less is no change."""
+
+
+class Changes(NamedTuple):
+    """Small changes about the rest, in the axes of the bodies; also derivatives for them."""
+
+    position: Any
+    """(n,)"""
+    velocity: Any
+    """(n,)"""
+    acceleration: Any
+    """(n,)"""
+    control: Any
+    """(c,) states of controllers"""
+    reactions: Any
+    """(m,) multipliers of the joints"""
+    inputs: Any
+    """(i,)"""
+
+
+class SmallMotions(NamedTuple):
+    """Derivatives at rest, each array (.., size of the change).
+
+    residual : of the equations of motion (n,), in the axes of the bodies
+    outputs : (o,)
+    rest : (o,) outputs at rest
+    """
+
+    residual: Changes
+    outputs: Changes
+    rest: Array
+
+    def along(self, changes: Changes) -> tuple[Array, Array]:
+        """Of columns of changes, reactions left out: changes of reactions (m, k) and outputs (o, k).
+
+        The reactions are those in balance, `G^T dl = - dr`, of motions that the joints allow.
+        """
+        moved = zip(self.residual, changes, strict=True)
+        left: Any = sum(np.asarray(one) @ change for one, change in moved if change is not None)
+        reactions = np.linalg.lstsq(np.asarray(self.residual.reactions), -left, rcond=None)[0]
+        read = zip(self.outputs, changes._replace(reactions=reactions), strict=True)
+        return reactions, np.asarray(sum(np.asarray(one) @ change for one, change in read))
+
+
+def small_motions(
+    rest: CompiledStart, time: float, given: ExternalInputs, sensed: SensedOutputs
+) -> SmallMotions:
+    """The derivatives of a machine at rest, by JAX's forward mode."""
+    model, n = rest.model, rest.model.n_velocities
+    axes = in_turning_axes(model, rest.configuration)
+    sizes = [np.size(law.initial) for law in model.controllers]
+
+    def motion(at: Changes) -> SystemMotion:
+        still = _at_rest(rest, np.asarray(time))
+        control = still.control
+        if control is not None:
+            own = jnp.split(at.control, np.cumsum(sizes)[:-1])
+            states = tuple(
+                jnp.asarray(state).at[: len(change)].add(change)
+                for state, change in zip(control.start.states, own, strict=True)
+            )
+            control = control._replace(start=control.start._replace(states=states))
+        return still._replace(
+            configuration=advance(model, rest.configuration, axes @ at.position),
+            velocity=axes @ at.velocity,
+            acceleration=axes @ at.acceleration,
+            multipliers=rest.multipliers + at.reactions,
+            control=control,
+        )
+
+    def outputs(at: Changes, before: Any) -> Any:
+        return sensed.at(given.given(model, given.start + at.inputs), motion(at), before, 0.0)
+
+    def residual(at: Changes) -> Any:
+        return axes.T @ balance(given.given(model, given.start + at.inputs), motion(at)).residual
+
+    def derivatives(at: Changes) -> Any:
+        before = outputs(at, jnp.zeros(len(sensed.variables)))
+        both = jax.jacfwd(lambda change: (residual(change), outputs(change, before)))(at)
+        return *both, before
+
+    lengths = (n, n, n, sum(sizes), len(rest.multipliers), len(given.start))
+    still = Changes(*map(np.zeros, lengths))
+    found = jax.jit(derivatives).lower(still).compile(STARTING)(still)
+    return SmallMotions(*jax.tree.map(np.asarray, found))
+
+
+def varies_in_time(rest: CompiledStart, begin: float, end: float) -> bool:
+    """Whether forces, joints or controllers of a machine that stays at rest change within some time."""
+
+    def terms(time: Any) -> tuple[Any, ...]:
+        motion = _at_rest(rest, time)
+        found, after = balance(rest.model, motion), stepped(rest.model, motion)
+        return found.applied + found.inertia, found.constraint_residual, () if after is None else after.rates
+
+    times = np.linspace(begin, end, _INSTANTS)
+    program = jax.jit(lambda every: jax.lax.map(terms, every)).lower(times).compile(STARTING)
+    every = [np.asarray(leaf) for leaf in jax.tree.leaves(program(times)) if leaf.size]
+    # Where no law depends on the time, all instants are equal to the last digit.
+    return any(np.ptp(each, axis=0).max() > _ROUNDING * np.abs(each).max() for each in every)
+
+
+def _at_rest(rest: CompiledStart, time: Any) -> SystemMotion:
+    control = None if rest.control is None else ControlStep(rest.control, np.zeros(()))
+    at = rest.configuration, rest.velocity, rest.acceleration, rest.multipliers
+    return SystemMotion(time, *at, control)
