@@ -49,7 +49,7 @@ def test_a_basis_that_lacks_the_held_modes_is_warned_of(body):
     """Three free modes, without static shapes: the third held mode of such a body is far too fast."""
     found = reduced(body, ASKED, NormalModes(3))
     with pytest.warns(
-        SuppleWarning, match=r"2 % is given for its modes 1 and 3 with 'root' clamped; as reduced"
+        SuppleWarning, match=r"2 % is given for its modes 1 and 3 with 'root' clamped; the reduced body has"
     ):
         warn_of_ratios(ASKED, found)
 

@@ -307,7 +307,7 @@ def test_a_joint_has_friction_under_its_own_force(tmp_path):
             "axis = [0, 0, 1]\n", "axis = [0, 0, 1]\nfriction = { coefficient = 0.2, width = 0.01 }\n"
         )
     )
-    with pytest.raises(CaseError, match="needs radius"):
+    with pytest.raises(CaseError, match="needs the radius of its pin"):
         read_case(path)
     path.write_text(path.read_text().replace("width = 0.01", "width = 0.01, radius = 0.05"))
     system = read_case(path).system

@@ -107,7 +107,7 @@ def starting_system(case: Case, simulated: System | None = None, *, allow_code: 
 
 
 def assembled_system(case: Case) -> System:
-    """The machine as placed, assembled if the case sets so; errors as for `starting_system`."""
+    """The machine as placed, or assembled if the case requests it; errors as for `starting_system`."""
     if not case.tables.simulation.assemble:
         return case.system
     found = assemble(case.system, time=case.run.start)
@@ -116,7 +116,7 @@ def assembled_system(case: Case) -> System:
 
 
 def _assembly_line(found: AssembledMachine) -> str:
-    """Description of the bodies moved in assembly."""
+    """One line on the motion of bodies in assembly."""
     moved = [
         f"'{each.body}' by {each.distance:.3g} and {np.degrees(each.angle):.3g} deg"
         for each in found.moved
@@ -126,10 +126,10 @@ def _assembly_line(found: AssembledMachine) -> str:
 
 
 def _check_fixed_sizes(case: Case) -> None:
-    """CaseError for a kinematic run of a body whose reduction depends on its run."""
+    """Raise CaseError for a kinematic run with a self-correcting reduction."""
     if case.starts:
         raise CaseError(
-            f"{case.path}: body '{next(iter(case.starts))}' is reduced as far as its run needs: for a "
+            f"{case.path}: body '{next(iter(case.starts))}' has a self-correcting reduction: for a "
             "run with kinematic = true give it a basis of fixed size, such as reduction = "
             '{ basis = "craig-bampton", modes = 10 } without accuracy'
         )

@@ -167,8 +167,8 @@ def _parameters(case: Case, system: System, inputs: Sequence[str]) -> MachinePar
         assert value is not None
         if not is_number_of_run(place, value, family.raw):
             raise CaseError(
-                f"{case.path}: {table.path} makes another body or another run, and cannot be a parameter; "
-                "numbers of loads, joints, springs, elements, gravity and rigid bodies can"
+                f"{case.path}: {table.path} changes a flexible body or the run, and cannot be a parameter; "
+                "use numbers of loads, joints, springs, elements, gravity and rigid bodies"
             )
         places.append(place)
         variables.append(Variable(table.name, table.unit, table.path, value))
