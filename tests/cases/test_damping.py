@@ -69,7 +69,7 @@ def test_a_run_shows_the_ratios_of_held_modes_beside_their_frequencies(body):
     numbers = body_numbers(reduced(body, ASKED, CraigBampton(6)))
     np.testing.assert_allclose(np.array(numbers["damping ratios held"]["root"])[[0, 2]], 0.02, rtol=1e-3)
     table = body_table({"units": {}, "bodies": {"beams": numbers}})
-    assert table.heads[-1] == "their damping, %"
+    assert table.heads[-1] == "damping ratios, %"
     assert [row[-1].split()[:1] for row in table.rows] == [[], ["2"]]
     undamped = body_numbers(
         reduce(
@@ -77,4 +77,4 @@ def test_a_run_shows_the_ratios_of_held_modes_beside_their_frequencies(body):
         )
     )
     assert "damping ratios held" not in undamped
-    assert "their damping, %" not in body_table({"units": {}, "bodies": {"beams": undamped}}).heads
+    assert "damping ratios, %" not in body_table({"units": {}, "bodies": {"beams": undamped}}).heads

@@ -101,7 +101,7 @@ def test_a_run_writes_its_motion_numbers_pictures_and_films(bar, tmp_path):
     result = CliRunner().invoke(app, ["run", str(bar()), "-o", str(folder)])
     assert result.exit_code == 0, result.output
     assert "Energies" in result.output
-    assert "open in the balance" in result.output
+    assert "balance error" in result.output
     numbers = json.loads((folder / "bar.json").read_text())
     mass = 2700.0 * 0.6 * 0.1**2
     assert numbers["energies"]["kinetic"]["start"] == pytest.approx(0.5 * mass * 30.0**2, rel=1e-9)
