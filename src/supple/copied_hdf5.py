@@ -63,9 +63,9 @@ def _copy_apart(path: Path, copy: Path, parts: Collection[str] | None) -> None:
     if code == _EXPLAINED:
         raise OSError(said)
     if code in (None, *_OUT_OF_TIME):
-        raise OSError(f"HDF5 does not finish within {seconds:.0f} s, the limit; the file may be damaged")
+        raise OSError(f"HDF5 does not finish within {seconds:.0f} s, the limit")
     if code:
-        raise OSError(f"HDF5 crashes on it (exit code {code}); the file may be damaged")
+        raise OSError(f"HDF5 crashes on it (exit code {code})")
 
 
 def _answer(words: list[str], seconds: float) -> tuple[int | None, str]:

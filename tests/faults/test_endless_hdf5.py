@@ -37,7 +37,7 @@ def soon(monkeypatch):
 def test_a_reduced_body_over_which_hdf5_never_ends():
     assert not holds_reduced_body(ENDLESS)
     for read in (read_reduced_body, read_interface_names):
-        with pytest.raises(ResultFileError, match=r"endless\.h5 is damaged \(HDF5 does not come to an end"):
+        with pytest.raises(ResultFileError, match=r"endless\.h5 is damaged \(HDF5 does not finish"):
             read(ENDLESS)
 
 
@@ -45,7 +45,7 @@ def test_a_reduced_body_over_which_hdf5_never_ends():
 @pytest.mark.usefixtures("soon")
 def test_matrices_over_which_hdf5_never_ends():
     # In both, the damage lies where the names of the root are.
-    message = r"endless\.h5: not readable as HDF5 \(HDF5 does not come to an end within 2 s"
+    message = r"endless\.h5: not readable as HDF5 \(HDF5 does not finish within 2 s"
     with pytest.raises(ImportFormatError, match=message):
         read_nodes(ENDLESS)
     with pytest.raises(ImportFormatError, match=message):
@@ -59,7 +59,7 @@ def test_a_case_that_names_such_a_file(tmp_path):
         f'title = "t"\n[[body]]\nname = "b"\nreduced = "{ENDLESS}"\n'
         "[simulation]\nduration = 1.0\noutput_step = 0.1\nstep = 0.1\n"
     )
-    with pytest.raises(CaseError, match=r"line 4, body\[1\]\.reduced: .*HDF5 does not come to an end"):
+    with pytest.raises(CaseError, match=r"line 4, body\[1\]\.reduced: .*HDF5 does not finish"):
         read_case(tmp_path / "case.toml")
 
 
@@ -87,7 +87,7 @@ def test_a_process_that_ends_at_once_is_told_of(tmp_path, monkeypatch):
     (broken / "h5py.py").write_text("import os\nos.abort()\n")
     monkeypatch.setattr("sys.path", [str(broken), *sys.path])
     with (
-        pytest.raises(OSError, match=r"HDF5 crashes over it \(exit code -6\)"),
+        pytest.raises(OSError, match=r"HDF5 crashes on it \(exit code -6\)"),
         open_copied(tmp_path / "k.h5"),
     ):
         pass

@@ -114,7 +114,7 @@ def test_a_run_of_a_case_that_was_cut_off_is_not_overwritten_unless_forced(tmp_p
     out.mkdir()
     with ResultFile.create(out / "bar.h5", case=case.text, inputs=case.inputs) as file:
         file.append(simulate(case.system, case.run).at(slice(2)))
-    with pytest.raises(ResultFileError, match=r"holds the interrupted run bar\.h5; --resume continues"):
+    with pytest.raises(ResultFileError, match=r"contains the interrupted run bar\.h5; --resume continues"):
         run_case(case, out)
     whole = run_case(case, out, resume=True).solution
     assert bits(whole).keys() == bits(simulate(case.system, case.run)).keys()

@@ -173,7 +173,7 @@ def test_what_a_full_body_cannot_do_says_what_to_do(body):
     with pytest.raises(ModelError, match=r"full bodies.*reduce"):
         state_space(linear, inputs=[port], outputs=[port])
     heavy = System(machine.bodies, machine.joints, gravity=(9.81, 0.0, 0.0))
-    with pytest.raises(ModelError, match="change as the machine turns"):
+    with pytest.raises(ModelError, match="change as the machine rotates"):
         linearize(heavy, spin=Spin(3.0, (0, 0, 1)))
     few = machine_modes(linear, 1000)
     assert len(few.eigenvalues) == linear.size

@@ -241,7 +241,7 @@ def test_floquet_finds_what_axes_that_stand_do(monkeypatch):
     apart = (found[:, None] - constant + 150.0) % 300.0 - 150.0
     assert np.max(np.min(abs(apart), axis=1)) < 1e-5 * constant.max()
     assert found[2:6] == pytest.approx(constant[2:6], rel=1e-6)
-    with pytest.raises(ModelError, match="change periodically"):
+    with pytest.raises(ModelError, match="are periodic"):
         state_space(
             linear,
             inputs=[TranslationPort("disc.hub", (0, 1, 0))],

@@ -55,11 +55,11 @@ def test_a_film_without_a_speed_has_sixty_frames_from_end_to_end():
 
 
 def test_impossible_films_are_refused():
-    with pytest.raises(ModelError, match="60 frames per second: give at most 50"):
+    with pytest.raises(ModelError, match="60 frames a second: give at most 50"):
         Film(60.0)
     with pytest.raises(ModelError, match="from 3 to 2 is empty"):
         Film(start=3.0, end=2.0)
-    with pytest.raises(ModelError, match="either a speed, or one frame per passage"):
+    with pytest.raises(ModelError, match="a speed, or one frame per passage"):
         Film(speed=1.0, at=RotorAngle("shaft"))
     with pytest.raises(ModelError, match="from 11 to 10 shows no output time: the run goes from 0 to 10"):
         rows_of(Film(start=11.0))

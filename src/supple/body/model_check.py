@@ -1,5 +1,7 @@
-"""Model check: whether an imported stiffness and mass are those of one free elastic body. Findings have "
-"numbers and remedies."""
+"""Model check: whether an imported stiffness and mass are those of one free elastic body.
+
+Findings have numbers and remedies.
+"""
 
 from __future__ import annotations
 

@@ -90,7 +90,7 @@ def test_other_things_beside_elements_are_refused():
             explicit_subdomain(with_mass(model, 5, *unlike))
     coupled = np.zeros((model.n_dofs, model.n_dofs))
     coupled[np.ix_([0, 3], [0, 3])] = [[1.0, -1.0], [-1.0, 1.0]]
-    with pytest.raises(ModelError, match="2 terms of the concentrated masses act between nodes"):
+    with pytest.raises(ModelError, match="2 terms of concentrated masses act between nodes"):
         explicit_subdomain(replace(model, attached=Attached(mass=sparse.csc_array(coupled))))
 
 

@@ -70,7 +70,7 @@ def test_frequencies_with_masses_ties_and_springs_are_those_of_the_body(body):
 @pytest.mark.parametrize(
     ("cards", "message"),
     [
-        ("CMASS2,31,1.,3,1,9,1\n", "2 terms of the concentrated masses act between nodes"),
+        ("CMASS2,31,1.,3,1,9,1\n", "2 terms of concentrated masses act between nodes"),
         ("CDAMP2,31,1.,3,1,9,1\n", "the line of body 'beam' has no dashpots beside its elements"),
     ],
 )

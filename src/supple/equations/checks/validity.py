@@ -36,7 +36,7 @@ length: a tenth of the deflection of such a body."""
 
 _STIFFER = {"modal": "Give it stiffening=CentrifugalStiffness() (spin_stiffness = true in a case file)"}
 """Remedy that gives a linear body geometric stiffness, by its kind; for others modal derivatives."""
-_TURNS_LESS = {"modal": "Use explicit elements, or as several modal parts tied to each other"}
+_TURNS_LESS = {"modal": "Use explicit elements, or several modal parts tied to each other"}
 """Remedy that reduces a body's rotation relative to its frame, by its kind; others: by their frame."""
 
 

@@ -333,7 +333,7 @@ def test_a_controller_that_sees_the_angle_of_the_turn_is_refused():
     seeing = controller(
         lambda _t, reads, z: watching(reads, z), lambda _t, _reads, z: {"motor": 0.0 * z[0]}, [0.0]
     )
-    with pytest.raises(ModelError, match=r"the linear equations change as the machine turns .* controllers"):
+    with pytest.raises(ModelError, match=r"equations change as the machine rotates .* controllers"):
         linearize(rotor([seeing]), spin=m.Spin(2.0, AXIS))
 
 
