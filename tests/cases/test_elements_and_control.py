@@ -261,7 +261,7 @@ def test_a_controller_acts_at_rest_where_its_code_may_run(tmp_path):
     loop = np.roots([0.5, 2.0, 30.0])
     expected = [loop[loop.imag > 0][0], -10.0]
     assert modes.eigenvalues == pytest.approx(expected, rel=1e-7)
-    with pytest.warns(ControlWarning, match="give --allow-code to close its loops"):
+    with pytest.warns(ControlWarning, match="give --allow-code to include them"):
         modes, _ = modes_case(case, tmp_path)
     assert modes.eigenvalues == pytest.approx([0.0])
 

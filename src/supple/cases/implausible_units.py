@@ -38,7 +38,7 @@ _GRAVITY = _Range(0.1, 1e3, "the earth has 9.81 m/s2", MappingProxyType({"length
 _FREQUENCY = _Range(0.05, 1e8, "the longest wind turbine blades have 0.5 Hz", MappingProxyType({"time": -1}))
 # `wave_speed` returns some 2 to 6 times the speed of sound.
 _SPEED = _Range(
-    30.0, 2e5, "steel has some 2e4 m/s by this measure", MappingProxyType({"length": 1, "time": -1})
+    30.0, 2e5, "steel has some 2e4 m/s by this estimate", MappingProxyType({"length": 1, "time": -1})
 )
 # No material has the density of a metal and the modulus of rubber: kg with mm and MPa give such numbers.
 _METAL, _RUBBER = 3e3, 2e9

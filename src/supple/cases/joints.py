@@ -50,7 +50,9 @@ class Friction(CheckedTable):
     """Coulomb friction proportional to the force in the joint."""
 
     coefficient: NonNegative = Field(description="coefficient of friction")
-    width: Positive = Field(description="below which it acts as a damper, rad per time or velocity")
+    width: Positive = Field(
+        description="sliding speed below which it acts as a damper, rad per time or velocity"
+    )
     radius: Positive | None = Field(None, description="revolute: radius of the pin, a length")
 
     def build(self, joint: machine.Joint) -> machine.JointFriction:

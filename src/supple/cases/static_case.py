@@ -60,8 +60,8 @@ def analysed_system(case: Case, *, allow_code: bool) -> System:
     control = case.tables.control
     if control is not None and not allow_code:
         warnings.warn(
-            f'the machine is analysed without its controllers, control = "{control}": review that file, '
-            "and give --allow-code to close its loops",
+            f'the machine is analysed without its controllers, control = "{control}": review that code, '
+            "and give --allow-code to include them",
             ControlWarning,
             stacklevel=2,
         )
@@ -70,21 +70,20 @@ def analysed_system(case: Case, *, allow_code: bool) -> System:
 
 
 def starting_system(case: Case, simulated: System | None = None, *, allow_code: bool = False) -> System:
-    """The machine at the start of its run: as placed, assembled if the case sets so, in equilibrium, or
-    from an earlier run.
+    """The machine at the start of its run: as placed (and assembled on request), in equilibrium, or in a
+    state of an earlier run.
 
     simulated : the machine with the bodies of a run, from `result_machine`; by default that of the case
 
-    Bodies that correct themselves are in equilibrium with all their coordinates; the bases of their rounds
-    contain that shape.
+    Bodies with a self-correcting reduction are in equilibrium with all their coordinates. The bases of their
+    rounds contain this deformed shape.
 
     Its controllers are created for the machine as placed. Traced ones act in the equilibrium; sampled ones
     are first called at the start of the run.
 
     Raises
     ------
-    CaseError           a kinematic run of a body that corrects itself; code that is not allowed to run, or
-        that fails
+    CaseError           a kinematic run with a self-correcting reduction; code that is not allowed or fails
     ConvergenceError    no equilibrium; joints that cannot be closed
     """
     wanted = case.tables.simulation

@@ -49,7 +49,7 @@ _OF_BODIES: dict[str, Callable[[Path, ReducedBody], object]] = {
 }
 _OPENFAST, _CLOSED = ".dat", ".mnf"
 _NONE = (
-    "give an elastic body a reduction of fixed size; of one that corrects itself, export the NAME-reduced.h5 "
+    "give an elastic body a reduction of fixed size; for a self-correcting one, export the NAME-reduced.h5 "
     "of its run"
 )
 SUPERELEMENT_SUFFIXES = (*_OF_INTERFACES, *_OF_BODIES, _OPENFAST, _CLOSED)
@@ -109,7 +109,7 @@ def _report(target: Path, body: ReducedBody, stated: StatedFrequencies, *, linea
     rows = [(words, _listed(values)) for words, values in stated]
     print_table(f"Frequencies of {body.name} for comparison", ["support", "cycles per unit of time"], rows)
     if linear and not body.is_linear:
-        say("the linear part only: this format has no nonlinear strains")
+        say("only the linear part was written: this format has no nonlinear strains")
     say(f"written to {target}")
 
 
