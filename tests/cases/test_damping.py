@@ -49,7 +49,7 @@ def test_a_basis_that_lacks_the_held_modes_is_warned_of(body):
     """Three free modes, without static shapes: the third held mode of such a body is far too fast."""
     found = reduced(body, ASKED, NormalModes(3))
     with pytest.warns(
-        SuppleWarning, match=r"2 % is given for its modes 1 and 3 with 'root' clamped; as reduced"
+        SuppleWarning, match=r"2 % is given for its modes 1 and 3 with 'root' clamped; the reduced body has"
     ):
         warn_of_ratios(ASKED, found)
 
@@ -69,7 +69,7 @@ def test_a_run_shows_the_ratios_of_held_modes_beside_their_frequencies(body):
     numbers = body_numbers(reduced(body, ASKED, CraigBampton(6)))
     np.testing.assert_allclose(np.array(numbers["damping ratios held"]["root"])[[0, 2]], 0.02, rtol=1e-3)
     table = body_table({"units": {}, "bodies": {"beams": numbers}})
-    assert table.heads[-1] == "their damping, %"
+    assert table.heads[-1] == "damping ratios, %"
     assert [row[-1].split()[:1] for row in table.rows] == [[], ["2"]]
     undamped = body_numbers(
         reduce(
@@ -77,4 +77,4 @@ def test_a_run_shows_the_ratios_of_held_modes_beside_their_frequencies(body):
         )
     )
     assert "damping ratios held" not in undamped
-    assert "their damping, %" not in body_table({"units": {}, "bodies": {"beams": undamped}}).heads
+    assert "damping ratios, %" not in body_table({"units": {}, "bodies": {"beams": undamped}}).heads

@@ -261,7 +261,7 @@ def test_a_controller_acts_at_rest_where_its_code_may_run(tmp_path):
     loop = np.roots([0.5, 2.0, 30.0])
     expected = [loop[loop.imag > 0][0], -10.0]
     assert modes.eigenvalues == pytest.approx(expected, rel=1e-7)
-    with pytest.warns(ControlWarning, match="give --allow-code to close its loops"):
+    with pytest.warns(ControlWarning, match="give --allow-code to include them"):
         modes, _ = modes_case(case, tmp_path)
     assert modes.eigenvalues == pytest.approx([0.0])
 
@@ -307,7 +307,7 @@ def test_a_joint_has_friction_under_its_own_force(tmp_path):
             "axis = [0, 0, 1]\n", "axis = [0, 0, 1]\nfriction = { coefficient = 0.2, width = 0.01 }\n"
         )
     )
-    with pytest.raises(CaseError, match="needs radius"):
+    with pytest.raises(CaseError, match="needs the radius of its pin"):
         read_case(path)
     path.write_text(path.read_text().replace("width = 0.01", "width = 0.01, radius = 0.05"))
     system = read_case(path).system

@@ -129,5 +129,5 @@ frame = { kind = "mean-axis" }
 [simulation]"""
     (tmp_path / "strip.inp").write_text(abaqus_text(strip(1.0, 0.1, 2, 2)))
     case = written(CASE.replace("\n[simulation]", soft))
-    with pytest.raises(CaseError, match="reduced as far as its run needs: for a run with kinematic = true"):
+    with pytest.raises(CaseError, match="has a self-correcting reduction: for a run with kinematic = true"):
         starting_system(case)

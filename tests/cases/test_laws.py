@@ -105,7 +105,7 @@ def test_a_load_that_jumps_does_not_swing(tmp_path):
 def test_a_motion_that_jumps_is_refused_with_its_row(tmp_path):
     """A spline through a step of one radian would swing by a tenth of it."""
     (tmp_path / "step.csv").write_text("0,0\n0.5,0\n0.501,1\n1,1\n")
-    with pytest.raises(ImportFormatError, match=r"between rows \d and \d .* a motion must be continuous"):
+    with pytest.raises(ImportFormatError, match=r"between rows \d and \d .* a motion must be smooth"):
         TableLaw(kind="table", file="step.csv").build(tmp_path)
 
 

@@ -138,14 +138,14 @@ def test_faults_of_the_files_are_told_as_the_case_is_built(wing):
         ("paths = [[11, 12, 13, 14], [14, 15, 16, 17]]", 'tip = "end"', "needs paths = [[GRID, GRID, ..]]"),
         ("paths =", "stations = 7, paths =", "a body of matrices, condensed already, takes no stations"),
         ("[17]\n", "[18]\n", "grid 18 is on no load path"),
-        ("[17]\n", "[16, 17]\n", "one station: node_indices = [GRID]"),
+        ("[17]\n", "[16, 17]\n", "one station: give node_indices = [GRID]"),
         ("node_indices = [17]", 'node_indices = [17]\nkind = "averaging"', "and no kind"),
         ('root = "base"', 'root = "end"', "the root is the start of the paths, grid 11, not grid 17"),
         ('mass = "wing.pch"', 'mass = "wing.pch", rigid_tolerance = 1e-3', "are removed; remove the key"),
         (
             'mesh = "wing.bdf"\nmatrices = {',
             'superelement = { nodes = "wing.bdf", dofs_per_node = 6,',
-            "a superelement has no names of freedoms: give a matrices body",
+            "the rows of a superelement have no grid labels: give a matrices body",
         ),
         (
             'matrices = { stiffness = "wing.pch", mass = "wing.pch" }',

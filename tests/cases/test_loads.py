@@ -70,7 +70,7 @@ def test_a_free_strip_falls_under_its_pressure_and_rests_on_a_base_that_falls_al
         (
             'at = "strip.ALL"',
             'at = "strip.root"',
-            r"load\[1\].at: 'root' is an interface, and a pressure is on the faces",
+            r"load\[1\].at: 'root' is an interface, but a pressure acts on the faces",
         ),
         ('at = "strip.ALL"', 'at = "strip.AL"', "no node set named 'AL', did you mean 'ALL'"),
         (

@@ -126,7 +126,7 @@ def test_a_flexible_body_stands_in_place_of_a_rigid_one(read):
         ),
         (
             CASE + BODY.replace('name = "knee"', 'name = "shin"'),
-            "has joints at knee of it; add interfaces",
+            "has joints at its knee; add interfaces",
         ),
         (CASE + '[[joint]]\nkind = "ball"\nfirst = "ground"\nsecond = "lower.foot"\n', "foot"),
     ],

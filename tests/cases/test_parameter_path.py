@@ -38,9 +38,9 @@ def test_a_path_leads_to_a_place(text, place):
     [
         (
             "body.blad.shell.thickness",
-            r"named 'blad', did you mean 'blade'\?; named are: hub, blade",
+            r"named 'blad', did you mean 'blade'\?; names: hub, blade",
         ),
-        ("load[1].law", r"there are 1 items before \[1\]"),
+        ("load[1].law", r"there is no item \[1\]"),
         ("loads[0].law", r"there is no 'loads', did you mean 'load'\?"),
         ("body.blade.shel.thickness", r"did you mean 'shell'"),
         ("body.hub.rigid.mass.unit", r"there is nothing below body\.0\.rigid\.mass"),

@@ -443,7 +443,7 @@ ONE_MISTAKE = {
     "not a mesh file": (
         '"blade.inp"',
         '"blade.txt"',
-        "'blade.txt' is not a readable mesh: .inp or .msh",
+        "'blade.txt' is not a readable mesh; give a file .inp or .msh",
     ),
     "a table file that is not there": (
         '"ramp", value = 1, duration = 2.0',

@@ -137,14 +137,14 @@ def test_commands_take_it(blade, command, said, monkeypatch, tmp_path):
         (
             "node_indices = [4]",
             "node_indices = [9]",
-            "station 9 does not exist: give one from 0, the root, to 8",
+            "station 9 does not exist: give one from 0 (the root) to 8",
         ),
         (
             "node_indices = [4]",
             "",
             "an interface between the ends is one station: give node_indices = [NUMBER]",
         ),
-        ("node_indices = [4]", 'node_indices = [4]\nnodes = "x"', "is a station, and has no nodes"),
+        ("node_indices = [4]", 'node_indices = [4]\nnodes = "x"', "is a station and takes no nodes"),
         ('name = "end"\n', 'name = "end"\nnode_indices = [8]\n', "'end' is an end of the line; remove"),
         ("condense = {", 'mesh = "blade.csv"\ncondense = {', "a section_table body takes no mesh"),
         ('"blade.csv"', '"none.csv"', "there is no file"),

@@ -94,7 +94,7 @@ def test_a_stress_that_is_none_is_found_while_reading(case):
     text = case.read_text()
     case.write_text(text + '[error]\nof = [{ kind = "stress", at = "strip.root" }]\n')
     with pytest.raises(
-        CaseError, match=r"error.of\[1\].at: 'root' is an interface, and stress is that of elements"
+        CaseError, match=r"error.of\[1\].at: 'root' is an interface, but stress is computed in elements"
     ):
         read_case(case)
     case.write_text(text)
@@ -102,7 +102,7 @@ def test_a_stress_that_is_none_is_found_while_reading(case):
     rigid = f'[[body]]\nname = "hub"\nrigid = {{ mass = 1.0, centre = [0,0,0], inertia = {inertia} }}\n'
     text = case.read_text().replace('at = "strip.root"', 'at = "hub.eye"')
     case.write_text(text.replace("[[joint]]", rigid + "[[joint]]"))
-    with pytest.raises(CaseError, match=r"sensor\[3\].at: body 'hub' has no elements, whose stress"):
+    with pytest.raises(CaseError, match=r"sensor\[3\].at: body 'hub' has no elements whose stress"):
         read_case(case)
 
 
@@ -162,7 +162,7 @@ def test_what_is_read_of_a_set(case, given, component, over):
         ('name = "energy"', 'name = "tip"', "names must differ"),
         ('name = "energy"', 'name = " "', "is empty"),
         ('kind = "joint-force"', 'kind = "joint-force"\nseen_from = "strip.root"', "seen_from"),
-        ('at = "strip.ROOT"', 'at = "strip.root"', "not a node set of a body with elements"),
+        ('at = "strip.ROOT"', 'at = "strip.root"', "give a node set of a body with elements"),
         ('measure = "xx"', 'measure = "xxx"', "measure"),
         ('measure = "xx"', 'component = "xx"\nmeasure = "yy"', "with component, measure is one of max"),
         ("normal = [1, 0, 0]", "", "normal"),

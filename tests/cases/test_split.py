@@ -86,7 +86,7 @@ def test_a_ratio_on_modes_is_one_on_those_of_the_whole(case_folder):
     body = case.tables.body[0]
     expected = body.damping.build(case.flexible["strip"], body.frame.build())
     rewritten(case_folder, (SPLIT, "split = { parts = 2 }\n" + SPLIT))
-    with pytest.warns(SuppleWarning, match="is split: the part alpha"):
+    with pytest.warns(SuppleWarning, match="is split: its mass damping, alpha"):
         damped = [part.damping.build() for part in read_case(path).parts.body]
     assert damped == [RayleighDamping(expected.alpha, expected.beta)] * 2
 

@@ -65,7 +65,7 @@ def test_what_is_wrong_with_a_table_has_its_line(tmp_path, which, line, place, c
 def test_a_motion_that_jumps_has_its_line_and_a_load_may(tmp_path):
     jump = "0,0\n0.1,0\n0.2,0\n0.3,0\n0.301,1\n0.4,1\n0.5,1\n1,1\n"
     read(tmp_path, torque=jump)
-    with pytest.raises(CaseError, match=r"line 11, joint\[1\]\.law\.file: .*a motion must be continuous"):
+    with pytest.raises(CaseError, match=r"line 11, joint\[1\]\.law\.file: .*a motion must be smooth"):
         read(tmp_path, angle=jump)
 
 

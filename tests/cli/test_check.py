@@ -165,7 +165,7 @@ def test_an_rbe2_that_is_no_interface_ties_its_nodes_all_the_same(folder):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('mesh = "strip.bdf"', 'mesh = "strip.h5"', "'strip.h5' is not a readable mesh: .bdf or"),
+        ('mesh = "strip.bdf"', 'mesh = "strip.h5"', "'strip.h5' is not a readable mesh; give a file .bdf or"),
         ('mesh = "strip.h5"\n', "", "a matrices body needs a mesh"),
         ('stiffness = "strip.h5"', 'stiffness = "absent.h5"', "there is no file .*absent.h5"),
         (

@@ -165,7 +165,7 @@ def test_the_files_of_the_result_are_not_written_over(result, name):
 @pytest.mark.parametrize(
     ("arguments", "cause"),
     [
-        (("a.xls",), "files that end in .vtkhdf, .vtu, .csv"),
+        (("a.xls",), "a file that ends in .vtkhdf, .vtu, .csv"),
         (("a.csv", "--body", "strip"), "--body is not for a table of the whole machine: remove it"),
         (("a.csv", "--time", "0.1"), "--time is not for a table of the whole machine"),
         (("a.vtu", "--times", "0:1:3"), "--times is not for a .vtu, which contains one time"),

@@ -128,7 +128,7 @@ def test_a_body_of_sections_is_written_for_beamdyn(tmp_path):
     (tmp_path / "blade.toml").write_text(BLADE)
     result = exported(tmp_path / "blade.toml", "-o", tmp_path / "again.dat")
     assert result.exit_code == 0, result.output
-    assert "frequencies to find on its support" in (tmp_path / "again_blade.dat").read_text()
+    assert "frequencies for comparison, on its support" in (tmp_path / "again_blade.dat").read_text()
     first, second = (read_section_table(tmp_path / f"{name}.dat") for name in ("given", "again"))
     for name in ("positions", "axes", "stiffness", "inertia"):
         mine, its = getattr(first, name), getattr(second, name)

@@ -113,7 +113,7 @@ def test_a_case_without_a_body_of_fixed_size_has_nothing_to_reduce(reduced_strip
         (
             'reduced = "strip-reduced.h5"',
             'reduced = "strip-reduced.h5"\ninterface = [{ name = "root", nodes = "ROOT" }]',
-            "a reduced body has its own interfaces; remove these",
+            "the file of a reduced body has its interfaces; remove these",
         ),
     ],
 )

@@ -270,4 +270,6 @@ def test_modes_beside_a_body_in_full_ask_for_a_size(tmp_path):
     case.write_text((head + body + strip_table + body + whole + joint + end).replace("RATE", "0.0"))
     result = CliRunner().invoke(app, ["modes", str(case), "-o", str(tmp_path)])
     assert result.exit_code == 2
-    assert "beside a full body no reduction corrects itself" in " ".join(result.output.split())
+    assert "with a body that is not reduced, no other reduction can correct itself" in " ".join(
+        result.output.split()
+    )

@@ -88,7 +88,7 @@ def test_what_is_only_said_or_drawn_may_change(cut):
 
 
 def test_resume_and_force_exclude_each_other(cut):
-    with pytest.raises(CaseError, match="give one of them"):
+    with pytest.raises(CaseError, match="give only one of them"):
         run_case(read_case(cut / "bar.toml"), cut / "out", resume=True, force=True)
 
 

@@ -141,7 +141,7 @@ class Body(CheckedTable):
     def elastic(self) -> ElasticKind | None:
         """The kind of an elastic body that the case builds; None otherwise.
 
-        None also for a line from a file: it can only be a body in intrinsic modes.
+        None also if `is_line`: such a body exists in intrinsic modes only.
         """
         if self.is_line:
             return None
@@ -152,7 +152,7 @@ class Body(CheckedTable):
 
     @property
     def is_line(self) -> bool:
-        """True for a section table, and for matrices condensed on a load path by another program."""
+        """True for a condensed body from a section table, or from matrices on a load path."""
         return self.condense is not None and (self.section_table is not None or self.matrices is not None)
 
     @property
@@ -172,7 +172,7 @@ class Body(CheckedTable):
 
         Raises
         ------
-        ModelError   errors of the model: all findings of its check, if they refuse it
+        ModelError   a model that fails its check: all findings
         """
         try:
             connections = source.connections()
@@ -195,7 +195,7 @@ class Body(CheckedTable):
         notify: Notify,
         elements: FiniteElementModel | None = None,
     ) -> Placed:
-        """The body in its initial state; full if its basis is "none", or if its reduction corrects itself.
+        """The body in its initial state; not reduced if its basis is "none" or its reduction corrects itself.
 
         flexible : from `flexible`; None for a body that is not elastic, or is read from a file
         folder : folder of that file
@@ -207,7 +207,7 @@ class Body(CheckedTable):
         return self.placed(self._form(flexible, folder, notify))
 
     def placed(self, form: BodyForm) -> Placed:
-        """A given form of the body in its initial state."""
+        """The body in its initial state, from a form that is built already."""
         given = {key: getattr(self, key) for key in _START}
         start: dict[str, Any] = {key: np.array(value) for key, value in given.items() if value is not None}
         placed = Placed(form, **start)
@@ -283,7 +283,7 @@ _ELASTIC_ONLY = ("frame", "reduction", "damping", "split", "linear", "condense")
 
 
 def checked_line(body: FlexibleBody) -> str:
-    """The result of the checks of a body in one line: only free, symmetric, positive models pass."""
+    """The result of the model check in one line; only free, symmetric models without mechanism pass."""
     found = rigid_mass_properties(body.nodal_mass, body.nodes, body.dofs_per_node)
     return f"checked body '{body.name}': free, no mechanism, symmetric, mass {found.mass:.5g}"
 
@@ -308,7 +308,7 @@ def _is_of_one_kind(path: KeyPath, body: Raw) -> Mistakes:
     if kind.is_elastic and "frame" not in body and not is_condensed(body) and not is_explicit(body):
         yield path, f'a {key} body needs frame; for example frame = {{kind = "mean-axis"}}'
     if "cells" in body and kind not in _MADE_OF_CELLS:
-        yield (*path, "cells"), f"a {key} body has all of its file; remove the key, or give shell or solid"
+        yield (*path, "cells"), f"cells is for shell and solid bodies, not for a {key} body; remove the key"
     if not kind.is_elastic:
         for needless in (each for each in _ELASTIC_ONLY if each in body):
             yield (*path, needless), f"a {key} body takes no {needless}; remove the key"
@@ -321,7 +321,7 @@ def _has_one_velocity(path: KeyPath, body: Raw) -> Mistakes:
         message = "give the velocity of the mesh origin or that of the centre of mass, not both"
         yield (*path, "centre_velocity"), message
     if "split" in body:
-        message = "each part of a split body has its own centre; give velocity, of the common mesh origin"
+        message = "each part of a split body has its own centre of mass; give velocity (of the mesh origin)"
         yield (*path, "centre_velocity"), message
 
 
@@ -329,7 +329,7 @@ def _mesh_can_be_read(path: KeyPath, body: Raw) -> Mistakes:
     kind, mesh = kind_of(body), body.get("mesh")
     allowed = (kind.mesh_suffixes if kind is not None else ()) or Shell.mesh_suffixes
     if isinstance(mesh, str) and Path(mesh).suffix.lower() not in allowed:
-        yield (*path, "mesh"), f"{mesh!r} is not a readable mesh: {' or '.join(allowed)}"
+        yield (*path, "mesh"), f"{mesh!r} is not a readable mesh; give a file {' or '.join(allowed)}"
 
 
 def _interfaces_have_names(path: KeyPath, body: Raw) -> Mistakes:

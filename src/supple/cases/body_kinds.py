@@ -89,7 +89,7 @@ class Homogeneous(ElasticKind):
     density: Positive = Field(description="mass density, mass per volume")
 
     def source(self, folder: Path, mesh: str, cells: str | None = None, /) -> BodySource:
-        """The mesh file with elements."""
+        """The source of the body: the mesh file, with elements on its cells."""
         read = read_mesh(folder / mesh)
         if cells is not None:
             part = mesh_part(read, read.cells_of(cells))
@@ -132,7 +132,7 @@ class Solid(Homogeneous):
 
 
 class DeckKind(ElasticKind):
-    """A file of another program: elements, materials, sections, masses, springs and ties."""
+    """A body from an input file of another program: elements, materials, sections, masses, springs, ties."""
 
     has_elements = True
     has_connections = True
@@ -147,7 +147,7 @@ class DeckKind(ElasticKind):
     )
 
     def source(self, folder: Path, mesh: str, _cells: str | None = None, /) -> BodySource:
-        """The file."""
+        """The source of the body from its input file."""
         return deck_source(
             folder / mesh, _KINEMATICS[self.kinematics], part=self.part, leave_out=self.leave_out
         )
@@ -224,7 +224,7 @@ class Superelement(ElasticKind):
     points: FileName | None = Field(None, description="Matrix Market file of these points, 3 columns")
 
     def source(self, folder: Path, _mesh: str, _cells: str | None = None, /) -> BodySource:
-        """The three files."""
+        """The source of the body from its Matrix Market files."""
         return matrices_source(
             nodes=folder / self.nodes,
             stiffness=folder / self.stiffness,
@@ -261,7 +261,7 @@ class ReducedFile(BodyKind):
 
 
 class SectionTableFile(ElasticKind):
-    """The file of a section table: beams, or with condense a line. Its key has a name, not a table."""
+    """The file of a section table: beams, or intrinsic modes with condense. Its key has a name, no table."""
 
     has_elements = True
 
@@ -314,7 +314,7 @@ def at_elements(
 ) -> Mistakes:
     """The rule that tables of some kinds refer to node sets of bodies with elements.
 
-    kinds : by kind, two phrases for its messages
+    kinds : by kind of table, two parts of messages: for a body without elements, and for an interface
     """
     bodies = {str(body.get("name")): body for _, body in tables(raw, "body")}
     for path, each in given:
@@ -325,10 +325,12 @@ def at_elements(
         kind = kind_of(bodies[name])
         if kind is not None and not kind.has_elements:
             able = ", ".join(kinds_that("has_elements"))
-            yield (*path, "at"), f"body {name!r} has no elements, {would_be} ({able} have)"
+            yield (
+                (*path, "at"),
+                f"body {name!r} has no elements {would_be}; give a node set of one that has ({able})",
+            )
         elif where in names(bodies[name], "interface"):
             yield (
                 (*path, "at"),
-                f"{where!r} is an interface, and {is_of} elements: it is not a node set of a body with "
-                "elements; give one",
+                f"{where!r} is an interface, but {is_of} elements; give a node set of a body with elements",
             )

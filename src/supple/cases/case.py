@@ -113,7 +113,7 @@ class Case:
 
     @cached_property
     def run(self) -> Run:
-        """The time span, and the steps."""
+        """The time span, and the method of integration."""
         return self.tables.simulation.build()
 
     @cached_property
@@ -200,7 +200,7 @@ class Case:
         Raises
         ------
         CaseError    as for `sources`
-        SuppleError  errors of a model: all findings of its check, if they refuse it
+        SuppleError  a model that fails its check: all findings
         """
         flexible = {}
         for table in self.parts.body:
@@ -215,7 +215,7 @@ class Case:
 
     @cached_property
     def bases(self) -> Mapping[str, At]:
-        """By name of a part of a split body: the first interface of the whole, for its deflections."""
+        """By part of a split body: the interface from which deflections are measured, the whole's first."""
         found = {}
         for body in self.tables.body:
             base = base_of(body, self._split[body.name]) if body.split is not None else None
@@ -262,7 +262,7 @@ class Case:
         )
 
     def check_control(self, *, allow_code: bool) -> None:
-        """CaseError, before any computation, if the case has controllers that may not run, or cannot."""
+        """Raise CaseError, before any computation, if controllers of the case may not or cannot run."""
         control = self.tables.control
         check_code_allowed(control, allow_code=allow_code)
         if control is not None and self.starts:
@@ -283,7 +283,7 @@ class Case:
 
     @cached_property
     def starts(self) -> Mapping[str, ReductionStart]:
-        """For the bodies that are full in the system, to be reduced to the accuracy of the case."""
+        """By body: the start of its self-correcting reduction; `system` has these bodies not reduced."""
         return {
             table.name: reduction_start(table.reduction, self.flexible[table.name], self._of_interest(table))
             for table in self.parts.body
@@ -299,7 +299,7 @@ class Case:
 
     @cached_property
     def sensors(self) -> tuple[Quantity, ...]:
-        """The quantities read from its motion.
+        """The sensors, which are evaluated after the run.
 
         Raises
         ------
@@ -330,8 +330,8 @@ class Case:
     def study(self) -> ErrorStudy:
         """The parts of the error to estimate, and the quantities of interest.
 
-        Bases of a fixed size on request; for machines with full bodies also the integration, as each of the
-        two runs costs as much as the first.
+        The error of bases of fixed size is estimated on request only. So is the integration error if a body
+        is not reduced, because each of the two extra runs costs as much as the first.
         """
         given = self.parts.error
         in_full = any(name not in self.starts for name in self.system.bodies_of(FullBody))
@@ -344,7 +344,7 @@ class Case:
 
     @cached_property
     def fulls(self) -> Mapping[str, FullBody]:
-        """The bodies built here in a floating frame, with all their coordinates, by name."""
+        """The bodies in a floating frame that the case builds, before reduction, by name."""
         return known_fulls(self.system) | self.system.bodies_of(FullBody)
 
     @cached_property
@@ -370,9 +370,9 @@ class Case:
         return found
 
     def _check_stress(self) -> None:
-        """CaseError if drawn bodies have no stress, before the run.
+        """Raise CaseError, before the run, if bodies to be coloured have no stress.
 
-        Bodies of beams without recovery points are drawn plain beside others.
+        Beam bodies without stress recovery points are drawn in plain colour beside others.
         """
         mistakes, beams = [], []
         shown = [name for name, look in self.drawn.items() if look is not None]

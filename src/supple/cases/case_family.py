@@ -24,7 +24,7 @@ __all__ = ["CaseFamily", "case_family"]
 
 @dataclass(frozen=True, eq=False)
 class CaseFamily:
-    """A case file with varied numbers.
+    """A case file, and the cases that differ from it in some values.
 
     path, text : of the file
     raw : its tables, with those of a machine file and the interfaces of reduced bodies
@@ -36,7 +36,7 @@ class CaseFamily:
 
     @cached_property
     def case(self) -> Case:
-        """The case of the file itself."""
+        """The case with the values of the file."""
         return read_case(self.path)
 
     def variant(

@@ -17,7 +17,7 @@ _SAID_NOT_COMPUTED = {"title", "units", "output"}
 
 
 def inputs_of_case(tables: CheckedTable, files: Iterable[str], folder: Path) -> Inputs:
-    """Values of all keys that the motion depends on, with defaults, and digests of all files, by name.
+    """Values of all keys that the motion depends on, defaults included, and digests of all files, by name.
 
     Raises
     ------

@@ -212,7 +212,7 @@ def _joints_suit_the_supports(raw: Raw) -> Mistakes:
             own = _ends(joint)
             if set(own) != {"ground", root}:
                 other = next((end for end in own if end not in ("ground", root)), root)
-                yield at, f"it connects {name!r} by more than its root and the ground ({other!r}): {remedy}"
+                yield at, f"its ends must be ground and the root of {name!r}; one end is {other!r}: {remedy}"
             elif joint.get("kind") not in _HELD_BY[given.get("support", "clamped")]:
                 fitting = [key for key, kinds in _HELD_BY.items() if joint.get("kind") in kinds]
                 better = f'set support = "{fitting[0]}", or ' if fitting else ""
@@ -232,7 +232,7 @@ def _body(end: str) -> str:
 
 
 def _marches_in_fixed_steps(raw: Raw) -> Mistakes:
-    """No other method supports intrinsic bodies."""
+    """The rule that intrinsic bodies need fixed steps, without assembly and kinematic analysis."""
     condensed = next((body.get("name") for _, body in tables(raw, "body") if is_condensed(body)), None)
     if condensed is None:
         return
@@ -240,7 +240,7 @@ def _marches_in_fixed_steps(raw: Raw) -> Mistakes:
     for key, refused, remedy in (
         ("adaptive", "adaptive" in given, "give step = TIME"),
         ("assemble", given.get("assemble") is True, "place the bodies so that all joints fit"),
-        ("kinematic", given.get("kinematic") is True, "make it a rigid body, or leave the key out"),
+        ("kinematic", given.get("kinematic") is True, "make it a rigid body, or remove the key"),
     ):
         if refused:
             yield ("simulation", key), f"not available with the condensed body {condensed!r}: {remedy}"

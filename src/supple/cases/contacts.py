@@ -154,7 +154,10 @@ def _part_places(raw: Raw) -> Iterator[tuple[KeyPath, Any]]:
 
 
 def _suit_their_parts(raw: Raw) -> Mistakes:
-    """Rule: ties, contacts and supports are for explicit parts, supports for elements; modal parts lead."""
+    """The rule that ties, contacts and supports are at explicit parts, and supports at explicit elements.
+
+    Nodes of explicit elements are tied to a modal part, not the other way round.
+    """
     kinds = {
         body.get("name"): "modal" if "modal" in body else "explicit" if "explicit" in body else None
         for _, body in tables(raw, "body")
@@ -164,10 +167,10 @@ def _suit_their_parts(raw: Raw) -> Mistakes:
         if name in kinds and kinds[name] is None:
             yield (
                 path,
-                f"body {name!r} marches in a floating frame; give it modal = {{..}} or explicit = {{..}}",
+                f"body {name!r} has a floating frame; give it modal = {{..}} or explicit = {{..}}",
             )
         elif path[0] == "support" and kinds.get(name) == "modal":
-            yield path, "supports are for nodes of explicit elements, and this part is modal"
+            yield path, "supports are for explicit elements, and this part is modal; give it explicit = {..}"
     for path, tie in tables(raw, "tie"):
         nodes, on = tie.get("nodes"), tie.get("on")
         name = nodes.partition(".")[0] if isinstance(nodes, str) else None
@@ -177,15 +180,17 @@ def _suit_their_parts(raw: Raw) -> Mistakes:
             yield (*path, "on"), "a part is not tied to itself; name another"
         elif (kinds.get(name), kinds.get(on)) == ("modal", "explicit"):
             message = (
-                "this part is modal, and tied on an explicit one; name the nodes of the explicit part, and "
-                "tie them on the modal one"
+                "a modal part cannot be tied to an explicit one; give the nodes of the explicit part, and "
+                "tie them to the modal one (on)"
             )
             yield (*path, "nodes"), message
         elif table(tie, "transfer").get("kind") == "mortar" and kinds.get(on) == "explicit":
-            message = "explicit parts are tied node to node; a mortar is for ties on modal parts"
+            message = (
+                "explicit parts are tied node to node; a mortar is for ties to modal parts: remove the key"
+            )
             yield (*path, "transfer"), message
         elif "continuity" in tie and kinds.get(name) == "explicit":
-            message = "explicit nodes are tied pointwise; remove it, or tie two modal parts"
+            message = "explicit nodes are tied one by one; remove the key, or tie two modal parts"
             yield (*path, "continuity"), message
 
 

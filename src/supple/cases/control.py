@@ -36,7 +36,9 @@ def controllers_of(
     try:
         made = getattr(_module(path, path.read_bytes()), function)(system)
     except Exception as error:  # any error of a user's program
-        raise CaseError(f"{_at(control)} fails: {type(error).__name__}: {error}") from error
+        raise CaseError(
+            f"{_at(control)} fails: {type(error).__name__}: {error}; correct the function"
+        ) from error
     every: Sequence[Any] = made if isinstance(made, list | tuple) else (made,)
     for each in every:
         if not isinstance(each, Controller | SampledController):
@@ -48,7 +50,7 @@ def controllers_of(
 
 
 def check_code_allowed(control: str | None, *, allow_code: bool) -> None:
-    """CaseError if a case has code that is not allowed to run."""
+    """Raise CaseError if a case has code that is not allowed to run."""
     if control is not None and not allow_code:
         raise CaseError(
             f"{_at(control)} runs arbitrary Python code on this computer: read it, then give --allow-code "

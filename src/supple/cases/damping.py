@@ -57,7 +57,7 @@ class RayleighRatio(_RatioOfTwoModes):
 
 
 class LinearRayleighRatio(_RatioOfTwoModes):
-    """The same with the stiffness of the undeformed body, as in the literature."""
+    """Rayleigh damping by the stiffness of the undeformed body, with the same ratio on two modes."""
 
     kind: Literal["linear-rayleigh-ratio"]
 
@@ -103,7 +103,7 @@ Damping = Annotated[
 
 
 def warn_of_ratios(given: Damping | None, body: ReducedBody) -> None:
-    """SuppleWarning if modes clamped at an interface have another damping ratio than specified."""
+    """Warn SuppleWarning if modes clamped at an interface have another damping ratio than specified."""
     if isinstance(given, _RatioOfTwoModes):
         modes = given.modes
     elif isinstance(given, Modal):
@@ -120,7 +120,7 @@ def warn_of_ratios(given: Damping | None, body: ReducedBody) -> None:
     numbers = " and ".join(map(str, modes))
     warnings.warn(
         f"body '{body.name}': a damping ratio of {100 * given.ratio:.3g} % is given for its modes {numbers} "
-        f"with '{given.held}' clamped; as reduced they have {seen} %: its basis lacks motion of these modes. "
+        f"with '{given.held}' clamped; the reduced body has {seen} %: its basis lacks motion of these modes. "
         f"Keep more modes, or use a basis with the static shapes of '{given.held}' (craig-bampton, rubin)",
         SuppleWarning,
         stacklevel=2,

@@ -1,4 +1,4 @@
-"""Settings of a run's pictures and animation, drawn in this or another process."""
+"""Pictures and animation of a run, drawn in this process or in another one."""
 
 from __future__ import annotations
 
@@ -91,8 +91,7 @@ class Drawing:
 
 
 def check_drawing(case: Case) -> None:
-    """CaseError if a library for the pictures is missing, or the animation has no frames,
-    before any computation."""
+    """Raise CaseError, before any computation, if a library is missing or the animation has no frames."""
     output = case.tables.output
     if not (output.pictures or output.animation):
         return

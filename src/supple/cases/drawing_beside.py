@@ -24,11 +24,11 @@ from supple.other_processes import available_cores, python_command, python_envir
 __all__ = ["DrawingBeside"]
 
 WORTH = 20.0
-"""Least seconds of a run for a separate process: the error estimate takes a part of that time."""
+"""Shortest run, s, for which a process is started: only then is the error estimate long enough."""
 
 
 class DrawingBeside:
-    """Draws a run once, here or in a separate process, which is ended with the block."""
+    """Draws a run once, in this process or in a separate one, which ends with the `with` block."""
 
     def __init__(self) -> None:
         self._began = perf_counter()
@@ -41,15 +41,15 @@ class DrawingBeside:
         self._drop()
 
     def begin(self, drawing: Callable[[], Drawing | None]) -> None:
-        """Start a separate process if worthwhile; an earlier drawing is cancelled.
+        """Start drawing in a separate process if the run was long; an earlier drawing is cancelled.
 
-        drawing : called if worthwhile
+        drawing : called only if the process is started
         """
         self._drop()
         if perf_counter() - self._began < WORTH or available_cores() < 2:
             return
         asked = drawing()
-        # User functions and factors cannot be pickled, nor written to a full disk: then it is drawn here.
+        # User functions and matrix factors cannot be pickled, and a disk may be full: then `finish` draws.
         with suppress(Exception):
             self._process = None if asked is None else _process(asked)
 
@@ -93,7 +93,7 @@ def _process(drawing: Drawing) -> subprocess.Popen[str]:
 
 
 def _as_dict(mapping: MappingProxyType[Any, Any]) -> tuple[Any, ...]:
-    """Rebuild a mapping: Python cannot pickle read-only mappings."""
+    """Pickle a read-only mapping as a dict: Python cannot pickle it."""
     return dict, (dict(mapping),)
 
 

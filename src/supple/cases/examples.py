@@ -64,7 +64,7 @@ def command_of_example(path: Path) -> str:
 
 
 def _folder() -> Path:
-    """Beside the installed package, or beside its sources in a checkout."""
+    """The folder of the examples: in the installed package, or beside `src` in a checkout."""
     installed = _PACKAGE / "examples"
     return installed if installed.is_dir() else _PACKAGE.parents[1] / "examples"
 
@@ -80,13 +80,13 @@ def example_text(path: Path) -> str:
 
 
 def _title(path: Path) -> str:
-    """The first sentence."""
+    """The first sentence of the description of an example."""
     paragraph = " ".join(example_text(path).split("\n\n")[0].split())
     return re.split(r"(?<=[.?!])\s", paragraph)[0]
 
 
 def _needed(files: list[Path]) -> list[Path]:
-    """The files, the files named in their texts, recursively, and the sources of meshes."""
+    """The files, all files named in their texts (recursively), and notes on the origin of meshes."""
     known = {path.name: path for path in _folder().iterdir() if path.is_file()}
     needed = list(files)
     for path in needed:  # grows during the loop

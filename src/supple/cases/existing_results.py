@@ -29,7 +29,7 @@ def readings_paths(folder: Path) -> tuple[Path, Path]:
 
 
 def kept_so_far(case: Path, folder: Path) -> str:
-    """State of an interrupted run of a case in a folder, unless the march itself was interrupted."""
+    """Message on the results of a run that was interrupted before or after its time integration."""
     path = result_path(case, folder)
     try:
         header = read_header(path)

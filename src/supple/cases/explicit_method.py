@@ -19,7 +19,7 @@ from supple.methods.explicit import (
 
 
 class Projected(CheckedTable):
-    """The projected nodal central difference: momentum exact."""
+    """The projected nodal central difference scheme, which conserves momentum exactly."""
 
     kind: Literal["projected"]
 
@@ -29,11 +29,11 @@ class Projected(CheckedTable):
 
 
 class Published(CheckedTable):
-    """The four-point frame as published, to reproduce it."""
+    """The four-point frame scheme as published, for comparison."""
 
     kind: Literal["published"]
     links: Literal["exact", "predicted"] = Field(
-        "exact", description="predicted: as in the open implementation; they slow a rotation"
+        "exact", description="predicted: as in the published program; rotations lose speed"
     )
     gyroscopic: Literal["lagged", "none"] = Field(
         "lagged", description="lagged: gyroscopic force of the previous half step"

@@ -27,7 +27,7 @@ from supple.reduction import NormalModes, Rubin
 
 
 class ModalPart(CheckedTable):
-    """Vibration modes on a four-point frame that flies and turns."""
+    """Vibration modes on a four-point frame with large translation and rotation."""
 
     modes: int = Field(
         ge=1,
@@ -57,7 +57,7 @@ class ModalPart(CheckedTable):
 
 
 class Viscosity(CheckedTable):
-    """Of solids: spreads fronts over a few elements."""
+    """Bulk viscosity of solids, which spreads shock fronts over a few elements."""
 
     linear: NonNegative = Field(0.06, description="damping ratio of the shortest waves")
     quadratic: NonNegative = Field(1.2, description="number of elements over which a shock is spread")
@@ -86,7 +86,7 @@ class ExplicitPart(CheckedTable):
     def build(
         self, name: str, model: FiniteElementModel, damping: LinearRayleighDamping | None
     ) -> ExplicitSubdomain | ExplicitShell:
-        """The part of that name; several materials of a model are refused by `explicit_subdomain`."""
+        """The part of that name; `explicit_subdomain` rejects models with several materials."""
         law = self.law.build(next(iter(isotropic_materials(model))))
         deletion = np.inf if self.deletion is None else self.deletion
         if model.dofs_per_node == 6:
@@ -109,18 +109,21 @@ _OF_FRAMES = ("frame", "reduction", "split", "condense", "linear", "centre_veloc
 
 
 def _marches_one_way(path: KeyPath, body: Raw) -> Mistakes:
-    """Rule: an explicit part has no floating frame, and is either modal or of elements."""
+    """The rule that a body is either modal or explicit, and then has no keys of a floating frame."""
     if not is_explicit(body):
         return
     kind, march = kind_of(body), "modal" if "modal" in body else "explicit"
     if "modal" in body and "explicit" in body:
         yield (*path, "modal"), "a part is either modal or explicit; remove one of the two"
     if kind is not None and not kind.is_elastic:
-        yield (*path, march), "only elastic bodies march this way; remove the key"
+        yield (*path, march), f"only elastic bodies can be {march}; remove the key"
     for key in (key for key in _OF_FRAMES if key in body):
-        yield (*path, key), f"a body that marches {march} has no floating frame, so no {key}; remove the key"
+        yield (*path, key), f"a {march} body has no floating frame and takes no {key}; remove the key"
     if table(body, "damping").get("kind", "linear-rayleigh") != "linear-rayleigh":
-        yield (*path, "damping", "kind"), 'damping of a part is of kind "linear-rayleigh"'
+        yield (
+            (*path, "damping", "kind"),
+            'a modal or explicit body takes damping of kind "linear-rayleigh" only',
+        )
     if "explicit" in body and "interface" in body:
         message = "the node sets of the mesh are the interfaces of explicit elements; remove the key"
         yield (*path, "interface"), message
@@ -129,19 +132,25 @@ def _marches_one_way(path: KeyPath, body: Raw) -> Mistakes:
 
 
 def _keys_have_an_effect(path: KeyPath, body: Raw) -> Mistakes:
-    """Rule: shells are elastic or have plasticity, and solids have no layers: other keys have no effect."""
+    """The rule that keys without effect are errors, such as layers of a solid or of an elastic shell."""
     given = table(body, "explicit")
     kind = table(given, "law").get("kind")
     if "shell" not in body:
         if "layers" in given:
-            yield (*path, "explicit", "layers"), "layers are for shells that yield; a solid has none"
+            yield (
+                (*path, "explicit", "layers"),
+                "layers are for shells with plasticity; a solid has none: remove the key",
+            )
         return
     if "hourglass" in given:
-        yield (*path, "explicit", "hourglass"), "hourglass modes are those of hexahedra; a shell has none"
+        yield (
+            (*path, "explicit", "hourglass"),
+            "only hexahedra have hourglass modes, a shell has none; remove the key",
+        )
     if "bulk_viscosity" in given:
-        yield (*path, "explicit", "bulk_viscosity"), "bulk viscosity is for solids; a shell has none"
+        yield (*path, "explicit", "bulk_viscosity"), "bulk viscosity is for solids; remove the key"
     if "law" in given and kind != "j2":
-        message = f'the law of a shell is kind = "j2", or left out where it is elastic; got {kind!r}'
+        message = f'a shell takes a law of kind "j2", or no law if it is elastic; got {kind!r}'
         yield (*path, "explicit", "law"), message
     for key in ("layers", "deletion") if "law" not in given else ():
         if key in given:

@@ -66,8 +66,8 @@ def _scales(case: Case, path: Path, there: UnitSystem) -> tuple[float, float]:
         if (ours is None) != (theirs is None):
             silent, stated = (case.path, path) if ours is None else (path, case.path)
             raise CaseError(
-                f"{silent} does not give its unit of {name}, and {stated} does: give the same "
-                "units in both cases, so that a state of one is a state of the other"
+                f"{stated} gives its unit of {name}, and {silent} does not: give the units in both cases, so "
+                "that the state can be converted"
             )
         ratios.append(1.0 if ours is None or theirs is None else theirs / ours)
     return ratios[0], ratios[1]
@@ -76,7 +76,7 @@ def _scales(case: Case, path: Path, there: UnitSystem) -> tuple[float, float]:
 def _bodies_that_moved(
     case: Case, system: System, folder: Path, columns: Mapping[str, Mapping[str, Any]]
 ) -> Iterator[Placed]:
-    """Bodies of a case that the earlier run stored, and those that were full in it."""
+    """The bodies of the earlier run: reduced bodies from their files, and bodies that were not reduced."""
     fulls = case.fulls
     for name in (placed.body.name for placed in system.bodies):
         if (kept := kept_path(folder, name)).exists():

@@ -1,7 +1,7 @@
-"""Implausible units: numbers of a case that are unrealistic in the given units, or in any.
+"""Warnings of numbers of a case that are implausible in its units, or in any.
 
-A model in mixed units runs as well as any other, so every run checks indicators: densities, moduli, sizes,
-gravity, wave speed, the first frequencies.
+A model in mixed units runs without an error. So every run checks densities, moduli, sizes, gravity, wave
+speeds and first frequencies.
 """
 
 from __future__ import annotations
@@ -36,11 +36,11 @@ _MODULUS = _Range(1e3, 2e12, "steel has 2.1e11 Pa", MappingProxyType({"mass": 1,
 _SIZE = _Range(1e-6, 3e3, "machines have millimetres to hundreds of metres", MappingProxyType({"length": 1}))
 _GRAVITY = _Range(0.1, 1e3, "the earth has 9.81 m/s2", MappingProxyType({"length": 1, "time": -2}))
 _FREQUENCY = _Range(0.05, 1e8, "the longest wind turbine blades have 0.5 Hz", MappingProxyType({"time": -1}))
-# By the measure of `wave_speed`, some 2 to 6 times the speed of sound.
+# `wave_speed` returns some 2 to 6 times the speed of sound.
 _SPEED = _Range(
-    30.0, 2e5, "steel has some 2e4 m/s by this measure", MappingProxyType({"length": 1, "time": -1})
+    30.0, 2e5, "steel has some 2e4 m/s by this estimate", MappingProxyType({"length": 1, "time": -1})
 )
-# Nothing is as heavy as a metal and as soft as rubber: kilograms with mm and MPa look like that.
+# No material has the density of a metal and the modulus of rubber: kg with mm and MPa give such numbers.
 _METAL, _RUBBER = 3e3, 2e9
 _REMEDY = "give the units of the numbers (units), and use one consistent set"
 
@@ -59,7 +59,7 @@ def warn_of_units(case: Case) -> None:
 
 
 def warn_of_frequencies(units: UnitSystem, bodies: Iterable[ReducedBody]) -> None:
-    """UnitsWarning where the first frequency of a reduced body in its frame is implausible."""
+    """Warn UnitsWarning if the first frequency of a reduced body in its frame is implausible."""
     lowest = ((body.name, body.lowest_frequency() / (2 * np.pi)) for body in bodies)
     _warn(
         f"body '{name}': {doubt}"
@@ -79,7 +79,7 @@ def _of_body(units: UnitSystem, body: FlexibleBody) -> list[str]:
     doubts = list(_outside(units, "its size", extent, units.length, _SIZE))
     for material in _materials(body):
         doubts += _of_material(units, material)
-    # The wave speed repeats what a size or material out of range has already shown.
+    # A size or material out of range also changes the wave speed: one warning is enough.
     return doubts or list(_of_waves(units, body))
 
 

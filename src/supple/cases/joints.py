@@ -47,10 +47,12 @@ _EXAMPLES = {
 
 
 class Friction(CheckedTable):
-    """Coulomb friction under the joint force."""
+    """Coulomb friction proportional to the force in the joint."""
 
     coefficient: NonNegative = Field(description="coefficient of friction")
-    width: Positive = Field(description="below which it acts as a damper, rad per time or velocity")
+    width: Positive = Field(
+        description="sliding speed below which it acts as a damper, rad per time or velocity"
+    )
     radius: Positive | None = Field(None, description="revolute: radius of the pin, a length")
 
     def build(self, joint: machine.Joint) -> machine.JointFriction:
@@ -80,7 +82,7 @@ class Joint(CheckedTable):
         return self.name or joint_label(self.kind, self.first, self.second)
 
     def build(self, folder: Path) -> machine.Joint:
-        """The joint; folder : of the file of a law."""
+        """The joint; folder: that of the files of laws."""
         own: dict[str, Any] = {name: getattr(self, key) for name, key in _needed(self.kind).items()}
         own = {name: value.build(folder) if isinstance(value, Made) else value for name, value in own.items()}
         return _KINDS[self.kind](first=self.first, second=self.second, name=self.label, **own)
@@ -101,9 +103,15 @@ def _has_what_its_kind_needs(path: KeyPath, joint: Raw) -> Mistakes:
         if kind not in ("revolute", "prismatic"):
             yield (*path, "friction"), f"a {kind} joint takes no friction; remove the key"
         elif kind == "revolute" and "radius" not in friction:
-            yield (*path, "friction"), "the friction of a hinge needs radius, of its pin; add radius = 0.01"
+            yield (
+                (*path, "friction"),
+                "the friction of a revolute joint needs the radius of its pin; add radius = 0.01",
+            )
         elif kind == "prismatic" and "radius" in friction:
-            yield (*path, "friction", "radius"), "a slide has no radius; remove the key"
+            yield (
+                (*path, "friction", "radius"),
+                "the friction of a prismatic joint takes no radius; remove the key",
+            )
 
 
 RULES = (

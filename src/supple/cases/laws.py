@@ -47,7 +47,7 @@ ConstantRate = table_of(
 ONE = Constant(kind="constant", value=1.0)
 
 LARGEST_EXCURSION = 0.01
-"""Allowed overshoot of a curve through the rows of a motion: sixteen rows a period stay within."""
+"""Allowed overshoot of a spline over the range of its values; 16 rows per period of a sine suffice."""
 
 
 class TableLaw(Made):
@@ -70,13 +70,14 @@ class TableLaw(Made):
         if beyond[row] > LARGEST_EXCURSION:
             raise ImportFormatError(
                 f"{path}: between rows {row + 1} and {row + 2} (t = {spline.times[row]:g} to "
-                f"{spline.times[row + 1]:g}) a smooth curve through the rows leaves their range by "
-                f"{100 * beyond[row]:.2g} % of all values'; a motion must be continuous: give more rows there"
+                f"{spline.times[row + 1]:g}) the smooth curve through the rows overshoots them by "
+                f"{100 * beyond[row]:.2g} % of the range of all values; a motion must be smooth: give more "
+                "rows there"
             )
         return spline
 
     def build_of_load(self, *context: Any) -> TimeLaw:
-        """Straight lines, as a spline overshoots at a jump of a load."""
+        """Straight lines through the rows, since a spline overshoots where a load jumps."""
         return machine.Table(*read_time_table(context[0] / self.file))
 
 
@@ -95,7 +96,7 @@ def tables_suit_the_run(raw: Raw, folder: Path) -> Mistakes:
             if table(item, "law").get("kind") != "table" or not isinstance(file, str):
                 continue
             if not is_file(folder / file):
-                continue  # reported for all files
+                continue  # `_files_exist` reports it
             law = TableLaw(kind="table", file=file)
             place = (*path, "law", "file")
             try:

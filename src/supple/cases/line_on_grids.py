@@ -63,8 +63,8 @@ def _keys_suit_the_kind(path: KeyPath, body: Raw) -> Mistakes:
         return
     if kind_of(body) is Superelement:
         message = (
-            "a superelement has no names of freedoms: give a matrices body, condensed on the grids of its "
-            "stations, or elements"
+            "the rows of a superelement have no grid labels: give a matrices body, condensed on the grids of "
+            "its stations, or elements"
         )
         yield (*path, "condense"), message
         return
@@ -89,7 +89,7 @@ def _interfaces_are_stations(path: KeyPath, body: Raw) -> Mistakes:
     given = table(body, "condense")
     paths = given.get("paths")
     if not isinstance(paths, list) or not all(isinstance(each, list) and each for each in paths):
-        return  # reported elsewhere
+        return  # the schema reports it
     grids = list(chain(*paths))
     for place, interface in tables(body, "interface", path):
         for key in (each for each in ("nodes", "connection", "kind", "position") if each in interface):
@@ -99,7 +99,7 @@ def _interfaces_are_stations(path: KeyPath, body: Raw) -> Mistakes:
             continue
         at = (*place, "node_indices")
         if not isinstance(own, list) or len(own) != 1:
-            yield at, "an interface here is one station: node_indices = [GRID]"
+            yield at, "an interface here is one station: give node_indices = [GRID]"
         elif own[0] not in grids:
             yield at, f"grid {own[0]} is on no load path: add it to paths, or give a grid on a path"
         elif interface.get("name") == given.get("root") and own[0] != grids[0]:

@@ -94,7 +94,7 @@ Load = Annotated[Made, OneOf(Force, Pressure, Base)]
 
 
 def _suit_their_place(raw: Raw) -> Mistakes:
-    """Rule: a node set carries forces only: it has no axes for follower loads, nor rotations for torques."""
+    """The rule that torques and follower loads are at interfaces: node sets have no axes and no rotations."""
     places = {
         f"{body.get('name')}.{name}" for _, body in tables(raw, "body") for name in names(body, "interface")
     }
@@ -105,7 +105,7 @@ def _suit_their_place(raw: Raw) -> Mistakes:
             yield (*path, "at"), message
 
 
-_OF_PRESSURE = ("on whose faces the pressure would be", "a pressure is on the faces of")
+_OF_PRESSURE = ("to carry a pressure", "a pressure acts on the faces of")
 RULES = (
     _suit_their_place,
     lambda raw: at_elements(raw, tables(raw, "load"), {"pressure": _OF_PRESSURE}),

@@ -46,10 +46,11 @@ class MachineFile(CheckedTable):
 
 
 def with_machine(raw: Raw, folder: Path) -> tuple[Raw, list[Mistake]]:
-    """The raw case followed by the tables of its machine, and mistakes about these.
+    """The raw case with the tables of its machine file added, and the mistakes in these.
 
-    A body of the case with the name of one of the machine replaces it: in its position, with its interfaces
-    at the joints of these names. One without a kind adds to the rigid body.
+    A body of the case with the name of a body in the file replaces it: it takes the position of that body,
+    and its interfaces take the positions of the joints of the same name. A body without a kind adds its keys
+    to the rigid body.
     """
     given = raw.get("machine")
     name = given.get("mujoco") if isinstance(given, Mapping) else None
@@ -107,7 +108,7 @@ def _in_its_place(
         return {**rigid, **body, "interface": interfaces}
     missing = [name for name in places if name not in names]
     if missing and "reduced" not in body:
-        message = f"the machine has joints at {', '.join(missing)} of it; add interfaces of these names"
+        message = f"the machine file has joints at its {', '.join(missing)}; add interfaces of these names"
         mistakes.append((path, message))
     at_joints = [
         {**each, "position": places[each["name"]]}

@@ -19,7 +19,7 @@ from supple.methods.explicit.materials import Law
 
 
 class StVenantKirchhoffLaw(CheckedTable):
-    """Green-Lagrange strain times constants: small strains."""
+    """Elastic, linear in the Green-Lagrange strain: for small strains."""
 
     kind: Literal["st-venant-kirchhoff"]
 
@@ -29,7 +29,7 @@ class StVenantKirchhoffLaw(CheckedTable):
 
 
 class NeoHookeanLaw(CheckedTable):
-    """Large elastic strains; resists being turned over."""
+    """Elastic, for large strains; resists the inversion of elements."""
 
     kind: Literal["neo-hookean"]
 

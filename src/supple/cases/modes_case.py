@@ -45,7 +45,7 @@ __all__ = ["campbell_case", "mode_case", "modes_case"]
 AMPLITUDE = 0.1
 """Amplitude of a drawn mode, relative to the machine's size."""
 NO_DEFORMATION = 1e-12
-"""Relative to the machine's size: the error of a smaller deformation at rest is ignored."""
+"""Static deformation, relative to the machine's size, below which its error is ignored."""
 
 
 def modes_case(
@@ -60,9 +60,9 @@ def modes_case(
 ) -> tuple[MachineModes, dict[str, Any]]:
     """Modes of a case's machine; writes `CASE-modes.json`, a page, and pictures and animations of the shapes.
 
-    Modes that are off by 1 % or more are listed with their error, and not drawn.
+    Modes with an error of 1 % or more are listed with it, and not drawn.
 
-    errors : compare with the modes for all coordinates of the bodies
+    errors : compare with the modes of the machine whose bodies are not reduced
     allow_code : whether the controllers of the case may run
 
     Raises
@@ -112,7 +112,7 @@ def found_modes(case: Case, n_modes: int, *, time: float, errors: bool, allow_co
 def mode_case(case: Case, number: int, *, time: float) -> tuple[System, Solution]:
     """A mode of a case's machine, without its controllers, as a motion; errors as for `modes_case`.
 
-    number : from 1, the slowest; its phase 0 comes first
+    number : from 1, in order of frequency; the motion starts at phase 0
     """
     modes = found_modes(case, number, time=time, errors=False, allow_code=False)
     system = modes.machine.system
@@ -129,9 +129,9 @@ def campbell_case(
     allow_code: bool = False,
     progress: StepProgress = silent,
 ) -> CampbellDiagram:
-    """Modes over the rate of the case's spin; writes `CASE-campbell.json`, a page and a picture.
+    """Modes over the angular velocity of the case; writes `CASE-campbell.json`, a page and a picture.
 
-    Bodies reduced to an accuracy have it at the first and the last rate.
+    Bodies with a self-correcting reduction meet their accuracy at the first and the last rate.
     Raises CaseError if the case has no spin, and as for `modes_case`.
     """
     check_drawing(case)
@@ -188,9 +188,9 @@ def campbell_case(
 
 
 def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes: int, time: float) -> System:
-    """The machine with bodies reduced to the accuracy of its modes at some spins.
+    """The machine with its bodies reduced until its modes at all given spins meet their accuracy.
 
-    For frequencies this is the relative accuracy, or a thousandth if it is a length.
+    The accuracy of frequencies is the relative one of the body, or 1e-3 if that is stated as a length.
     """
 
     def look(reduced: System, fulls: Mapping[str, FullBody]) -> dict[str, MotionOutsideBasis]:
@@ -199,12 +199,12 @@ def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes:
             linear = linearize(reduced, time=time, spin=spin, fulls=fulls)
             if not isinstance(linear, LinearMachine):
                 raise CaseError(
-                    f"{case.path}: beside a full body no reduction corrects itself "
+                    f"{case.path}: with a body that is not reduced, no other reduction can correct itself "
                     f"for modes: give body '{next(iter(fulls))}' a basis of fixed size, or none too"
                 )
             if linear.is_in_space:
                 raise CaseError(
-                    f"{case.path}: the machine is linearised in standing axes, where basis errors are not "
+                    f"{case.path}: the machine is linearised in fixed axes, where basis errors are not "
                     f"known: give body '{next(iter(fulls))}' a basis of fixed size (remove accuracy)"
                 )
             error = machine_modes(linear, n_modes).error

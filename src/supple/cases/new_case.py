@@ -18,9 +18,9 @@ __all__ = ["write_new_case"]
 
 
 def write_new_case(mesh_file: Path, path: Path) -> None:
-    """Write a case of one body to `path`: fixed at the first node set of its mesh, bent by gravity.
+    """Write a case of one body to `path`: clamped at the first node set of its mesh, loaded by gravity.
 
-    Material, thickness and units are guesses, each marked; for a deck with properties they are the deck's.
+    Material, thickness and units are guesses, each marked as such. A deck with properties provides them.
 
     Raises
     ------
@@ -89,11 +89,11 @@ reduction = {{ basis = "{basis}", accuracy = {{ relative = 1e-3 }} }}
 {_support(name, model.sets)}
 [simulation]
 duration = 1.0       # GUESS
-output_step = 0.01   # GUESS: ten or more to a period of what you look for
-step = 0.01          # GUESS: the error of the step is stated
+output_step = 0.01   # GUESS: at least ten per period of the motion of interest
+step = 0.01          # GUESS: the report states its error
 start = "equilibrium"
 
-# A load instead of weight alone, at a node set or an interface:
+# A load besides the weight, at a node set or an interface:
 # [[load]]
 # kind = "force"
 # at = "{name}.SET"
@@ -118,7 +118,7 @@ def _support(name: str, sets: Sequence[str]) -> str:
 # Node sets of the mesh: {known}
 [[body.interface]]
 name = "root"
-nodes = "{sets[0] if sets else "SET"}"   # GUESS: where it is held
+nodes = "{sets[0] if sets else "SET"}"   # GUESS: where the body is clamped
 
 [[joint]]
 name = "support"
@@ -135,5 +135,5 @@ second = "{name}.root"
 
 
 def _output(name: str, sets: Sequence[str]) -> str:
-    """The last set is tracked; the first is held."""
+    """The table [output], which tracks the last set; the first set is clamped."""
     return f'\n[output]\ntrack = ["{name}.{sets[-1]}"]\n' if len(sets) > 1 else ""

@@ -9,7 +9,7 @@ class Notify(Protocol):
     """Called at the long steps of a build, whose duration is unknown."""
 
     def __call__(self, step: str, detail: str = "", /) -> None:
-        """A step begins; or, with the same step, its progress."""
+        """Report the start of a step, or with `detail` its progress."""
         ...
 
 

@@ -14,7 +14,7 @@ from supple.simulation.kept_bodies import kept_path
 
 
 def check_outputs(case: Case, folder: Path) -> None:
-    """CaseError if a run of the case in a folder would overwrite its inputs, or its own files."""
+    """Raise CaseError if a run of the case in a folder would overwrite its inputs or one of its own files."""
     result = result_path(case.path, folder)
     kept = {kept_path(folder, name): name for name in case.made_here}
     if result in kept:
@@ -32,7 +32,7 @@ def check_outputs(case: Case, folder: Path) -> None:
 
 
 def check_not_an_input(case: Case, targets: Sequence[Path]) -> None:
-    """CaseError if a file to be written is the case file, or one of its files."""
+    """Raise CaseError if a file to be written is the case file, or one that it names or includes."""
     named = [case.folder / name for name in case.files]
     read = {path.resolve() for each in named for path in files_read_with(each)} | {case.path.resolve()}
     for target in targets:

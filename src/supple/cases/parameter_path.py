@@ -32,7 +32,9 @@ def parameter_path(text: str, raw: Raw) -> KeyPath:
         if isinstance(found, list):
             number = word if isinstance(word, int) else _named(found, word, text)
             if not number < len(found):
-                raise CaseError(f"{text}: there are {len(found)} items before [{number}], counted from 0")
+                raise CaseError(
+                    f"{text}: there is no item [{number}]: the {len(found)} items are counted from 0"
+                )
             place, found = (*place, number), found[number]
         elif isinstance(found, Mapping) and isinstance(word, str):
             if word not in found and depth < len(words) - 1:
@@ -85,7 +87,7 @@ def _named(items: Sequence[Any], name: str, text: str) -> int:
         known = [each for each in names if each]
         raise CaseError(
             f"{text}: no item is named {name!r}{did_you_mean(name, known)}; "
-            f"named are: {', '.join(known) or 'none'}; the first item is [0]"
+            f"names: {', '.join(known) or 'none'}; the first item is [0]"
         )
     return names.index(name)
 

@@ -1,4 +1,4 @@
-"""Interfaces of bodies that are files of reduced bodies."""
+"""Interfaces of reduced bodies, read from their files."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from supple.storage import read_interface_names
 
 
 def with_interfaces_of_files(raw: Raw, folder: Path) -> tuple[Raw, list[tuple[KeyPath, str]]]:
-    """The raw case with the interfaces of such bodies as if written in it, and mistakes about them.
+    """The raw case with the interfaces of reduced bodies added from their files, and the mistakes in these.
 
-    Joints and loads at them are thus checked like all others.
+    So joints and loads at these interfaces are checked like all others.
     """
     bodies, mistakes = raw.get("body"), []
     if not isinstance(bodies, list):
@@ -24,7 +24,9 @@ def with_interfaces_of_files(raw: Raw, folder: Path) -> tuple[Raw, list[tuple[Ke
             continue
         path: KeyPath = ("body", number)
         if "interface" in body:
-            mistakes.append(((*path, "interface"), "a reduced body has its own interfaces; remove these"))
+            mistakes.append(
+                ((*path, "interface"), "the file of a reduced body has its interfaces; remove these")
+            )
         try:
             names = read_interface_names(folder / body["reduced"])
         except ResultFileError as error:

@@ -62,7 +62,7 @@ def derivative_choice(table: Made | None) -> DerivativeChoice:
 
 
 class Accuracy(CheckedTable):
-    """The target error of a self-correction; 1e-3 relative by default."""
+    """The target error of a self-correcting reduction; default: 1e-3 relative."""
 
     relative: Positive | None = Field(
         None,
@@ -240,7 +240,7 @@ Reduction = Annotated[
 def reduction_start(
     given: Basis | None, body: FlexibleBody, quantity: QuantityOfInterest | None = None
 ) -> ReductionStart:
-    """Start and end of the self-correction of a body's reduction.
+    """The initial basis and the target error of a body's self-correcting reduction.
 
     quantity : quantity whose error is limited; the positions of all nodes if None
     given : its table; None for constraint modes and fixed-interface modes, or modes without interfaces

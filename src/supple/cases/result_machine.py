@@ -63,8 +63,7 @@ def result_machine(path: Path, case_file: Path | None = None, notify: Notify = s
     Raises
     ------
     ResultFileError     no result; a run without a case file; missing reduced bodies; a case or files that
-    have
-                        changed since, except for its sensors
+                        have changed since the run, except for sensors
     errors of `read_case` and of building its machine
     """
     header = read_header(path)
@@ -86,7 +85,7 @@ def _case_path(path: Path, header: ResultHeader, given: Path | None) -> Path:
         return given
     named = header.metadata.get(CASE_FILE)
     if named is None:
-        raise ResultFileError(f"{path} does not contain the name of its case file: give it (--case FILE)")
+        raise ResultFileError(f"{path} does not name its case file: give it (--case FILE)")
     found = path.resolve().parent / str(named)
     if not found.is_file():
         raise ResultFileError(
@@ -96,7 +95,7 @@ def _case_path(path: Path, header: ResultHeader, given: Path | None) -> Path:
 
 
 def _of_motion(inputs: Inputs, same_text: bool) -> Inputs:
-    """Inputs of the motion: for a case with unchanged text only its files, as keys may be new."""
+    """Inputs of the motion. If the text of the case is the same, files alone: later versions add keys."""
     if same_text:
         return {name: value for name, value in inputs.items() if name.startswith(FILE)}
     return {name: value for name, value in inputs.items() if not name.startswith(_READ_AFTERWARDS)}

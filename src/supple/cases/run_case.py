@@ -91,7 +91,7 @@ def run_case(
     SuppleError             errors of the build and the simulation; the results until then are stored
     """
     if resume and force:
-        raise CaseError("--resume continues a result and --force replaces it: give one of them")
+        raise CaseError("--resume continues a result and --force replaces it: give only one of them")
     check_outputs(case, folder)
     check_drawing(case)
     case.check_control(allow_code=allow_code)
@@ -134,7 +134,7 @@ def _run_case(
         warn_of_missing_modes(case.system, case.run.times, case.flexible[body.name], body, case.units)
     rounds: list[Round] = []
     if not resume:
-        # If this run were interrupted, the results of the one before would be beside its motion.
+        # If this run is interrupted, numbers of an earlier run must not lie beside its motion.
         report_path(case, folder).unlink(missing_ok=True)
 
     def known(system: System, solution: Solution) -> None:

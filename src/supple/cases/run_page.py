@@ -24,12 +24,12 @@ def page_path(folder: Path) -> Path:
 
 
 def page_looks(case: Case) -> Mapping[str, Mesh | FiniteElementModel]:
-    """Meshes or elements of bodies in the report: as for pictures, beams of unknown section as lines."""
+    """Geometry of the bodies in the report: as in pictures; beams of unknown section are lines."""
     return {**case.meshes, **{name: look for name, look in case.drawn.items() if look is not None}}
 
 
 def coloured_elements(case: Case, system: System) -> Mapping[str, FiniteElementModel] | None:
-    """Elements whose stress colours bodies, if selected by the case or needed without a deflection."""
+    """Elements whose stress colours the bodies, if the case selects it or a body has no deflection."""
     framed = all(placed.body.has_frame for placed in system.bodies)
     return case.elements if case.tables.output.colour == "von-mises" or not framed else None
 

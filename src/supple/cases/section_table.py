@@ -44,14 +44,20 @@ def _interfaces_are_stations(path: KeyPath, body: Raw) -> Iterator[tuple[KeyPath
     for place, interface in tables(body, "interface", path):
         own, name = interface.get("node_indices"), interface.get("name")
         for key in (each for each in ("nodes", "connection", "kind", "position") if each in interface):
-            yield (*place, key), f"an interface of a section table is a station, and has no {key}"
+            yield (
+                (*place, key),
+                f"an interface of a section table is a station and takes no {key}; remove the key",
+            )
         if name in ends:
             if own is not None:
                 yield (*place, "node_indices"), f"{name!r} is an end of the line; remove the key"
         elif not isinstance(own, list) or len(own) != 1:
-            yield place, "an interface between the ends is one station: give node_indices = [NUMBER], root 0"
+            yield (
+                place,
+                "an interface between the ends is one station: give node_indices = [NUMBER] (0: the root)",
+            )
         elif isinstance(last, int) and isinstance(own[0], int) and not 0 <= own[0] < last:
-            message = f"station {own[0]} does not exist: give one from 0, the root, to {last - 1}"
+            message = f"station {own[0]} does not exist: give one from 0 (the root) to {last - 1}"
             yield (*place, "node_indices"), message
 
 

@@ -70,7 +70,9 @@ class TensorSensor(SensorTable):
         (case,) = context
         body, nodes = case.place(self.at).body, case.place(self.at).at
         if body not in case.elements or isinstance(nodes, str):
-            raise ModelError(f"sensor '{self.name}': '{self.at}' is no node set of a body with elements")
+            raise ModelError(
+                f"sensor '{self.name}': '{self.at}' is no node set of a body with elements; give one"
+            )
         made = quantities.StrainSensor if self.kind == "strain" else quantities.StressSensor
         measure = _tensor_measure(self._component)
         return made(self.name, body, case.elements[body], nodes, measure, self._over)

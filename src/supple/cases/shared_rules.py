@@ -12,7 +12,7 @@ End = Annotated[str, "ground"]
 InterfaceOf = Annotated[str, "interface"]
 PlaceOf = Annotated[str, "node set"]
 FileName = Annotated[str, "file"]
-"""Kind of place of a key, besides an interface."""
+"""Types of keys that name something; the annotation states what, besides an interface."""
 
 BODY_AXIS = ConfigDict(
     json_schema_extra={
@@ -49,7 +49,7 @@ def usable_names(raw: Raw, key: str, path: KeyPath = ()) -> Mistakes:
         if "." in name or name == "ground":
             yield (*place, "name"), f"{name!r} cannot be a {key} name: no dots, and not the word ground"
         if not name.isprintable():
-            yield (*place, "name"), f"{name!r} cannot be a {key} name: it has characters that do not print"
+            yield (*place, "name"), f"{name!r} cannot be a {key} name: remove the unprintable characters"
         taken.add(name)
 
 

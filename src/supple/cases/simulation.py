@@ -65,7 +65,7 @@ def _steps_are_given_once(raw: Raw) -> Mistakes:
     given = raw.get("simulation")
     if isinstance(given, dict) and ("step" in given) == ("adaptive" in given):
         if "step" not in given and _marches_explicitly(raw):
-            return  # as long as is stable
+            return  # the step is the stable one
         path = ("simulation", "step") if "step" in given else ("simulation",)
         yield path, "give either step = TIME or adaptive = {first = .., largest = ..}, not both or none"
 
@@ -97,7 +97,7 @@ def _first_step_is_not_too_long(raw: Raw) -> Mistakes:
     first, largest = given.get("first"), given.get("largest")
     if isinstance(first, int | float) and isinstance(largest, int | float) and first > largest:
         path = ("simulation", "adaptive", "first")
-        yield path, f"the first step, {first}, exceeds the largest, {largest}"
+        yield path, f"the first step, {first}, exceeds the largest, {largest}; give a smaller one"
 
 
 def output_steps_fill_the_duration(raw: Raw) -> Mistakes:
@@ -112,10 +112,10 @@ def output_steps_fill_the_duration(raw: Raw) -> Mistakes:
         yield (
             path,
             f"a duration of {duration} in steps of {output_step} gives more than the {MOST_OUTPUT_TIMES} "
-            "output times that are stored; give a longer one (step may stay)",
+            "output times that are stored; give a longer output_step (step may stay)",
         )
     elif intervals < 1:
-        yield path, f"{output_step} is longer than the duration, {duration}"
+        yield path, f"{output_step} is longer than the duration, {duration}; give a shorter one"
     elif abs(intervals - round(intervals)) > 1e-6:
         better = duration / round(intervals)
         yield path, f"the duration, {duration}, is not a multiple of {output_step}; try {better:.6g}"

@@ -51,7 +51,7 @@ class Split(CheckedTable):
     )
 
     def division(self) -> Division:
-        """The assignment of cells to parts."""
+        """How the cells are assigned to parts."""
         return (
             ByCellSets(self.cell_sets)
             if self.cell_sets is not None

@@ -130,8 +130,8 @@ def with_damping(body: Body, whole: FlexibleBody) -> Body:
         damping = damping.model_copy(update={"held": None})  # an interface of one part alone
     if isinstance(damping, Rayleigh) and damping.alpha > 0:
         warnings.warn(
-            f"body '{body.name}' is split: the part alpha = {damping.alpha:.3g} 1/s of its damping acts on "
-            "motion relative to each part's frame, so that the lowest modes of the whole are damped less; "
+            f"body '{body.name}' is split: its mass damping, alpha = {damping.alpha:.3g}, acts on motion "
+            "relative to each part's frame, so that the lowest modes of the whole are damped less; "
             "choose beta alone for a damping that does not depend on the frames",
             SuppleWarning,
             stacklevel=2,
@@ -142,7 +142,7 @@ def with_damping(body: Body, whole: FlexibleBody) -> Body:
 def changed_frequencies(whole: FlexibleBody, split: SplitBody) -> str:
     """One line on the changes of a split body's lowest free frequencies by its ties, in per cent.
 
-    SuppleWarning if one of them changes by 2 % or more.
+    Warns SuppleWarning if one of them changes by 2 % or more.
     """
     changes = ", ".join(f"{100 * change:+.2g}" for change in frequency_changes(whole, split))
     return (

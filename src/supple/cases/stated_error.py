@@ -55,7 +55,7 @@ OfInterest = Annotated[PositionOf | StressOf | JointForceOf, Field(discriminator
 
 
 class StatedError(CheckedTable):
-    """Parts of the error of a run to estimate, and quantities besides whole bodies."""
+    """The parts of the error of a run that are estimated, and the quantities of interest."""
 
     basis: bool | None = Field(
         None,
@@ -95,7 +95,7 @@ def _joints_exist(raw: Raw) -> Mistakes:
             yield (*path, "joint"), unknown("joint", name, joints)
 
 
-OF_STRESS = ("whose stress it would be", "stress is that of")
+OF_STRESS = ("whose stress could be computed", "stress is computed in")
 RULES = (
     _joints_exist,
     lambda raw: at_elements(raw, places_of_interest(raw), {"stress": OF_STRESS}),

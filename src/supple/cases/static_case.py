@@ -60,8 +60,8 @@ def analysed_system(case: Case, *, allow_code: bool) -> System:
     control = case.tables.control
     if control is not None and not allow_code:
         warnings.warn(
-            f'the machine is analysed without its controllers, control = "{control}": review that file, '
-            "and give --allow-code to close its loops",
+            f'the machine is analysed without its controllers, control = "{control}": review that code, '
+            "and give --allow-code to include them",
             ControlWarning,
             stacklevel=2,
         )
@@ -70,21 +70,20 @@ def analysed_system(case: Case, *, allow_code: bool) -> System:
 
 
 def starting_system(case: Case, simulated: System | None = None, *, allow_code: bool = False) -> System:
-    """The machine at the start of its run: as placed, assembled if the case sets so, in equilibrium, or
-    from an earlier run.
+    """The machine at the start of its run: as placed (and assembled on request), in equilibrium, or in a
+    state of an earlier run.
 
     simulated : the machine with the bodies of a run, from `result_machine`; by default that of the case
 
-    Bodies that correct themselves are in equilibrium with all their coordinates; the bases of their rounds
-    contain that shape.
+    Bodies with a self-correcting reduction are in equilibrium with all their coordinates. The bases of their
+    rounds contain this deformed shape.
 
     Its controllers are created for the machine as placed. Traced ones act in the equilibrium; sampled ones
     are first called at the start of the run.
 
     Raises
     ------
-    CaseError           a kinematic run of a body that corrects itself; code that is not allowed to run, or
-        that fails
+    CaseError           a kinematic run with a self-correcting reduction; code that is not allowed or fails
     ConvergenceError    no equilibrium; joints that cannot be closed
     """
     wanted = case.tables.simulation
@@ -107,7 +106,7 @@ def starting_system(case: Case, simulated: System | None = None, *, allow_code: 
 
 
 def assembled_system(case: Case) -> System:
-    """The machine as placed, assembled if the case sets so; errors as for `starting_system`."""
+    """The machine as placed, or assembled if the case requests it; errors as for `starting_system`."""
     if not case.tables.simulation.assemble:
         return case.system
     found = assemble(case.system, time=case.run.start)
@@ -116,7 +115,7 @@ def assembled_system(case: Case) -> System:
 
 
 def _assembly_line(found: AssembledMachine) -> str:
-    """Description of the bodies moved in assembly."""
+    """One line on the motion of bodies in assembly."""
     moved = [
         f"'{each.body}' by {each.distance:.3g} and {np.degrees(each.angle):.3g} deg"
         for each in found.moved
@@ -126,10 +125,10 @@ def _assembly_line(found: AssembledMachine) -> str:
 
 
 def _check_fixed_sizes(case: Case) -> None:
-    """CaseError for a kinematic run of a body whose reduction depends on its run."""
+    """Raise CaseError for a kinematic run with a self-correcting reduction."""
     if case.starts:
         raise CaseError(
-            f"{case.path}: body '{next(iter(case.starts))}' is reduced as far as its run needs: for a "
+            f"{case.path}: body '{next(iter(case.starts))}' has a self-correcting reduction: for a "
             "run with kinematic = true give it a basis of fixed size, such as reduction = "
             '{ basis = "craig-bampton", modes = 10 } without accuracy'
         )

@@ -1,4 +1,4 @@
-"""Tables of a case file, generated from the classes of the objects that they describe."""
+"""Classes of case-file tables, generated from the classes of the objects that the tables describe."""
 
 from __future__ import annotations
 
@@ -182,7 +182,7 @@ def _of_toml(hint: Any) -> Any:
 
 
 def named_in(table: Any, value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any, str]]:
-    """Names under keys of types `Annotated[str, WORD]`: path, value, the word.
+    """All values of keys of type `Annotated[str, WORD]`, nested ones too: path, value, WORD.
 
     table : class of the table, or type of the value, at the path
     """
@@ -204,7 +204,7 @@ def named_in(table: Any, value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPa
 
 @cache
 def _naming_keys(table: type[CheckedTable]) -> tuple[tuple[str, Any], ...]:
-    """Keys of a table that may contain names, with their types, cached: most contain none."""
+    """Keys of a table that may contain such values, with their types; cached, as most tables have none."""
     kinds: dict[str, Any] = {}
     for key, field in table.model_fields.items():
         kinds[key] = Annotated[field.annotation, *field.metadata, None]  # ty: ignore[invalid-type-form]
@@ -212,7 +212,7 @@ def _naming_keys(table: type[CheckedTable]) -> tuple[tuple[str, Any], ...]:
 
 
 def _may_name(kind: Any) -> bool:
-    """Whether a type contains a word, or a table with one, at any level."""
+    """Whether a type contains an `Annotated[str, WORD]` at any level."""
     if get_origin(kind) is Annotated:
         inner, *metadata = get_args(kind)
         choices = [table for each in metadata if isinstance(each, OneOf) for table in each.tables]

@@ -58,7 +58,7 @@ def check_table(name: str, check: ModelCheck, units: UnitSystem = UNNAMED) -> Ta
 
 
 def _print_lines(case: Case) -> None:
-    """A line of text for each body that is a line already; ModelError for one that is refused."""
+    """Print one line of text for each body that is condensed already; ModelError if a model is refused."""
     hertz, factor = case.units.frequency_shown
     for table in case.tables.body:
         if not table.is_line:
@@ -67,8 +67,8 @@ def _print_lines(case: Case) -> None:
         lowest = body.modes.frequencies[:6] / (2 * np.pi)
         listed = ", ".join(f"{factor * frequency:.4g}" for frequency in lowest)
         line = (
-            f"body '{body.name}': condensed on {body.line.n} stations, mass {body.mass:.5g}; rigid motion "
-            f"meets {body.line.rigid_force:.0e} of the forces that cancel; lowest frequencies on its support "
+            f"body '{body.name}': condensed on {body.line.n} stations, mass {body.mass:.5g}; rigid-body "
+            f"residual {body.line.rigid_force:.0e}; lowest frequencies on its support "
             f"{measured(listed, hertz)}"
         )
         say(line)

@@ -13,13 +13,14 @@ __all__ = ["chosen_body"]
 def chosen_body(case: Case, names: Sequence[str] | None, known: Sequence[str], kind: str, none: str) -> str:
     """The body with the given name, or the only one.
 
-    known : bodies that can be written;  kind : description of these;  none : remedy if there is none
+    known : bodies that can be written;  kind : description of these;  none : remedy if there are no such
+        bodies
 
-    Raises CaseError for several names, an unknown name, and where a name is needed.
+    Raises CaseError for several names, an unknown name, or no name where there are several bodies.
     """
     listed = ", ".join(known) or "none"
     if names and len(names) > 1:
-        raise CaseError(f"{case.path}: one body is written, but {len(names)} are given: give one")
+        raise CaseError(f"{case.path}: only one body can be written, and {len(names)} are given: give one")
     if not names and len(known) == 1:
         return known[0]
     if not names:

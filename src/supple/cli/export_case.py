@@ -40,7 +40,7 @@ def export_case(
             body,
             known,
             "bodies with elements",
-            "only a mesh can be exported, and none that marches explicitly",
+            "only bodies with a mesh can be exported, and no explicit ones",
         )
         flexible, model = case.flexible[name], case.elements[name]
         table = next(one for one in case.tables.body if one.name == name)
@@ -62,7 +62,9 @@ def export_case(
         interfaces = sorted(held)
         clamped = [np.asarray(flexible.interface(place).node_ids) for place in interfaces]
         if not clamped:
-            raise CaseError(f"{path}: no joint constrains body '{name}': it has no static equilibrium")
+            raise CaseError(
+                f"{path}: no joint constrains body '{name}', so it has no static equilibrium: add a joint"
+            )
         program = ABAQUS if abaqus else CALCULIX
         write_static_deck(
             target, model, nodal, np.concatenate(clamped), program=program, title=case.title or name

@@ -51,7 +51,7 @@ def export_result(
     suffix = target.suffix.lower()
     if suffix not in (*_PICTURES, *TABLE_SUFFIXES):
         known = ", ".join((*_PICTURES, *TABLE_SUFFIXES))
-        raise ModelError(f"cannot write {target}: of a result, files that end in {known} can be written")
+        raise ModelError(f"cannot write {target}: give a file that ends in {known}")
     with console.status("reading") as status:
         found = result_machine(path, case_file, lambda step, detail="": status.update(worded(step, detail)))
         check_not_an_input(found.case, [target])

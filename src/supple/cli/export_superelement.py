@@ -49,7 +49,7 @@ _OF_BODIES: dict[str, Callable[[Path, ReducedBody], object]] = {
 }
 _OPENFAST, _CLOSED = ".dat", ".mnf"
 _NONE = (
-    "give an elastic body a reduction of fixed size; of one that corrects itself, export the NAME-reduced.h5 "
+    "give an elastic body a reduction of fixed size; for a self-correcting one, export the NAME-reduced.h5 "
     "of its run"
 )
 SUPERELEMENT_SUFFIXES = (*_OF_INTERFACES, *_OF_BODIES, _OPENFAST, _CLOSED)
@@ -88,7 +88,7 @@ def export_superelement(path: Path, target: Path, *, body: Sequence[str] | None,
 
 
 def _write(target: Path, suffix: str, body: ReducedBody, case: Case | None, *, abaqus: bool) -> None:
-    """Write a reduced body and print the frequencies to be found by the other program."""
+    """Write a reduced body, and print its frequencies for comparison with the other program."""
     if suffix in _OF_BODIES:
         _OF_BODIES[suffix](target, body)
         _report(target, body, floating_frequencies(body), linear=suffix not in (".sid", ".sid_fem"))
@@ -98,7 +98,7 @@ def _write(target: Path, suffix: str, body: ReducedBody, case: Case | None, *, a
         _OF_INTERFACES[suffix](target, form)
     elif suffix == _OPENFAST:
         if case is None:
-            raise ArgumentError("give the case file for .dat: its joints to the ground hold the superelement")
+            raise ArgumentError("give the case file for .dat: its joints to the ground fix the superelement")
         write_extptfm(target, form, _free_interface(case, form), gravity=case.tables.gravity)
     else:
         (write_abaqus_superelement if abaqus else write_calculix_superelement)(target, form)
@@ -107,9 +107,9 @@ def _write(target: Path, suffix: str, body: ReducedBody, case: Case | None, *, a
 
 def _report(target: Path, body: ReducedBody, stated: StatedFrequencies, *, linear: bool) -> None:
     rows = [(words, _listed(values)) for words, values in stated]
-    print_table(f"Frequencies of {body.name} to find", ["support", "cycles per unit of time"], rows)
+    print_table(f"Frequencies of {body.name} for comparison", ["support", "cycles per unit of time"], rows)
     if linear and not body.is_linear:
-        say("the linear part only: this format has no nonlinear strains")
+        say("only the linear part was written: this format has no nonlinear strains")
     say(f"written to {target}")
 
 
@@ -121,7 +121,7 @@ def _write_blade(target: Path, case: Case, body: IntrinsicBody) -> None:
             "frame for ExtPtfm"
         )
     values = _listed(body.modes.frequencies[:6] / (2 * np.pi))
-    title = f"{body.name}: frequencies to find on its support, cycles per unit of time: {values}"
+    title = f"{body.name}: frequencies for comparison, on its support, cycles per unit of time: {values}"
     primary, blade = write_beamdyn(
         target, read_section_table(case.folder / table.section_table), title=[title]
     )

@@ -40,7 +40,7 @@ CaseFile = Annotated[Path, typer.Argument(help="Case file (TOML).")]
 Folder = Annotated[
     Path | None, typer.Option("-o", "--output", help="Folder for results; default: results/CASE.")
 ]
-Instant = Annotated[float, typer.Option(help="Instant of loads and laws, in the case's unit of time.")]
+Instant = Annotated[float, typer.Option(help="Time of loads and laws, in the case's unit of time.")]
 AllowCode = Annotated[
     bool,
     typer.Option(
@@ -60,7 +60,7 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show the whole traceback o
 def main() -> None:
     """Entry point of the command."""
     show_any_character()
-    show_progress(False)  # commands draw bars of their own
+    show_progress(False)  # commands draw their own progress bars
     app()
 
 
@@ -87,8 +87,8 @@ def run(
         bool,
         typer.Option("--strict", help="Treat warnings of start, steps and validity as errors."),
     ] = False,
-    resume: Annotated[bool, typer.Option("--resume", help="Continue a run that was cut off.")] = False,
-    force: Annotated[bool, typer.Option("--force", help="Replace the result that is there.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue an interrupted run.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace existing results.")] = False,
     no_errors: Annotated[
         bool, typer.Option("--no-errors", help="Skip the error estimate (saves two runs).")
     ] = False,
@@ -96,7 +96,7 @@ def run(
     debug: Debug = False,
 ) -> None:
     """Simulate a case file; write results (HDF5, JSON), report (HTML), pictures (PNG) and animation (GIF)."""
-    # Imported here: the solvers take seconds to load, which help and version need not wait for.
+    # Imported here: the solvers take seconds to load, and help and version do not need them.
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple.cli.run_case import run_case
 
@@ -135,7 +135,7 @@ def sweep(
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
-    """Simulate the cases of a table; the same command does what was left undone.
+    """Simulate the cases of a table; the same command continues an interrupted sweep.
 
     Exit code 0: all cases ran; 3: all are recorded, some without results; 4: some are missing.
     """
@@ -154,7 +154,7 @@ def sweep_status(
     folder: Annotated[Path, typer.Argument(help="Folder of a sweep.")],
     debug: Debug = False,
 ) -> None:
-    """Print how far a sweep has come; exit codes as those of the sweep."""
+    """Print the progress of a sweep; exit codes as for the sweep."""
     from supple.cli.sweep import print_status
 
     with reported_errors(debug=debug), reported_warnings():
@@ -165,7 +165,8 @@ def sweep_status(
 def sweep_page(
     folder: Annotated[Path, typer.Argument(help="Folder of a sweep.")],
     reports: Annotated[
-        int, typer.Option(min=0, help="Cases, those with the most extremes, to simulate for a report.")
+        int,
+        typer.Option(min=0, help="Number of cases to simulate for a report: those with the most extremes."),
     ] = 3,
     allow_code: AllowCode = False,
     debug: Debug = False,
@@ -185,7 +186,7 @@ def reduce(
     output: Folder = None,
     debug: Debug = False,
 ) -> None:
-    """Reduce the bodies of a case file and keep each (HDF5), for cases with reduced = "FILE"."""
+    """Reduce the bodies of a case file and write each to a file (HDF5), for cases with reduced = "FILE"."""
     from supple.cli.reduce_case import reduce_case
 
     with reported_errors(debug=debug), reported_warnings():
@@ -201,7 +202,7 @@ def static(
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
-    """Find where the machine of a case file rests, or turns steadily if the file has a table spin."""
+    """Find the equilibrium of the machine of a case file, in steady rotation if the file has a table spin."""
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple.cli.static_case import static_case
 
@@ -215,7 +216,9 @@ def static(
 def modes(
     case: CaseFile,
     output: Folder = None,
-    number: Annotated[int, typer.Option("-n", "--number", min=1, help="How many, the slowest first.")] = 6,
+    number: Annotated[
+        int, typer.Option("-n", "--number", min=1, help="Number of modes, the lowest frequency first.")
+    ] = 6,
     time: Instant = 0.0,
     rates: Annotated[
         str | None,
@@ -251,7 +254,7 @@ def export(
         typer.Option(
             "-o",
             "--output",
-            help="File to write. Of a result: FILE.vtkhdf (ParaView), .vtu (one instant), .csv, .mat, .outb, "
+            help="File to write. Of a result: FILE.vtkhdf (ParaView), .vtu (one time), .csv, .mat, .outb, "
             ".nc or .h5 (tables). Of a case: a deck, FILE.inp; of a mode FILE.vtkhdf or .vtu. Of a body: "
             ".op4, .pch (Nastran), .sid (Simpack), .fem (MBDyn), .npz (Exudyn), .dat (OpenFAST). Of a "
             "machine for co-simulation: FILE.fmu.",
@@ -263,17 +266,17 @@ def export(
     ] = None,
     time: Annotated[
         float | None,
-        typer.Option(help="Instant of a .vtu or of a deck's loads; default: the end of the run."),
+        typer.Option(help="Time of a .vtu or of a deck's loads; default: the end of the run."),
     ] = None,
     mode: Annotated[
         int | None,
         typer.Option(min=1, help="Mode of a case's machine, for ParaView; 1: the lowest."),
     ] = None,
     times: Annotated[
-        str | None, typer.Option(help="FROM:TO:NUMBER: instants of a result; default: all.")
+        str | None, typer.Option(help="FROM:TO:NUMBER: times of a result; default: all.")
     ] = None,
     stress: Annotated[
-        bool, typer.Option("--stress/--no-stress", help="Stress in files for ParaView, or none.")
+        bool, typer.Option("--stress/--no-stress", help="Whether files for ParaView contain stress.")
     ] = True,
     case: Annotated[
         Path | None, typer.Option("--case", help="Case file of a result, if it was moved.")
@@ -311,10 +314,10 @@ def export(
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
-    """Write a run for ParaView or as a table; of a case a mode, or a body under its loads as a deck; a
-    machine as C (--c FOLDER) or for co-simulation (-o FILE.fmu).
+    """Export a run (ParaView, tables), a mode (ParaView), a body (decks and other programs), or a machine, as
+    C source (--c FOLDER) or for co-simulation (-o FILE.fmu).
 
-    A deck (Abaqus, CalculiX) is of one body, clamped where joints hold it.
+    A deck (Abaqus, CalculiX) contains one body, clamped at its joints.
     """
     from supple.cli.export import ExportOptions
     from supple.cli.export import export as write
@@ -346,11 +349,11 @@ def info(
     json: Annotated[Path | None, typer.Option("--json", help="File for the numbers of a deck.")] = None,
     modes: Annotated[int, typer.Option(min=0, help="Lowest frequencies of a deck to compute.")] = 0,
     held: Annotated[
-        bool, typer.Option("--held", help="At the deck's own supports, instead of free.")
+        bool, typer.Option("--held", help="Compute them with the deck's own supports, instead of free.")
     ] = False,
     debug: Debug = False,
 ) -> None:
-    """Print what a case, deck, mesh or result file holds."""
+    """Print a summary of a case, deck, mesh or result file."""
     from supple.cli.info import print_info
 
     with reported_errors(debug=debug), reported_warnings():
@@ -374,9 +377,9 @@ def check(
 
 @app.command()
 def example(
-    name: Annotated[str | None, typer.Argument(help="Which; left out: all are listed.")] = None,
+    name: Annotated[str | None, typer.Argument(help="Name of the example; default: list all.")] = None,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder to write it to; default: this one.")
+        Path | None, typer.Option("-o", "--output", help="Folder for the example; default: the current one.")
     ] = None,
     debug: Debug = False,
 ) -> None:
@@ -400,7 +403,7 @@ def new(
     ] = None,
     debug: Debug = False,
 ) -> None:
-    """Write a commented case file for a mesh: a start that runs, its guesses marked."""
+    """Write a commented case file for a mesh: ready to run, with its guesses marked."""
     from supple.cli.new_case import new_case
 
     with reported_errors(debug=debug), reported_warnings():

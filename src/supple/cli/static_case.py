@@ -10,7 +10,7 @@ from supple.results.rest_tables import rest_error_table, rest_tables
 from supple.terminal import ProgressBars, print_table, progress_bars, say
 
 _STABILITY = {True: "Stable", False: "Unstable", None: "An"}
-"""Description of an equilibrium whose stability needs its modes."""
+"""Word for an equilibrium by its stability; None: not known."""
 
 
 def static_case(path: Path, folder: Path, *, time: float, errors: bool, allow_code: bool) -> None:

@@ -2,7 +2,7 @@
 
 Every class here is a JAX pytree. Velocities of all bodies form one vector: per body `(dR/dt, omega, dg/dt)`,
 the velocity of the frame's origin in global, the frame's angular velocity in body components. Equal bodies,
-the velocity of the frame's origin in global, the frame's angular velocity in body components. Equal bodies,
+joints and forces are grouped, as arrays with a leading axis.
 """
 
 from __future__ import annotations

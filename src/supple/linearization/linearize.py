@@ -69,8 +69,7 @@ def linearize(
     Raises
     ------
     ModelError          a machine whose equilibrium varies with rotation, or with drives of another speed;
-    with
-                        full bodies or controllers, one whose equations vary
+                        with full bodies or controllers, one whose equations vary
     ConvergenceError    no equilibrium
     """
     frictions = [load for load in system.loads if isinstance(load, JointFriction)]

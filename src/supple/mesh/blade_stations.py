@@ -27,8 +27,7 @@ class BladeStations:
     """The outer shape of a blade at stations along its span; between them monotone cubics (PCHIP).
 
     The pitch axis is z, from the root; x points to the upper (suction, downwind) side, y to the trailing
-    edge.
-    The point (x/c, y/c) of a section is at
+    edge. The point (x/c, y/c) of a section is at
         X = xi sin(twist) + eta cos(twist) + prebend,   xi = (x/c - pitch_axis) chord,
         Y = xi cos(twist) - eta sin(twist) + sweep,     eta = (y/c) chord,     Z = span:
     positive twist rotates the nose to -x, into the wind. Sections stay normal to z, also where the axis

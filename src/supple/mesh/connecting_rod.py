@@ -153,8 +153,8 @@ def _section(outline: RodOutline, cells: RodCells) -> tuple[FloatArray, IntArray
     small[:, 0] += outline.length
     small_grid += len(big)
     meeting = slice(0, cells.width + 1)
-    # Both rings begin at the shank; the small one runs in the opposite sense, so that both arcs run from y <
-    # 0 to y > 0.
+    # Both rings begin at the shank. The small one has the opposite sense, so that both arcs run from y < 0 to
+    # y > 0.
     start, end = big_grid[-1, meeting], small_grid[-1, meeting]
     points = np.vstack([big, small])
     blend = (np.arange(1, cells.shank) / cells.shank)[:, None, None]

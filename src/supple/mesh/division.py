@@ -228,9 +228,8 @@ def divided(mesh: Mesh, division: Division, cuts: Cuts = cuts_at_sections) -> Di
 
     Raises
     ------
-    MeshError   a part without cells, or not connected; nodes without cells linked to several parts; the
-    errors
-                of the division
+    MeshError   a part without cells, or not connected; nodes without cells linked to several parts;
+                errors of the division
     """
     cells = division.cells(mesh)
     members = [np.unique(_nodes(mesh, own)) for own in cells]

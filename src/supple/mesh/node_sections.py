@@ -29,8 +29,7 @@ IntArray = NDArray[np.int64]
 
 # Relative to the extent along the axis: largest distance between nodes of one plane.
 _SAME_PLANE = 1e-6
-# Deviation of a section from a plane, relative to the normal extent of its cells, which a tie would make
-# rigid.
+# Deviation of a section from a plane, relative to the extent of its cells along the normal.
 _FLAT = 0.1
 
 

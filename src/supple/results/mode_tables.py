@@ -73,7 +73,7 @@ def mode_table(numbers: Mapping[str, Any]) -> TextTable:
     heads = ["mode", "motion", headed("frequency", unit), *whirl, "error, %", "damping, %"]
     floquet = " (Floquet modes of periodic equations)" if numbers["periodic"] else ""
     title = f"Modes of the machine, in axes {numbers['axes']}{floquet}"
-    return TextTable(title, [*heads, "moves most", "stability"], rows)
+    return TextTable(title, [*heads, "largest share of kinetic energy", "stability"], rows)
 
 
 def _error(mode: dict[str, Any]) -> str:

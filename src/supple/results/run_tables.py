@@ -68,7 +68,7 @@ def part_table(numbers: Mapping[str, Any]) -> TextTable:
         size = f"{part['elements']} elements{lost}" if "elements" in part else f"{part['coordinates']} modes"
         yielded = f"{part['largest plastic strain']:.3g}" if "largest plastic strain" in part else ""
         rows.append([name, size, f"{part['step limit']:.4g}", yielded])
-    longest = headed("longest step at rest", numbers["units"].get("time", ""))
+    longest = headed("step limit at rest", numbers["units"].get("time", ""))
     return TextTable("Parts", ("body", "size", longest, "largest plastic strain"), rows)
 
 
@@ -80,12 +80,10 @@ def energy_table(numbers: Mapping[str, Any]) -> TextTable:
         for name, held in numbers["energies"].items()
     ]
     balance = numbers["balance"]
-    rows.append(
-        ["open in the balance", "", f"{balance['largest']:.2g}", "", f"{balance['relative']:.1e} of all"]
-    )
+    rows.append(["balance error", "", f"{balance['largest']:.2g}", "", f"{balance['relative']:.1e} relative"])
     heads = (
         *("energy", headed("at the start", energy), headed("largest", energy)),
-        *(headed("at time", time), headed("at the end", energy)),
+        *(headed("time of largest", time), headed("at the end", energy)),
     )
     return TextTable("Energies", heads, rows)
 
@@ -127,12 +125,12 @@ def body_table(numbers: Mapping[str, Any]) -> TextTable:
     units = numbers["units"]
     hertz = units.get("frequency", "")
     heads = (
-        *("body", "kind", headed("mass", units.get("mass", "")), "nodes", "coordinates", "locks", "held at"),
+        *("body", "kind", headed("mass", units.get("mass", "")), "nodes", "DOF", "locking", "fixed at"),
         headed("lowest frequencies", hertz),
     )
     rows = [row for name, body in numbers["bodies"].items() for row in _body_rows(name, body, hertz)]
     if any("damping ratios held" in body for body in numbers["bodies"].values()):
-        return TextTable("Bodies", (*heads, "their damping, %"), rows)
+        return TextTable("Bodies", (*heads, "damping ratios, %"), rows)
     return TextTable("Bodies", heads, [row[:-1] for row in rows])
 
 
@@ -143,7 +141,7 @@ def _body_rows(name: str, body: Mapping[str, Any], hertz: str) -> Iterable[list[
         coordinates = f"{coordinates} of {body['freedoms']}"
     locks = body.get("locking")
     cells = [*cells, coordinates, "" if locks is None else f"{100 * locks['largest']:.2g} %"]
-    held = {"(its frame)": body.get(headed("frequencies in the frame", hertz), ())}
+    held = {"floating frame": body.get(headed("frequencies in the frame", hertz), ())}
     held |= body.get(headed("frequencies held", hertz), {})
     damped = body.get("damping ratios held", {})
     of_basis = ", basis" if body.get("frequencies of") == "the basis" else ""
@@ -188,7 +186,7 @@ def place_table(numbers: Mapping[str, Any]) -> TextTable:
     length, time = (numbers["units"].get(what, "") for what in ("length", "time"))
     heads = (
         *("place", "seen from", "axis", headed("largest deflection", length)),
-        *(headed("at time", time), headed("at the end", length)),
+        *(headed("time of largest", time), headed("at the end", length)),
     )
     return TextTable("Deflection", heads, rows)
 
@@ -207,8 +205,8 @@ def joint_table(numbers: Mapping[str, Any]) -> TextTable:
             when = joint[f"time of largest {what}"] if largest else 0.0
             last = _vector(without_noise(joint[f"last {what}"], like=scales[what]))
             rows.append([*head, headed(what, units.get(what, "")), _number(largest), _number(when), last])
-    time = headed("at time", units.get("time", ""))
-    heads = ("joint", "acts on", "what", "largest", time, "x, y, z of the joint at the end")
+    time = headed("time of largest", units.get("time", ""))
+    heads = ("joint", "acts on", "load", "largest magnitude", time, "at the end: x, y, z of the joint")
     return TextTable("Joints", heads, rows)
 
 
@@ -238,7 +236,7 @@ def error_table(numbers: Mapping[str, Any]) -> TextTable:
         at_least = "" if len(stated["parts"]) == len(PARTS) else "at least "
         allowed = "" if stated["allowed"] is None else _error(stated["allowed"])
         rows.append([name, *parts, f"{at_least}{total}", allowed, _error(stated["size"])])
-    heads = ("error of", "basis", "step", "Newton", "model", "sum", "allowed", "of")
+    heads = ("error of", "basis", "step", "Newton", "model", "sum", "allowed", "reference size")
     return TextTable("Error", heads, rows)
 
 

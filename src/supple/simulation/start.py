@@ -108,8 +108,7 @@ class Start:
         Raises
         ------
         ModelError      a body without a motion, or with another mesh or form; explicit elements, whose
-        plastic
-                        strain is not stored
+                        plastic strain is not stored
         Warns BasisWarning of a body that loses 1 % or more, StartWarning of controllers that restart.
         """
         placed, losses = [], {}

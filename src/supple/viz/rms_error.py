@@ -82,7 +82,7 @@ def plot_error_over_parameter(
     Raises
     ------
     ModelError          no errors, other lengths, or an error that is zero throughout
-    ModelError          no errors, other lengths, or an error that is zero throughout
+    ResultFileError     the file cannot be written
     """
     if not errors:
         raise ModelError(f"cannot draw {path}: give at least one error")
