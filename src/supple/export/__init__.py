@@ -1,4 +1,4 @@
-"""Bodies and machines for other codes, one format per file."""
+"""Export of bodies and machines to other codes, one module per format."""
 
 from supple.export.dmig_punch import *
 from supple.export.exudyn import *

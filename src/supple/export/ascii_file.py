@@ -1,4 +1,4 @@
-"""Text files that programs of the old kind read: ASCII, whole or not at all."""
+"""ASCII text files, written completely or not at all."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["write_ascii"]
 
 
 def write_ascii(path: Path | str, lines: Iterable[str]) -> Path:
-    """Write lines, a question mark for what is no ASCII; returns the path.
+    """Write lines with a question mark for each character outside ASCII; returns the path.
 
     Raises ResultFileError: the file cannot be written.
     """

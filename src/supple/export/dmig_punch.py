@@ -3,7 +3,7 @@
     DMIG*   KAAX                   1               1
     *                              1  1.234567890123456D+05
 
-Sixteen columns a field; one card per entry of the lower triangle, by columns.
+A field has sixteen columns. Each entry of the lower triangle has one card, column by column.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ _SYMMETRIC, _REAL_DOUBLE = 6, 2
 
 
 def write_dmig_punch(path: Path | str, node_ids: ArrayLike, dofs_per_node: int, **matrices: Any) -> Path:
-    """Write matrices under their names, such as KAAX=stiffness, MAAX=mass.
+    """Write matrices under the names of their arguments (KAAX=stiffness, MAAX=mass); returns the path.
 
     node_ids : (N,) ids of the grids;   dofs_per_node : 3 or 6, components 1 to 3 or 6
-    matrices : (n, n) symmetric, sparse or dense, n = N * dofs_per_node, by names of at most eight characters
-    Raises ModelError for a matrix of another size, or that is not symmetric or finite; for no matrix.
-    Raises ResultFileError where the file cannot be written.
+    matrices : (n, n) symmetric, sparse or dense, n = N * dofs_per_node; names have at most eight characters
+    Raises ModelError: a matrix of another size, or one that is not symmetric or not finite; no matrix.
+    Raises ResultFileError: the file cannot be written.
     """
     ids = np.asarray(node_ids)
     components = np.tile(np.arange(1, dofs_per_node + 1), len(ids))
@@ -39,7 +39,9 @@ def write_dmig_punch(path: Path | str, node_ids: ArrayLike, dofs_per_node: int, 
 
 
 def dmig_cards(freedoms: ArrayLike, matrices: Mapping[str, Any]) -> list[str]:
-    """The cards of matrices on freedoms (n, 2), grids and components (0: of a scalar point), by their names.
+    """The DMIG cards of named matrices.
+
+    freedoms : (n, 2) grid and component of each row; component 0 for a scalar point
 
     Raises ModelError as `write_dmig_punch`.
     """
@@ -51,11 +53,13 @@ def dmig_cards(freedoms: ArrayLike, matrices: Mapping[str, Any]) -> list[str]:
     for name, given in matrices.items():
         matrix = sparse.csc_array(given)
         if matrix.shape != (n, n):
-            raise ModelError(f"{name} has shape {matrix.shape}; {n} freedoms of nodes need ({n}, {n})")
+            raise ModelError(f"{name} has shape {matrix.shape}; {n} degrees of freedom need ({n}, {n})")
         if len(name) > 8 or not np.isfinite(matrix.data).all():
-            raise ModelError(f"{name}: a DMIG has finite entries and a name of at most eight characters")
+            raise ModelError(f"{name}: a DMIG needs finite entries and a name of at most eight characters")
         if abs(matrix - matrix.T).max() > 1e-9 * abs(matrix).max():
-            raise ModelError(f"{name} is not symmetric; Radioss reads symmetric matrices only")
+            raise ModelError(
+                f"{name} is not symmetric, and Radioss reads symmetric matrices only: give (A + A.T) / 2"
+            )
         lines.append(f"DMIG    {name:<8}{0:8d}{_SYMMETRIC:8d}{_REAL_DOUBLE:8d}{0:8d}")
         lower = sparse.csc_array(sparse.tril(matrix))
         lower.eliminate_zeros()

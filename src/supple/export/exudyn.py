@@ -1,12 +1,12 @@
-"""Reduced bodies for Exudyn: the file from which its ObjectFFRFreducedOrderInterface loads a body.
+"""Reduced bodies for Exudyn: the file that its ObjectFFRFreducedOrderInterface loads.
 
-Exudyn's nodal-based floating frame with modal reduction is built from the same inertia integrals as ours, so
-that they are copied, not computed again: with x~ the cross matrices of the nodes and Psi~ those of the modes,
+Exudyn's nodal-based floating frame with modal reduction uses the same inertia integrals as supple. They are
+copied, not computed again. With x~ the cross matrices of the nodes and Psi~ those of the modes,
 
     [Phi_t | Phi_w0 | Phi_k | V] = [Phi_t | -x~ | -Psi~ | Psi]
 
-Exudyn's equations are of points. Of nodes and rigid interfaces that turn they have the gyroscopic and the
-centrifugal terms; what goes with the angular acceleration is of first order in the modes.
+Exudyn's equations hold for point masses. For nodes and rigid interfaces that rotate, they contain the
+gyroscopic and centrifugal terms; the terms with the angular acceleration are of first order in the modes.
 
 Source: [ZwoelferGerstmayr2021].
 """
@@ -29,7 +29,7 @@ __all__ = ["exudyn_arrays", "interface_nodes", "write_exudyn"]
 Array = NDArray[np.float64]
 
 ARM = 0.01
-"""Distance of the nodes that stand for an interface from its point, as a share of the body's diagonal."""
+"""Distance from an interface to each of its six nodes, as a fraction of the body's diagonal."""
 
 _FILE_VERSION = 1
 _EULER_PARAMETERS = 4
@@ -48,13 +48,13 @@ def write_exudyn(
         reduced.LoadFromFile("blade.npz")
         reduced.AddObjectFFRFreducedOrder(mbs, gravity=[0, 0, -9.81])
 
-    Damping is not part of the file: give Exudyn its two Rayleigh factors as it adds the object.
+    The file has no damping: give Exudyn the two Rayleigh factors when the object is added.
 
     Parameters
     ----------
-    body : ReducedBody              linear, for Exudyn's is
-    triangles : int array (T, 3)    what is drawn of the body; nothing when omitted
-    stress : TensorModes            of all nodes of a solid: Exudyn shows the stress, too
+    body : ReducedBody              linear, as Exudyn's reduced body is
+    triangles : int array (T, 3)    surface to draw; none when omitted
+    stress : TensorModes            of all nodes of a solid; with it, Exudyn shows the stress
 
     Raises
     ------
@@ -63,7 +63,7 @@ def write_exudyn(
     """
     path = Path(path)
     if path.suffix != ".npz":
-        raise ModelError(f"cannot write {path}: Exudyn loads such a body from a .npz file; end the path so")
+        raise ModelError(f"cannot write {path}: Exudyn loads .npz files; end the path in .npz")
     arrays = exudyn_arrays(body, triangles=triangles, stress=stress)
     with replacing(path) as temporary, temporary.open("wb") as file:
         np.savez(file, **arrays)
@@ -75,8 +75,8 @@ def exudyn_arrays(
 ) -> dict[str, Any]:
     """The arrays of write_exudyn by the names that Exudyn gives them.
 
-    Behind the N nodes of the mesh, each interface has six nodes without mass that move as its virtual node
-    does, an arm away on either side along each axis: joints hold on to these, see interface_nodes.
+    The N nodes of the mesh come first. Then each interface has six nodes without mass, two on each axis at a
+    distance ARM from the interface. They move rigidly with it; joints are attached to them (interface_nodes).
 
     Raises
     ------
@@ -85,7 +85,7 @@ def exudyn_arrays(
     if not body.is_linear:
         raise ModelError(
             f"body '{body.name}' is nonlinear and Exudyn's reduced body is linear: reduce body.linearized(), "
-            "or leave the tensors out by dataclasses.replace(body, cubic=None, quartic=None)"
+            "or remove the tensors by dataclasses.replace(body, cubic=None, quartic=None)"
         )
     r, gram = body.r, body.gram
     t, w, k, v = slice(0, 3), slice(3, 6), slice(6, 6 + 3 * r), slice(6 + 3 * r, None)
@@ -98,7 +98,7 @@ def exudyn_arrays(
     first_moment = -gram[t, w]
     centre = np.array([first_moment[2, 1], first_moment[0, 2], first_moment[1, 0]]) / mass
     couplings = gram[k, v].reshape(r, 3, r)
-    skew = (couplings - couplings.transpose(2, 1, 0)) / 2  # of points the whole
+    skew = (couplings - couplings.transpose(2, 1, 0)) / 2  # of point masses it is antisymmetric
     return {
         "fileVersion": _FILE_VERSION,
         "type": "ObjectFFRFreducedOrderInterface",
@@ -125,9 +125,9 @@ def exudyn_arrays(
 
 
 def interface_nodes(body: ReducedBody, name: str) -> list[int]:
-    """Numbers of the six nodes of an interface in the exported body; ModelError when it has none so named.
+    """Numbers of the six nodes of an interface in the exported body; ModelError for an unknown interface.
 
-    Equally weighted they are its position (MarkerSuperElementPosition, for a ball joint), and its position
+    With equal weights they give its position (MarkerSuperElementPosition, for a ball joint), or its position
     and rotation (MarkerSuperElementRigid).
     """
     body.interface(name)
@@ -143,7 +143,7 @@ def _carried(motion: Array, arms: Array) -> Array:
 
 
 def _stress_columns(body: ReducedBody, modes: TensorModes | None) -> dict[str, Any]:
-    """Exudyn's modes for output: a row per node, the six components of each mode after one another."""
+    """Exudyn's output modes: a row per node; the six components of mode 1, then of mode 2 and so on."""
     if modes is None:
         return {}
     n_nodes = len(body.nodes)
@@ -155,7 +155,7 @@ def _stress_columns(body: ReducedBody, modes: TensorModes | None) -> dict[str, A
     if modes.linear.shape[1] != 1:
         raise ModelError(
             f"body '{body.name}' is a shell with {modes.linear.shape[1]} layers of stress, and Exudyn shows "
-            "one tensor a node; export it without stress"
+            "one tensor per node; export it without stress"
         )
     columns = np.zeros((n_nodes + 6 * len(body.interfaces), 6 * body.r))
     columns[:n_nodes] = modes.linear[:, 0].swapaxes(1, 2).reshape(n_nodes, -1)

@@ -1,6 +1,6 @@
 """Abaqus and CalculiX input decks: a mesh with its sections, clamped and loaded, in one static step.
 
-The deck is meant for a second opinion: whoever has one of the two programs runs it and compares.
+The deck serves as a check: run it in one of the two programs and compare the displacements.
 """
 
 from __future__ import annotations
@@ -37,16 +37,16 @@ _SOLID_TYPES = {
 }
 # CalculiX reads twenty characters of a number: thirteen digits, a sign, a point and an exponent.
 _REAL = "%.13g"
-# Numbers on one line of a set; both programs stop at sixteen. An element may go on on the next line.
+# Numbers per line; both programs read sixteen at most. An element may continue on the next line.
 _ON_A_LINE = 16
 
 
 @dataclass(frozen=True)
 class DeckProgram:
-    """A program that runs decks, by how it knows a shell triangle.
+    """A program that runs decks, and its element for a shell triangle.
 
-    shell : str             name of its element
-    has_midsides : bool     whether that has a node on the middle of each side
+    shell : str             name of the element
+    has_midsides : bool     whether the element has a node in the middle of each side
     """
 
     name: str
@@ -55,7 +55,7 @@ class DeckProgram:
 
 
 CALCULIX = DeckProgram("CalculiX", "S6", has_midsides=True)
-"""Its three-node shell is a linear wedge, far too stiff in bending: six nodes on the same facets."""
+"""Its three-node shell is a linear wedge, far too stiff in bending: the six-node one is used instead."""
 
 ABAQUS = DeckProgram("Abaqus", "S3", has_midsides=False)
 
@@ -71,26 +71,26 @@ def write_static_deck(
 ) -> Path:
     """Write a static step with large displacements (NLGEOM) as an input deck; returns the path.
 
-    Nodes and elements are numbered from 1 in the order of the mesh, element types in turn. Set names have
-    blanks and signs replaced by underscores.
+    Nodes and elements are numbered from 1 in the order of the mesh, one element type after another. In names
+    of sets, underscores replace all characters other than letters and digits.
 
     Parameters
     ----------
     path : Path             ends in .inp
-    model : FiniteElementModel      shells of one material through the wall, or solids
-    loads : (N, 3) or (N, 6)        forces, N, and on shells moments, N m, on all nodes, of fixed direction
-    clamped : int array (k,)        nodes held in all their freedoms
+    model : FiniteElementModel      solids, or shells of one material through the thickness
+    loads : (N, 3) or (N, 6)        forces, N, and moments of shells, N m, on all nodes, of fixed direction
+    clamped : int array (k,)        nodes that are fixed in all degrees of freedom
     program : CALCULIX or ABAQUS    whose shell triangle is written; mid-side nodes follow those of the mesh
 
     Raises
     ------
-    ModelError          beams, and laminates known by their A-B-D matrix alone, which CalculiX does not know;
-                        loads of another shape or not finite, no load at all, no clamped node
+    ModelError          beams; laminates given by their A-B-D matrix alone; anisotropic materials; loads of
+                        another shape or not finite; no load; no clamped node
     ResultFileError     the file cannot be written
     """
     path = Path(path)
     if path.suffix != ".inp":
-        raise ModelError(f"cannot write {path}: a deck is read from a .inp file; end the path so")
+        raise ModelError(f"cannot write {path}: decks are .inp files; end the path in .inp")
     loads, held = np.asarray(loads, dtype=float), np.unique(np.asarray(clamped, dtype=np.int64))
     _check(model, loads, held)
     with replacing(path) as temporary, temporary.open("w", encoding="ascii") as file:
@@ -105,7 +105,7 @@ def write_static_deck(
 
 
 def resultant(model: FiniteElementModel, loads: ArrayLike) -> NDArray[np.float64]:
-    """Sum of nodal loads (N, 3) or (N, 6), and of their moments about the origin of the mesh, (6,)."""
+    """Resultant (6,) of nodal loads (N, 3) or (N, 6): force, and moment about the origin of the mesh."""
     given = np.asarray(loads, dtype=float)
     moments = np.cross(model.mesh.nodes, given[:, :3])
     if given.shape[1] > 3:
@@ -116,37 +116,52 @@ def resultant(model: FiniteElementModel, loads: ArrayLike) -> NDArray[np.float64
 def _check(model: FiniteElementModel, loads: NDArray[np.float64], held: IntArray) -> None:
     n, d = model.mesh.n_nodes, model.dofs_per_node
     if loads.ndim != 2 or len(loads) != n or loads.shape[1] not in (3, d):
-        raise ModelError(f"loads have shape {loads.shape}; the model has {n} nodes of {d} freedoms")
+        raise ModelError(
+            f"loads have shape {loads.shape}; the model has {n} nodes of {d} degrees of freedom: "
+            f"give ({n}, 3) or ({n}, {d})"
+        )
     if not np.isfinite(loads).all():
-        raise ModelError(f"the load on node {np.argmin(np.isfinite(loads).all(axis=1))} is not finite")
+        raise ModelError(
+            f"the load on node {np.argmin(np.isfinite(loads).all(axis=1))} is not finite; correct it"
+        )
     if not loads.any():
-        raise ModelError("no node is loaded: a static step without a load has no displacements to compare")
+        raise ModelError("no node is loaded, so that all displacements are zero: give a load")
     if not held.size or held[0] < 0 or held[-1] >= n:
         raise ModelError(f"clamped nodes must be numbers from 0 to {n - 1}, at least one")
     for section in model.sections:
         if section.cell_type is CellType.LINE2:
             raise ModelError(
-                "beams cannot be written: their section is known by its stiffness, not by the shape that "
-                "CalculiX needs"
+                "beams cannot be written: CalculiX needs the shape of their section, and only its stiffness "
+                "is known; write the body's matrices instead (write_dmig_punch)"
             )
         if section.cell_type.dimension == 3 and section.cell_type not in _SOLID_TYPES:
-            raise ModelError(f"{section.cell_type.name} cells cannot be written: CalculiX has none")
+            raise ModelError(
+                f"{section.cell_type.name} cells cannot be written: CalculiX has no such element; "
+                "mesh with tetrahedra, wedges or hexahedra"
+            )
         if isinstance(section.property, Anisotropic):
-            raise ModelError("an anisotropic material cannot be written; write the body's matrices instead")
+            raise ModelError(
+                "an anisotropic material cannot be written; write the body's matrices instead "
+                "(write_dmig_punch)"
+            )
         given = section.property
         if isinstance(given, HomogeneousSection) and (given.offset or given.added_mass):
-            raise ModelError("a wall with an offset or an added mass cannot be written; leave it out")
+            raise ModelError(
+                "a shell section with an offset or an added mass cannot be written; leave them out"
+            )
         if isinstance(given, HomogeneousSection | Isotropic) and _material(section).stated_shear_modulus:
-            raise ModelError("a material with a shear modulus of its own cannot be written; leave it out")
+            raise ModelError(
+                "a material with a separate shear modulus cannot be written; leave the shear modulus out"
+            )
         if not isinstance(section.property, HomogeneousSection | Isotropic):
             raise ModelError(
-                "a laminate cannot be written: its A-B-D matrix does not say the plies of a "
-                "*SHELL SECTION, COMPOSITE"
+                "a laminate cannot be written: *SHELL SECTION, COMPOSITE needs plies, and only the A-B-D "
+                "matrix is known; write the body's matrices instead (write_dmig_punch)"
             )
 
 
 def _sides(model: FiniteElementModel, program: DeckProgram) -> IntArray:
-    """Sides of the shell triangles by their two nodes (S, 2), each once; none where they have no node."""
+    """Sides of the shell triangles by their two nodes (S, 2), each once; none without mid-side nodes."""
     triangles = model.mesh.cells.get(CellType.TRIANGLE3)
     if triangles is None or not program.has_midsides:
         return np.zeros((0, 2), dtype=np.int64)
@@ -154,7 +169,7 @@ def _sides(model: FiniteElementModel, program: DeckProgram) -> IntArray:
 
 
 def _sides_of(triangles: IntArray) -> IntArray:
-    """(E, 3, 2), the smaller number first."""
+    """Nodes (E, 3, 2) of the sides of triangles, the smaller number first."""
     return np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2), axis=2)
 
 
@@ -225,7 +240,7 @@ def _write_set(file: TextIO, keyword: str, name: str, members: IntArray) -> None
 
 
 def _numbers_in_lines(count: int) -> str:
-    """Format of so many numbers; a comma at the end of a line says that they go on."""
+    """Format of `count` numbers; a comma at the end of a line continues them on the next one."""
     lines = [", ".join(["%d"] * min(_ON_A_LINE, count - at)) for at in range(0, count, _ON_A_LINE)]
     return ",\n".join(lines)
 
@@ -241,7 +256,7 @@ def _section_name(number: int) -> str:
 
 
 def _set_names(sets: Iterable[str]) -> Iterator[str]:
-    """Names that both programs read, each once whatever its case: a repeated one gets a number."""
+    """Names that both programs read; one that differs from an earlier one only in case gets a number."""
     taken: set[str] = set()
     for name in sets:
         plain = re.sub(r"\W", "_", name, flags=re.ASCII)
@@ -258,5 +273,5 @@ def _material(section: Section) -> Isotropic:
     given = section.property
     if isinstance(given, Isotropic):
         return given
-    assert isinstance(given, HomogeneousSection)  # _check has refused the others
+    assert isinstance(given, HomogeneousSection)  # _check refuses all others
     return given.material

@@ -1,4 +1,4 @@
-"""The load on a body at one instant, node by node, as a static calculation elsewhere takes it."""
+"""Nodal loads on a body at one instant, for a static analysis in another program."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ def static_load(
     rotation: ArrayLike = (0.0, 0.0, 0.0),
     gravity: ArrayLike = (0.0, 0.0, 0.0),
 ) -> NDArray[np.float64]:
-    """Forces, and moments of shells, on the nodes of a body at rest and undeformed, in its mesh's axes.
+    """Forces and moments on the nodes of a body that is undeformed and at rest, in the axes of its mesh.
 
     Parameters
     ----------
-    loads : NodalLoad           on this body, in space, or the base's acceleration; a law is taken at `time`
+    loads : NodalLoad           on this body, or the base acceleration; laws are evaluated at `time`
     rotation : (3,)             rotation vector of the body, mesh axes to global, rad
-    gravity : (3,)              global, m/s^2; its load is that of the consistent mass
+    gravity : (3,)              global, m/s^2; its nodal load is that of the consistent mass matrix
     Returns
     -------
-    float array (N, 3) or (N, 6)    N and N m
+    float array (N, 3) or (N, 6)    forces, N, and for shells moments, N m
 
     Raises
     ------

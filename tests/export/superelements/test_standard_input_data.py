@@ -139,5 +139,5 @@ def test_a_beam_that_spins_stiffens_as_published(tmp_path):
 
 
 def test_a_body_whose_strains_are_not_in_its_tensors_is_refused(of_points):
-    with pytest.raises(ModelError, match="strains beyond its tensors"):
+    with pytest.raises(ModelError, match="strain energy outside its tensors"):
         standard_input_data(replace(of_points, elastic_elsewhere=True))

@@ -91,7 +91,7 @@ def test_columns_that_do_not_change_are_packed(values, tmp_path):
     ("times", "values", "name", "cause"),
     [
         (TIMES**2, np.zeros((41, 2)), "a", "equally spaced"),
-        (TIMES, np.full((41, 2), np.nan), "a", "column 'a.x' holds numbers that are not finite"),
+        (TIMES, np.full((41, 2), np.nan), "a", "column 'a.x' has numbers that are not finite"),
         (TIMES, np.zeros((41, 2)), "Flügel", "ASCII"),
     ],
 )
@@ -125,7 +125,7 @@ def test_netcdf_files(readings, tmp_path):
         np.testing.assert_array_equal(found["time"], TIMES)
         assert found["tip.y"].attrs == {"units": "m", "axes": "global"}
         assert found["time"].attrs["units"] == "s"
-    with pytest.raises(ModelError, match="names in netCDF have no '/'"):
+    with pytest.raises(ModelError, match="netCDF allows no '/'"):
         write_readings(tmp_path / "b.nc", [reading("a/b", np.zeros((41, 2)))])
 
 

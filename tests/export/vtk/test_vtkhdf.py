@@ -216,11 +216,11 @@ def test_hdf5_survives_a_limit_of_file_sizes_wherever_it_is_met(tmp_path):
 
 
 def test_mistakes_are_named(machine, tmp_path):
-    with pytest.raises(ModelError, match=r"end it in \.vtkhdf"):
+    with pytest.raises(ModelError, match=r"end the path in \.vtkhdf"):
         write_vtkhdf(tmp_path / "a.h5", *machine)
     with pytest.raises(ModelError, match="no body 'ful' to write; did you mean 'full'"):
         write_vtkhdf(tmp_path / "a.vtkhdf", *machine, bodies=["ful"])
-    with pytest.raises(ModelError, match="no instant is chosen"):
+    with pytest.raises(ModelError, match="no output time is selected"):
         write_vtkhdf(tmp_path / "a.vtkhdf", machine[0], machine[1].at(slice(0, 0)))
     assert not list(tmp_path.iterdir())
 

@@ -53,7 +53,7 @@ def test_vtk_reads_the_fields(machine, meshes, elements, tmp_path):
 
 
 def test_one_instant_alone(machine, tmp_path):
-    with pytest.raises(ModelError, match="holds one instant and 5 are given"):
+    with pytest.raises(ModelError, match="holds one output time and 5 are given"):
         write_vtu(tmp_path / "a.vtu", *machine)
-    with pytest.raises(ModelError, match=r"end its name in \.vtu"):
+    with pytest.raises(ModelError, match=r"VTU files end in \.vtu"):
         write_vtu(tmp_path / "a.vtk", *at(machine, 0))

@@ -1,1 +1,1 @@
-"""A machine as plain C: its compiled march, printed from the traced program."""
+"""Export of a machine as plain C, generated from the JAX trace of its time steps."""

@@ -1,4 +1,4 @@
-"""Sums, products, extremes along axes, and running ones."""
+"""Sums, products and extremes along axes, cumulative ones, and sorting."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def _extreme(
     block.add(
         f"{heads}{{ {kind} best = {first}; int where = 0; "
         f"for (int k = 1; k < {value.shape[axis]}; ++k) "
-        # What is not a number is an extreme, the first one met.
+        # NaN counts as the extreme; the first NaN is taken.
         f"if (best == best && !({at} {'<=' if sign == '>' else '>='} best)) {{ best = {at}; where = k; }} "
         f"{target.at(index)} = where; }}"
     )
@@ -118,7 +118,7 @@ def _sort(
     block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
 ) -> list[Value]:
     if len(outputs[0].shape) != 1 or one.params["num_keys"] != 1:
-        raise ModelError("only the sorting of one row of numbers, by one key, has a form in C yet")
+        raise ModelError("C export can sort one-dimensional arrays by one key only: sort each row separately")
     arrays = [block.copied(value) for value in inputs]
     n = len(range(outputs[0].shape[0]))
     if n < 2:
@@ -129,7 +129,7 @@ def _sort(
     moves = " ".join(f"{own.at(('j',))} = {own.at(('j - 1',))};" for own in arrays)
     puts = " ".join(f"{own.at(('j',))} = own{place};" for place, own in enumerate(arrays))
     key = arrays[0].at(("j - 1",))
-    # What is not a number stands last.
+    # NaN is sorted last.
     after = f"({key} > own0 || ({key} != {key} && own0 == own0))"
     block.add(
         f"for (int i = 1; i < {n}; ++i) {{ {takes} int j = i; "

@@ -1,4 +1,4 @@
-"""Blocks of C: statements in order, and the storage of the arrays that they make."""
+"""Blocks of C: statements in order, and storage for the arrays that they compute."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ __all__ = ["CodeBlock", "Constants"]
 
 _TOKEN = re.compile(r"@(\d+)@")
 _UNROLLED = 4
-"""Elements of an array up to which its loop is written out."""
+"""Largest number of elements for which a loop is unrolled."""
 
 
 @dataclass
 class Constants:
-    """Tables of constants of a file: equal ones stand there once."""
+    """Tables of constants of a file; equal tables are written once."""
 
     tables: dict[bytes, tuple[str, np.ndarray]] = field(default_factory=dict)
     numbers: Iterable[int] = field(default_factory=count)
 
     def view(self, values: np.ndarray) -> Value:
-        """Constants as a value: one number where all are equal."""
+        """An array of constants as a value; a UniformValue if all are equal."""
         values = np.array(values, order="C")
         if not values.size:
             return UniformValue(values.shape, values.dtype, 0)
@@ -39,7 +39,7 @@ class Constants:
         return BufferView(values.shape, values.dtype, buffer, row_major(values.shape), known=values)
 
     def text(self) -> str:
-        """Their definitions, those that are read."""
+        """Definitions of all tables in C."""
         lines = []
         for name, values in self.tables.values():
             cells = [literal(value, values.dtype) for value in values]
@@ -51,7 +51,7 @@ class Constants:
 
 @dataclass
 class CodeBlock:
-    """Statements in order; an array takes over the storage of one that is no longer read."""
+    """Statements in order; arrays reuse the storage of those that are no longer read."""
 
     constants: Constants
     numbers: Iterable[int]
@@ -63,15 +63,15 @@ class CodeBlock:
         return CodeBlock(self.constants, self.numbers)
 
     def add(self, text: str) -> None:
-        """A statement."""
+        """Append a statement."""
         self.statements.append(text)
 
     def known(self, values: np.ndarray) -> Value:
-        """Constants as a value."""
+        """An array of constants as a value."""
         return self.constants.view(np.asarray(values))
 
     def array(self, shape: Sequence[int], dtype: np.dtype) -> BufferView:
-        """New storage of an array: a variable where it has one element."""
+        """New storage for an array; a scalar variable if it has one element."""
         shape = tuple(shape)
         size = int(np.prod(shape, dtype=int))
         buffer = Buffer(next(iter(self.numbers)), np.dtype(dtype), size, is_scalar=size == 1)
@@ -79,7 +79,7 @@ class CodeBlock:
         return BufferView(shape, np.dtype(dtype), buffer, row_major(shape))
 
     def stored(self, value: Value) -> BufferView | UniformValue:
-        """The value where it can be read more than once: stored, unless it is already."""
+        """The value in storage, so that reading it twice does not compute it twice."""
         return value if isinstance(value, BufferView | UniformValue) else self.copied(value)
 
     def in_order(self, value: Value) -> BufferView:
@@ -89,7 +89,7 @@ class CodeBlock:
         return self.copied(value)
 
     def copied(self, value: Value) -> BufferView:
-        """The value in new storage."""
+        """A copy of the value in new storage."""
         target = self.array(value.shape, value.dtype)
         self.assign(target, value)
         return target
@@ -106,7 +106,7 @@ class CodeBlock:
         self.each(value.shape, lambda index: f"{target.at(index)} = {value.at(index)};")
 
     def each(self, shape: Sequence[int], statement: Callable[[Index], str]) -> None:
-        """A statement for every index: loops, or written out where they are few."""
+        """Append a statement for every index, by loops; unrolled if the indices are few."""
         if 0 in shape:
             return
         if int(np.prod(shape, dtype=int)) <= _UNROLLED:
@@ -116,7 +116,7 @@ class CodeBlock:
         self.add(f"{heads}{{ {statement(index)} }}")
 
     def text(self) -> str:
-        """Declarations and statements."""
+        """The declarations and statements in C."""
         first: dict[int, int] = {}
         last: dict[int, int] = {}
         for place, statement in enumerate(self.statements):
@@ -141,7 +141,7 @@ class CodeBlock:
     def _slots(
         self, first: dict[int, int], last: dict[int, int]
     ) -> tuple[dict[int, str], dict[str, tuple[str, int]]]:
-        """The storage of each array: a free one that is large enough, or one made larger."""
+        """Storage of each array by name: a free one that is large enough or can be enlarged, or a new one."""
         names: dict[int, str] = {}
         slots: dict[str, tuple[str, int]] = {}
         busy: dict[str, int] = {}
@@ -169,7 +169,7 @@ class CodeBlock:
 
 
 def loops(shape: Sequence[int], letter: str = "i") -> tuple[str, list[str]]:
-    """Heads of nested loops over a shape, and the index; axes of one entry have no loop."""
+    """Headers of nested loops over a shape, and the index; axes of one entry have no loop."""
     heads, index = "", []
     for axis, n in enumerate(shape):
         if n == 1:

@@ -17,7 +17,7 @@ __all__ = ["hand_on"]
 
 
 def _unchanged(program: Program, place: int, n_before: int) -> bool:
-    """Whether a loop hands on what it was given."""
+    """Whether a loop leaves one of its carried values unchanged."""
     atom = program.outputs[place]
     return isinstance(atom, int) and atom == program.inputs[n_before + place]
 
@@ -31,7 +31,7 @@ def _carried(block: CodeBlock, value: Value, changes: bool) -> Value:
 def hand_on(
     block: CodeBlock, carried: Sequence[Value], after: Sequence[Value], changes: Sequence[bool]
 ) -> None:
-    """Write what a pass leaves into what the next one begins with, all at once."""
+    """Assign the results of an iteration to the carried values, as one simultaneous assignment."""
     moves = [(old, new) for old, new, does in zip(carried, after, changes, strict=True) if does]
     buffers = {id(old.buffer) for old, _ in moves if isinstance(old, BufferView)}
     ready = []

@@ -1,4 +1,4 @@
-"""Primitives that act on each element alone: computed where they are read."""
+"""Elementwise primitives, computed where their result is read."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ __all__ = ["elementwise"]
 def elementwise(
     block: CodeBlock, shape: Sequence[int], dtype: Any, operands: Sequence[Value], form: Callable[..., str]
 ) -> Value:
-    """The value whose elements are `form` of those of the operands; axes of one entry are repeated."""
+    """The value with elements `form(*elements of the operands)`; axes of one entry are broadcast."""
     shape = tuple(shape)
     size = math.prod(shape)
-    # What is repeated is computed once.
+    # Broadcast operands are computed once.
     operands = [block.stored(own) if own.size < size else own for own in operands]
 
     def by_index(index: Sequence[str]) -> str:
@@ -62,7 +62,7 @@ def _register(name: str, form: Callable[..., str]) -> None:
 
 
 def _by_kind(name: str, **forms: Callable[..., str]) -> None:
-    """Forms by kind of the first operand: of float, integer or boolean numbers."""
+    """Register a primitive whose form depends on the first operand: float, integer or boolean."""
 
     def printed(
         block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]

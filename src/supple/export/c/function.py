@@ -1,4 +1,4 @@
-"""A function of arrays, traced by JAX, as a function of C."""
+"""A function of arrays, traced by JAX, as a C function."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from supple.export.c.values import Buffer, BufferView, Value, c_type, row_major
 __all__ = ["HEAD", "function_source", "named_view", "printed_function"]
 
 _FAMILIES = (array_reductions, branches, elementwise, indexing, linear_algebra, shapes)
-"""Rules register themselves as they are imported."""
+"""Modules whose import registers the rules."""
 
 HEAD = "#include <math.h>\n#include <stdbool.h>\n#include <stdint.h>\n\n" + files("supple.export.c").joinpath(
     "assets", "support.h"
 ).read_text("utf-8")
-"""What every file begins with."""
+"""First lines of every C file."""
 
 
 def named_view(name: str, shape: Sequence[int], dtype: Any, *, is_scalar: bool = False) -> BufferView:
-    """An array that has a name in C."""
+    """A view of an array that has a given name in C."""
     shape = tuple(shape)
     size = int(np.prod(shape, dtype=int))
     buffer = Buffer(-1, np.dtype(dtype), size, is_scalar=is_scalar, name=name)
@@ -38,11 +38,12 @@ def named_view(name: str, shape: Sequence[int], dtype: Any, *, is_scalar: bool =
 def printed_function(
     function: Callable[..., Any], arguments: Any, inputs: Sequence[BufferView], outputs: Sequence[BufferView]
 ) -> Printed:
-    """The statements by which `outputs` become `function(*arguments)` of `inputs`, leaf by leaf.
+    """The C statements that evaluate a function at `inputs` and store its results in `outputs`, leaf by leaf.
 
-    Outputs may be inputs as well: all are read before any is written.
+    arguments : of the function, for their shapes and types
+    An output may also be an input: all inputs are read before any output is written.
 
-    Raises ModelError for an operation that has no form in C.
+    Raises ModelError for an operation without a translation to C.
     """
     program = program_of(jax.make_jaxpr(function)(*arguments))
 
@@ -53,7 +54,7 @@ def printed_function(
 
 
 def function_source(function: Callable[..., Any], *arguments: Any, name: str = "function") -> str:
-    """A file of C with `void name(const T *x0, .., T *y0, ..)`, one pointer to each leaf."""
+    """A C file with `void name(const T *x0, .., T *y0, ..)`, one pointer per leaf."""
     given = jax.tree.leaves(arguments)
     results = jax.tree.leaves(jax.eval_shape(function, *arguments))
     ins, outs = (

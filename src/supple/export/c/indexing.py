@@ -1,4 +1,4 @@
-"""Gather and scatter: elements read and written at places that are numbers themselves."""
+"""Gather and scatter: elements read and written at indices that are computed at run time."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def _sum(a: str, b: str) -> str:
 
 
 class _Starts:
-    """Where windows of an operand begin, by rows of indices."""
+    """First indices of the windows of an operand, one window per row of `indices`."""
 
     def __init__(
         self, indices: Value, mapped: Sequence[int], room: Sequence[int], mode: Any, *, writes: bool
@@ -31,19 +31,19 @@ class _Starts:
         known = constants_in([indices]).get(0)
         rooms = np.array([self._room[axis] for axis in self._mapped])
         inside = known is not None and bool(((known >= 0) & (known <= rooms)).all())
-        # What is promised to be inside may not be: XLA reads the nearest element, and writes none.
+        # PROMISE_IN_BOUNDS may be broken: XLA then reads the nearest element, and writes none.
         fills = "FILL" in str(mode) or (writes and "CLIP" not in str(mode))
         self._clips, self._drops = not inside and not fills, not inside and fills
 
     def start(self, row: Index, axis: int) -> str:
-        """Along an axis of the operand."""
+        """First index of a window along an axis of the operand, in C."""
         if axis not in self._mapped:
             return "0"
         number = self._indices.at([*row, str(self._mapped.index(axis))])
         return f"within_({number}, {self._room[axis]})" if self._clips else number
 
     def outside(self, row: Index) -> str:
-        """Whether the window is not within the operand, in C; "" where it always is."""
+        """C condition that a window is outside the operand; "" if it never is."""
         if not self._drops:
             return ""
         tests = []

@@ -1,4 +1,4 @@
-"""Products of matrices, factors and triangular solutions."""
+"""Matrix products, LU factors and triangular solutions."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def _dot(
     if not inner:  # one term
         block.add(f"{batch}{rows}{columns}{out} = {a} * {b};")
     elif (columns and _runs_on(right, right_free)) or (rows and not columns and _runs_on(left, left_free)):
-        # Sums side by side, which compilers take in vectors; one after the other they may not reorder.
+        # The innermost loop is over independent sums: compilers vectorise it, but may not reorder one sum.
         head, after = (batch + rows, columns) if columns else (batch, rows)
         if not columns:
             block.add(f"{batch}{{ {rows}{out} = 0; {inner}{rows}{out} += {a} * {b}; }}")
@@ -67,13 +67,13 @@ def _dot(
 
 
 def _runs_on(value: BufferView, free: Sequence[int]) -> bool:
-    """Whether neighbours along the last free axis that has any stand side by side."""
+    """Whether elements along the last free axis longer than one are contiguous."""
     long = [axis for axis in free if value.shape[axis] > 1]
     return bool(long) and value.strides[long[-1]] == 1
 
 
 def _streamed(block: CodeBlock, value: BufferView, free: Sequence[int], summed: Sequence[int]) -> BufferView:
-    """Constants put into the order in which sums side by side read them."""
+    """Constants reordered so that their last free axis is contiguous; other values as they are."""
     if value.known is None or _runs_on(value, free) or not any(value.shape[axis] > 1 for axis in free):
         return value
     order = [axis for axis in range(len(value.shape)) if axis not in free]
@@ -106,7 +106,7 @@ def _lu(
 
 
 def _array(block: CodeBlock, one: Any) -> BufferView:
-    """Storage that functions take by its address, also of one element."""
+    """Storage that a C function takes by its address; an array even for one element."""
     view = block.array(one.shape, one.dtype)
     view.buffer.is_scalar = False
     return view
@@ -124,7 +124,7 @@ def _triangular(
     block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
 ) -> list[Value]:
     if one.params["conjugate_a"]:
-        raise ModelError("complex numbers have no form in C here")
+        raise ModelError("C export has no complex numbers: write the law or controller with real ones")
     matrix = block.in_order(inputs[0])
     if matrix.buffer.is_scalar:
         source, matrix = matrix, _array(block, matrix)

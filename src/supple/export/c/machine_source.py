@@ -1,4 +1,4 @@
-"""The files of a machine in C: header, source, a test with recorded values, and a Makefile."""
+"""The C files of a machine: header, source, a test with recorded values, and a Makefile."""
 
 from __future__ import annotations
 
@@ -21,29 +21,29 @@ from supple.stepping.variables import Variable
 __all__ = ["machine_files", "machine_sources", "sensor_sizes", "struct_fields"]
 
 _RECORDED = 20
-"""Instants that the test compares."""
+"""Number of times at which the test compares outputs."""
 _STEPS = 200
-"""Steps to the last of them, at most."""
+"""Largest number of steps of the test."""
 _AGREEMENT = 1e-8
-"""Of the size of a sensor: what other compilers may differ by."""
+"""Difference between compilers that the test accepts, as a fraction of a sensor's size."""
 
 
 @dataclass(frozen=True)
 class _Field:
-    """A leaf of the state as a member of the struct."""
+    """A leaf of the state as a member of the C struct."""
 
     name: str
     start: np.ndarray
 
     @property
     def declaration(self) -> str:
-        """The member."""
+        """Declaration of the member in C."""
         size = f"[{self.start.size}]" if self.start.shape else ""
         return f"{c_type(self.start.dtype)} {self.name}{size};"
 
     @property
     def initializer(self) -> str:
-        """Its value at the start."""
+        """C initializer with the value at the start."""
         cells = [literal(value, self.start.dtype) for value in self.start.reshape(-1)]
         if not self.start.shape:
             return f".{self.name} = {cells[0]}"
@@ -52,28 +52,28 @@ class _Field:
 
     @property
     def view(self) -> BufferView:
-        """It as the printer reads it."""
+        """View of the member, for the printer."""
         return named_view(
             f"m->{self.name}", self.start.shape, self.start.dtype, is_scalar=not self.start.shape
         )
 
 
 def machine_sources(step: StepProgram, title: str) -> dict[str, str]:
-    """`machine.h` and `machine.c` by name.
+    """The texts of `machine.h` and `machine.c` by file name.
 
-    Raises ModelError for an operation of the equations that has no form in C.
+    Raises ModelError for an operation of the equations without a translation to C.
     """
     fields = struct_fields(step.start)
     return {"machine.h": _header(step, fields, title), "machine.c": _source(step, fields)}
 
 
 def machine_files(step: StepProgram, title: str) -> dict[str, str]:
-    """The same with `test.c`, which has recorded values, and a `Makefile`."""
+    """The texts of `machine_sources`, of `test.c` with recorded values, and of a `Makefile`."""
     return machine_sources(step, title) | {"test.c": _test(step), "Makefile": _filled("Makefile")}
 
 
 def struct_fields(start: StepState) -> list[_Field]:
-    """Members of the struct, by the order of the leaves; those of no element left out."""
+    """Members of the C struct in the order of the leaves of the state, empty ones included."""
     found = []
     for path, leaf in jax.tree_util.tree_flatten_with_path(start)[0]:
         words = re.findall(r"\w+", jax.tree_util.keystr(path))
@@ -106,7 +106,7 @@ def _listed(variables: Sequence[Variable]) -> str:
 
 
 def _filled(name: str, **parts: object) -> str:
-    """A file of the folder `assets`, with parts in their places."""
+    """The text of a file of the folder `assets`, with its placeholders substituted."""
     text = files("supple.export.c").joinpath("assets", name).read_text("utf-8")
     return Template(text).substitute(parts)
 
@@ -147,18 +147,18 @@ def _source(step: StepProgram, fields: Sequence[_Field]) -> str:
 
 
 def _begin(step: StepProgram, views: Sequence[BufferView]) -> str:
-    """`machine_start`: the state that the parameters give; as it is in `START` where there are none."""
+    """The C function `machine_start`: the initial state for the parameters; without parameters, no change."""
     constants, body = "", "    (void)m;"
     if step.parameters:
         given = (step.start.parameter, step.start.input)
         printed = printed_function(step.started, given, views[: len(given)], views)
-        # Tables of two functions have the same names: each keeps its own.
+        # Tables of the two functions share names: each function defines its own.
         constants, body = printed.constants, printed.body
     return f"int machine_start(machine *m)\n{{\n{constants}\n{body}\n    return m->failed ? 1 : 0;\n}}"
 
 
 def _recorded(step: StepProgram) -> tuple[np.ndarray, np.ndarray]:
-    """Times (k,) and outputs there (k, o), by the program that JAX compiles."""
+    """Times (k,) and outputs at them (k, o), computed by the program that JAX compiles."""
     total = max(1, min(_STEPS, round(step.duration / step.size)))
     every = max(1, total // _RECORDED)
     times = float(step.start.state.time) + step.size * np.arange(every, total + 1, every)
@@ -171,14 +171,14 @@ def _recorded(step: StepProgram) -> tuple[np.ndarray, np.ndarray]:
 
 
 def sensor_sizes(variables: Sequence[Variable], outputs: np.ndarray) -> np.ndarray:
-    """Of each output, the largest value of its sensor that has its unit: a force of rounding is no size."""
+    """Size (o,) of each output: the largest value of the outputs with its sensor, unit and quantity."""
     kinds = [
         (each.name.rpartition(".")[0], each.unit, each.description.partition(",")[0]) for each in variables
     ]
     largest: dict[tuple[str, str, str], float] = {}
     for kind, value in zip(kinds, np.abs(outputs).max(axis=0, initial=0.0), strict=True):
         largest[kind] = max(largest.get(kind, 0.0), float(value))
-    # What is zero but for rounding, such as the slide of a hinge, has no size of its own.
+    # A size that is rounding error, such as the slide of a hinge, is not used as a scale.
     least = 1e-6 * max(largest.values(), default=0.0) or 1.0
     return np.array([max(largest[kind], least) for kind in kinds])
 

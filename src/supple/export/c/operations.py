@@ -1,4 +1,4 @@
-"""A traced program as one list of operations: calls inlined, unused values dropped, constants computed."""
+"""Traced programs as lists of operations: calls inlined, unused values removed, constants computed."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ _CALLS = {
     "custom_vjp_call": "call_jaxpr",
     "custom_vmap_call": "call",
 }
-"""Primitives that do no more than call a program, and the parameter that holds it."""
+"""Primitives that only call a program, and the parameter that holds it."""
 
 _CONTROL = {"while", "cond", "scan"}
 
 Atom = int | np.ndarray
-"""A value of the program by its number, or a constant."""
+"""The number of a value of the program, or a constant."""
 
 
 @dataclass(frozen=True)
 class ArrayOperation:
-    """One primitive on arrays."""
+    """One JAX primitive with its operands and results."""
 
     primitive: Any
     inputs: tuple[Atom, ...]
@@ -45,13 +45,13 @@ class ArrayOperation:
 
     @property
     def name(self) -> str:
-        """Of the primitive."""
+        """Name of the primitive."""
         return str(self.primitive.name)
 
 
 @dataclass(frozen=True)
 class Program:
-    """Operations in order. A value that is only known to be an input or a constant keeps its number."""
+    """Operations in order, on numbered values with known shapes."""
 
     inputs: tuple[int, ...]
     outputs: tuple[Atom, ...]
@@ -68,7 +68,7 @@ class Program:
 
 
 def program_of(closed: core.ClosedJaxpr) -> Program:
-    """The operations of a traced program; calls are written out, and what no output needs is left out."""
+    """The operations of a traced program, with calls inlined and operations that no output needs removed."""
     numbers, shapes = count(), {}
     operations: list[ArrayOperation] = []
 
@@ -124,7 +124,7 @@ def _needed(operations: Sequence[ArrayOperation], outputs: Sequence[Atom]) -> tu
 
 
 def with_known(program: Program, known: dict[int, np.ndarray]) -> Program:
-    """The program with some inputs known: what follows from constants alone is computed now."""
+    """The program with some inputs replaced by constants; operations on constants are computed now."""
     found: set[int] = set(known)
     first, rest = [], []
     for each in program.operations:

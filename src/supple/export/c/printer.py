@@ -1,4 +1,4 @@
-"""From operations of a traced program to C: one small rule for each primitive, by name."""
+"""Translation of a traced program to C: one rule per primitive, by its name."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from supple.export.c.values import BufferView, Computed, UniformValue, Value
 __all__ = ["RULES", "Printed", "constants_in", "print_block", "print_program", "rule"]
 
 Rule = Callable[[CodeBlock, ArrayOperation, Sequence[Value], Sequence[Any]], Sequence[Value]]
-"""Of a block, an operation, its inputs, and shapes with types of its outputs: the outputs."""
+"""Function (block, operation, inputs, shapes and types of the outputs) -> outputs."""
 
 RULES: dict[str, Rule] = {}
-"""By the name of the primitive."""
+"""Rules by the name of the primitive."""
 
 _DEEPEST = 24
-"""Operations in one expression, beyond which it is stored: compilers limit how deep parentheses nest."""
+"""Largest depth of an expression; deeper ones are stored, because compilers limit nested parentheses."""
 
 
 def rule(*names: str) -> Callable[[Rule], Rule]:
-    """Register how primitives are printed."""
+    """Decorator that registers the rule of some primitives."""
 
     def registered(function: Rule) -> Rule:
         RULES.update(dict.fromkeys(names, function))
@@ -37,7 +37,7 @@ def rule(*names: str) -> Callable[[Rule], Rule]:
 
 
 def constants_in(values: Sequence[Value]) -> dict[int, np.ndarray]:
-    """Those of the values that are known, by their place."""
+    """The constants among some values, by their position."""
     found = {}
     for place, value in enumerate(values):
         if isinstance(value, UniformValue):
@@ -48,7 +48,7 @@ def constants_in(values: Sequence[Value]) -> dict[int, np.ndarray]:
 
 
 def print_block(block: CodeBlock, program: Program, inputs: Sequence[Value]) -> list[Value]:
-    """Print a program into a block, what is known of its inputs made use of; its outputs.
+    """Append the statements of a program to a block; returns its outputs. Constant inputs are evaluated now.
 
     Raises ModelError for a primitive without a rule.
     """
@@ -64,8 +64,8 @@ def print_block(block: CodeBlock, program: Program, inputs: Sequence[Value]) -> 
     for each in program.operations:
         if each.name not in RULES:
             raise ModelError(
-                f"the machine's equations use the operation '{each.name}', which has no form in C yet: a "
-                "law, a load or a controller of your own that calls it is the usual cause; write it with "
+                f"the machine's equations use the operation '{each.name}', which has no translation to "
+                "C yet; usually a law, a load or a controller of your own calls it: write that with "
                 "arithmetic, comparisons, jnp.where, sums and products"
             )
         shapes = [program.shapes[number] for number in each.outputs]
@@ -82,18 +82,21 @@ def print_block(block: CodeBlock, program: Program, inputs: Sequence[Value]) -> 
 
 @dataclass(frozen=True)
 class Printed:
-    """A program in C."""
+    """A program as C text."""
 
     body: str
-    """Of the function: declarations and statements"""
+    """Declarations and statements of the function"""
     constants: str
-    """Tables that it reads"""
+    """Tables of constants that the body reads"""
 
 
 def print_program(
     program: Program, inputs: Mapping[int, Value], store: Callable[[CodeBlock, Sequence[Value]], None]
 ) -> Printed:
-    """A program whose inputs are values of C, by their numbers; `store` adds what keeps the outputs."""
+    """The C text of a program.
+
+    inputs : values in C by the number of the input;   store : appends the statements that store the outputs
+    """
     constants = Constants()
     block = CodeBlock(constants, count())
     store(block, print_block(block, program, [inputs[number] for number in program.inputs]))

@@ -1,4 +1,4 @@
-"""Primitives that place elements anew: views of what is stored, or copies part by part."""
+"""Primitives that rearrange elements, as views of stored arrays where possible, otherwise as copies."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def _reshape(
 
 
 def reshaped(block: CodeBlock, value: Value, shape: tuple[int, ...]) -> Value:
-    """The same elements in row-major order under another shape."""
+    """The value with another shape, elements in row-major order."""
     if value.shape == shape:
         return value
     if isinstance(value, UniformValue):
@@ -105,7 +105,7 @@ def reshaped(block: CodeBlock, value: Value, shape: tuple[int, ...]) -> Value:
 
 
 def _with_unit_axes(value: Value, long: Sequence[int], shape: tuple[int, ...]) -> Value:
-    """Axes of one entry added or left out."""
+    """The value with axes of one entry added or removed."""
     places = [axis for axis, n in enumerate(shape) if n > 1]
     if isinstance(value, BufferView):
         strides = [0] * len(shape)
@@ -272,7 +272,7 @@ def _update(
 
 
 def _shift(block: CodeBlock, value: BufferView, shape: Sequence[int], starts: Sequence[Value]) -> str:
-    """Where a part begins whose place is known at run time, kept within the whole."""
+    """Offset of a slice whose start is computed at run time, clipped so that the slice lies inside."""
     terms = []
     for start, stride, n, own in zip(starts, value.strides, value.shape, shape, strict=True):
         if n == own:

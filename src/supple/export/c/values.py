@@ -1,4 +1,4 @@
-"""Arrays of a traced program as C sees them: elements at an index, whether stored or computed on the way."""
+"""Arrays of a traced program in C: expressions for their elements, stored or computed where they are read."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ Index = Sequence[str]
 
 @dataclass(eq=False)
 class Buffer:
-    """Storage of so many numbers: a local array, a scalar variable, or a table of constants."""
+    """Storage of `size` numbers: a local array, a scalar variable, or a table of constants."""
 
     number: int
     dtype: np.dtype[Any]
     size: int
     is_scalar: bool = False
     name: str | None = None
-    """Its name in C, where it is known from the start; others are named when their block is complete"""
+    """Name in C, if known from the start; other buffers are named when their block is complete"""
 
     @property
     def text(self) -> str:
-        """Its name, or what stands for it."""
+        """Name in C, or a placeholder."""
         return self.name or f"@{self.number}@"
 
 
@@ -49,13 +49,13 @@ class Value:
         raise NotImplementedError
 
     def flat(self, number: str) -> str | None:
-        """The element by its number in row-major order; None where that is no simple expression."""
+        """The element with a row-major number; None if that is no simple expression."""
         raise NotImplementedError
 
 
 @dataclass(eq=False)
 class UniformValue(Value):
-    """The same known number everywhere."""
+    """An array of equal constants."""
 
     shape: tuple[int, ...]
     dtype: np.dtype[Any]
@@ -81,11 +81,11 @@ class BufferView(Value):
     offset: int = 0
     shift: str = ""
     known: np.ndarray | None = None
-    """The elements, where they are constants"""
+    """The elements, if they are constants"""
 
     @cached_property
     def is_contiguous(self) -> bool:
-        """Whether its elements stand one after the other, in row-major order."""
+        """Whether the elements are contiguous, in row-major order."""
         expected = row_major(self.shape)
         return all(n == 1 or a == b for n, a, b in zip(self.shape, self.strides, expected, strict=True))
 
@@ -107,7 +107,7 @@ class BufferView(Value):
         return f"{self.buffer.text}[{' + '.join(terms)}]"
 
     def flat(self, number: str) -> str | None:
-        """An element of the buffer, where they stand in order."""
+        """An element of the buffer; None if the view is not contiguous."""
         if self.size == 1:
             return self.at(("0",) * len(self.shape))
         if not self.is_contiguous:
@@ -117,7 +117,7 @@ class BufferView(Value):
 
 @dataclass(eq=False)
 class Computed(Value):
-    """Elements that are computed where they are read."""
+    """An array whose elements are computed where they are read."""
 
     shape: tuple[int, ...]
     dtype: np.dtype[Any]
@@ -125,11 +125,11 @@ class Computed(Value):
     by_number: Callable[[str], str | None] = lambda _: None
 
     def at(self, index: Index) -> str:
-        """The expression."""
+        """The C expression of an element."""
         return self.by_index(index)
 
     def flat(self, number: str) -> str | None:
-        """The expression, where all it reads stands in order."""
+        """The C expression of an element; None if an operand is not contiguous."""
         return self.by_number(number)
 
 
@@ -155,7 +155,7 @@ def c_type(dtype: Any) -> str:
 
 
 def literal(number: Any, dtype: Any) -> str:
-    """A number in C; 17 digits, which give it back exactly."""
+    """A number in C, with enough digits to be read back exactly."""
     kind = np.dtype(dtype).kind
     if kind == "b":
         return "1" if number else "0"

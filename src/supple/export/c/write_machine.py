@@ -1,4 +1,4 @@
-"""Write a machine as a folder of C."""
+"""Export of a machine as a folder of C files."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ __all__ = ["write_machine"]
 
 
 def write_machine(folder: Path, step: StepProgram, title: str) -> tuple[Path, ...]:
-    """Write `machine.c`, `machine.h`, `test.c` and `Makefile`; files of these names are replaced.
+    """Write `machine.c`, `machine.h`, `test.c` and `Makefile`, and return their paths; old ones are replaced.
 
     Raises
     ------
-    ModelError          an operation of the equations that has no form in C
-    ResultFileError     a folder that cannot be written
+    ModelError          an operation of the equations without a translation to C
+    ResultFileError     the folder cannot be written
     """
     files = machine_files(step, title)
     for name, text in files.items():

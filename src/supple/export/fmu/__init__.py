@@ -1,1 +1,1 @@
-"""A machine as a functional mock-up unit (FMU) for co-simulation, around its C."""
+"""Export of a machine as a functional mock-up unit (FMU) for co-simulation."""

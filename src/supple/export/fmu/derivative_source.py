@@ -15,12 +15,12 @@ __all__ = ["derivative_source"]
 
 
 def derivative_source(step: StepProgram) -> str:
-    """`derivative.c`: the derivative of the outputs at the end of a step along a direction of the inputs.
+    """The text of `derivative.c`: derivatives of the outputs along a direction of the inputs.
 
-    It is that of the march itself, `d output(end)/d input . direction` with the inputs constant in between,
-    by JAX's forward mode.
+    It is `d output(end)/d input . direction` of the discrete time step, with inputs constant until `end`, by
+    JAX's forward mode.
 
-    Raises ModelError for an operation of the derivative that has no form in C.
+    Raises ModelError for an operation of the derivative without a translation to C.
     """
 
     def rates(now: StepState, end: Any, direction: Any) -> Any:

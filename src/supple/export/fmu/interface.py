@@ -1,4 +1,4 @@
-"""What the description of an FMU states of a machine: its variables, and the time of its run."""
+"""The data of a machine that the description of an FMU contains: variables, and times of its run."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ __all__ = ["Interface"]
 
 @dataclass(frozen=True)
 class Interface:
-    """A machine as an importer sees it.
+    """Variables and run times of a machine, for the importer of an FMU.
 
-    fixed_parameters : numbers of the parameters that are set before the start
-    time, size, duration : start, step and length of the run of its case
-    has_contacts : whether it has stops or contacts, which make events
+    fixed_parameters : indices of the parameters that can be set before the start only
+    time, size, duration : start time, time step and duration of the run of the case
+    has_contacts : whether there are stops or contacts, which cause events
     """
 
     inputs: tuple[Variable, ...]
@@ -31,7 +31,7 @@ class Interface:
 
     @classmethod
     def of_steps(cls, step: StepProgram) -> Interface:
-        """Of a machine that marches."""
+        """The interface of a nonlinear machine, which is integrated in time steps."""
         return cls(
             step.inputs.variables,
             step.outputs.variables,
@@ -45,5 +45,5 @@ class Interface:
 
     @classmethod
     def of_linear(cls, form: LinearForm) -> Interface:
-        """Of a linear machine."""
+        """The interface of a linear machine."""
         return cls(form.inputs, form.outputs, form.time, form.size, form.duration)

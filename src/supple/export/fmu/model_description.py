@@ -1,4 +1,4 @@
-"""The XML files of an FMU: its variables, and how it is built from its sources."""
+"""The XML files of an FMU: the description of its variables, and the build description."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from supple.stepping.variables import Variable
 __all__ = ["IDENTIFIER", "build_description", "model_description_2", "model_description_3"]
 
 IDENTIFIER = "machine"
-"""Of the binaries."""
+"""Model identifier: the file name of the binaries."""
 
 
 def _written(root: Element) -> str:
@@ -47,7 +47,7 @@ def _experiment(root: Element, machine: Interface) -> None:
 
 
 class _Referenced(NamedTuple):
-    """A variable under its value reference."""
+    """A variable with its value reference."""
 
     reference: int
     variable: Variable
@@ -56,7 +56,7 @@ class _Referenced(NamedTuple):
 
     @property
     def named(self) -> dict[str, str]:
-        """Attributes of the variable."""
+        """XML attributes of the variable."""
         return {
             "name": self.variable.name,
             "valueReference": str(self.reference),
@@ -67,14 +67,14 @@ class _Referenced(NamedTuple):
 
     @property
     def value(self) -> dict[str, str]:
-        """Attributes of its value: unit and start."""
+        """XML attributes of its value: unit and start."""
         unit = {"unit": self.variable.unit} if self.variable.unit else {}
         start = {} if self.causality == "output" else {"start": repr(self.variable.start)}
         return unit | start
 
 
 def _referenced(machine: Interface) -> list[_Referenced]:
-    """Parameters, inputs and outputs; 0 is the time."""
+    """Parameters, inputs and outputs, with value references from 1; 0 is the time."""
     fixed = machine.fixed_parameters
     kinds = [
         *(
@@ -88,7 +88,7 @@ def _referenced(machine: Interface) -> list[_Referenced]:
 
 
 def model_description_3(machine: Interface, title: str, token: str) -> str:
-    """`modelDescription.xml` of FMI 3.0."""
+    """The text of `modelDescription.xml` of FMI 3.0."""
     root = _root("3.0", title, instantiationToken=token)
     simulation = {
         "modelIdentifier": IDENTIFIER,
@@ -126,7 +126,7 @@ def _output_references(machine: Interface) -> list[int]:
 
 
 def model_description_2(machine: Interface, title: str, token: str, sources: Sequence[str]) -> str:
-    """`modelDescription.xml` of FMI 2.0."""
+    """The text of `modelDescription.xml` of FMI 2.0."""
     root = _root("2.0", title, guid=token)
     attributes = {
         "modelIdentifier": IDENTIFIER,
@@ -150,13 +150,15 @@ def model_description_2(machine: Interface, title: str, token: str, sources: Seq
     for kind in ("Outputs", "InitialUnknowns"):
         if machine.outputs:
             unknowns = SubElement(structure, kind)
-            for reference in _output_references(machine):  # places count from 1, as references do here
+            for reference in _output_references(
+                machine
+            ):  # indices count from 1, as the value references do here
                 SubElement(unknowns, "Unknown", index=str(reference))
     return _written(root)
 
 
 def build_description(sources: Sequence[str]) -> str:
-    """`sources/buildDescription.xml` of FMI 3.0."""
+    """The text of `sources/buildDescription.xml` of FMI 3.0."""
     root = Element("fmiBuildDescription", fmiVersion="3.0")
     configuration = SubElement(root, "BuildConfiguration", modelIdentifier=IDENTIFIER)
     files = SubElement(configuration, "SourceFileSet", language="C99")

@@ -1,4 +1,4 @@
-"""Kinds of computers for which an FMU has a library, and what compiles for each."""
+"""Platforms for which an FMU contains a library, and the compiler for each."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ __all__ = ["PLATFORMS", "Compiler", "Platform", "compilers_of"]
 
 @dataclass(frozen=True)
 class Platform:
-    """A kind of computer.
+    """An operating system on a processor.
 
-    folders : of its library in an FMU, by version of the interface
-    suffix : of the library
-    target : as the cross-compiler names it, with the oldest C library on which it runs
+    folders : folder of the library in an FMU, by version of FMI
+    suffix : suffix of the library
+    target : name of the platform for the cross-compiler, with the oldest C library on which the library runs
     """
 
     folders: Mapping[int, str]
@@ -39,14 +39,14 @@ _MACOS_ARM = Platform(MappingProxyType({3: "aarch64-darwin"}), ".dylib", "aarch6
 PLATFORMS: Mapping[str, tuple[Platform, ...]] = MappingProxyType(
     {"linux": (_LINUX, _LINUX_ARM), "windows": (_WINDOWS,), "macos": (_MACOS, _MACOS_ARM)}
 )
-"""By the name of the system."""
+"""Platforms by the name of the operating system."""
 
 
 @dataclass(frozen=True)
 class Compiler:
-    """What compiles a library for one kind of computer.
+    """A compiler of libraries for one platform.
 
-    command : with the options that select it
+    command : compiler, with the options that select the platform
     """
 
     platform: Platform
@@ -54,9 +54,9 @@ class Compiler:
 
 
 def compilers_of(platforms: tuple[Platform, ...], fmi: int) -> tuple[Compiler, ...]:
-    """Of the kinds of computers that a version of the interface knows; of this one where none is given.
+    """Compilers for those of the platforms that a version of FMI defines; for this computer if none is given.
 
-    Raises ModelError where there is no compiler, or no cross-compiler for given ones.
+    Raises ModelError: no compiler for this computer, or no cross-compiler for the given platforms.
     """
     if not platforms:
         return (Compiler(_this_one(fmi), (_own_compiler(),)),)

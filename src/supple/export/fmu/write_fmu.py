@@ -1,4 +1,4 @@
-"""Write a machine as an FMU: a description, its sources, and libraries for kinds of computers."""
+"""Export of a machine as an FMU: description, sources, and libraries for some platforms."""
 
 from __future__ import annotations
 
@@ -37,20 +37,20 @@ _WRAPPERS = {2: "fmi2.c", 3: "fmi3.c"}
 def write_fmu(
     path: Path, step: StepProgram, title: str, *, fmi: int = 3, platforms: tuple[Platform, ...] = ()
 ) -> Path:
-    """Write an FMU for co-simulation.
+    """Write a machine as an FMU for co-simulation; returns the path.
 
     fmi : version of the interface, 3 or 2
-    platforms : kinds of computers that it has libraries for (`PLATFORMS`); this one where none is given
+    platforms : platforms of the libraries (`PLATFORMS`); this computer's if none is given
 
     Raises
     ------
-    ModelError          another version; no compiler, or one that fails; an operation of the equations that
-                        has no form in C
-    ResultFileError     a file that cannot be written
+    ModelError          another version; no compiler, or one that fails; an operation of the equations without
+                        a translation to C
+    ResultFileError     the file cannot be written
     """
     compilers = _compilers(platforms, fmi)
     made = machine_sources(step, title)
-    # One and the same machine has one token: an importer may cache what it knows of it.
+    # Equal machines have equal tokens: an importer may cache data by token.
     token = _token((made["machine.c"] + made["machine.h"]).encode())
     simulation = Template(_asset("printed_simulation.h")).substitute(token=token, **_of_simulation(step))
     sources = {
@@ -66,11 +66,12 @@ def write_fmu(
 def write_linear_fmu(
     path: Path, form: LinearForm, title: str, *, fmi: int = 3, platforms: tuple[Platform, ...] = ()
 ) -> Path:
-    """Write a linear machine as an FMU for co-simulation: its numbers beside a library that all share.
+    """Write a linear machine as an FMU for co-simulation; returns the path.
 
-    Arguments and errors as those of `write_fmu`. `resources/linear.bin` holds the token, and doubles, the
-    least significant byte first: the version 1, the numbers of states, inputs and outputs, start and step of
-    the run; the inputs at rest, the outputs at rest, the states at the start, A, B, C, D by rows.
+    The library is the same for all linear machines and reads the matrices from `resources/linear.bin`. That
+    file holds the token and little-endian doubles: the version 1; the numbers of states, inputs and outputs;
+    start time and time step of the run; inputs at rest; outputs at rest; states at the start; A, B, C, D by
+    rows. Arguments and errors as in `write_fmu`.
     """
     compilers = _compilers(platforms, fmi)
     head = [1, len(form.state), len(form.inputs), len(form.outputs), form.time, form.size]
@@ -85,7 +86,7 @@ def write_linear_fmu(
 
 def _compilers(platforms: tuple[Platform, ...], fmi: int) -> tuple[Compiler, ...]:
     if fmi not in _WRAPPERS:
-        raise ModelError(f"FMUs of FMI 3 and 2 are written, not of {fmi}: give one of these")
+        raise ModelError(f"no FMU of FMI {fmi} can be written: choose 3 or 2")
     return compilers_of(platforms, fmi)
 
 
@@ -103,7 +104,7 @@ def _write(
     fmi: int,
     compilers: tuple[Compiler, ...],
 ) -> Path:
-    """The archive: sources of a machine with those that all share, their libraries, and files of data."""
+    """Write the archive: description, sources, compiled libraries and resources."""
     wrapper = _WRAPPERS[fmi]
     sources = {**sources, "instance.h": _asset("instance.h"), wrapper: _asset(wrapper)}
     compiled = [name for name in sources if name.endswith(".c")]
@@ -126,7 +127,7 @@ def _write(
 
 
 def _of_simulation(step: StepProgram) -> dict[str, str]:
-    """Parts of `simulation.h`."""
+    """Values of the placeholders of `simulation.h`."""
     first = "parameter" if step.parameters else "input" if step.inputs.variables else None
     numbers = range(len(step.parameters))
     return {
@@ -156,5 +157,8 @@ def _library(compiler: Compiler, sources: Mapping[str, str], compiled: list[str]
         )
         if done.returncode:
             command = " ".join(compiler.command)
-            raise ModelError(f"{command} could not build the FMU: {done.stderr.strip()[-400:]}")
+            raise ModelError(
+                f"{command} could not build the FMU: {done.stderr.strip()[-400:]}; check the variables "
+                "CC and CFLAGS, or export the machine as C and build it there"
+            )
         return (folder / target).read_bytes()

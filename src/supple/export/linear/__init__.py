@@ -1,1 +1,1 @@
-"""A machine as a linear one about its equilibrium, for export: matrices beside named inputs and outputs."""
+"""A machine linearized about its equilibrium, for export: matrices with named inputs and outputs."""

@@ -1,4 +1,4 @@
-"""A machine as linear equations between its inputs and outputs, about its equilibrium."""
+"""Linear state-space equations of a machine about its equilibrium."""
 
 from __future__ import annotations
 
@@ -29,20 +29,20 @@ __all__ = ["LinearForm", "linear_form"]
 
 Array = np.ndarray
 _SMALL = 0.1
-"""Part by which the accelerations of a start may differ from the linear ones."""
+"""Largest relative difference of the initial accelerations from the linear ones."""
 
 
 @dataclass(frozen=True, eq=False)
 class LinearForm:
-    """`x' = A x + B (u - u_0)`, `w = w_0 + C x + D (u - u_0)`.
+    """State-space form `x' = A x + B (u - u_0)`, `w = w_0 + C x + D (u - u_0)`.
 
     a : (m, m)    b : (m, i)    c : (o, m)    d : (o, i)
     rest : (o,) w_0, outputs in the equilibrium
     state : (m,) x at the start
-    inputs, outputs : with their values at the start; the inputs hold the equilibrium
-    left_out : sensors without a form that JAX traces
-    time, size, duration : of the run: its start, its step, its length
-    deviation : of the accelerations at the start, from the nonlinear ones
+    inputs, outputs : variables with their values at the start; those of the inputs are u_0
+    left_out : sensors that cannot be outputs, because JAX cannot trace them
+    time, size, duration : start time, time step and duration of the run
+    deviation : relative difference of the initial accelerations from the nonlinear ones
     """
 
     a: Array
@@ -69,19 +69,19 @@ def linear_form(
     input_units: Mapping[str, str] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> LinearForm:
-    """Small motions of a machine of rigid and reduced bodies about its equilibrium, from its start.
+    """The linear form of a machine of rigid and reduced bodies about its equilibrium, from its start.
 
         M y'' + C y' + K y = N^T f_u u + H z,   p = N y,   G^T l = -(M p'' + C p' + K p - f_u u - H z)
 
-    with x = (e, e', z): y = V e by the undamped modes V, z the states of the controllers; the states are
-    scaled by powers of two so that rows and columns of A are of one size. Outputs are linear in p, p', p'',
-    the joint forces l and u. Arguments as those of `step_program`.
+    with x = (e, e', z), y = V e with the undamped modes V, and states z of the controllers. The states are
+    scaled by powers of two to balance the rows and columns of A. Outputs are linear in p, p', p'', the joint
+    forces l and u. Arguments are those of `step_program`.
 
     Raises
     ------
-    ModelError          what has no linear form: other bodies, stops, friction, prescribed motions as inputs,
-                        loads that vary with time and are no inputs, a start far from the equilibrium
-    ConvergenceError    no equilibrium
+    ModelError          other bodies, stops, friction, prescribed motions as inputs, loads that vary with time
+                        and are no inputs (no linear form); a start far from the equilibrium; no output
+    ConvergenceError    no equilibrium is found
     """
     _check(system, inputs)
     given = external_inputs(system, inputs, input_units, run.start)
@@ -91,13 +91,13 @@ def linear_form(
     given.check_read(rest.model)
     if varies_in_time(rest, run.start, run.start + run.duration):
         raise ModelError(
-            "loads, prescribed motions or controllers vary with time, for which the matrices of a linear "
-            "machine have no place: make their laws inputs (--input NAME), or constant; for a "
-            "prescribed motion export the machine itself"
+            "loads, prescribed motions or controllers vary with time, and the matrices of a linear machine "
+            "are constant: make their laws inputs (--input NAME), or constant; for a prescribed motion "
+            "export the nonlinear machine"
         )
     sensed = sensed_outputs(SeenMachine(machine.system, machine.system), sensors, units)
     if not sensed.variables:
-        raise ModelError("the machine has no output: name sensors, or places to track")
+        raise ModelError("the machine has no output: name sensors, or points to track")
     small = small_motions(rest, run.start, given, sensed)
     a, b, changes = _equations(machine, small)
     _, read = small.along(changes)
@@ -106,9 +106,9 @@ def linear_form(
     state, deviation = _start(machine, small, changes, rest, begun)
     if deviation > _SMALL:
         raise ModelError(
-            f"the machine starts too far from its equilibrium to be linear: its first accelerations differ "
-            f'by {deviation:.2g} of their size; start nearer to the rest (start = "equilibrium"), or export '
-            "the machine itself"
+            "the machine starts too far from its equilibrium for a linear form: its initial accelerations "
+            f"differ by {100 * deviation:.2g} % from the linear ones; start closer to the equilibrium "
+            '(start = "equilibrium"), or export the nonlinear machine'
         )
     c, d = read[:, :m] * scale, read[:, m:]
     state = state / scale
@@ -136,7 +136,7 @@ def _named(sensed: SensedOutputs, values: Array) -> tuple[Variable, ...]:
 
 
 def _equations(machine: LinearMachine, small: SmallMotions) -> tuple[Array, Array, Changes]:
-    """A and B for states (e, e', z), and the changes of the machine by these states and the inputs."""
+    """A and B for states (e, e', z), and changes of the machine per unit of these states and inputs."""
     control, k, n_inputs = machine.control, machine.size, small.outputs.inputs.shape[1]
     symmetric = (machine.stiffness + machine.stiffness.T) / 2
     modes = scipy.linalg.eigh(symmetric, machine.mass)[1]  # V^T M V = 1
@@ -174,9 +174,10 @@ def _start(
     rest: CompiledStart,
     begun: CompiledStart,
 ) -> tuple[Array, float]:
-    """States (m,) at the start, and by what part its accelerations are not the linear ones.
+    """States (m,) at the start, and the relative difference of its accelerations from the linear ones.
 
-    Parts are of the kinetic norm; of accelerations that are nothing beside what the forces balance, none.
+    The norm is that of the kinetic energy. Accelerations that are rounding errors beside the balanced forces
+    do not count.
     """
     axes = in_turning_axes(rest.model, rest.configuration)
     apart = _apart(rest, begun)
@@ -199,7 +200,7 @@ def _start(
     def size(accelerations: Array) -> float:
         return float(np.sqrt(accelerations @ machine.full_mass @ accelerations))
 
-    # What the forces in balance would give alone: beside it, rounding is no acceleration.
+    # Accelerations by the reactions alone, as the scale below which a difference is rounding.
     carried = np.linalg.solve(machine.full_mass, small.residual.reactions @ rest.multipliers)
     most = size(carried) + size(np.abs(changes.acceleration[:, : len(state)]) @ np.abs(state))
     return state, size(own - linear) / max(size(own), 1e-6 * most, 1e-300)
@@ -223,18 +224,19 @@ def _check(system: System, inputs: Mapping[str, Any]) -> None:
     for placed in system.bodies:
         if placed.body.kind not in ("rigid", "reduced"):
             raise ModelError(
-                f"'{placed.body.name}' is {placed.body.kind}, and linear machines are of rigid and reduced "
-                "bodies: reduce it, or export the machine itself"
+                f"'{placed.body.name}' is {placed.body.kind}, and a linear machine has rigid and reduced "
+                "bodies only: reduce it, or export the nonlinear machine"
             )
     for load in system.loads:
         if hasattr(load, "penalty") or isinstance(load, JointFriction | RevoluteFriction | PrismaticFriction):
             raise ModelError(
                 f"{load.label}: stops, contacts and friction have no linear form; leave it out, or export "
-                "the machine itself"
+                "the nonlinear machine"
             )
     for name, element in inputs.items():
         if any(element is joint for joint in system.joints):
             raise ModelError(
-                f"the prescribed motion of '{name}' cannot be an input of a linear machine, whose equations "
-                "would contain its rates: let a servo turn a free joint, and make its set-point the input"
+                f"the prescribed motion of '{name}' cannot be an input of a linear machine, because the "
+                "equations would contain its rates: drive a free joint by a servo, and make its set-point "
+                "the input"
             )

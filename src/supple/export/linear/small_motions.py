@@ -1,4 +1,4 @@
-"""Residual and outputs of a machine near its rest: their derivatives for motions, reactions and inputs."""
+"""Derivatives of residual and outputs at equilibrium with respect to motions, reactions and inputs."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ __all__ = ["Changes", "SmallMotions", "small_motions", "varies_in_time"]
 
 Array = np.ndarray
 _INSTANTS = 101
-"""At which loads are compared with those of the start."""
+"""Number of times at which loads are compared."""
 _ROUNDING = 1e-9
-"""Of the largest entry: what is less is no change."""
+"""Largest change that counts as rounding, as a fraction of the largest entry."""
 
 
 class Changes(NamedTuple):
-    """Small changes about the rest, in the axes of the bodies; also derivatives for them."""
+    """Small changes about the equilibrium, in the axes of the bodies; or derivatives with respect to them."""
 
     position: Any
     """(n,)"""
@@ -44,11 +44,11 @@ class Changes(NamedTuple):
 
 
 class SmallMotions(NamedTuple):
-    """Derivatives at rest, each array (.., size of the change).
+    """Derivatives at equilibrium, each an array (.., size of the change).
 
-    residual : of the equations of motion (n,), in the axes of the bodies
-    outputs : (o,)
-    rest : (o,) outputs at rest
+    residual : derivatives (n, ..) of the residual of the equations of motion, in the axes of the bodies
+    outputs : derivatives (o, ..) of the outputs
+    rest : (o,) outputs in the equilibrium
     """
 
     residual: Changes
@@ -56,9 +56,9 @@ class SmallMotions(NamedTuple):
     rest: Array
 
     def along(self, changes: Changes) -> tuple[Array, Array]:
-        """Of columns of changes, reactions left out: changes of reactions (m, k) and outputs (o, k).
+        """Changes of reactions (m, k) and of outputs (o, k) for k columns of other changes.
 
-        The reactions are those in balance, `G^T dl = - dr`, of motions that the joints allow.
+        The reactions follow from `G^T dl = - dr`; the motions must satisfy the joints.
         """
         moved = zip(self.residual, changes, strict=True)
         left: Any = sum(np.asarray(one) @ change for one, change in moved if change is not None)
@@ -70,7 +70,7 @@ class SmallMotions(NamedTuple):
 def small_motions(
     rest: CompiledStart, time: float, given: ExternalInputs, sensed: SensedOutputs
 ) -> SmallMotions:
-    """The derivatives of a machine at rest, by JAX's forward mode."""
+    """Derivatives of residual and outputs of a machine at equilibrium, by JAX's forward mode."""
     model, n = rest.model, rest.model.n_velocities
     axes = in_turning_axes(model, rest.configuration)
     sizes = [np.size(law.initial) for law in model.controllers]
@@ -111,7 +111,7 @@ def small_motions(
 
 
 def varies_in_time(rest: CompiledStart, begin: float, end: float) -> bool:
-    """Whether forces, joints or controllers of a machine that stays at rest change within some time."""
+    """Whether forces, joints or controllers of a machine at rest vary between two times."""
 
     def terms(time: Any) -> tuple[Any, ...]:
         motion = _at_rest(rest, time)
@@ -121,7 +121,7 @@ def varies_in_time(rest: CompiledStart, begin: float, end: float) -> bool:
     times = np.linspace(begin, end, _INSTANTS)
     program = jax.jit(lambda every: jax.lax.map(terms, every)).lower(times).compile(STARTING)
     every = [np.asarray(leaf) for leaf in jax.tree.leaves(program(times)) if leaf.size]
-    # Where no law depends on the time, all instants are equal to the last digit.
+    # Without laws that depend on time, the values are equal to the last digit.
     return any(np.ptp(each, axis=0).max() > _ROUNDING * np.abs(each).max() for each in every)
 
 

@@ -1,4 +1,4 @@
-"""Linear bodies for other programs: superelements, and bodies in floating frames."""
+"""Export of linear bodies to other programs: superelements, and bodies in floating frames."""
 
 from supple.export.superelements.abaqus_matrices import *
 from supple.export.superelements.beamdyn import *

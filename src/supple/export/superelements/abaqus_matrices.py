@@ -15,7 +15,8 @@ __all__ = ["write_abaqus_superelement"]
 def write_abaqus_superelement(path: Path | str, form: InterfaceForm) -> Path:
     """Write nodes and matrices, to be included (`*INCLUDE`) before the steps; returns the path.
 
-    Nodes 1 to n are the interfaces with six freedoms; each further node has a modal coordinate as freedom 1.
+    Nodes 1 to n are the interfaces with six degrees of freedom; each further node has a modal coordinate as
+    degree of freedom 1.
 
     Raises ResultFileError: the file cannot be written.
     """
@@ -25,7 +26,7 @@ def write_abaqus_superelement(path: Path | str, form: InterfaceForm) -> Path:
     n, labels = len(form.interfaces), form.freedoms(of_modal=1)
     places = np.concatenate([form.positions, np.tile(form.positions[:1], (form.n_modal, 1))])
     lines = [f"** {line}" for line in form.comment()]
-    lines += [f"** nodes 1 to {n}: the interfaces; the others have modal coordinates as freedom 1", "*NODE"]
+    lines += [f"** nodes 1 to {n}: interfaces; the others have modal coordinates as DOF 1", "*NODE"]
     lines += [f"{number}, {x:.16e}, {y:.16e}, {z:.16e}" for number, (x, y, z) in enumerate(places, 1)]
     for role, matrix in matrices.items():
         lines.append(f"*MATRIX INPUT, NAME=SUPPLE_{role.split()[-1]}, TYPE=SYMMETRIC")

@@ -1,4 +1,4 @@
-"""Blades for OpenFAST: BeamDyn's primary file with the curve, and the blade file with 6 x 6 matrices.
+"""Blades for OpenFAST: BeamDyn's primary file with the key points, and the blade file with 6 x 6 matrices.
 
 Source: BeamDyn user's guide, input files (OpenFAST 4).
 """
@@ -21,7 +21,7 @@ __all__ = ["write_beamdyn"]
 Array = NDArray[np.float64]
 
 _LARGEST_TILT = 0.02
-"""rad; between the normal of a section and the curve that BeamDyn lays through the key points."""
+"""Largest angle between a section's normal and BeamDyn's curve through the key points, rad."""
 
 _ORDER = 5
 
@@ -65,20 +65,20 @@ def write_beamdyn(path: Path | str, table: SectionTable, *, title: Sequence[str]
     """Write a blade for BeamDyn: the primary file and `NAME_blade.dat` beside it; returns both paths.
 
     Every section is a key point. BeamDyn's blade axes are those of the table: z from the root to the tip,
-    x to the suction side, the root at the origin. Damping is not in it.
+    x to the suction side, the root at the origin. No damping is written.
 
-    title : lines for the heads of the files, such as the frequencies to find
+    title : lines for the headers of the files, such as reference frequencies
 
     Raises
     ------
-    ModelError          a curve that does not lead along z, or sections that do not stand across it
+    ModelError          a curve that does not ascend in z, or sections that are not normal to it
     ResultFileError     a file cannot be written
     """
     places = table.positions - table.positions[0]
     if len(places) < 3 or (np.diff(places[:, 2]) <= 0).any():
         raise ModelError(
-            "BeamDyn takes three key points at least, ascending in z from root to tip: turn the body's axes "
-            "so that z leads along the blade"
+            "BeamDyn needs at least three key points, ascending in z from root to tip: rotate the body's "
+            "axes so that z points along the blade"
         )
     twist = _twist(table)
     primary, blade = Path(path), Path(path).with_name(f"{Path(path).stem}_blade.dat")
@@ -87,7 +87,7 @@ def write_beamdyn(path: Path | str, table: SectionTable, *, title: Sequence[str]
 
 
 def _twist(table: SectionTable) -> Array:
-    """(n,) of the sections about -z, rad, without jumps; ModelError for sections aslant to the curve."""
+    """Twist (n,) of the sections about -z, rad, without jumps; ModelError for inclined sections."""
     from scipy.interpolate import CubicSpline
 
     z = table.positions[:, 2]
@@ -98,8 +98,8 @@ def _twist(table: SectionTable) -> Array:
     if tilt.max() > _LARGEST_TILT:
         k = int(tilt.argmax())
         raise ModelError(
-            f"section {k} stands {np.degrees(tilt[k]):.1f} degrees aslant to the curve through the places of "
-            "the sections, and BeamDyn's stand across it: give more sections, or their axes along the curve"
+            f"section {k} is inclined by {np.degrees(tilt[k]):.1f} degrees, and BeamDyn's sections are "
+            "normal to the curve through their positions: give more sections, or axes along the curve"
         )
     x = table.axes[:, :, 0]
     across = np.einsum("ni,nik->nk", x, untwisted)

@@ -1,6 +1,6 @@
-"""Superelements for OpenFAST: the reduction file of ExtPtfm (FLEX's text format), a support structure.
+"""Support structures for OpenFAST: the reduction file of ExtPtfm (FLEX's text format).
 
-ExtPtfm joins a superelement at one point, the platform's reference point; all other interfaces are held.
+ExtPtfm joins a superelement at one point, the platform's reference point; all other interfaces are clamped.
 """
 
 from __future__ import annotations
@@ -17,20 +17,21 @@ from supple.export.superelements.interface_form import InterfaceForm
 __all__ = ["write_extptfm"]
 
 _LAST_TIME = 1e5
-"""s; the loads are constant until then."""
+"""Last time of the constant loads, s."""
 
 
 def write_extptfm(
     path: Path | str, form: InterfaceForm, interface: str, *, gravity: ArrayLike = (0.0, 0.0, 0.0)
 ) -> Path:
-    """Write mass, stiffness, damping and weight of a body, clamped but for one interface; returns the path.
+    """Write mass, stiffness, damping and weight of a body for ExtPtfm; returns the path.
 
-    In the ExtPtfm input: FileFormat 0 is Guyan's, 1 this one. SI units, z up, as OpenFAST has them.
+    All interfaces but one are clamped. Set FileFormat = 1 in the ExtPtfm input (0 is for Guyan reduction).
+    OpenFAST needs SI units, and z upwards.
 
     Parameters
     ----------
-    interface : where the tower begins
-    gravity : (3,) in mesh axes, m/s^2: constant loads of the undeformed body
+    interface : the one that is joined to the tower
+    gravity : (3,) in mesh axes, m/s^2; gives the constant loads, for the undeformed body
 
     Raises
     ------
@@ -39,7 +40,9 @@ def write_extptfm(
     """
     if interface not in form.interfaces:
         near = did_you_mean(interface, form.interfaces)
-        raise ModelError(f"body '{form.name}' has no interface '{interface}'{near}")
+        raise ModelError(
+            f"body '{form.name}' has no interface '{interface}'{near}; it has: {', '.join(form.interfaces)}"
+        )
     first, n = 6 * form.interfaces.index(interface), form.n_boundary
     kept = np.r_[first : first + 6, n : n + form.n_modal]
     lines = [f"!{line}" for line in form.comment()]
@@ -64,7 +67,7 @@ def _stated(form: InterfaceForm, interface: str) -> str:
 
 
 def _translations(form: InterfaceForm) -> NDArray[np.float64]:
-    """Motion (6 n + m, 3) of all freedoms with unit rigid translations."""
+    """Motion (6 n + m, 3) of all degrees of freedom with unit rigid translations."""
     motion = np.zeros((len(form.mass), 3))
     motion[: form.n_boundary] = np.tile(np.eye(6)[:, :3], (len(form.interfaces), 1))
     return motion

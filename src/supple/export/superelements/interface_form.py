@@ -1,11 +1,11 @@
-"""A reduced body in the coordinates of other codes: its interfaces' motion, and modal coordinates.
+"""A reduced body as a superelement: motion of its interfaces, and modal coordinates.
 
-The body moves by rigid motion `a` (of its mesh axes) and its coordinates `gamma`; its interfaces by
-`u = B (a, gamma)`. With `N` the null space of B, and P the motion of least strain energy for given u,
+The body has the rigid motion `a` of its mesh axes and its coordinates `gamma`; its interfaces have the motion
+`u = B (a, gamma)`. With N the null space of B, and P the motion of least strain energy for given u,
 
     (a, gamma) = P u + N Phi eta,    B P = 1,    N^T K P = 0,    N^T K N Phi = N^T M N Phi diag(omega^2)
 
-which is a change of coordinates: nothing is left out. It is Craig and Bampton's form, whatever the basis was.
+This is an exact change of coordinates to the Craig-Bampton form, for any basis of the body.
 
 Source: [CraigBampton1968].
 """
@@ -36,19 +36,20 @@ __all__ = ["InterfaceForm", "interface_form"]
 Array = NDArray[np.float64]
 
 INDEPENDENT = 1e-8
-"""Of the largest motion of the interfaces: a smaller one is none."""
+"""Smallest singular value of independent interface motions, as a fraction of the largest."""
 
 
 @dataclass(frozen=True, eq=False)
 class InterfaceForm:
-    """The linear part of a body, undamped modes clamped at all interfaces beside the interfaces' freedoms.
+    """Linear part of a body: motion of its interfaces, and modes with all interfaces clamped.
 
         q = (u_1, theta_1, .., u_n, theta_n, eta)
 
     name : str
     interfaces : names;  positions : (n, 3), mesh axes
-    stiffness, mass, damping : (6 n + m, 6 n + m), free of supports; 0 and diag(omega^2), 1 at eta
-    to_body : (6 + r, 6 n + m)      rigid motion of the mesh axes about their origin, and gamma, by q
+    stiffness, mass, damping : (6 n + m, 6 n + m), without supports. The block of eta is diag(omega^2) in the
+        stiffness, without coupling to u, and 1 in the mass
+    to_body : (6 + r, 6 n + m)      (a, gamma) = to_body q, a about the origin of the mesh axes
     """
 
     name: str
@@ -61,7 +62,7 @@ class InterfaceForm:
 
     @property
     def n_boundary(self) -> int:
-        """6 n, the freedoms of the interfaces."""
+        """Number of degrees of freedom of the interfaces, 6 n."""
         return 6 * len(self.interfaces)
 
     @property
@@ -70,7 +71,7 @@ class InterfaceForm:
         return len(self.stiffness) - self.n_boundary
 
     def freedoms(self, *, of_modal: int) -> NDArray[np.int64]:
-        """Node and component (6 n + m, 2) of every row: nodes 1 to n have six, each further one its own.
+        """Node and component (6 n + m, 2) of every row: nodes 1 to n have six rows, each further node one.
 
         of_modal : component of the modal coordinates
         """
@@ -81,25 +82,30 @@ class InterfaceForm:
 
     @property
     def is_damped(self) -> bool:
-        """Whether any damping is there to write."""
+        """Whether the damping matrix has an entry that is not zero."""
         return bool(np.any(self.damping))
 
     def frequencies(self, held: Collection[str] = ()) -> Array:
-        """Cycles per unit of time, ascending, with these interfaces clamped; of a free body the elastic ones.
+        """Natural frequencies with some interfaces clamped, cycles per unit of time, ascending.
 
-        Raises ModelError for an interface that the body lacks.
+        Without clamped interfaces, the six zero frequencies of rigid motion are left out.
+
+        Raises ModelError for an unknown interface.
         """
         unknown = [name for name in held if name not in self.interfaces]
         if unknown:
             near = did_you_mean(unknown[0], self.interfaces)
-            raise ModelError(f"body '{self.name}' has no interface '{unknown[0]}'{near}")
+            raise ModelError(
+                f"body '{self.name}' has no interface '{unknown[0]}'{near}; it has: "
+                f"{', '.join(self.interfaces)}"
+            )
         of_interfaces = np.repeat([name not in held for name in self.interfaces], 6)
         free = np.concatenate([of_interfaces, np.ones(self.n_modal, dtype=bool)])
         found = frequencies(self.stiffness[np.ix_(free, free)], self.mass[np.ix_(free, free)])
         return found if held else found[N_RIGID:]
 
     def stated_frequencies(self) -> StatedFrequencies:
-        """What another program must find: by support, the lowest frequencies, cycles per unit of time."""
+        """Lowest frequencies by support, cycles per unit of time, as a reference for another program."""
         supports: list[tuple[str, tuple[str, ...]]] = [("free", ())]
         supports += [(f"clamped at {name}", (name,)) for name in self.interfaces]
         if len(self.interfaces) > 1 and self.n_modal:
@@ -107,7 +113,7 @@ class InterfaceForm:
         return [(words, self.frequencies(held)[:N_STATED]) for words, held in supports]
 
     def comment(self) -> list[str]:
-        """Lines for the head of a file: interfaces, and the frequencies to find."""
+        """Lines for the header of a file: interfaces, and reference frequencies."""
         lines = [f"{self.name}: linear superelement with {self.n_modal} modal coordinates"]
         lines += [
             f"interface {number}: {name} at {x:.9g} {y:.9g} {z:.9g}"
@@ -117,21 +123,21 @@ class InterfaceForm:
 
 
 def interface_form(body: ReducedBody) -> InterfaceForm:
-    """The body by the motion of its interfaces; of a nonlinear body the linear part.
+    """The superelement form of a reduced body; of a nonlinear body that of its linear part.
 
     Raises
     ------
-    ModelError      no interface; interfaces whose freedoms are not independent in the body's coordinates
+    ModelError      no interface; interface motions that are not independent in the body's coordinates
     """
     if not body.interfaces:
         raise ModelError(
-            f"body '{body.name}' has no interface, where a superelement is joined to others; give it one"
+            f"body '{body.name}' has no interface, and a superelement is joined at interfaces; give it one"
         )
     K, M, D = free_matrices(body)
     motion = np.concatenate([interface.motion for interface in body.interfaces])
     positions = np.array([interface.position for interface in body.interfaces])
     rigid = nodal_rigid_modes(positions, 6)
-    # Unit kinetic energy of every coordinate, rotations of interfaces as long as the body: pure numbers.
+    # Scaled to pure numbers: unit kinetic energy of each coordinate, rotations times the size of the body.
     balance = linalg.block_diag(np.linalg.inv(linalg.cholesky(M[:N_RIGID, :N_RIGID])), np.eye(body.r))
     size = float(np.linalg.norm(np.ptp(body.nodes, axis=0))) or 1.0
     lengths = np.tile(np.repeat([1.0, size], 3), len(positions))
@@ -142,9 +148,9 @@ def interface_form(body: ReducedBody) -> InterfaceForm:
     if n_boundary > len(M) or values[-1] < INDEPENDENT * values[0]:
         independent = int(np.sum(values > INDEPENDENT * values[0]))
         raise ModelError(
-            f"body '{body.name}': its {n_boundary} interface freedoms have {independent} independent motions "
-            f"in {body.r} coordinates and rigid motion; reduce it with CraigBampton or Rubin, or leave "
-            "interfaces out"
+            f"body '{body.name}': of its {n_boundary} interface degrees of freedom only {independent} are "
+            f"independent in {body.r} coordinates and rigid motion; reduce it with CraigBampton or Rubin, or "
+            "remove interfaces"
         )
     N = right[n_boundary:].T
     P = (right[:n_boundary].T / values) @ left.T

@@ -1,11 +1,11 @@
-"""Bodies for MBDyn: the `.fem` file of its modal joint, with the inertia invariants beside the modes.
+"""Bodies for MBDyn: the `.fem` file of its modal joint, with modes and inertia invariants.
 
-MBDyn's modal joint is a linear body in a floating frame. Its invariants are integrals that the Gram matrix G
-of the body holds; with x~ the cross matrices of the points and phi_j~ those of the modes,
+MBDyn's modal joint is a linear body in a floating frame. Its invariants are integrals, which the body's Gram
+matrix G contains; with x~ the cross matrices of the points and phi_j~ those of the modes,
 
     3: int phi_j    4: int x x phi_j    5: int phi_i x phi_j    8: - int x~ phi_j~    9: int phi_i~ phi_j~
 
-so that no masses of nodes are in the file, and only the interfaces are its nodes.
+Therefore the file needs no nodal masses, and its only nodes are the interfaces.
 
 Source: MBDyn's input manual, "Modal".
 """
@@ -30,12 +30,14 @@ Array = NDArray[np.float64]
 def write_mbdyn(path: Path | str, body: ReducedBody) -> Path:
     """Write the linear part of a reduced body for MBDyn's modal joint; returns the path.
 
-    Nodes 1 to n are the interfaces; the frame is that of the mesh. In the joint: `from file` damping.
+    Nodes 1 to n are the interfaces; the frame is that of the mesh. Give the joint the damping `from file`.
 
     Raises ModelError for a body without interfaces; ResultFileError: the file cannot be written.
     """
     if not body.interfaces:
-        raise ModelError(f"body '{body.name}' has no interface, which MBDyn joins to its nodes; give it one")
+        raise ModelError(
+            f"body '{body.name}' has no interface, and MBDyn joins bodies at interfaces; give it one"
+        )
     r, n = body.r, len(body.interfaces)
     places = np.array([interface.position for interface in body.interfaces])
     shapes = np.array([interface.motion for interface in body.interfaces])
@@ -67,7 +69,7 @@ def invariants(body: ReducedBody) -> dict[int, Array]:
     turned = gram[6 : 6 + 3 * r].reshape(r, 3, -1)
     among = turned[:, :, 6 : 6 + 3 * r].reshape(r, 3, r, 3)
     rates = turned[:, :, v]
-    crossed = (rates - rates.transpose(2, 1, 0)) / 2  # of points the whole
+    crossed = (rates - rates.transpose(2, 1, 0)) / 2  # of point masses it is antisymmetric
     return {
         3: gram[t, v],
         4: gram[w, v],
@@ -87,7 +89,7 @@ def _group(number: int, words: str, rows: list[str]) -> list[str]:
 
 
 def _rows(values: ArrayLike | list[Array]) -> list[str]:
-    """One line a row, whole numbers as such and others of 17 digits."""
+    """One line per row; integers as such, other numbers with 17 digits."""
     return [
         " ".join(str(x) if isinstance(x, np.integer) else f"{x:.16e}" for x in np.atleast_1d(row))
         for row in values  # ty: ignore[not-iterable]

@@ -1,12 +1,12 @@
-"""Superelements for CalculiX: masses and springs of free vibrations, tied to interfaces by equations.
+"""Superelements for CalculiX: masses and springs of the free modes, tied to the interfaces by equations.
 
-CalculiX reads no matrices. It reads what makes the same ones: with the modes of the free body,
-`u = B z`, mass 1 and stiffness omega^2 of each modal coordinate z. The interfaces' freedoms are independent;
-as many of the modal coordinates depend on them (`*EQUATION`):
+CalculiX reads no matrices. Masses, springs and equations represent the superelement instead. With the modes
+of the free body, `u = B z`, each modal coordinate z has mass 1 and stiffness omega^2. The interface motion u
+is independent; as many modal coordinates z_d depend on it and on the free ones z_f (`*EQUATION`):
 
     B_d z_d = u - B_f z_f
 
-Any program with point masses, grounded springs and equations can run it.
+Any program with point masses, grounded springs and linear equations can use this form.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ _TERMS_PER_LINE = 4
 def write_calculix_superelement(path: Path | str, form: InterfaceForm) -> Path:
     """Write nodes, masses, springs and equations, to be included (`*INCLUDE`) before steps; returns the path.
 
-    Of interface i the node 2 i - 1 has the translations, the node 2 i the rotations as its freedoms 1 to 3:
-    they are the reference node and the rotation node of a `*RIGID BODY` of your own mesh. Node sets are named
-    after the interfaces. Damping is not in it.
+    For interface i, node 2 i - 1 has the translations and node 2 i the rotations, as components 1 to 3. Use
+    them as reference node and rotation node of a `*RIGID BODY` of your own mesh. Node sets are named after
+    the interfaces. No damping is written.
 
     Raises ResultFileError: the file cannot be written.
     """
@@ -42,8 +42,8 @@ def write_calculix_superelement(path: Path | str, form: InterfaceForm) -> Path:
     n_found = max(1, (len(omega) - N_RIGID) // 4)
     lines = [
         *(f"** {line}" for line in form.comment()),
-        "** interfaces: the first node of a set has translations, the second has rotations, as 1, 2, 3:",
-        "** REF NODE and ROT NODE of a *RIGID BODY. Alone, CalculiX finds a quarter of the modes:",
+        "** interfaces: the first node of a set has translations, the second has rotations, as DOF 1 to 3:",
+        "** REF NODE and ROT NODE of a *RIGID BODY. To run it alone, request a quarter of the modes at most:",
         f"** *BOUNDARY / {set_names(form)[0]}, 1, 3 / *STEP / *FREQUENCY / {n_found} / *END STEP",
         *_nodes(form, len(omega)),
         *_masses_and_springs(form, omega),
@@ -53,13 +53,13 @@ def write_calculix_superelement(path: Path | str, form: InterfaceForm) -> Path:
 
 
 def set_names(form: InterfaceForm) -> list[str]:
-    """Names of node sets: letters, digits and underscores of the interfaces' names, numbered."""
+    """Names of node sets: a number and the interface's name, with underscores for special characters."""
     plain = ("".join(c if c.isascii() and c.isalnum() else "_" for c in name) for name in form.interfaces)
     return [f"I{number}_{name.upper()}" for number, name in enumerate(plain, 1)]
 
 
 def _free_vibrations(form: InterfaceForm) -> tuple[Array, Array]:
-    """Frequencies (k,) of the free body, six zeros first, and the interfaces' motion (6 n, k) in them."""
+    """Angular frequencies (k,) of the free modes, six zeros first, and their interface motion (6 n, k)."""
     scale = 1.0 / np.sqrt(np.diag(form.mass))
     K, M = (matrix * np.outer(scale, scale) for matrix in (form.stiffness, form.mass))
     squares, modes = linalg.eigh(K, M)
@@ -70,7 +70,7 @@ def _free_vibrations(form: InterfaceForm) -> tuple[Array, Array]:
 def _dependence(
     form: InterfaceForm, motion: Array
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], Array, Array]:
-    """Dependent and free modal coordinates, and the dependent ones by the interfaces and by the free ones."""
+    """Dependent and free modal coordinates; matrices of the dependent ones by u and by the free ones."""
     sizes = np.linalg.norm(motion, axis=1)
     order = linalg.qr(motion / sizes[:, None], mode="r", pivoting=True)[1]
     dependent, free = np.sort(order[: form.n_boundary]), np.sort(order[form.n_boundary :])
@@ -93,7 +93,7 @@ def _nodes(form: InterfaceForm, n_modes: int) -> list[str]:
 
 
 def _masses_and_springs(form: InterfaceForm, omega: Array) -> list[str]:
-    """Three modal coordinates a node; what is left of the last node is held."""
+    """Masses and springs, three modal coordinates per node; unused components of the last are fixed."""
     first, k = 2 * len(form.interfaces) + 1, len(omega)
     last = first + (k - 1) // 3
     lines = ["*ELEMENT, TYPE=MASS, ELSET=SUPPLE_MASSES"]

@@ -1,4 +1,4 @@
-"""Superelements for Nastran: grids at the interfaces, scalar points for modal coordinates, DMIG or OUTPUT4.
+"""Superelements for Nastran as DMIG or OUTPUT4: grids at interfaces, scalar points for modal coordinates.
 
 Grids are numbered from 1 in the order of the interfaces, scalar points after them.
 """
@@ -24,7 +24,7 @@ _TO_RUN = (
 def write_dmig_superelement(path: Path | str, form: InterfaceForm) -> Path:
     """Write one bulk data file: GRID, SPOINT, ASET1, QSET1, DMIG KAAX, MAAX (BAAX); returns the path.
 
-    Entries have ten digits, as cards of 16 columns hold; OUTPUT4 holds all.
+    Entries have ten digits, which fit a field of 16 columns; OUTPUT4 has 17 digits.
 
     Raises ResultFileError: the file cannot be written.
     """
@@ -37,7 +37,7 @@ def write_dmig_superelement(path: Path | str, form: InterfaceForm) -> Path:
 
 
 def write_output4_superelement(path: Path | str, form: InterfaceForm) -> tuple[Path, Path]:
-    """Write KAA, MAA (BAA) as OUTPUT4, and the grids and sets of their rows as a .bdf beside it.
+    """Write KAA, MAA (BAA) as OUTPUT4, and the grids and sets of their rows as a .bdf file beside it.
 
     Rows are the analysis set in the order of the cards: six of each grid, then the scalar points.
 
@@ -57,7 +57,7 @@ def _bulk_data(form: InterfaceForm, further: Sequence[str]) -> list[str]:
     n, last = len(form.interfaces), len(form.interfaces) + form.n_modal
     lines = [f"$ {line}" for line in (*form.comment(), *further)]
     for number, (name, place) in enumerate(zip(form.interfaces, form.positions, strict=True), 1):
-        # Sixteen columns hold 17 digits of no number: ten, as the matrices have.
+        # A field of 16 columns holds ten digits, as in the matrices.
         x, y, z = (f"{value:.9E}".rjust(16) for value in place)
         lines += [f"$ {name}", f"GRID*   {number:<16d}{'':16}{x}{y}", f"*       {z}"]
     lines.append(f"ASET1   123456  1       THRU    {n}" if n > 1 else "ASET1   123456  1")

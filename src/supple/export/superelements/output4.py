@@ -1,6 +1,6 @@
-"""OUTPUT4 files (.op4): matrices by name as text of 17 digits, as Nastran's INPUTT4 reads them.
+"""OUTPUT4 text files (.op4): named matrices with 17 digits, for Nastran's INPUTT4.
 
-One record a column with entries: its number, its first row, how many rows; then these rows.
+Each column that is not zero has a record: its number, its first row, the number of rows; then these rows.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ def write_output4(path: Path | str, matrices: Mapping[str, ArrayLike]) -> Path:
     ResultFileError     the file cannot be written
     """
     if not matrices:
-        raise ModelError("an OUTPUT4 file needs a matrix")
+        raise ModelError("an OUTPUT4 file needs a matrix: give one, such as {'KAA': stiffness}")
     lines = []
     for name, given in matrices.items():
         matrix = np.asarray(given, dtype=np.float64)
         if len(name) > _LONGEST_NAME or matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
             raise ModelError(
-                f"{name} of shape {matrix.shape}: give square matrices names of at most eight characters"
+                f"{name} of shape {matrix.shape}: give square matrices with names of at most eight characters"
             )
         if not np.isfinite(matrix).all():
-            raise ModelError(f"{name} has entries that are not finite")
+            raise ModelError(f"{name} has entries that are not finite; correct them")
         lines += _lines(name, matrix)
     return write_ascii(path, lines)
 

@@ -9,14 +9,14 @@ positions x of the points, their displacement u and the modes phi_k, whose integ
     Ge_k = -2 int phi^T phi_k~                Oe Omega = int phi^T w~ w~ (x + u)
     Ke, De : stiffness, damping               Omega = (w_x^2, w_y^2, w_z^2, w_x w_y, w_y w_z, w_x w_z)
 
-of which Gr has the three columns of a coordinate together, Ge the columns of all coordinates for an axis;
-so that, with the acceleration a of the frame's origin, its angular acceleration alpha and velocity w,
+Gr is ordered by coordinate, three columns each; Ge by axis, the columns of all coordinates each. With the
+acceleration a of the frame's origin, its angular acceleration alpha and angular velocity w, the equations are
 
     Me q'' + Ct a + Cr alpha + Ge_k q_k' w + Oe Omega + Ke q + De q' = loads
 
-A nonlinear body adds its geometric stiffness to first order: a unit acceleration or spin deforms it by
-`q_s = - Ke^-1 (Ct | Cr | Oe)`, and the stiffness A3(q_s) of its cubic tensor is added to the first-order
-parts of Ct, Cr and Oe.
+A nonlinear body has geometric stiffness to first order: a unit acceleration or a unit product of angular
+velocities deforms it by `q_s = - Ke^-1 (Ct | Cr | Oe)`. The stiffness A3(q_s) of its cubic tensor is added to
+the first-order parts of Ct, Cr and Oe.
 
 Source: [Wallrapp1994]; the layout as in public descriptions of the format.
 """
@@ -39,18 +39,18 @@ __all__ = ["StandardInputData", "TaylorSeries", "standard_input_data", "write_si
 Array = NDArray[np.float64]
 
 PRODUCTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
-"""Of the angular velocity, in the order of Oe's columns."""
+"""Products of angular velocity components, in the order of Oe's columns."""
 
 INERTIA = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])
-"""Rows and columns of the inertia, in the order of J."""
+"""Rows and columns of the inertia tensor, in the order of J."""
 
 _ZERO, _FULL = 0, 3
-"""Structures of a matrix; symmetric ones are written whole, for not every reader mirrors them."""
+"""Structure codes of a matrix; symmetric ones are written in full, as not all readers mirror them."""
 
 
 @dataclass(frozen=True, eq=False)
 class TaylorSeries:
-    """A block: `zeroth` (rows, columns), and `first` (rows, columns, r) or None."""
+    """A block of SID: terms of order zero (rows, columns) and of order one (rows, columns, r), or None."""
 
     zeroth: Array = field(repr=False)
     first: Array | None = field(default=None, repr=False)
@@ -73,12 +73,15 @@ class StandardInputData:
 
 
 def standard_input_data(body: ReducedBody) -> StandardInputData:
-    """The blocks of a reduced body; with geometric stiffness to first order where it is nonlinear.
+    """The SID blocks of a reduced body; of a nonlinear one with geometric stiffness to first order.
 
-    Raises ModelError: strains that are not in the tensors.
+    Raises ModelError: a body with strain energy outside its tensors.
     """
     if body.elastic_elsewhere:
-        raise ModelError(f"body '{body.name}' has strains beyond its tensors, and no stiffness to write")
+        raise ModelError(
+            f"body '{body.name}' has strain energy outside its tensors, which SID cannot hold: reduce it "
+            "with fewer modes, or reduce body.linearized()"
+        )
     r, gram = body.r, body.gram
     t, w, k, v = slice(0, 3), slice(3, 6), slice(6, 6 + 3 * r), slice(6 + 3 * r, None)
     turned = gram[k].reshape(r, 3, -1)
@@ -116,7 +119,7 @@ def standard_input_data(body: ReducedBody) -> StandardInputData:
 
 
 def write_sid(path: Path | str, body: ReducedBody) -> Path:
-    """Write a reduced body as SID, 17 digits; returns the path.
+    """Write a reduced body as SID with 17 digits; returns the path.
 
     Raises
     ------
@@ -147,7 +150,7 @@ def write_sid(path: Path | str, body: ReducedBody) -> Path:
 
 
 def _stiffening(body: ReducedBody, inertia: Array) -> Array:
-    """Geometric stiffness (r, c, r) of the steady deformation under each column; zeros if linear."""
+    """Geometric stiffness (r, c, r) of the static deformation under each column; zeros for a linear body."""
     r = len(inertia)
     if body.cubic is None:
         return np.zeros((r, inertia.shape[1], r))
@@ -179,7 +182,7 @@ def _block(name: str, series: TaylorSeries, r: int) -> list[str]:
 
 
 def _number(value: float) -> str:
-    """Of 17 digits, its exponent after a D."""
+    """A number with 17 digits and the exponent letter D."""
     return f"{value:.16e}".replace("e", "D")
 
 

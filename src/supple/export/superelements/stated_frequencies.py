@@ -1,4 +1,4 @@
-"""The frequencies that another program must find of a body, cycles per unit of time."""
+"""Reference frequencies of a body for another program, cycles per unit of time."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ __all__ = ["StatedFrequencies", "floating_frequencies"]
 Array = NDArray[np.float64]
 
 StatedFrequencies = list[tuple[str, Array]]
-"""By support, in words, the lowest frequencies."""
+"""Pairs of a support, in words, and the lowest frequencies."""
 
 N_STATED = 6
 N_RIGID = 6
 
 
 def floating_frequencies(body: ReducedBody) -> StatedFrequencies:
-    """Of a body in its floating frame: free, and with its frame at rest."""
+    """Lowest frequencies of a body in a floating frame: free, and with the frame at rest."""
     stiffness, mass, _ = free_matrices(body)
     free = frequencies(stiffness, mass)[N_RIGID:]
     at_rest = frequencies(body.stiffness, mass[N_RIGID:, N_RIGID:])
@@ -36,7 +36,7 @@ def free_matrices(body: ReducedBody) -> tuple[Array, Array, Array]:
 
 
 def frequencies(stiffness: Array, mass: Array) -> Array:
-    """All of them, ascending."""
+    """All natural frequencies, cycles per unit of time, ascending."""
     if not len(mass):
         return np.empty(0)
     scale = 1.0 / np.sqrt(np.diag(mass))
@@ -46,7 +46,7 @@ def frequencies(stiffness: Array, mass: Array) -> Array:
 
 
 def frequency_lines(stated: StatedFrequencies) -> list[str]:
-    """Lines for the head of a file."""
+    """Lines for the header of a file."""
     lines = [
         f"  {words}: {', '.join(f'{value:.6g}' for value in values) or 'none'}" for words, values in stated
     ]

@@ -1,3 +1,3 @@
-"""Readings of a run as tables for other programs."""
+"""Tables of sensor readings for other programs."""
 
 from supple.export.tables.write_readings import *

@@ -1,4 +1,4 @@
-"""Readings as text: a line of heads, then a line per output time."""
+"""Sensor readings as CSV: a header line, then a line per output time."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from supple.quantities import Readings
 from supple.units import UnitSystem
 
 _ROWS = 10_000
-"""Written at a time."""
+"""Rows written at a time."""
 
 
 def write_csv(path: Path, readings: Readings, units: UnitSystem) -> None:
-    """Write `Time_[s],tip.x_[m],..` and the numbers with all their digits."""
+    """Write the header `Time_[s],tip.x_[m],..` and the values with all their digits."""
     columns = readings.columns(units)
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)

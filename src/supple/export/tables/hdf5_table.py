@@ -1,4 +1,4 @@
-"""Readings as HDF5: a dataset per sensor, with axes, places and nodes."""
+"""Sensor readings as HDF5: a dataset per sensor, with axes, places and nodes."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from supple.units import UnitSystem
 
 
 def write_hdf5(path: Path, readings: Readings, units: UnitSystem) -> None:
-    """Write `time` (t,), and (t, c) by sensor with channels, units and axes.
+    """Write `time` (t,), and for each sensor its values (t, c) with channels, units and axes as attributes.
 
-    Where a sensor knows at which nodes it reads, their ids (t, c) are `NAME.nodes`; its attributes
-    `nodes` (c,) and `points` (c, 3) are those where the magnitude of each channel is largest.
+    For a sensor that reads at nodes, `NAME.nodes` (t, c) holds the ids of the nodes. The attributes `nodes`
+    (c,) and `points` (c, 3) are the node and the position of each channel's largest magnitude.
     """
     times = readings.columns(units).times
-    # Built in memory, because HDF5 does not survive a write that fails: see storage/disk_space.
+    # Built in memory, because a failed write crashes HDF5: see storage/disk_space.
     with h5py.File("image", "w", driver="core", backing_store=False) as file:
         file.create_dataset("time", data=times).attrs["unit"] = units.time
         for each in readings:

@@ -1,4 +1,4 @@
-"""Readings as a MATLAB file (.mat, version 5)."""
+"""Sensor readings as a MATLAB file (.mat, version 5)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from supple.quantities import Readings
 from supple.units import UnitSystem
 
 _LARGEST = 2**31 - 1
-"""Bytes of a variable."""
+"""Largest size of a variable, bytes."""
 
 
 def write_mat(path: Path, readings: Readings, units: UnitSystem) -> None:
@@ -24,8 +24,8 @@ def write_mat(path: Path, readings: Readings, units: UnitSystem) -> None:
     columns = readings.columns(units)
     if columns.values.nbytes > _LARGEST:
         raise ModelError(
-            f"{columns.values.nbytes / 2**30:.1f} GiB of readings: a .mat file holds up to 2 GiB a variable; "
-            "write fewer output times or sensors, or .nc or .h5"
+            f"{columns.values.nbytes / 2**30:.1f} GiB of readings, and a variable of a .mat file holds 2 GiB "
+            "at most: write fewer output times or sensors, or a .nc or .h5 file"
         )
     variables = {
         "time": columns.times[:, None],

@@ -1,4 +1,4 @@
-"""Readings as netCDF, by xarray."""
+"""Sensor readings as netCDF, by xarray."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ from supple.units import UnitSystem
 def write_netcdf(path: Path, readings: Readings, units: UnitSystem) -> None:
     """Write a variable per channel over `time`, with units, axes and place (netCDF 3, 64-bit offsets).
 
-    Raises ModelError for a name with "/", which netCDF does not take.
+    Raises ModelError for a name that contains "/", which netCDF does not allow.
     """
     data = readings.to_xarray(units)
     for name in data:
         if "/" in str(name):
-            raise ModelError(f"column '{name}': names in netCDF have no '/'; rename it, or write .mat")
+            raise ModelError(
+                f"column '{name}': netCDF allows no '/' in names; rename it, or write a .mat file"
+            )
     with path.open("wb") as file:
         file.write(data.to_netcdf(engine="scipy", format="NETCDF3_64BIT"))

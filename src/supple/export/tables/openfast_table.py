@@ -1,4 +1,4 @@
-"""Readings as OpenFAST's binary output (.outb), which its tools read."""
+"""Sensor readings as OpenFAST's binary output (.outb)."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ from supple.units import UnitSystem
 Array = NDArray[np.float64]
 
 _FORMAT = 4
-"""Equal time steps, values packed to 16 bits, length of names in the file."""
+"""File format: equal time steps, values packed to 16 bits, the length of names stated in the file."""
 _REACH = 32_500.0
-"""Of packed values: within 16 bits also when their offset is rounded."""
+"""Largest packed value; a rounded offset still leaves it within 16 bits."""
 _LARGEST_OFFSET = 2.0**25
-"""Of packed values: to be rounded in single precision by two at most."""
+"""Largest offset; in single precision its rounding error is two packed units at most."""
 _EQUAL_STEPS = 1e-6
-"""Of a time step: times that are off by less count as equally spaced."""
+"""Deviation from equal spacing that is tolerated, as a fraction of the time step."""
 _ROWS = 10_000
 
 
 def write_outb(path: Path, readings: Readings, units: UnitSystem) -> None:
     """Write the columns, each packed as `round(scale x + offset)` with single-precision scale and offset.
 
-    A value is off by at most 1/130 000 of the span of its column, or 2e-8 of its largest magnitude.
+    The error of a value is at most 1/130 000 of its column's span, or 2e-8 of its largest magnitude.
 
-    Raises ModelError: output times that are not equally spaced, numbers that are not finite, names in other
-    alphabets, none of which the format can hold.
+    Raises ModelError: output times that are not equally spaced, numbers that are not finite, names that are
+    not ASCII.
     """
     columns = readings.columns(units)
     start, step = _equal_steps(columns.times)
@@ -47,7 +47,7 @@ def write_outb(path: Path, readings: Readings, units: UnitSystem) -> None:
         file.write(struct.pack("<hhii", _FORMAT, length, n_columns, n_times))
         file.write(struct.pack("<dd", start, step))
         file.write(scales.tobytes() + offsets.tobytes())
-        file.write(struct.pack("<i", 0))  # characters of a description
+        file.write(struct.pack("<i", 0))  # length of the description
         for word in names + named_units:
             file.write(word.ljust(length))
         _write_packed(file, columns.values, scales, offsets)
@@ -67,7 +67,7 @@ def _equal_steps(times: Array) -> tuple[float, float]:
     off = np.abs(times - (times[0] + step * np.arange(len(times)))).max()
     if off > _EQUAL_STEPS * step:
         raise ModelError(
-            "an .outb file holds equally spaced times, and these are not: choose others, or write .csv"
+            "an .outb file needs equally spaced output times, and these are not: choose others, or write .csv"
         )
     return float(times[0]), float(step)
 
@@ -78,7 +78,7 @@ def _packing(columns: Columns) -> tuple[NDArray, NDArray]:
     finite = np.isfinite(values).all(axis=0)
     if not finite.all():
         name = columns.names[int(np.argmin(finite))]
-        raise ModelError(f"column '{name}' holds numbers that are not finite, which .outb cannot; write .csv")
+        raise ModelError(f"column '{name}' has numbers that are not finite, and .outb holds none; write .csv")
     low, high = values.min(axis=0), values.max(axis=0)
     size, span = np.maximum(np.abs(low), np.abs(high)), high - low
     with np.errstate(divide="ignore"):
@@ -95,6 +95,6 @@ def _words(words: Iterable[str]) -> list[bytes]:
             found.append(word.encode("ascii"))
         except UnicodeEncodeError as error:
             raise ModelError(
-                f"'{word}': an .outb file holds ASCII letters alone; rename it, or write .csv, .mat or .nc"
+                f"'{word}': an .outb file holds ASCII names only; rename it, or write .csv, .mat or .nc"
             ) from error
     return found

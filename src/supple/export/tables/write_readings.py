@@ -1,4 +1,4 @@
-"""One writer of readings; the suffix of the path chooses the format."""
+"""Sensor readings written as a table; the suffix of the path selects the format."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ _WRITERS: Mapping[str, Callable[[Path, Readings, UnitSystem], None]] = MappingPr
 )
 
 TABLE_SUFFIXES = tuple(_WRITERS)
-"""Of files that hold readings."""
+"""Suffixes of the formats."""
 
 
 @checked_arguments
 def write_readings(path: Path | str, readings: Sequence[Reading], *, units: UnitSystem = UNNAMED) -> Path:
-    """Write readings of one run as a table over time; the path is returned.
+    """Write the sensor readings of one run as a table over time; returns the path.
 
-    The suffix chooses the format: .csv (text), .h5 (HDF5), .mat (MATLAB), .nc (netCDF) or .outb (OpenFAST).
+    The suffix selects the format: .csv (text), .h5 (HDF5), .mat (MATLAB), .nc (netCDF) or .outb (OpenFAST).
     Columns are named `Time`, `SENSOR.CHANNEL`; see docs/how-to/export.md.
 
     Raises
     ------
-    ModelError          another suffix; no reading; readings of different times; two columns of one name;
-                        what the format cannot hold
+    ModelError          another suffix; no reading; readings at different times; two columns of one name;
+                        values or names that the format cannot hold
     ResultFileError     the file cannot be written
     MissingPackageError netCDF without xarray
     """

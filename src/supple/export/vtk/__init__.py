@@ -1,4 +1,4 @@
-"""Machines in motion for ParaView and other programs that are built on VTK."""
+"""Export of a machine's motion to ParaView and other programs based on VTK."""
 
 from supple.export.vtk.vtkhdf import *
 from supple.export.vtk.vtu import *

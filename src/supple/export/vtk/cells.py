@@ -1,4 +1,4 @@
-"""Cells as VTK numbers and orders them."""
+"""Cells in the numbering and node order of VTK."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ _TYPES = MappingProxyType(
 class Cells:
     """Cells of several types, one after another.
 
-    types : uint8 (E,)          VTK's numbers
-    offsets : int (E + 1,)      where the nodes of each cell begin, and the last end
+    types : uint8 (E,)          VTK's numbers of the cell types
+    offsets : int (E + 1,)      index of each cell's first node, and the total number of entries
     nodes : int (offsets[-1],)  numbers of points
     """
 
@@ -46,7 +46,7 @@ class Cells:
 
     @classmethod
     def of(cls, *blocks: tuple[int, IntArray]) -> Cells:
-        """Cells of blocks, each VTK's number of the type and node numbers (E, k)."""
+        """Cells from blocks (VTK's number of the cell type, node numbers (E, k))."""
         counts = [np.full(len(nodes), nodes.shape[1]) for _, nodes in blocks]
         return cls(
             types=np.concatenate([np.full(len(nodes), kind, np.uint8) for kind, nodes in blocks]),
@@ -55,7 +55,7 @@ class Cells:
         )
 
     def of_some(self, chosen: NDArray[np.bool_]) -> Cells:
-        """Some of the cells (E,)."""
+        """The cells selected by a mask (E,)."""
         counts = np.diff(self.offsets)
         return Cells(
             self.types[chosen],
@@ -65,7 +65,7 @@ class Cells:
 
 
 def joined(all_cells: Sequence[Cells], n_points: Sequence[int]) -> Cells:
-    """The cells of grids whose points are joined, one grid's after another's."""
+    """The cells of several grids in one, with points and cells concatenated in the order of the grids."""
     first_point = np.cumsum([0, *n_points[:-1]])
     first_node = np.cumsum([0, *(len(cells.nodes) for cells in all_cells)])
     ends = [start + cells.offsets[1:] for start, cells in zip(first_node, all_cells, strict=False)]
@@ -77,5 +77,5 @@ def joined(all_cells: Sequence[Cells], n_points: Sequence[int]) -> Cells:
 
 
 def cells_of(mesh: Mesh) -> Cells:
-    """All cells of a mesh, type by type; their nodes are ordered as VTK's."""
+    """All cells of a mesh, type by type; the node order is that of VTK."""
     return Cells.of(*((_TYPES[kind], nodes) for kind, nodes in mesh.cells.items()))

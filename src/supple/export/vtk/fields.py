@@ -1,4 +1,4 @@
-"""What is shown at the points and in the cells of a machine in motion."""
+"""Fields at the points and in the cells of a machine in motion."""
 
 from __future__ import annotations
 
@@ -22,24 +22,24 @@ from supple.units import UnitSystem, labelled
 
 Array = NDArray[np.float64]
 Evaluator = Callable[[Solution, Array], Array]
-"""Values (t, n, ..) of an instant, of the motion and the positions (t, N, 3) of a piece."""
+"""Function (motion, positions (t, N, 3) of a piece) -> values (t, n, ..)."""
 
 GHOSTS = "vtkGhostType"
 """VTK's name of the array that hides cells."""
 HIDDEN = 32
-"""VTK's number of a cell that is not shown."""
+"""Value in that array of a hidden cell."""
 
 
 @dataclass(frozen=True, eq=False)
 class Field:
     """Values at the points or in the cells of some pieces.
 
-    name : with its unit
-    of_cells : whether each cell has a value, not each point
-    width : numbers of a value
-    kind : of the numbers in a file
-    absent : value of the pieces that have no such field
-    evaluators : by piece; the others have no such field
+    name : name with unit
+    of_cells : whether the values are in the cells, not at the points
+    width : number of components
+    kind : number type in the file
+    absent : value on pieces without this field
+    evaluators : by piece; other pieces do not have this field
     """
 
     name: str
@@ -57,7 +57,7 @@ def fields_of(
     bases: Mapping[str, At],
     units: UnitSystem,
 ) -> tuple[Field, ...]:
-    """Displacement and deflection; where there are such, stress, plastic strain and deleted cells."""
+    """Displacement and deflection; if available, stress, plastic strain and deleted cells."""
     bodies = [piece for piece in pieces if piece.body is not None]
     framed = [piece for piece in bodies if _form(piece).has_frame]
     deleting = [piece for piece in bodies if not _form(piece).has_frame]
@@ -99,7 +99,7 @@ def fields_of(
 
 
 def _field(name: str, width: int, evaluators: Mapping[Piece, Evaluator]) -> Field:
-    """At points, in single precision."""
+    """A field at the points, in single precision."""
     return Field(name, False, width, np.dtype("<f4"), np.nan, evaluators)
 
 
@@ -112,7 +112,7 @@ def _displacement(piece: Piece) -> Evaluator:
 
 
 def _deflection(system: System, piece: Piece, bases: Mapping[str, At]) -> Evaluator:
-    """Displacement against the undeformed body on its first interface, in global components."""
+    """Displacement relative to the rigid motion of an interface, in global components."""
     body: BodyForm = _form(piece)
 
     def deflected(part: Solution, positions: Array) -> Array:

@@ -1,4 +1,4 @@
-"""What of a machine is drawn: its bodies, and its joints as points."""
+"""Grids of a machine: one per body, and the joints as points."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ JOINTS = "joints"
 """Name of the piece of all joints."""
 
 _AROUND, _UP = 24, 12
-"""Points on an ellipsoid of inertia."""
+"""Numbers of points on the ellipsoid of a rigid body."""
 
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A part of the picture, with cells that do not change.
+    """Points and cells of a body, or of all joints; the cells do not change with time.
 
     name : str
-    points : (N, 3)             global, where they stand when the machine is put together, undeformed
+    points : (N, 3)             global positions in the assembled, undeformed machine
     cells : Cells
-    positions : of a Solution   (t, N, 3), global
-    body : BodyForm | None      whose nodes the points are; None of rigid bodies and joints
-    mesh : Mesh | None          whose cells these are
+    positions : function        Solution -> global positions (t, N, 3)
+    body : BodyForm | None      the body whose nodes are the points; None for rigid bodies and joints
+    mesh : Mesh | None          the mesh whose cells are the cells
     """
 
     name: str
@@ -48,13 +48,13 @@ class Piece:
 def pieces_of(
     system: System, meshes: Mapping[str, Mesh], bodies: Collection[str] | None = None
 ) -> tuple[Piece, ...]:
-    """The bodies of a machine and its joints; or some bodies alone.
+    """The pieces of all bodies of a machine and of its joints, or of some bodies only.
 
-    A body with a mesh has its cells; one without is the points of its nodes. A rigid body is the ellipsoid
-    of the same mass and inertia and of even density, and lines from its centre of mass to its interfaces. A
-    joint is a point at its second end, or at its first where the second is the ground.
+    A body with a mesh has the cells of the mesh; one without has its nodes as points. A rigid body has the
+    ellipsoid of uniform density with the same mass and inertia, and lines from its centre of mass to its
+    interfaces. A joint is a point at its second end, or at its first if the second is the ground.
 
-    Raises ModelError for a body that is not there, or none.
+    Raises ModelError for an unknown body, or no body.
     """
     known = [placed.body.name for placed in system.bodies]
     for name in bodies or ():
@@ -64,7 +64,9 @@ def pieces_of(
             )
     wanted = known if bodies is None else [name for name in known if name in bodies]
     if not wanted:
-        raise ModelError("no body is chosen; name one at least, or none to write them all")
+        raise ModelError(
+            "the list of bodies to write is empty: name at least one, or omit the list to write all"
+        )
     rigid = system.bodies_of(RigidBody)
     found = [
         _rigid_piece(system.placed(name), rigid[name])
@@ -112,9 +114,9 @@ def _rigid_piece(placed: Placed, body: RigidBody) -> Piece:
 
 
 def _ellipsoid(body: RigidBody) -> tuple[Array, NDArray[np.int64]]:
-    """Points and triangles of the solid ellipsoid of even density with the body's mass and inertia.
+    """Points and triangles of the solid ellipsoid of uniform density with the body's mass and inertia.
 
-    Of the principal moments I_k its half axes are `a_k^2 = 5 / (2 m) (I_1 + I_2 + I_3 - 2 I_k)`.
+    With the principal moments I_k, its semi-axes are `a_k^2 = 5 / (2 m) (I_1 + I_2 + I_3 - 2 I_k)`.
     """
     moments, axes = np.linalg.eigh(body.inertia)
     half = np.sqrt(np.maximum(5 / (2 * body.mass) * (moments.sum() - 2 * moments), 0.0))
@@ -125,7 +127,7 @@ def _ellipsoid(body: RigidBody) -> tuple[Array, NDArray[np.int64]]:
     number = np.arange(unit[..., 0].size).reshape(_UP + 1, _AROUND)
     a, b = number[:-1], np.roll(number, -1, axis=1)[:-1]
     c, d = np.roll(number, -1, axis=1)[1:], number[1:]
-    # At the poles one side of each mesh has no length.
+    # At the poles one side of each quadrilateral has zero length.
     triangles = [np.stack([a[1:], d[1:], b[1:]], axis=-1), np.stack([b[:-1], d[:-1], c[:-1]], axis=-1)]
     return (
         body.centre + (unit.reshape(-1, 3) * half) @ axes.T,

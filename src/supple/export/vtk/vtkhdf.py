@@ -1,9 +1,9 @@
-"""A machine in motion as one VTKHDF file, which ParaView opens.
+"""The motion of a machine as one VTKHDF file for ParaView.
 
-VTKHDF 2.0, an UnstructuredGrid of one partition per body: cells and points once, and in `PointData` and
-`CellData` rows for each output time, of all partitions one after another. All of VTK from 9.3 to 9.7 reads
-it; collections of named blocks it reads from 9.4 on, and in 9.7 their first time alone. The cell array `body`
-numbers the names in the field data `bodies`.
+The format is VTKHDF 2.0, an UnstructuredGrid with one partition per body. Cells and points are stored once;
+`PointData` and `CellData` have rows for each output time, with the partitions one after another. VTK 9.3 to
+9.7 reads it. Collections of named blocks are not used: VTK reads them only from 9.4 on, and 9.7 only at their
+first time. The cell array `body` is the index of a name in the field data `bodies`.
 
 Source: VTK file formats, VTKHDF, https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/index.html
 """
@@ -37,9 +37,9 @@ __all__ = ["write_vtkhdf"]
 Array = NDArray[np.float64]
 
 _BLOCK_NUMBERS = 2**22
-"""Of a field, computed and written at a time (32 MiB)."""
+"""Numbers of a field that are computed and written at a time (32 MiB)."""
 _HEADERS = 2**16
-"""Bytes that the arrays may add to the headers of the file, at most."""
+"""Largest size of the file headers of the arrays, bytes."""
 
 
 @checked_arguments
@@ -54,37 +54,39 @@ def write_vtkhdf(
     bases: Mapping[str, At] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> Path:
-    """Write a machine in motion as VTKHDF (`.vtkhdf`), the path of which is returned.
+    """Write the motion of a machine as VTKHDF (`.vtkhdf`); returns the path.
 
-    The mesh stands undeformed where the machine was put together; `displacement` leads from there to where it
-    is. `deflection` is the part of it that the body's first interface does not carry along, in global
-    components. Numbers are in single precision; NaN stands where a body has no such field.
+    Points are those of the assembled, undeformed machine; `displacement` leads from there to the position at
+    the output time. `deflection` is the displacement relative to the rigid motion of the body's first
+    interface, in global components. Numbers are in single precision; NaN where a body has no such field.
 
     Parameters
     ----------
-    run : Solution | ResultParts    the instants to write; parts of a result file are read as they are written
-    meshes : of the elastic bodies, by name; the nodes of a body without one are written as points
-    elements : of these bodies, by name, to write their von Mises stress too
-    bodies : names of those to write, without joints; all, with the joints, when omitted
-    bases : interfaces that deflections are seen from, by body, where it is not its own first one
-    units : of the model, for the names of the fields
+    run : Solution | ResultParts    the output times to write; parts of a result file are read one at a time
+    meshes : meshes of elastic bodies, by name; a body without one is written as points
+    elements : finite element models of these bodies, by name, to write their von Mises stress too
+    bodies : names of the bodies to write, without joints; all bodies and joints when omitted
+    bases : by body, the interface relative to which its deflection is written, if not its own first one
+    units : units of the model, for the names of the fields
 
     Raises
     ------
-    ModelError          no instant, another suffix, a body that is not there; as `stress_modes`
-    ResultFileError     the file cannot be written (a full disk), or that of the run not read
+    ModelError          no output time, another suffix, an unknown body; also as in `stress_modes`
+    ResultFileError     the file cannot be written (a full disk), or the result file of the run not read
     """
     path = Path(path)
     if path.suffix.lower() != ".vtkhdf":
-        raise ModelError(f"cannot write {path}: ParaView knows such files by their suffix; end it in .vtkhdf")
+        raise ModelError(
+            f"cannot write {path}: ParaView recognises VTKHDF by its suffix; end the path in .vtkhdf"
+        )
     if not len(run.times):
-        raise ModelError(f"cannot write {path}: no instant is chosen")
-    if isinstance(run, Solution):  # parts of a file were compared with the bodies when it was opened
+        raise ModelError(f"cannot write {path}: no output time is selected; select at least one")
+    if isinstance(run, Solution):  # parts of a file are checked against the bodies when the file is opened
         check_motions(system, run)
     pieces = pieces_of(system, meshes, bodies)
     fields = fields_of(system, pieces, elements, bases, units)
     with replacing(path) as temporary:
-        # Built in memory and on bytes made sure of: HDF5 does not survive a write that fails (disk_space).
+        # Built in memory, then extended in reserved space: a failed write crashes HDF5 (disk_space).
         with h5py.File("image", "w", driver="core", backing_store=False) as file:
             group = file.create_group("VTKHDF")
             _write_grid(group, pieces)
@@ -114,7 +116,7 @@ def _write_grid(group: h5py.Group, pieces: Sequence[Piece]) -> None:
     group["Connectivity"] = np.concatenate([piece.cells.nodes for piece in pieces])
     numbers = [np.full(len(piece.cells.types), k, np.int32) for k, piece in enumerate(pieces)]
     group["CellData/body"] = np.concatenate(numbers)
-    # VTK reads no other strings than ASCII ones.
+    # VTK reads ASCII strings only.
     names = [piece.name.encode("ascii", "replace").decode() for piece in pieces]
     group.create_dataset("FieldData/bodies", data=names, dtype=h5py.string_dtype("ascii"))
 
@@ -157,7 +159,7 @@ def _n_rows(piece: Piece, field: Field) -> int:
 
 
 def _short_parts(run: Solution | ResultParts, pieces: Sequence[Piece]) -> Iterator[Solution]:
-    """The run in parts whose positions fit in memory."""
+    """The run split into parts whose positions fit in memory."""
     n_times = max(1, _BLOCK_NUMBERS // (3 * sum(len(piece.points) for piece in pieces)))
     for part in (run,) if isinstance(run, Solution) else run:
         for start in range(0, len(part.times), n_times):
@@ -171,7 +173,7 @@ def _write_part(
     pieces: Sequence[Piece],
     fields: Sequence[Field],
 ) -> None:
-    """Write the values of some instants behind those of `begun` others."""
+    """Write the values of some output times after those of the first `begun` ones."""
     positions = [piece.positions(part) for piece in pieces]
     for dataset, field in zip(datasets, fields, strict=True):
         values = np.concatenate(
@@ -183,7 +185,7 @@ def _write_part(
 
 
 def values_of(field: Field, piece: Piece, part: Solution, positions: Array) -> NDArray:
-    """Values (t, n) or (t, n, width) of a field on a piece, as they stand in a file."""
+    """Values (t, n) or (t, n, width) of a field on a piece, in the number type of the file."""
     evaluate = field.evaluators.get(piece)
     if evaluate is not None:
         return np.asarray(evaluate(part, positions)).astype(field.kind)

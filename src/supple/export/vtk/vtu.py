@@ -1,4 +1,4 @@
-"""One instant of a machine as a VTU file (VTK XML, UnstructuredGrid).
+"""A machine at one output time as a VTU file (VTK XML, UnstructuredGrid).
 
 Source: VTK file formats, XML formats, https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
 """
@@ -44,21 +44,21 @@ def write_vtu(
     bases: Mapping[str, At] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> Path:
-    """Write one instant of a machine as VTU (`.vtu`), the path of which is returned.
+    """Write a machine at one output time as VTU (`.vtu`); returns the path.
 
     Points and fields are those of `write_vtkhdf`; deleted elements are left out.
 
-    instant : Solution      of one output time: `solution.at([-1])`, an equilibrium's, or a phase of a mode's
+    instant : Solution      with one output time: `solution.at([-1])`, an equilibrium, or a phase of a mode
 
-    Other parameters and errors as for `write_vtkhdf`; also ModelError for several output times.
+    Other parameters and errors as in `write_vtkhdf`; also ModelError for several output times.
     """
     path = Path(path)
     if path.suffix.lower() != ".vtu":
-        raise ModelError(f"cannot write {path}: end its name in .vtu")
+        raise ModelError(f"cannot write {path}: VTU files end in .vtu; end the path so")
     if len(instant.times) != 1:
         raise ModelError(
-            f"cannot write {path}: a .vtu file holds one instant and {len(instant.times)} are given; choose "
-            "one, such as solution.at(np.array([-1])), or write .vtkhdf"
+            f"cannot write {path}: a .vtu file holds one output time and {len(instant.times)} are given; "
+            "choose one, such as solution.at(np.array([-1])), or write .vtkhdf"
         )
     check_motions(system, instant)
     pieces = pieces_of(system, meshes, bodies)
@@ -95,7 +95,7 @@ def write_vtu(
 
 
 def _file(sections: Mapping[str, Mapping[str, NDArray]], n_points: int, n_cells: int) -> bytes:
-    """The file: what the arrays are in XML, and behind it their bytes, each behind its size."""
+    """The bytes of the file: XML that describes the arrays, then for each array its size and its data."""
     lines, data, offset = [], [], 0
     for section, arrays in sections.items():
         lines.append(f"<{section}>")

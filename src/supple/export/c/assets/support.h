@@ -4,7 +4,7 @@
 #define MAYBE_UNUSED
 #endif
 
-/* NaN stays NaN, unlike with fmax and fmin. */
+/* Unlike fmax and fmin, these return NaN if an argument is NaN. */
 MAYBE_UNUSED static inline double larger_(double a, double b) { return (a > b || a != a) ? a : b; }
 MAYBE_UNUSED static inline double smaller_(double a, double b) { return (a < b || a != a) ? a : b; }
 MAYBE_UNUSED static inline int64_t larger_int_(int64_t a, int64_t b) { return a > b ? a : b; }
@@ -27,7 +27,7 @@ MAYBE_UNUSED static inline double integer_pow_(double a, int power)
     return power < 0 ? 1.0 / result : result;
 }
 
-/* Factors P A = L U of an (n, m) matrix in place, by rows, the largest pivot of each column taken. */
+/* Factors P A = L U of an (n, m) matrix in place, stored by rows, with partial pivoting. */
 MAYBE_UNUSED static void lu_(double *a, int n, int m, int32_t *pivots, int32_t *order)
 {
     for (int i = 0; i < n; ++i) order[i] = i;
@@ -57,7 +57,7 @@ MAYBE_UNUSED static void lu_(double *a, int n, int m, int32_t *pivots, int32_t *
     }
 }
 
-/* X of T X = B in the place of B, (n, many); T is triangular, its entries a[across * i + along * j]. */
+/* Solves T X = B, (n, many), in place of B; T is triangular with entries a[across * i + along * j]. */
 MAYBE_UNUSED static void triangular_(const double *a, int across, int along, double *b, int step, int next, int n,
                                      int many, int lower, int unit)
 {

@@ -1,16 +1,16 @@
-/* Compares the machine with values recorded where it was exported, then measures the time of its steps. */
+/* Compares the machine with values recorded at export, then measures the time per step. */
 #include "machine.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <time.h>
 
-/* The time, and the outputs there. */
+/* Rows of time and outputs. */
 static const double recorded[][MACHINE_OUTPUTS + 1] = {
 $rows
 };
 
-/* The largest value of the sensor that each output belongs to. */
+/* For each output, the largest value of its sensor. */
 static const double sizes[] = {$sizes};
 
 static double seconds(void)
@@ -33,14 +33,14 @@ int main(void)
             const double error = fabs(m.output[k] - recorded[row][k + 1]) / sizes[k];
             if (!(error <= worst)) worst = error;
         }
-        if (row == rows / 2) half_way = m; /* a state is kept by a copy .. */
+        if (row == rows / 2) half_way = m; /* a copy saves the state .. */
     }
     const machine end = m;
-    m = half_way; /* .. and brought back by one */
+    m = half_way; /* .. and restores it */
     for (int row = rows / 2 + 1; row < rows; ++row) machine_advance(&m, recorded[row][0]);
     for (int k = 0; k < MACHINE_OUTPUTS; ++k)
         if (m.output[k] != end.output[k]) {
-            printf("a state that was brought back goes on otherwise\n");
+            printf("the outputs after restoring a state differ\n");
             return 1;
         }
 

@@ -111,7 +111,7 @@ EXPORT fmi2Status fmi2GetReal(fmi2Component given, const fmi2ValueReference refe
     if (!started(&one->s)) return failed(one, NO_START);
     for (size_t k = 0; k < n; ++k) {
         const double *found = readable(&one->s.m, references[k]);
-        if (!found) return failed(one, "there is no variable of this value reference");
+        if (!found) return failed(one, "no variable has this value reference");
         values[k] = *found;
     }
     return fmi2OK;
@@ -194,7 +194,7 @@ EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component given, const fmi2Va
     return cause ? failed(one, cause) : fmi2OK;
 }
 
-/* What co-simulation of this machine has no use for. */
+/* Functions that a co-simulation of this machine does not support. */
 EXPORT fmi2Status fmi2GetInteger(void) { return fmi2Error; }
 EXPORT fmi2Status fmi2SetInteger(void) { return fmi2Error; }
 EXPORT fmi2Status fmi2GetBoolean(void) { return fmi2Error; }

@@ -108,7 +108,7 @@ EXPORT fmi3Status fmi3GetFloat64(fmi3Instance given, const fmi3ValueReference re
     if (!started(&one->s)) return failed(one, NO_START);
     for (size_t k = 0; k < n; ++k) {
         const double *found = readable(&one->s.m, references[k]);
-        if (!found) return failed(one, "there is no variable of this value reference");
+        if (!found) return failed(one, "no variable has this value reference");
         values[k] = *found;
     }
     return fmi3OK;
@@ -193,7 +193,7 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance given, fmi3Float64 begin, fmi3Float64 
     return how == 0 ? fmi3OK : failed(one, how == 1 ? NO_CONVERGENCE : OTHER_TIME);
 }
 
-/* A penalty acts on its own: at an event the importer may set inputs, and the machine changes nothing. */
+/* Contact forces are penalties: at an event the importer may set inputs; no state jumps. */
 EXPORT fmi3Status fmi3EnterEventMode(fmi3Instance given)
 {
     (void)given;
@@ -227,7 +227,7 @@ EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance given, const fmi3Val
     return cause ? failed(one, cause) : fmi3OK;
 }
 
-/* What co-simulation of this machine has no use for. */
+/* Functions that a co-simulation of this machine does not support. */
 EXPORT fmi3Instance fmi3InstantiateModelExchange(void) { return NULL; }
 EXPORT fmi3Instance fmi3InstantiateScheduledExecution(void) { return NULL; }
 EXPORT fmi3Status fmi3GetFloat32(void) { return fmi3Error; }

@@ -1,9 +1,9 @@
-/* A linear machine, as the functions of the interface see it: matrices of the file linear.bin in resources/.
+/* A linear machine for the functions of the FMI interface. Its matrices are in resources/linear.bin:
  *
  *   x' = A x + B (u - u_0),   w = w_0 + C x + D (u - u_0)
  *
- * Inputs are constant within a communication step of any size h, for which the step is exact:
- * [F G; 0 1] = exp(h [A B; 0 0]), x becomes F x + G (u - u_0). This file is the same for all machines. */
+ * Inputs are constant within a communication step. The step is exact for any size h:
+ * x becomes F x + G (u - u_0), with [F G; 0 1] = exp(h [A B; 0 0]). This file is the same for all machines. */
 #ifndef SIMULATION_H
 #define SIMULATION_H
 
@@ -20,10 +20,10 @@
 
 typedef struct {
     size_t states, inputs, outputs;
-    double time, start, step; /* of the run of the case */
-    double *numbers;          /* everything below stands here */
+    double time, start, step; /* time now; start and time step of the case */
+    double *numbers;          /* storage of all arrays below */
     const double *first_input, *rest, *first_state, *a, *b, *c, *d;
-    double *input, *output, *x; /* one after the other: all that changes, beside the time */
+    double *input, *output, *x; /* contiguous; with the time, the complete state */
     double *change, *power;     /* (n, n), n = states + inputs: exp - 1 for steps of `size`, and working memory */
     double *work;               /* (states) */
     double size;
@@ -42,7 +42,7 @@ typedef struct {
     bool begun, changed;
 } simulation;
 
-/* The last communication step; the machine has its matrices. */
+/* The last communication step; its matrices are stored in the machine. */
 typedef struct {
     bool made;
     double *direction, *rates;
@@ -79,7 +79,7 @@ static FILE *opened_file(const char *path)
 #endif
 }
 
-/* The file of the numbers: `resources` is a folder (FMI 3) or its URI, file:///.. (FMI 2). */
+/* Opens linear.bin; `resources` is a folder (FMI 3) or its URI, file:///.. (FMI 2). */
 static FILE *numbers_of(const char *resources)
 {
     static const char name[] = "/linear.bin";
@@ -106,7 +106,7 @@ static FILE *numbers_of(const char *resources)
     return found;
 }
 
-/* Counts and numbers of the machine `token`, which the file must hold to its last byte. */
+/* Reads the sizes and arrays of the machine with this token; the file must end after them. */
 static bool is_read(machine *m, last_step *last, FILE *file, const char *token)
 {
     enum { TOKEN_SIZE = 32, HEAD = 6, MOST = 20000 };
@@ -114,7 +114,7 @@ static bool is_read(machine *m, last_step *last, FILE *file, const char *token)
     double head[HEAD];
     if (strlen(token) != TOKEN_SIZE || fread(own, 1, TOKEN_SIZE, file) != TOKEN_SIZE) return false;
     if (memcmp(own, token, TOKEN_SIZE) != 0 || fread(head, sizeof *head, HEAD, file) != HEAD) return false;
-    if (head[0] != 1.0) return false; /* version, and order of bytes */
+    if (head[0] != 1.0) return false; /* format version, and byte order */
     for (int k = 1; k < 4; ++k)
         if (!(head[k] >= 0.0 && head[k] <= MOST)) return false;
     const size_t x = m->states = (size_t)head[1], i = m->inputs = (size_t)head[2], o = m->outputs = (size_t)head[3];
@@ -145,11 +145,11 @@ static void closed(simulation *one)
     free(one->m.numbers);
 }
 
-/* Why there is no machine, or NULL. */
+/* Reads the machine; returns an error message, or NULL. */
 static const char *opened(simulation *one, last_step *last, const char *token, const char *resources)
 {
     FILE *file = token && resources ? numbers_of(resources) : NULL;
-    if (!file) return "the file linear.bin is not in the folder of resources";
+    if (!file) return "the file linear.bin is missing in the resources folder: export the FMU again";
     const bool good = is_read(&one->m, last, file, token);
     fclose(file);
     if (good) {
@@ -157,7 +157,7 @@ static const char *opened(simulation *one, last_step *last, const char *token, c
         return NULL;
     }
     closed(one);
-    return "linear.bin is damaged, or of another machine than the instantiation token";
+    return "linear.bin is damaged or belongs to another machine: export the FMU again";
 }
 
 static bool started(simulation *one)
@@ -176,7 +176,7 @@ static const double *outputs_of(const machine *m)
     return m->output;
 }
 
-/* A state: the time, whether initialization is over, inputs, outputs and states. */
+/* A serialized state: time, whether initialization is over, inputs, outputs and states. */
 static size_t state_size(const simulation *one)
 {
     return (2 + one->m.inputs + one->m.outputs + one->m.states) * sizeof(double);
@@ -197,8 +197,8 @@ static void read_state(simulation *one, const void *state)
     memcpy(one->m.input, (const char *)state + sizeof head, state_size(one) - sizeof head);
 }
 
-/* E = exp(h [A B; 0 0]) - 1 by its series for h / 2^k, then k times E <- 2 E + E E; without the 1, slow motions
- * beside fast ones keep their digits. False: no memory, or a number that is not finite. */
+/* E = exp(h [A B; 0 0]) - 1 by its Taylor series for h / 2^k, then k times E <- 2 E + E E. Leaving the 1 out
+ * preserves the digits of slow motions beside fast ones. False: out of memory, or a number that is not finite. */
 static bool has_exponential(machine *m, double h)
 {
     enum { TERMS = 16 };
@@ -212,7 +212,7 @@ static bool has_exponential(machine *m, double h)
         double sum = 0.0;
         for (size_t c = 0; c < n; ++c) {
             unit[r * n + c] = c < x ? m->a[r * x + c] : m->b[r * i + (c - x)];
-            if (c < x) sum += fabs(unit[r * n + c]); /* inputs do not act on themselves */
+            if (c < x) sum += fabs(unit[r * n + c]); /* inputs are constant: they count only in the rows of states */
         }
         norm = fmax(norm, sum);
     }
@@ -220,7 +220,7 @@ static bool has_exponential(machine *m, double h)
     double part = h;
     for (; norm * part > 0.5 && halvings < 1000; ++halvings) part *= 0.5;
     for (size_t k = 0; k < x * n; ++k) unit[k] *= part;
-    /* Horner: E = X (1 + X/2 (1 + X/3 (..))), X of which only the first rows are not zero. */
+    /* Horner: E = X (1 + X/2 (1 + X/3 (..))); only the first rows of X are not zero. */
     for (size_t k = 0; k < x * n; ++k) own[k] = unit[k] / TERMS;
     for (int term = TERMS - 1; term >= 1; --term) {
         for (size_t r = 0; r < x; ++r) {
@@ -247,7 +247,7 @@ static bool has_exponential(machine *m, double h)
     return true;
 }
 
-/* To `begin + size`, later than the time of the machine; 0 where it got there. */
+/* Advances to `begin + size`, later than the time of the machine; returns 0, or 1 if it fails. */
 static int stepped(machine *m, double begin, double size)
 {
     const size_t x = m->states, n = x + m->inputs;
@@ -276,7 +276,7 @@ static void end_step(last_step *last, const machine *m)
     last->made = m->size > 0.0;
 }
 
-/* Rates of the outputs at the end of the last step along its direction of the inputs: C G + D. */
+/* Derivatives of the outputs at the end of the last step along `last->direction` of the inputs: C G + D. */
 static void differentiate(last_step *last, const machine *m)
 {
     const size_t x = m->states, n = x + m->inputs;

@@ -1,4 +1,4 @@
-/* The machine that machine.c steps, as the functions of the interface see it. */
+/* The machine of machine.c, for the functions of the FMI interface. */
 #ifndef SIMULATION_H
 #define SIMULATION_H
 
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define TOKEN "$token" /* of this machine */
+#define TOKEN "$token" /* instantiation token of this machine */
 #define PARAMETERS(m) MACHINE_PARAMETERS
 #define INPUTS(m) MACHINE_INPUTS
 #define OUTPUTS(m) MACHINE_OUTPUTS
@@ -19,14 +19,14 @@
 /* Parameters that can be changed after the start. */
 static const bool TUNABLE[MACHINE_PARAMETERS + 1] = {$tunable};
 
-/* A machine, and where its instance stands. */
+/* A machine, and the state of its instance. */
 typedef struct {
     machine m;
     bool begun;   /* initialization is over */
-    bool changed; /* a parameter was, and the start has not been made from it */
+    bool changed; /* a parameter was changed, and the start not yet recomputed */
 } simulation;
 
-/* The last communication step: from this machine to that time. */
+/* The last communication step: the machine at its start, and the time at its end. */
 typedef struct {
 #if MACHINE_INPUTS
     machine from;
@@ -42,11 +42,11 @@ static void reset(simulation *one)
     one->begun = one->changed = false;
 }
 
-/* Why there is no machine, or NULL. */
+/* Prepares the machine; returns an error message, or NULL. */
 static const char *opened(simulation *one, last_step *last, const char *token, const char *resources)
 {
     (void)last, (void)resources;
-    if (!token || strcmp(token, TOKEN) != 0) return "the instantiation token is another machine's";
+    if (!token || strcmp(token, TOKEN) != 0) return "the instantiation token belongs to another machine";
     reset(one);
     return NULL;
 }
@@ -56,7 +56,7 @@ static void closed(simulation *one)
     (void)one;
 }
 
-/* The start that the parameters give; false where there is none. */
+/* Recomputes the start after a change of parameters; false if it does not converge. */
 static bool started(simulation *one)
 {
     if (!one->changed) return true;
@@ -89,7 +89,7 @@ static void read_state(simulation *one, const void *state)
     memcpy(one, state, sizeof *one);
 }
 
-/* To `begin + size`, later than the time of the machine; 0 where it got there. */
+/* Advances to `begin + size`, later than the time of the machine; returns 0, or 1 if it fails. */
 static int stepped(machine *m, double begin, double size)
 {
     return machine_advance(m, begin + size);
@@ -115,7 +115,7 @@ static void end_step(last_step *last, const machine *m)
 void machine_derivative(const machine *m, double end, const double *direction, double *rates);
 #endif
 
-/* Rates of the outputs at the end of the last step along its direction of the inputs. */
+/* Derivatives of the outputs at the end of the last step along `last->direction` of the inputs. */
 static void differentiate(last_step *last, const machine *m)
 {
     (void)m;
