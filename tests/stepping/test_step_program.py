@@ -102,7 +102,7 @@ def test_machines_without_a_step_program_are_refused_with_the_remedy():
     system = System([Placed(bar_as("modal"))], [Fixed(first="ground", second="bar.root")])
     with pytest.raises(ModelError, match="'bar': modal subdomains"):
         sp.step_program(system, run(), [PositionSensor("tip", "bar.tip")])
-    with pytest.raises(ModelError, match="hold their roots have no step program: place released"):
+    with pytest.raises(ModelError, match="supported root have no step program: place released"):
         sp.step_program(*turned(held_line()))
     system, its_run, sensors = turned(released(held_line()))
     its_run = replace(its_run, method=GeneralizedAlpha(0.9))

@@ -1,4 +1,4 @@
-"""A machine as a program of one step, with inputs and outputs: what runs inside other programs."""
+"""A machine as a function that advances it in time, with inputs and outputs, for use in other programs."""
 
 from supple.stepping.step_program import StepProgram, StepState, step_program
 from supple.stepping.variables import Variable

@@ -1,4 +1,4 @@
-"""Accelerations at the start of an exported machine whose parameters have changed, as JAX traces them."""
+"""Initial accelerations of an exported machine after a change of its parameters, traceable by JAX."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ __all__ = ["consistent_accelerations"]
 def consistent_accelerations(
     model: Model, time: Any, configuration: Configuration, velocity: Any, control: ControlState | None
 ) -> tuple[Any, Any, Any]:
-    """Accelerations (n,), multipliers (m,), and whether friction and joint forces do not converge.
+    """Accelerations (n,), multipliers (m,), and whether the iteration of friction and joint forces fails.
 
-    `M vdot + G^T lambda = - forces`, `G vdot = - d2g/dt2` at constant velocity.
+    They solve `M vdot + G^T lambda = - forces`, `G vdot = - d2g/dt2`, the latter at constant velocity.
     """
     terms = joint_terms(model, time, configuration, velocity)
     mass = mass_matrix(model.bodies_alone, configuration)
@@ -36,7 +36,7 @@ def consistent_accelerations(
     def solved(multipliers: Any) -> Any:
         forces = forces_without_acceleration(model, time, configuration, velocity, step, multipliers)
         right = jnp.concatenate([-forces, -scale * terms.acceleration_bias])
-        # The right-hand side is eliminated with the matrix, as the march does it.
+        # The right-hand side is eliminated with the matrix, as in the time integration.
         factors, _, _ = jax.lax.linalg.lu(jnp.concatenate([matrix, right[:, None]], axis=1))
         solution = jax.lax.linalg.triangular_solve(factors[:, :-1], factors[:, -1:], left_side=True)[:, 0]
         return jnp.concatenate([solution[:n], scale * solution[n:]])

@@ -1,4 +1,4 @@
-"""Which stops and contacts of an exported machine touch: what changes at an impact."""
+"""Stops and contacts of an exported machine, and which of them are closed."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ __all__ = ["Contacts", "contacts_of"]
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class Contacts:
-    """The force elements of a machine that act by a penalty, one group for each."""
+    """The force elements of a machine that act by a penalty, each as a group of one."""
 
     kinds: tuple[type[ForceElement], ...] = field(metadata=STATIC)
     groups: tuple[ForceGroup, ...]
 
     def at(self, motion: SystemMotion) -> Any:
-        """(c,) whether each touches: its penalty stores energy."""
+        """Whether each element (c,) is closed: its penalty stores energy."""
         no_law: Any = None
         flags = [
             kind.energy(

@@ -1,4 +1,4 @@
-"""Laws of time that become inputs of a step program: their values come from outside."""
+"""Inputs of a step program: external values in place of laws of time."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ __all__ = ["ExternalInputs", "external_inputs"]
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class _External(UnboundedLaw):
-    """The place of each component in the vector of inputs, and its value at the start."""
+    """Placeholder of a law: index of each component in the input vector, and initial value."""
 
     places: Any
     start: Any
@@ -40,10 +40,10 @@ class _External(UnboundedLaw):
 
 @dataclass(frozen=True)
 class ExternalInputs:
-    """A machine some of whose laws are inputs.
+    """A machine with inputs in place of some laws of time.
 
-    system : with their values at the start in their place
-    variables : by their places in the vector of inputs
+    system : the machine, with placeholders for the inputs that have their initial values
+    variables : the inputs in the order of the input vector
     """
 
     system: System
@@ -51,11 +51,11 @@ class ExternalInputs:
 
     @property
     def start(self) -> np.ndarray:
-        """(k,) values at the start."""
+        """Initial values (k,) of the inputs."""
         return np.array([variable.start for variable in self.variables])
 
     def given(self, model: Model, inputs: Any) -> Model:
-        """The model of the machine with inputs (k,) as they are within a step."""
+        """The model of the machine with constant inputs (k,)."""
 
         def constant(law: Any) -> Any:
             return Constant(inputs[np.asarray(law.places)]) if _is_external(law) else law
@@ -63,18 +63,18 @@ class ExternalInputs:
         return jax.tree.map(constant, model, is_leaf=_is_external)
 
     def check_read(self, arrays: Any) -> None:
-        """ModelError for an input that the numbers of the equations do not read."""
+        """ModelError for an input that the arrays of the equations do not contain."""
         laws = [leaf for leaf in jax.tree.leaves(arrays, is_leaf=_is_external) if _is_external(leaf)]
         read = {int(place) for law in laws for place in np.ravel(law.places)}
         for place, variable in enumerate(self.variables):
             if place not in read:
                 raise ModelError(
-                    f"'{variable.name}' cannot be an input: the equations of its body read its law when they "
-                    "are made; drive another element, or reduce the body"
+                    f"'{variable.name}' cannot be an input: its law is evaluated when the equations of its "
+                    "body are built; drive another element, or reduce the body"
                 )
 
     def unset(self, model: Model) -> Model:
-        """The model without the values at the start, which only stand in the place of inputs."""
+        """The model with zeros in place of the initial values of the inputs."""
 
         def without(law: Any) -> Any:
             return replace(law, start=np.zeros_like(law.start)) if _is_external(law) else law
@@ -85,13 +85,13 @@ class ExternalInputs:
 def external_inputs(
     system: System, elements: Mapping[str, Any], units: Mapping[str, str], time: float
 ) -> ExternalInputs:
-    """The machine with inputs instead of the laws of some joints and loads.
+    """The machine with inputs in place of the laws of some joints and loads.
 
-    elements : by the name of the input, joints and loads of the machine that have a law of time
-    units : of the inputs, by the same names
-    time : at which the laws give the values at the start
+    elements : joints and loads of the machine that have a law of time, by the name of the input
+    units : units of the inputs, by the same names
+    time : time at which the laws give the initial values
 
-    Raises ModelError for an element in which nothing varies with time.
+    Raises ModelError for an element without a law of time, or with a law that cannot be replaced.
     """
     variables: list[Variable] = []
     joints, loads = list(system.joints), list(system.loads)
@@ -110,20 +110,23 @@ def external_inputs(
 
 
 def _with_input(name: str, element: Any, first: int, time: float) -> tuple[_External, Any]:
-    """The law of an element as an input whose places begin at `first`, and the element with it."""
+    """Placeholder for the law of an element, with input indices from `first`, and the element with it."""
     if getattr(element, "law", None) is None:
-        raise ModelError(f"nothing in '{name}' varies with time, so that there is no input")
+        raise ModelError(f"nothing in '{name}' varies with time, hence there is no input: give it a law")
     for field in fields(element):
         try:
             start = np.asarray(as_time_law(getattr(element, field.name))(time), dtype=float)
             law = _External(first + np.arange(start.size).reshape(start.shape), start)
             changed = replace(element, **{field.name: law})
-        except (SuppleError, TypeError, ValueError):  # not the field of its law
+        except (SuppleError, TypeError, ValueError):  # another field than that of the law
             continue
-        # A servo has its target within its law.
+        # The set-point of a servo is a part of its law.
         if any(leaf is law for leaf in jax.tree.leaves(changed.law, is_leaf=_is_external)):
             return law, changed
-    raise ModelError(f"the law of '{name}' cannot be an input: {type(element).__name__} computes it")
+    raise ModelError(
+        f"the law of '{name}' cannot be an input: {type(element).__name__} computes it; choose another "
+        "element"
+    )
 
 
 def _is_external(leaf: Any) -> bool:

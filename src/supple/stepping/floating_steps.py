@@ -1,4 +1,4 @@
-"""Steps of machines of rigid and reduced bodies: those of the compiled march."""
+"""Time steps of machines of rigid and reduced bodies, by their compiled time integration."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ __all__ = ["FloatingSteps", "floating_steps"]
 
 @dataclass(frozen=True, eq=False)
 class FloatingSteps:
-    """A `Marching` by the compiled march; its arrays are the model."""
+    """The `Marching` of rigid and reduced bodies; its arrays are the model."""
 
     controls: Controls
     size: float
     n_velocities: int
 
     def reached(self, arrays: Model, state: State, end: Any) -> State:
-        """The state at a time; its derivatives in forward mode are those of the discrete motion."""
+        """The state at the time `end`; forward-mode derivatives are those of the discrete motion."""
         return marched_to(self.controls, arrays, state, end)
 
     def motion(self, _arrays: Model, state: State) -> SystemMotion:
-        """Of the state itself."""
+        """The motion of a state."""
         return system_motion(state)
 
     def model(self, arrays: Model) -> Model:
-        """The same."""
+        """The model, which is the arrays."""
         return arrays
 
 
 def floating_steps(system: System, run: Run) -> tuple[FloatingSteps, Model, State]:
-    """The steps of a machine, its arrays, and the consistent state in which its run starts."""
+    """The time steps of a machine, its arrays, and the consistent initial state of its run."""
     model, state = initial_state(system, run.start, run.step_control.first, run.validity)
     steps = FloatingSteps(controls(run), float(run.step_control.first), model.n_velocities)
     return steps, model, jax.tree.map(np.asarray, state)

@@ -1,4 +1,4 @@
-"""Steps of machines in which joints connect intrinsic bodies with each other and with others."""
+"""Time steps of machines with intrinsic bodies that are connected by joints."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ __all__ = ["JoinedSteps", "joined_steps"]
 
 
 class SteppedState(NamedTuple):
-    """A `MarchingState` around that of the march."""
+    """A `MarchingState` that contains the state of the time integration."""
 
     time: Any
     failed: Any
@@ -33,14 +33,14 @@ class SteppedState(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class JoinedSteps:
-    """A `Marching` by the implicit march of lines and floating bodies."""
+    """The `Marching` of intrinsic and floating bodies, by implicit time integration."""
 
     stepping: JoinedStepping
     size: float
     n_velocities: int
 
     def reached(self, arrays: JoinedArrays, state: SteppedState, end: Any) -> SteppedState:
-        """The state at a time; after a step that does not converge, the state before it."""
+        """The state at the time `end`, or before the first step that does not converge."""
         coefficients, tolerance, most, limit = self.stepping
         number = jnp.ceil((end - state.time) / self.size * (1 - 1e-9))
         h = (end - state.time) / jnp.maximum(number, 1.0)
@@ -62,7 +62,7 @@ class JoinedSteps:
         return jax.lax.while_loop(goes_on, one, (jnp.zeros(()), state))[1]
 
     def motion(self, arrays: JoinedArrays, state: SteppedState) -> SystemMotion:
-        """With accelerations and joint forces of the very instant."""
+        """The motion of a state, with accelerations and joint forces that balance at its time."""
         march: JoinedState = state.march
         now, lines = march.now, march.now.lines
         rates, multipliers = instant_rates(arrays, now, march.control)
@@ -80,16 +80,16 @@ class JoinedSteps:
         )
 
     def model(self, arrays: JoinedArrays) -> Model:
-        """Floating bodies and stations."""
+        """The model of floating bodies and stations."""
         return arrays.model
 
 
 def joined_steps(
     system: System, run: Run, also: Sequence[At]
 ) -> tuple[JoinedSteps, JoinedMachine, SteppedState]:
-    """The steps of a machine, the machine made ready, and the consistent state in which its run starts.
+    """The time steps of a machine, its prepared form, and the consistent initial state of its run.
 
-    also : stations that sensors look at
+    also : further stations, which sensors read
     """
     engine = JoinedEngine(system, run, also)
     march = jax.tree.map(np.asarray, engine.start(run.start))

@@ -1,4 +1,4 @@
-"""How a method steps a machine: the seam between a step program and the marches."""
+"""Protocol between a step program and the time integration of a method."""
 
 from __future__ import annotations
 
@@ -11,40 +11,40 @@ __all__ = ["Marching", "MarchingState"]
 
 
 class MarchingState(Protocol):
-    """All that a method carries from step to step, a pytree."""
+    """The state of a method between two steps, a pytree."""
 
     @property
     def time(self) -> Any:
-        """()"""
+        """Time, shape ()."""
         ...
 
     @property
     def failed(self) -> Any:
-        """() whether the smallest step did not converge: the state is that before the step."""
+        """Whether the smallest step did not converge, shape (); the state is then that before the step."""
         ...
 
 
 class Marching(Protocol):
-    """A method as functions of its arrays, which JAX traces."""
+    """The time integration of a method, as functions that JAX can trace."""
 
     @property
     def size(self) -> float:
-        """Of a step, in the unit of time."""
+        """Time step, in the unit of time."""
         ...
 
     @property
     def n_velocities(self) -> int:
-        """Number of velocities of the machine, as the march has them."""
+        """Number of velocities of the machine in the time integration."""
         ...
 
     def reached(self, arrays: Any, state: Any, end: Any, /) -> Any:
-        """The state at a time, by equal steps of `size` at most."""
+        """The state at the time `end`, by equal steps of `size` at most."""
         ...
 
     def motion(self, arrays: Any, state: Any, /) -> SystemMotion:
-        """The motion of a state as sensors see it."""
+        """The motion of a state, for the sensors."""
         ...
 
     def model(self, arrays: Any, /) -> Model:
-        """The bodies, joints and forces that sensors see."""
+        """The model of bodies, joints and forces, for the sensors."""
         ...

@@ -1,4 +1,4 @@
-"""One element of a group of equal ones, and where its ends are."""
+"""Single elements of a group, and the pose of their ends."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ __all__ = ["marker_of", "one_of", "pose_of"]
 
 
 def one_of(arrays: Any, number: int) -> Any:
-    """The arrays of one of a group."""
+    """The arrays of element `number` of a group."""
     return jax.tree.map(lambda leaf: jnp.asarray(leaf)[number], arrays)
 
 
 def marker_of(ends: Ends, configuration: Configuration, velocity: Any) -> Marker:
-    """The first of some ends, as it moves."""
+    """The marker of the first of some ends."""
     return one_of(markers(ends, configuration, velocity), 0)
 
 
 def pose_of(ends: Ends, motion: SystemMotion) -> Pose:
-    """Point, axes and velocities of the first of some ends."""
+    """Position, axes and velocities of the first of some ends."""
     return pose(marker_of(ends, motion.configuration, motion.velocity))

@@ -1,8 +1,8 @@
-"""Numbers of a machine that an exported one may change: what depends on them, and how.
+"""Parameters of an exported machine: its arrays as affine functions of some numbers.
 
-Everything that the march reads of a machine, its arrays and the state that it starts from, is taken as affine
-in the parameters, `a(p) = a(p_0) + sum_k (p_k - p_0k) da/dp_k`, and that is checked with the machine made
-anew at other values. So an exported machine needs none of the code that makes arrays of a case.
+The arrays and the initial state of a machine are taken as affine functions of the parameters,
+`a(p) = a(p_0) + sum_k (p_k - p_0k) da/dp_k`. This is checked against the arrays that are built from other
+values. Therefore an exported machine does not contain the code that builds the arrays.
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ from supple.stepping.variables import Variable
 __all__ = ["AffineArrays", "MachineParameters", "affine_arrays"]
 
 _STEP = 2.0**-6
-"""Of a parameter, relative to it: exact in binary, so that slopes of linear arrays are."""
+"""Relative step of a parameter for slopes; a power of two, for which slopes of linear arrays are exact."""
 _ROUNDING = 1e-12
-"""Of the largest entry of an array: what is less is no change."""
+"""Largest change that counts as rounding, as a fraction of the largest entry of an array."""
 _AFFINE = 1e-10
-"""The same, of what is left unexplained at the values of the check."""
+"""Largest deviation from the affine function in the check, as a fraction of the largest entry."""
 
 Exported = tuple[System, Sequence[Quantity], Mapping[str, Any]]
 
 
 @dataclass(frozen=True, eq=False)
 class MachineParameters:
-    """Numbers that an exported machine may change.
+    """Numbers that can be changed in an exported machine.
 
-    variables : with the values that the machine has
-    machine : system, sensors and inputs with other values (k,)
+    variables : parameters with their initial values
+    machine : function, values (k,) -> system, sensors and inputs with these values
     """
 
     variables: tuple[Variable, ...]
@@ -46,15 +46,16 @@ class MachineParameters:
 
     @property
     def start(self) -> NDArray[np.float64]:
-        """(k,) values of the machine."""
+        """Initial values (k,) of the parameters."""
         return np.array([variable.start for variable in self.variables])
 
 
 @dataclass(frozen=True, eq=False)
 class AffineArrays:
-    """Arrays in a structure, and their slopes.
+    """A pytree of arrays that are affine functions of parameters.
 
-    slopes : by the number of the array, those that are not zero: parameter and slope
+    base : the pytree at the values `start` (k,)
+    slopes : by the index of the leaf, pairs (index of the parameter, slope) of slopes that are not zero
     """
 
     base: Any
@@ -62,7 +63,7 @@ class AffineArrays:
     slopes: Mapping[int, tuple[tuple[int, np.ndarray], ...]]
 
     def at(self, values: Any) -> Any:
-        """The structure at other values (k,) of the parameters."""
+        """The pytree at values (k,) of the parameters."""
         leaves, structure = jax.tree.flatten(self.base)
         for place, slopes in self.slopes.items():
             total: Any = leaves[place]
@@ -72,7 +73,7 @@ class AffineArrays:
         return jax.tree.unflatten(structure, leaves)
 
     def depend(self, part: Callable[[Any], Any]) -> set[int]:
-        """Numbers of the parameters on which a part of the structure depends."""
+        """Indices of the parameters on which a part of the pytree depends."""
         numbered = jax.tree.unflatten(
             jax.tree.structure(self.base), list(range(len(jax.tree.leaves(self.base))))
         )
@@ -80,10 +81,10 @@ class AffineArrays:
 
 
 def affine_arrays(made: Callable[[NDArray[np.float64]], Any], parameters: MachineParameters) -> AffineArrays:
-    """The arrays that `made` makes at values of the parameters, as affine functions of these.
+    """The arrays `made(values)` as affine functions of the parameters.
 
-    Raises ModelError for a parameter that changes nothing or another program, and for arrays that depend on
-    them otherwise.
+    Raises ModelError for a parameter that changes no array, or the structure of the arrays, and for arrays
+    that are not affine functions.
     """
     start = parameters.start
     base = made(start)
@@ -101,8 +102,8 @@ def affine_arrays(made: Callable[[NDArray[np.float64]], Any], parameters: Machin
                 found += 1
         if not found:
             raise ModelError(
-                f"parameter '{variable.name}' changes nothing in the march: it is fixed by then (of a "
-                "reduced body), or belongs to an input"
+                f"parameter '{variable.name}' changes nothing in the equations of motion: it acts earlier "
+                "(in a reduction), or an input replaces it; choose another one"
             )
     found = AffineArrays(base, start, {place: tuple(own) for place, own in slopes.items()})
     _check(found, made, start + steps * (0.5 + 0.25 * (-1.0) ** np.arange(len(start))), parameters)
@@ -110,17 +111,19 @@ def affine_arrays(made: Callable[[NDArray[np.float64]], Any], parameters: Machin
 
 
 def _alike(base: Any, other: Any, name: str) -> list[Any]:
-    """The leaves of a structure that differs from another one in its numbers alone."""
+    """The leaves of a pytree that must have the structure and shapes of another one; ModelError otherwise."""
     leaves = jax.tree.leaves(other)
     if jax.tree.structure(base) != jax.tree.structure(other) or any(
         np.shape(one) != np.shape(two) for one, two in zip(jax.tree.leaves(base), leaves, strict=True)
     ):
-        raise ModelError(f"parameter '{name}' changes the program of the machine: export one for each value")
+        raise ModelError(
+            f"parameter '{name}' changes the structure of the equations: export one machine for each value"
+        )
     return leaves
 
 
 def _difference(old: Any, new: Any) -> np.ndarray:
-    """Of two arrays, without what is rounding."""
+    """The difference of two arrays, with rounding errors set to zero."""
     if callable(old):
         return np.zeros(0)
     one, two = np.asarray(old, dtype=float), np.asarray(new, dtype=float)
@@ -133,7 +136,7 @@ def _difference(old: Any, new: Any) -> np.ndarray:
 def _check(
     found: AffineArrays, made: Callable[[NDArray[np.float64]], Any], at: Any, parameters: MachineParameters
 ) -> None:
-    """ModelError where arrays at a point between are others."""
+    """ModelError if the arrays at the values `at` are not those of the affine functions."""
     expected = jax.tree.leaves(found.at(at))
     actual = jax.tree.leaves(made(at))
     base = jax.tree.leaves(found.base)
@@ -145,7 +148,7 @@ def _check(
         if not error <= _AFFINE * scale:
             names = ", ".join(f"'{parameters.variables[k].name}'" for k, _ in slopes)
             raise ModelError(
-                f"the machine does not depend linearly on {names}: take another number of the same thing "
-                "(a frequency, not its period), one of several that multiply each other, or export one "
+                f"the machine does not depend linearly on {names}: choose a number on which it does (a "
+                "frequency, not a period), only one of several numbers that are multiplied, or export one "
                 "machine for each value"
             )

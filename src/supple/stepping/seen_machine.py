@@ -1,4 +1,4 @@
-"""A machine as its sensors see it: intrinsic bodies by the stations that are looked at."""
+"""A machine for its sensors, with the stations of intrinsic bodies that they read as bodies."""
 
 from __future__ import annotations
 
@@ -22,27 +22,29 @@ __all__ = ["SeenMachine", "ends_on_lines"]
 
 @dataclass(frozen=True, eq=False)
 class SeenMachine:
-    """Bodies as the sensors have them, and as the model has them; the same of rigid and reduced ones.
+    """A machine, and the system of its model, in which stations replace intrinsic bodies.
 
-    system : the bodies of the model; joints and elements under the names and in the order of the machine
+    own : the machine that the sensors refer to
+    system : the system of the model, with the names and the order of the machine's joints and elements; it is
+        `own` if all bodies are rigid or reduced
     """
 
     own: System
     system: System
 
     def end(self, end: At) -> At:
-        """An end, or the station that it is."""
+        """The end in the system of the model."""
         return end if self.own is self.system else seen_end(self.own, end)
 
     def place(self, place: Place) -> Place | None:
-        """A place, or the station that it is; None of nodes of an intrinsic body."""
+        """The place in the system of the model; None for nodes of an intrinsic body."""
         if isinstance(place.at, str):
             end = self.end(At(place.body, place.at))
             return Place(end.body, end.interface)
         return None if _is_line(self.own, place.body) else place
 
     def element(self, element: ForceElement) -> Any:
-        """A force element between bodies of the model; it need not be one of the machine."""
+        """The force element in the system of the model; it need not be an element of the machine."""
         if self.own is self.system:
             return element
         pairs = zip(_elements(self.own), _elements(self.system), strict=True)
@@ -50,7 +52,7 @@ class SeenMachine:
 
 
 def ends_on_lines(system: System, sensors: Sequence[Quantity]) -> list[At]:
-    """Ends on intrinsic bodies at which sensors look."""
+    """Ends on intrinsic bodies that sensors read."""
     ends: list[At | None] = []
     for sensor in sensors:
         place = getattr(sensor, "place", None)

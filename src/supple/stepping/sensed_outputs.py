@@ -1,4 +1,4 @@
-"""Sensors as functions of a state that JAX traces: the outputs of a step program."""
+"""Outputs of a step program: sensors as functions of a state that JAX can trace."""
 
 from __future__ import annotations
 
@@ -37,21 +37,21 @@ from supple.units import UnitSystem
 __all__ = ["SensedOutputs", "sensed_outputs"]
 
 Reads = Callable[[Model, SystemMotion, Any, Any], Any]
-"""Of the model, the motion, what was read before (c,), and the time since then: the channels (c,)."""
+"""Function (model, motion, previous reading (c,), time since then) -> channels (c,)."""
 
 
 @dataclass(frozen=True)
 class SensedOutputs:
-    """The channels of some sensors, one after the other."""
+    """The channels of some sensors, concatenated."""
 
     variables: tuple[Variable, ...]
     reads: tuple[tuple[int, Reads], ...]
-    """With the number of their channels"""
+    """By sensor, the number of channels and the function that reads them"""
     left_out: tuple[str, ...]
-    """Names of sensors that have no traced form"""
+    """Names of sensors that JAX cannot trace"""
 
     def at(self, model: Model, motion: SystemMotion, before: Any, elapsed: Any) -> Any:
-        """(k,) at a motion; before : (k,) what was read so long ago, from which angles go on."""
+        """Channels (k,) at a motion; before : (k,) readings a time `elapsed` earlier, to continue angles."""
         parts, first = [jnp.zeros(0)], 0
         for size, read in self.reads:
             parts.append(read(model, motion, before[first : first + size], elapsed))
@@ -60,7 +60,7 @@ class SensedOutputs:
 
 
 def sensed_outputs(seen: SeenMachine, sensors: Sequence[Quantity], units: UnitSystem) -> SensedOutputs:
-    """What the sensors read, as functions of a state; those without such a form are named and left out."""
+    """The readings of sensors as functions of a state; sensors that JAX cannot trace are left out."""
     variables, reads, left_out = [], [], []
     for sensor in sensors:
         read = _read_of(seen, sensor)
@@ -108,13 +108,13 @@ class _Point:
     body: int
     rest: np.ndarray
     linear: np.ndarray
-    """(3, r) U"""
+    """U, (3, r)"""
     quadratic: np.ndarray
-    """(3, r, r) H, symmetric"""
+    """H, (3, r, r), symmetric"""
 
     @classmethod
     def of(cls, system: System, place: Place) -> _Point:
-        """The point that a place of a body is."""
+        """The point at a place of a body."""
         index = system.body_index(place.body)
         body: Any = system.bodies[index].body
         r = body.n_coordinates
@@ -176,7 +176,7 @@ def _deflection(seen: SeenMachine, sensor: DeflectionSensor) -> Reads | None:
     form: Any = seen.own.placed(base.body).body
     body: Any = seen.own.placed(sensor.place.body).body
     rest = np.asarray(sensor.place.rest(body)) - np.asarray(form.interface(base.interface).position)
-    # Readers have the global axes of the assembly, deflections the axes of the mesh.
+    # A reader uses the global axes of the assembly, a deflection those of the mesh.
     to_mesh = np.asarray(seen.system.placed(end.body).assembly.rotation)
 
     def read(model: Model, motion: SystemMotion, *_: Any) -> Any:
@@ -199,7 +199,7 @@ def _joint_motion(seen: SeenMachine, sensor: JointMotionSensor) -> Reads:
 
     def read(_model: Model, motion: SystemMotion, before: Any, elapsed: Any) -> Any:
         own = axial_motion(pose_of(reader.first, motion), pose_of(reader.second, motion))
-        # As the sensor counts: within half a turn of what the mean of the rates says.
+        # As in the sensor: the angle within half a revolution of the value predicted by the mean rate.
         expected = before[0] + elapsed * (before[1] + own.rate) / 2
         angle = expected + wrapped(own.angle - expected)
         return jnp.stack([angle, own.rate, own.slide, own.speed])
@@ -208,7 +208,7 @@ def _joint_motion(seen: SeenMachine, sensor: JointMotionSensor) -> Reads:
 
 
 def _joint_wrench(system: System, name: str) -> Callable[[Model, SystemMotion], Any]:
-    """Force and moment on the second end along the axes of the first, (6,), as `joint_wrenches`."""
+    """Reader of force and moment (6,) on the second end, axes of the first, as `joint_wrenches`."""
     joint = next(each for each in system.joints if each.name == name)
     rows = system.constraint_slices[name]
     (reader,) = readers_of(system, {"joint": JointReading(name)})
@@ -234,7 +234,7 @@ def _joint_force(seen: SeenMachine, sensor: JointForceSensor) -> Reads:
 
 
 class _Unnamed:
-    """A function that counts as any other: what it reads stands beside it, as data."""
+    """A function that compares equal to all others: its data are leaves of the pytree around it."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.function = function
@@ -252,7 +252,7 @@ class _Unnamed:
 def _element(seen: SeenMachine, sensor: SpringForceSensor | ElementEnergySensor) -> Reads | None:
     system, element = seen.system, seen.element(sensor.element)
     if element.law is not None and not any(each is element for each in system.loads):
-        return None  # its law is an input
+        return None  # its law is replaced by an input
     group = force_group_of(system, element)
     carried = _joint_wrench(system, element.joint.name) if isinstance(element, JointFriction) else None
     kind, energy = type(element), isinstance(sensor, ElementEnergySensor)
@@ -287,4 +287,4 @@ _READS: dict[type, Callable[[SeenMachine, Any], Reads | None]] = {
     SpringForceSensor: _element,
     ElementEnergySensor: _element,
 }
-"""By the kind of sensor."""
+"""Functions that build a reader, by the type of the sensor."""

@@ -1,4 +1,4 @@
-"""The march of a machine from one instant to the next, with inputs and outputs."""
+"""Time integration of a machine from one time to the next, with inputs and outputs."""
 
 from __future__ import annotations
 
@@ -38,25 +38,25 @@ __all__ = ["StepProgram", "StepState", "step_program"]
 
 
 class StepState(NamedTuple):
-    """All that a machine is between two steps, a pytree."""
+    """The complete state of a machine between two steps, a pytree."""
 
     parameter: Any
-    """(k,)"""
+    """Parameters (k,)"""
     input: Any
-    """(i,) as they act from here on"""
+    """Inputs (i,) of the next step"""
     output: Any
-    """(o,)"""
+    """Outputs (o,)"""
     touching: Any
-    """(c,) whether stops and contacts touch"""
+    """Whether each stop or contact (c,) is closed"""
     state: MarchingState
 
 
 class _Parts(NamedTuple):
-    """What depends on the parameters; the state at the start of machines that have some."""
+    """Data that may depend on the parameters; with parameters, also the initial state."""
 
     arrays: Any
     reads: Any
-    """Of the outputs"""
+    """Functions that read the outputs"""
     contacts: Contacts
     configuration: Any = None
     velocity: Any = None
@@ -64,18 +64,18 @@ class _Parts(NamedTuple):
 
 
 _SAME = 1e-9
-"""Largest difference of outputs between a machine made anew and its parameters changed."""
+"""Largest relative difference of outputs between affine arrays and arrays built from other values."""
 
 
 @dataclass(frozen=True, eq=False)
 class StepProgram:
-    """A machine as a function from one instant to the next.
+    """A machine as a function from the state at one time to the state at a later time.
 
-    march : how its method steps
-    parts : the numbers of its equations and outputs by its parameters
-    parameters : numbers that may be changed
-    start : at the start of its run
-    duration : of its run
+    march : the time integration of its method
+    parts : data of equations and outputs, as functions of the parameters
+    parameters : numbers that can be changed
+    start : the state at the start of the run
+    duration : duration of the run
     """
 
     march: Marching
@@ -88,23 +88,23 @@ class StepProgram:
 
     @property
     def size(self) -> float:
-        """Of its steps, in the unit of time."""
+        """Time step, in the unit of time."""
         return self.march.size
 
     @property
     def n_equations(self) -> int:
-        """Number of independent equations of its joints."""
+        """Number of independent joint equations."""
         return len(self.march.model(self.parts.base.arrays).active)
 
     @cached_property
     def fixed_parameters(self) -> frozenset[int]:
-        """Numbers of the parameters on which the start depends: they are set before it."""
+        """Indices of the parameters on which the start depends; they can be set before the start only."""
         return frozenset(
             self.parts.depend(lambda parts: (parts.configuration, parts.velocity, parts.control))
         )
 
     def started(self, parameter: Any, given: Any) -> StepState:
-        """The machine at the start of its run, with parameters (k,) and inputs (i,)."""
+        """The state at the start of the run, with parameters (k,) and inputs (i,)."""
         parts = self.parts.at(parameter)
         model = self.inputs.given(parts.arrays, given)
         begun: Any = self.start.state
@@ -126,10 +126,10 @@ class StepProgram:
         return StepState(parameter, given, output, parts.contacts.at(motion), state)
 
     def advanced(self, now: StepState, end: Any) -> StepState:
-        """The machine at a time, by equal steps of `size` at most; after a failure, before that step.
+        """The state at `end`, by equal steps of `size` at most, or before the first step that fails.
 
-        JAX traces and compiles it. Its derivatives in forward mode (`jax.jvp`, `jax.jacfwd`), for inputs and
-        state, are those of the discrete motion.
+        JAX can trace and compile it. Forward-mode derivatives (`jax.jvp`, `jax.jacfwd`) for inputs and state
+        are those of the discrete motion.
         """
         parts = self.parts.at(now.parameter)
         arrays = self.inputs.given(parts.arrays, now.input)
@@ -145,7 +145,7 @@ class StepProgram:
 
     @cached_property
     def compiled(self) -> Any:
-        """`advanced`, compiled: a function of an instant and a time."""
+        """`advanced` as a compiled function (state, time) -> state."""
         program = jax.jit(self.advanced).lower(self.start, np.float64(0.0)).compile(STARTING)
         return lambda now, end: program(now, np.float64(end))
 
@@ -161,18 +161,18 @@ def step_program(
     units: UnitSystem = UNNAMED,
     parameters: MachineParameters | None = None,
 ) -> StepProgram:
-    """The march of a machine of rigid, reduced and joined intrinsic bodies as a function of one step.
+    """The time integration of a machine of rigid, reduced and joined intrinsic bodies, as a step function.
 
     Parameters
     ----------
     run : Run       start, steps and tolerances
-    sensors : of the outputs, channel after channel; those without a traced form are in `outputs.left_out`
-    inputs : by name, joints and loads of the machine whose laws are given from outside
-    input_units : of these,  units : of the sensors
-    parameters : numbers that may be changed before the start, or between two steps
+    sensors : their channels are the outputs; `outputs.left_out` names those that JAX cannot trace
+    inputs : joints and loads of the machine whose laws become inputs, by the name of the input
+    input_units : units of the inputs,  units : units of the sensors
+    parameters : numbers that can be changed before the start, or between two steps
 
-    Raises ModelError for other forms of bodies, other methods, sampled controllers, a machine without any
-    output, and as `affine_arrays`.
+    Raises ModelError for other forms of bodies, other methods, sampled controllers, a machine without
+    outputs, and as `affine_arrays`.
     """
     own = () if parameters is None else parameters.variables
     _check(system, run, inputs, own)
@@ -209,9 +209,9 @@ def _read(sensed: SensedOutputs, model: Model, motion: SystemMotion) -> np.ndarr
 
 
 def _by_parameters(parameters: MachineParameters, time: float, sensed: SensedOutputs) -> AffineArrays:
-    """The parts of a machine of rigid and reduced bodies as functions of its parameters.
+    """The parts of a machine of rigid and reduced bodies as affine functions of its parameters.
 
-    Raises ModelError where outputs are read at other places, beside the errors of `affine_arrays`.
+    Raises ModelError if a parameter changes how outputs are read, and as `affine_arrays`.
     """
     made: list[tuple[np.ndarray, _Parts, SensedOutputs]] = []
 
@@ -239,14 +239,14 @@ def _by_parameters(parameters: MachineParameters, time: float, sensed: SensedOut
     if wrong.any():
         name = sensed.variables[int(np.argmax(wrong))].name
         raise ModelError(
-            f"a parameter changes where or how the output '{name}' is read: leave that output or the "
-            "parameter out, or export one machine for each value"
+            f"a parameter changes where or how the output '{name}' is read: remove that output or the "
+            "parameter, or export one machine for each value"
         )
     return found
 
 
 def _without_unread_scales(model: Model) -> Model:
-    """Rigid bodies have no coordinates to scale; the scale is no linear function of their mass."""
+    """The model without the unused coordinate scales of rigid bodies, which are nonlinear in the mass."""
     groups = (
         group if group.r else replace(group, coordinate_scale=np.zeros(len(group.members)))
         for group in model.groups
@@ -257,7 +257,7 @@ def _without_unread_scales(model: Model) -> Model:
 def _made_ready(
     system: System, run: Run, sensors: Sequence[Quantity]
 ) -> tuple[Marching, Any, Any, SeenMachine]:
-    """How a machine is stepped, its arrays, the state in which its run starts, and what sensors see of it."""
+    """Time integration of a machine, its arrays, the initial state, and the machine for its sensors."""
     if any(placed.body.kind == "intrinsic" for placed in system.bodies):
         joined, machine, begun = joined_steps(system, run, ends_on_lines(system, sensors))
         return joined, machine.arrays, begun, SeenMachine(system, machine.seen)
@@ -265,10 +265,12 @@ def _made_ready(
 
 
 _OTHERS = {
-    "full": "full bodies are stepped by sparse factors, which no program of fixed arrays holds: reduce them",
-    "explicit": "explicit elements are stepped node by node, by steps that follow their deformation: reduce "
-    "the body, or make it rigid",
-    "modal": "modal subdomains are stepped with the explicit parts that they are tied to: reduce the body",
+    "full": "full bodies are stepped by sparse factors, and a step program has arrays of fixed size: reduce "
+    "them",
+    "explicit": "explicit elements are stepped node by node, with steps that depend on their deformation: "
+    "reduce the body, or make it rigid",
+    "modal": "modal subdomains are stepped together with the explicit parts that they are tied to: reduce "
+    "the body",
 }
 
 
@@ -280,13 +282,13 @@ def _check(system: System, run: Run, inputs: Mapping[str, Any], parameters: Sequ
         raise ModelError(f"{names}: {_OTHERS.get(kind, f'{kind} bodies are stepped in Python: reduce them')}")
     if isinstance(run.method, Kinematic | ExplicitRule):
         raise ModelError(
-            f"a run by {type(run.method).__name__} has no step program: give GeneralizedAlpha(rho_inf), "
-            "or no method"
+            f"a run by {type(run.method).__name__} has no step program: use GeneralizedAlpha(rho_inf), or "
+            "omit the method"
         )
     if any(isinstance(each, SampledController) for each in system.controllers):
         raise ModelError(
-            "a sampled controller runs Python, which a step program has not: leave it out and make the "
-            "elements it drives inputs"
+            "a sampled controller runs Python, and a step program cannot: remove it, and make the elements "
+            "that it drives inputs"
         )
     if "intrinsic" in kinds:
         if parameters:
@@ -297,24 +299,24 @@ def _check(system: System, run: Run, inputs: Mapping[str, Any], parameters: Sequ
 
 
 def _check_lines(system: System, inputs: Mapping[str, Any]) -> None:
-    """ModelError for lines whose modes hold their roots, and for a prescribed motion as an input."""
+    """ModelError for intrinsic bodies with a supported root, and for a prescribed motion as an input."""
     if not is_joined(system):
         raise ModelError(
-            "intrinsic bodies whose modes hold their roots have no step program: place released(body), which "
-            "any joint may hold, with GeneralizedAlpha"
+            "intrinsic bodies with a supported root have no step program: place released(body), which has a "
+            "free root for joints, and use GeneralizedAlpha"
         )
     for name, element in inputs.items():
         if any(element is joint for joint in system.joints):
             raise ModelError(
                 f"the prescribed motion of '{name}' cannot be an input beside intrinsic bodies, whose "
-                "equations contain its rate: let a servo turn a free joint, and make its set-point the input"
+                "equations contain its rate: drive a free joint by a servo, and make its set-point the input"
             )
 
 
 def _check_names(given: Sequence[Variable], outputs: SensedOutputs) -> None:
-    """ModelError where there is no output, or two variables of one name."""
+    """ModelError if there is no output, or if two variables have the same name."""
     if not outputs.variables:
-        raise ModelError("the machine has no output: name sensors, or places to track, that it shall give")
+        raise ModelError("the machine has no output: name sensors, or points to track")
     names = [variable.name for variable in (*given, *outputs.variables)]
     for name in names:
         if names.count(name) > 1:

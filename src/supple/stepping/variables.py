@@ -1,4 +1,4 @@
-"""Inputs and outputs of a step program by name."""
+"""Named inputs, outputs and parameters of a step program."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ __all__ = ["Variable"]
 
 @dataclass(frozen=True)
 class Variable:
-    """One number of the input or output of a machine.
+    """One input, output or parameter of a machine.
 
-    start : at the start of the run
+    start : value at the start of the run
     """
 
     name: str
