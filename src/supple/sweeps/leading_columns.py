@@ -38,6 +38,8 @@ SHARE = 0.1
 """Of the allowed error: by so much a case may move where its bases have fewer columns."""
 MISSED = (1.0, 0.1, 0.01)
 """Of the smallest relative accuracy: part of the motions that the columns may miss, one after the other."""
+SOFTEST = 1e-7
+"""Of the highest frequency of a basis: a lower one is none."""
 
 
 def leading_directions(coordinates: Array, stiffness: Array, missed: float) -> Array:
@@ -86,6 +88,9 @@ def _fewer(group: SweptGroup, runs: TrainingRuns, missed: float) -> dict[str, Re
         smallest = min(
             allowed / size if size else np.inf for allowed, size in _allowed_and_sizes(group, runs, name)
         )
+        # A body that rests shows no direction, and one with a mechanism has motion without energy.
+        if not smallest < 1 or not body.frequencies.min() > SOFTEST * body.frequencies.max():
+            continue
         directions = leading_directions(np.concatenate(coordinates), body.stiffness, missed * smallest)
         if directions.shape[1] < basis.r:
             with warnings.catch_warnings():
