@@ -10,14 +10,12 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
 
 from supple.body import FullBody
-from supple.cases.notify import silent
 from supple.error import (
     ErrorStudy,
     Indicated,
@@ -33,16 +31,16 @@ from supple.error.error_study import statements
 from supple.error.round_archive import InMemoryArchive, RoundBases
 from supple.error.start_deformation import with_start
 from supple.error.system_correction import Problem, correct
-from supple.errors import CaseError, ConvergenceError, LockingWarning
+from supple.errors import LockingWarning
 from supple.integrate import FloatingMotion, Solution, Validity
 from supple.machine import System
 from supple.quantities.quantity_of_interest import WholeBody
 from supple.reduction import CondensedQuartic, PlainQuartic, ReducedBody, ReductionBasis, project
-from supple.simulation import simulate_batch
 from supple.simulation.kept_basis import kept_bases
 from supple.sweeps.certificate import Certificate, Representative
 from supple.sweeps.plan import MARCHED_AT_ONCE, SweepPlan
 from supple.sweeps.swept_group import SweptCase, SweptGroup
+from supple.sweeps.training_runs import training_runs
 
 __all__ = ["certify", "indicated", "training_cases"]
 
@@ -111,18 +109,8 @@ class _Search:
 
     def __init__(self, group: SweptGroup, numbers: Sequence[int]) -> None:
         self._group = group
-        known, made = list[int](), list[SweptCase]()
-        for number in numbers:
-            with suppress(CaseError, ConvergenceError):  # recorded when it is its turn
-                made.append(group.case(number))
-                known.append(number)
-        if not made:
-            raise CaseError("no case of the group makes a machine")
-        found = simulate_batch([own.system for own in made], made[0].run, progress=silent)
-        ran = [place for place in range(len(made)) if place not in found.failures]
-        self._numbers = [known[place] for place in ran]
-        self._cases = [made[place] for place in ran]
-        self._solutions = [found.solutions[place] for place in ran]
+        runs = training_runs(group, numbers)
+        self._numbers, self._cases, self._solutions = runs.numbers, runs.cases, runs.solutions
         self._fields: dict[str, list[np.ndarray]] = {}
         targets = {name: start.target for name, start in group.fresh.starts.items()}
         self.certificate = Certificate(targets=targets)
