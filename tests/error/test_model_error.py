@@ -61,7 +61,7 @@ def test_a_linear_body_is_held_to_a_tenth_of_a_radian(linear):
 
     assert messages(0.09) == []
     (message,) = messages(0.2)
-    assert message.startswith("body 'beam' is linear and turns by 0.2")
+    assert message.startswith("body 'beam' is linear and rotates by 0.2")
     assert "lack the shortening by bending, 0.02 of its length" in message
 
 
