@@ -17,9 +17,9 @@ from supple.errors import (
     SuppleWarning,
 )
 from supple.integrate import Kinematic
-from supple.simulation import keep_body
+from supple.simulation import store_body
 from supple.simulation.engines import is_explicit
-from supple.simulation.kept_bodies import kept_path
+from supple.simulation.stored_bodies import stored_path
 from supple.storage import read_reduced_body
 from supple.storage.exclusive_lock import ExclusiveLock
 from supple.storage.file_errors import file_errors
@@ -67,7 +67,7 @@ def certified_group(folder: Path, plan: SweepPlan, number: int, level: int = 0) 
         with ExclusiveLock(own, wait=True):
             if not is_whole(own / _CERTIFICATE):
                 _certify(folder, group, number, level, own)
-    kept = {name: kept_path(own, name) for name in group.bodies.reduced}
+    kept = {name: stored_path(own, name) for name in group.bodies.reduced}
     reduced = {name: read_reduced_body(path) for name, path in kept.items() if path.exists()}
     group = group.with_bodies(reduced) if reduced else group
     targets = {name: start.target for name, start in group.fresh.starts.items()}
@@ -144,6 +144,6 @@ def _certify(folder: Path, group: SweptGroup, number: int, level: int, own: Path
         raise
     for name, body in found.bodies.reduced.items():
         if body is not group.bodies.reduced[name]:
-            keep_body(body, own)
+            store_body(body, own)
     write_certificate(own / _CERTIFICATE, certificate)
     attempts.end()

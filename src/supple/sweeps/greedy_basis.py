@@ -36,7 +36,7 @@ from supple.integrate import FloatingMotion, Solution, Validity
 from supple.machine import System
 from supple.quantities.quantity_of_interest import WholeBody
 from supple.reduction import CondensedQuartic, PlainQuartic, ReducedBody, ReductionBasis, project
-from supple.simulation.kept_basis import kept_bases
+from supple.simulation.stored_basis import stored_bases
 from supple.sweeps.certificate import Certificate, Representative
 from supple.sweeps.plan import MARCHED_AT_ONCE, SweepPlan
 from supple.sweeps.swept_group import SweptCase, SweptGroup
@@ -164,7 +164,7 @@ class _Search:
         """
         own, solution = self._cases[place], self._solutions[place]
         fulls = self._group.fulls(own.case)
-        bases = kept_bases(own.system, fulls)
+        bases = stored_bases(own.system, fulls)
         system = _with_locking(own.system, fulls, bases)
         quantities = [WholeBody(name) for name in bases]
         instants = max((target.instants for target in self.certificate.targets.values()), default=INSTANTS)
@@ -196,7 +196,7 @@ class _Search:
         """Of the indicators, with the motion that all representatives miss."""
         first = self._cases[0]
         fulls = self._group.fulls(first.case)
-        bases = kept_bases(first.system, fulls)
+        bases = stored_bases(first.system, fulls)
         reduced = first.system.bodies_of(ReducedBody)
         return {
             name: indicator_body(
@@ -262,7 +262,7 @@ def _enriched(group: SweptGroup, own: SweptCase, *, richer: bool = False) -> Swe
     fulls = group.fulls(case)
     correctable = {name: fulls[name] for name in starts}
     whole = group.in_full(case, correctable)
-    bases = kept_bases(own.system, correctable)
+    bases = stored_bases(own.system, correctable)
     first = {name: with_start(whole.placed(name), full, bases[name]) for name, full in correctable.items()}
     archive = _LastBases()
     problem = Problem(

@@ -26,7 +26,7 @@ from supple.errors import LockingWarning
 from supple.integrate import FloatingMotion
 from supple.quantities.quantity_of_interest import WholeBody, quantity_distance
 from supple.reduction import ReducedBody, project
-from supple.simulation.kept_basis import kept_bases
+from supple.simulation.stored_basis import stored_bases
 from supple.sweeps.swept_group import SweptGroup
 from supple.sweeps.training_runs import TrainingRuns, training_runs
 
@@ -80,7 +80,7 @@ def _fewer(group: SweptGroup, runs: TrainingRuns, missed: float) -> dict[str, Re
     like = group.like
     fulls = group.fulls(like)
     found = {}
-    for name, basis in kept_bases(runs.cases[0].system, fulls).items():
+    for name, basis in stored_bases(runs.cases[0].system, fulls).items():
         if name not in _names(group):
             continue
         body = group.bodies.reduced[name]

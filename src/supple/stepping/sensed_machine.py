@@ -17,11 +17,11 @@ from supple.quantities import (
     SpringForceSensor,
 )
 
-__all__ = ["SeenMachine", "ends_on_lines"]
+__all__ = ["SensedMachine", "ends_on_lines"]
 
 
 @dataclass(frozen=True, eq=False)
-class SeenMachine:
+class SensedMachine:
     """Bodies as the sensors have them, and as the model has them; the same of rigid and reduced ones.
 
     system : the bodies of the model; joints and elements under the names and in the order of the machine
