@@ -60,8 +60,9 @@ site: $(VENV)/.ready-dev
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 
 # From a folder of its own, so that what is installed runs and not what stands here.
-package: $(VENV)/bin/python
-	@$(PIP) build
+package: $(VENV)/.ready-dev
+	@$(PIP) build ziglang
+	$(BIN)/python tools/release/prebuilt_fmus.py
 	@rm -rf dist build/tried && $(BIN)/python -m build --outdir dist . >/dev/null
 	@for file in dist/*; do echo "Trying $$file"; tried=build/tried/$$(basename $$file); \
 	  "$(PYTHON)" -m venv $$tried && $$tried/bin/python -m pip install --quiet --disable-pip-version-check "$$file[plot]" && \

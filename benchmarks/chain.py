@@ -40,7 +40,7 @@ from supple.machine import GROUND, At, Ball, Placed, System
 from supple.mesh import CellType, block
 from supple.methods.floating.compiled.engine import controls, initial_state
 from supple.methods.floating.compiled.programs import COMPILED_MARCH, QUICK_MARCH
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, ReducedBody, reduce
 from supple.simulation import simulate
 
@@ -92,7 +92,7 @@ def run_options() -> Run:
     )
 
 
-def in_supple(rod: Any, n: int, march: KeptProgram = COMPILED_MARCH) -> TimedRun:
+def in_supple(rod: Any, n: int, march: CachedProgram = COMPILED_MARCH) -> TimedRun:
     """The march alone: the compiled program, from the start to the output times."""
     system, run = chain(rod, n), run_options()
     model, state = initial_state(system, 0.0, STEP)

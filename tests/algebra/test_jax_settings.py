@@ -82,7 +82,7 @@ def look(tmp_path, monkeypatch):
 def test_programs_are_given_back_where_they_fill_two_thirds_of_the_memory_maps(look, monkeypatch):
     """Beyond the limit of the system the compiler would end the process."""
     given_back = []
-    monkeypatch.setattr(jax_settings, "give_programs_back", lambda: given_back.append(1))
+    monkeypatch.setattr(jax_settings, "release_programs", lambda: given_back.append(1))
     assert not look(1_000_000_000)
     assert not look(100, built=63), "too few were built since it was looked at"
     assert not given_back
@@ -96,7 +96,7 @@ def test_programs_are_given_back_where_they_fill_two_thirds_of_the_memory_maps(l
 def test_a_thousand_programs_are_released_where_memory_runs_out(look, monkeypatch, held, left, released):
     """The process of the tests holds more than a megabyte, and less than a petabyte."""
     calls = []
-    monkeypatch.setattr(jax_settings, "give_programs_back", lambda: calls.append(1))
+    monkeypatch.setattr(jax_settings, "release_programs", lambda: calls.append(1))
     monkeypatch.setattr(jax_settings, "available_memory", lambda: left)
     monkeypatch.setattr(jax_settings._Process, "held", held)
     assert look(1_000_000_000) is released

@@ -26,7 +26,7 @@ from supple.body import (
     deck_parts,
     inertia_gram,
     mass_of_models,
-    refuse_left_out,
+    refuse_omitted_cards,
     rigid_mass_properties,
 )
 from supple.body.inertia_polynomial import InertiaPolynomial
@@ -390,8 +390,8 @@ def test_springs_to_ground_and_springs_across_are_named():
 def test_what_is_left_out_stops_unless_allowed():
     given = deck(along_x(1.0, 2), beam(np.arange(3)), left_out=(LeftOut("CGAP", 2, 17, "a gap"),))
     with pytest.raises(ModelError, match=r'2 CGAP \(first on line 17\): a gap.*leave_out = \["CGAP"\]'):
-        refuse_left_out(given)
-    refuse_left_out(given, ["CGAP"])
+        refuse_omitted_cards(given)
+    refuse_omitted_cards(given, ["CGAP"])
 
 
 def test_without_density_the_remedy_is_said():

@@ -21,7 +21,7 @@ from supple.methods.explicit import modal_subdomain
 from supple.quantities import Place, PositionSensor
 from supple.reduction import CompleteBasis, CraigBampton, NoDerivatives, NoLoads, reduce
 from supple.simulation import simulate
-from supple.simulation.kept_basis import kept_basis
+from supple.simulation.stored_basis import stored_basis
 
 MODES = 6
 RUN = Run(1.0, 0.005, step=FixedStep(0.005))
@@ -187,7 +187,7 @@ def test_its_nodes_do_not_show_which_coordinates_a_basis_keeps(beam):
     small = reduced(body, CraigBampton(2))
     assert small.full is None
     with pytest.raises(ModelError, match=r"is a condensed model, .* Keep all: CompleteBasis"):
-        kept_basis(FullBody(body, NodalFixedFrame("root")), small)
+        stored_basis(FullBody(body, NodalFixedFrame("root")), small)
     with pytest.raises(ModelError, match="the mass distribution of a body condensed elsewhere"):
         modal_subdomain(body, CraigBampton(2))
     with pytest.raises(ModelError, match="a damping matrix is not supported"):

@@ -223,7 +223,7 @@ def test_every_command_reads_such_a_case(bar):
     assert "Check of body 'rest'" in checked.output
     for command in ("static", "modes"):
         said = CliRunner().invoke(app, [command, str(path), "-o", str(path.parent / command)]).output
-        assert "is of explicit finite elements, which" in " ".join(said.split())
+        assert "has explicit finite elements, which" in " ".join(said.split())
 
 
 PLATE = """

@@ -177,7 +177,7 @@ def test_numbers_that_a_case_names_are_parameters(case, tmp_path, monkeypatch):
     [
         ("body.rod.rigid.weight", "not a number in this file"),
         ("body.rod.rigid", "not a number in this file"),
-        ("simulation.step", "another body, run or program"),
+        ("simulation.step", "the run or the program"),
     ],
 )
 def test_what_is_no_number_of_the_march_is_refused(case, tmp_path, path, message):

@@ -20,8 +20,8 @@ from supple.cli.main import app
 from supple.errors import ResultFileError
 from supple.importers import read_mesh
 from supple.integrate import FloatingMotion, Solution, Statistics
-from supple.simulation.kept_bodies import keep_bodies
 from supple.simulation.recorded_columns import columns_of
+from supple.simulation.stored_bodies import store_bodies
 from supple.storage import write_reduced_body, write_solution
 
 UNITS = 'units = { length = "m", mass = "kg", time = "s" }\n'
@@ -52,7 +52,7 @@ def exported_case(tmp_path_factory):
     motion = FloatingMotion(*frame, coordinates, still, still, rates, still, still, rates)
     forces = np.column_stack([times, *[2 * times] * 5])
     solution = Solution(times, {"strip": motion}, {"clamp": forces}, Statistics())
-    keep_bodies(case.system, case.made_here, folder)
+    store_bodies(case.system, case.made_here, folder)
     metadata = {CASE_FILE: path_from(folder, path), "units": str(case.units), **columns_of(case.system)}
     write_solution(folder / "strip.h5", solution, case=case.text, metadata=metadata, inputs=case.inputs)
     return own

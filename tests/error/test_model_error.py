@@ -18,7 +18,7 @@ from supple.quantities import WholeBody
 from supple.quantities.quantity_of_interest import quantity_distance
 from supple.reduction import CraigBampton, NoDerivatives, reduce
 from supple.simulation import equilibrium
-from supple.simulation.kept_basis import kept_bases
+from supple.simulation.stored_basis import stored_bases
 
 LENGTH = 2.0
 
@@ -61,7 +61,7 @@ def test_a_linear_body_is_held_to_a_tenth_of_a_radian(linear):
 
     assert messages(0.09) == []
     (message,) = messages(0.2)
-    assert message.startswith("body 'beam' is linear and turns by 0.2")
+    assert message.startswith("body 'beam' is linear and rotates by 0.2")
     assert "lack the shortening by bending, 0.02 of its length" in message
 
 
@@ -89,5 +89,5 @@ def test_a_linear_plate_states_what_its_quadratic_strains_would_change(clamped, 
     system, solution = at_rest(small)
     whole, fulls = WholeBody("plate"), {"plate": full}
     true = quantity_distance(whole, system, solution, *at_rest(FullBody(curved, full.frame)))
-    stated = model_errors(system, fulls, kept_bases(system, fulls), solution, [whole])["plate"]
+    stated = model_errors(system, fulls, stored_bases(system, fulls), solution, [whole])["plate"]
     assert stated.value == pytest.approx(true, rel=0.03)

@@ -15,7 +15,7 @@ from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.mesh import strip
 from supple.methods.floating.compiled.programs import COMPILED_MARCH, QUICK_MARCH
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, reduce
 from supple.simulation import simulate
 from supple.simulation.watched_run import watched_run
@@ -83,7 +83,7 @@ def largest_rms(full, reference, body, solution):
 @pytest.fixture(scope="module")
 def in_mean_axes(beam):
     """What `corrected` gives in mean axes, and the programs that it asked for."""
-    built, build = [], KeptProgram._found_or_built
+    built, build = [], CachedProgram._found_or_built
 
     def counted(program, *known):
         built.append(program)
@@ -92,7 +92,7 @@ def in_mean_axes(beam):
     for march in MARCHES:
         march._at_hand.clear()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(KeptProgram, "_found_or_built", counted)
+        patch.setattr(CachedProgram, "_found_or_built", counted)
         return *corrected(beam, FRAMES["mean-axis"]), built
 
 

@@ -17,7 +17,7 @@ from supple.cli.main import app
 from supple.errors import CaseError, ImportFormatError
 from supple.importers import read_polar
 from supple.importers.turbine.windio import read_windio_blade
-from supple.simulation import keep_body
+from supple.simulation import store_body
 from supple.storage import file_name
 from supple.terminal import FAULT, MISTAKE
 
@@ -61,7 +61,7 @@ def test_names_with_markup_and_slashes(name, tmp_path):
 @pytest.mark.parametrize("name", ["../out", "a/b", "..", "", "x" * 300, "nul\0", "a:b"])
 def test_files_of_bodies_lie_in_their_folder(name, tmp_path, reduced_beam):
     body = replace(reduced_beam, name=name.replace("\0", ""))
-    written = keep_body(body, tmp_path / "run")
+    written = store_body(body, tmp_path / "run")
     assert written.parent == tmp_path / "run"
     assert sp.read_reduced_body(written).name == body.name
 

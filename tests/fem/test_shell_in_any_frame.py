@@ -27,14 +27,14 @@ from supple_benchmarks.invariance.strip import (
     WARPING,
     WIDTH,
     HeldStrip,
-    force_that_turns,
+    force_for_rotation,
+    rotated_rigidly,
     strip_mesh,
-    turned_rigidly,
 )
 from supple_benchmarks.references.lateral_buckling import warped_buckling_load
 
 EI, GJ = BENDING, TORSION
-force_that_turns = cache(force_that_turns)
+force_for_rotation = cache(force_for_rotation)
 FRAMES = [[0.2, 0, 0], [0, 0.2, 0], [0, 0, 0.2]]
 STEEL = Isotropic(MODULUS, 0.0, 7800.0)
 CENTRE = strip_mesh().nodes_of("tip_centre")[0]
@@ -74,7 +74,7 @@ def cantilever():
     [(0.291, 3e-4), (0.573, 3e-3), pytest.param(0.874, 1e-2, marks=pytest.mark.slow)],
 )
 def test_a_cantilever_follows_the_elastica(rotation, error, cantilever):
-    force, (x, z) = force_that_turns(EI, LENGTH, rotation)
+    force, (x, z) = force_for_rotation(EI, LENGTH, rotation)
     q = cantilever.bent(cantilever.tip_force([0, 0, force]))
     found = cantilever.mesh.nodes[CENTRE] + q[CENTRE, :3]
     assert np.linalg.norm(found - [x, 0, z]) < error * z
@@ -82,7 +82,7 @@ def test_a_cantilever_follows_the_elastica(rotation, error, cantilever):
 
 @pytest.mark.parametrize("turn", FRAMES)
 def test_a_bent_cantilever_is_the_same_in_a_frame_turned_by_02_rad(turn, cantilever):
-    load = cantilever.tip_force([0, 0, force_that_turns(EI, LENGTH, 0.291)[0]])
+    load = cantilever.tip_force([0, 0, force_for_rotation(EI, LENGTH, 0.291)[0]])
     q = cantilever.bent(load)
     moved = cantilever.seen_from(turn, load, q) - q
     assert np.linalg.norm(moved[CENTRE, :3]) < 1e-3 * np.linalg.norm(q[CENTRE, :3])
@@ -108,7 +108,7 @@ def test_a_rolled_strip_is_as_flexible_as_before(roll, cantilever):
     rest = np.zeros((cantilever.mesh.n_nodes, 6))
     load = cantilever.tip_force([0, 0, 1.0])
     rolled = Rotation.from_rotvec([roll, 0, 0]).apply(load.reshape(-1, 3)).ravel()
-    q = turned_rigidly(cantilever.mesh, rest, Rotation.from_rotvec([roll, 0, 0]))
+    q = rotated_rigidly(cantilever.mesh, rest, Rotation.from_rotvec([roll, 0, 0]))
     compliance = [
         f[cantilever.free] @ splu(cantilever.tangent(state)).solve(f[cantilever.free])
         for f, state in ((load.ravel(), rest), (rolled, q))
@@ -128,7 +128,7 @@ def test_a_strip_bent_in_its_plane_buckles_sideways_at_the_load_of_vlasov(cantil
 
 def test_stress_at_the_faces_is_the_bending_moment_over_the_section(cantilever):
     """sigma = M t/2 / I with M = F (x_tip - x), half way along a strip whose tip stands at 0.573 rad."""
-    force, _ = force_that_turns(EI, LENGTH, 0.573)
+    force, _ = force_for_rotation(EI, LENGTH, 0.573)
     q = cantilever.bent(cantilever.tip_force([0, 0, force]))
     stress = stress_recovery(cantilever.model).at_nodes(q.ravel())
     middle = cantilever.mesh.nodes_of("axis")[10]
@@ -142,10 +142,10 @@ def test_stress_at_the_faces_is_the_bending_moment_over_the_section(cantilever):
 @pytest.mark.parametrize("turn", FRAMES)
 def test_stress_of_a_bent_strip_stays_when_it_turns(turn, cantilever):
     """Second Piola-Kirchhoff stress, in the axes of the mesh: no rotation changes it."""
-    q = cantilever.bent(cantilever.tip_force([0, 0, force_that_turns(EI, LENGTH, 0.291)[0]]))
+    q = cantilever.bent(cantilever.tip_force([0, 0, force_for_rotation(EI, LENGTH, 0.291)[0]]))
     recovery = stress_recovery(cantilever.model)
     before = recovery.at_nodes(q.ravel())
-    after = recovery.at_nodes(turned_rigidly(cantilever.mesh, q, Rotation.from_rotvec(turn)).ravel())
+    after = recovery.at_nodes(rotated_rigidly(cantilever.mesh, q, Rotation.from_rotvec(turn)).ravel())
     assert np.abs(after - before).max() < 0.02 * np.abs(before).max()
 
 
@@ -154,7 +154,7 @@ def test_a_coupled_laminate_is_the_same_in_a_frame_turned_by_02_rad():
     A, D = WALL.membrane, WALL.bending
     B = 0.4 * np.sqrt(A[0, 0] * D[0, 0]) * np.array([[1.0, 0.1, 0.3], [0.1, -0.5, 0.1], [0.3, 0.1, 0.2]])
     strip_of_it = HeldStrip(wall=LaminateSection(A, B, D, 39.0, 1e-4))
-    load = strip_of_it.tip_force([0, 0, force_that_turns(EI, LENGTH, 0.2)[0]])
+    load = strip_of_it.tip_force([0, 0, force_for_rotation(EI, LENGTH, 0.2)[0]])
     q = strip_of_it.bent(load)
     assert np.abs(q[strip_of_it.mesh.nodes_of("tip"), 3]).min() > 0.01
     for turn in FRAMES:
@@ -177,7 +177,7 @@ def test_a_small_bend_of_a_turned_triangle_is_right_to_third_order(axis, curvatu
     def rate(angle):
         turn = angle * np.array(axis) / np.linalg.norm(axis)
         both = [
-            strain(block, turned_rigidly(mesh, s * 1e-5 * bend, Rotation.from_rotvec(turn)).reshape(1, 18))
+            strain(block, rotated_rigidly(mesh, s * 1e-5 * bend, Rotation.from_rotvec(turn)).reshape(1, 18))
             for s in (1, -1)
         ]
         return (both[0] - both[1])[0, 0] / 2e-5

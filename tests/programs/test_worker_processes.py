@@ -11,13 +11,13 @@ import pytest
 
 from supple.algebra.rotation import rotation_exp
 from supple.programs import worker_processes
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 from supple.programs.worker_processes import on_all_cores
 
 
 @pytest.fixture
 def program(kept):
-    return KeptProgram(rotation_exp)
+    return CachedProgram(rotation_exp)
 
 
 @pytest.fixture

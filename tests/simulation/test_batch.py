@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from supple.algebra import available_memory
-from supple.algebra.jax_settings import give_programs_back
+from supple.algebra.jax_settings import release_programs
 from supple.body import FullBody, NodalFixedFrame, RigidBody
 from supple.equations.build_model import build_model
 from supple.equations.compiler_options import STARTING
@@ -39,7 +39,7 @@ from supple.machine import (
 )
 from supple.methods.floating.compiled import frozen_tangent
 from supple.programs import worker_processes
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 from supple.simulation import case_worker, shares_of_cases, simulate, simulate_batch
 from supple.simulation.case_worker import CaseWork
 
@@ -205,8 +205,8 @@ def traced(monkeypatch):
         return shares_of_cases._march_of_cases(*arguments)
 
     # Of a function from elsewhere no program is kept between processes.
-    monkeypatch.setattr(shares_of_cases, "_MAPPED_MARCH", KeptProgram(counted, STARTING))
-    give_programs_back()  # now, not between two of the batches
+    monkeypatch.setattr(shares_of_cases, "_MAPPED_MARCH", CachedProgram(counted, STARTING))
+    release_programs()  # now, not between two of the batches
     return seen
 
 

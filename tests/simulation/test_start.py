@@ -233,10 +233,10 @@ def test_a_controller_has_its_states_at_the_end_of_a_run_alone():
     )
     machine = hinged(bar_as("rigid"), controllers=[own])
     through = simulate(machine, Run(0.1, 0.05, step=FixedStep(1e-2)))
-    (gone_on,) = Start(through).place(machine).system.controllers
+    (continued_from,) = Start(through).place(machine).system.controllers
     angle = through.engine_state["control.states.0"][0]
     assert abs(angle) > 1e-3
-    assert gone_on.initial == pytest.approx([angle], abs=0)
+    assert continued_from.initial == pytest.approx([angle], abs=0)
     with pytest.warns(StartWarning, match="restarts"):
         (anew,) = Start(through, 0.05).place(machine).system.controllers
     assert anew.initial == pytest.approx([0.0])

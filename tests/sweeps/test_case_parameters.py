@@ -41,9 +41,9 @@ def test_derivatives_are_those_of_differences(pendulum):
 def test_what_has_no_derivative_is_refused(pendulum, case_folder):
     with pytest.raises(CaseError, match="no output is named 'joint hing'; did you mean"):
         case_parameters(pendulum, [GRAVITY]).sensitivities(["joint hing"])
-    with pytest.raises(CaseError, match="is no number of"):
+    with pytest.raises(CaseError, match="is not a number in"):
         case_parameters(pendulum, ["joint.hinge.kind"])
-    with pytest.raises(CaseError, match="makes another body, run or program"):
+    with pytest.raises(CaseError, match="the run or the program"):
         case_parameters(pendulum, ["simulation.step"])
-    with pytest.raises(CaseError, match="makes another body, run or program"):
+    with pytest.raises(CaseError, match="the run or the program"):
         case_parameters(case_folder / "strip.toml", ["body.strip.shell.thickness"])

@@ -15,12 +15,15 @@ from supple.mesh import strip
 from supple.simulation import simulate
 from supple.sweeps import CaseTable, read_sweep, sweep, sweep_status, swept_case
 from supple.sweeps.certified_group import certified_group
+from supple.sweeps.leading_columns import in_leading_columns
 from supple.sweeps.part_file import part_path
 from supple.sweeps.plan import read_plan
+from supple.sweeps.swept_group import swept_group
 
 pytestmark = pytest.mark.slow
 
 ACCURACY = "accuracy = { relative = 1e-3, instants = 6, directions = 2 }"
+MANY_DIRECTIONS = ACCURACY.replace("1e-3", "1e-2").replace("directions = 2", "directions = 10")
 TABLE = CaseTable(
     {
         "gravity[2]": [-2.0, -9.81, -30.0, -60.0],
@@ -107,3 +110,23 @@ def test_cases_above_their_accuracy_run_again_and_nothing_twice(swept, soft_stri
     now = {path: path.stat().st_mtime_ns for path in folder.rglob("*.h5")}
     assert {path for path in now if now[path] != written.get(path)} == {part_path(folder, 1)}
     assert np.array_equal(read_sweep(folder).statistics.values, read.statistics.values)
+
+
+def test_many_cases_run_in_the_columns_in_which_they_move(soft_strip, tmp_path, monkeypatch):
+    """Of a correction that appends more columns than are needed; the errors are stated with those left."""
+    monkeypatch.setattr(sys.modules["supple.sweeps.certified_group"], "MANY", len(TABLE))
+    case, folder = soft_strip.with_name("many.toml"), (tmp_path / "fewer").resolve()
+    case.write_text(soft_strip.read_text().replace(ACCURACY, MANY_DIRECTIONS))
+    run(case, folder)
+    plan = read_plan(folder)
+    whole, fewer = swept_group(folder, plan, 0), certified_group(folder, plan, 0).group
+    assert fewer.bodies.reduced["strip"].r < whole.bodies.reduced["strip"].r
+    read = read_sweep(folder)
+    assert (read.runs == 1).all()
+    assert (read.basis_error <= read.allowed_error).all()
+    ratio = read.basis_error.values / true_errors(folder)
+    # Ten times the error of the other tests: estimates are of first order.
+    assert 0.99 < ratio.min() <= ratio.max() < 1.2
+    # Where the motion of a case would change, the bases stay as they are.
+    monkeypatch.setattr(sys.modules["supple.sweeps.leading_columns"], "SHARE", 1e-9)
+    assert in_leading_columns(whole, list(range(plan.n_cases))) is whole

@@ -36,10 +36,10 @@ __all__ = [
     "bound_programs",
     "check_not_forked",
     "count_program",
-    "give_programs_back",
     "keep_compiled_programs",
+    "on_program_release",
+    "release_programs",
     "this_machine",
-    "when_given_back",
 ]
 
 
@@ -131,7 +131,7 @@ def bound_programs() -> bool:
     _Process.compiled_since_looked = 0
     if not (_maps_run_out() or (_Process.held >= _WORTH_RELEASING and _memory_runs_out())):
         return False
-    give_programs_back()
+    release_programs()
     return True
 
 
@@ -147,7 +147,7 @@ def _memory_runs_out() -> bool:
     return available is not None and resident > available
 
 
-def give_programs_back() -> None:
+def release_programs() -> None:
     """Release all compiled programs, and return their memory to the system; the counts start again."""
     _Process.compiled_since_looked = _Process.held = 0
     jax.clear_caches()
@@ -162,7 +162,7 @@ def give_programs_back() -> None:
 _FORGET: list[Callable[[], None]] = []
 
 
-def when_given_back(forget: Callable[[], None]) -> None:
+def on_program_release(forget: Callable[[], None]) -> None:
     """Register `forget`, called when a process releases its programs, for those unknown to JAX."""
     _FORGET.append(forget)
 

@@ -112,7 +112,7 @@ class BodyForm(Protocol):
         ...
 
     @property
-    def is_seen_by_interfaces(self) -> bool:
+    def uses_interface_motions(self) -> bool:
         """Whether joints and forces use the motions of its interfaces instead of its coordinates."""
         ...
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.body.deck_body import deck_connections, deck_mesh, deck_model, refuse_left_out
+from supple.body.deck_body import deck_connections, deck_mesh, deck_model, refuse_omitted_cards
 from supple.body.deck_parts import named_part
 from supple.body.finite_element_body import flexible_body
 from supple.body.flexible_body import FlexibleBody
@@ -86,7 +86,7 @@ def deck_source(
 ) -> BodySource:
     """The body of a deck; its rigid ties are constraints with or without interfaces.
 
-    part : as for `named_part`;  leave_out : as for `refuse_left_out`
+    part : as for `named_part`;  leave_out : as for `refuse_omitted_cards`
 
     Raises
     ------
@@ -94,7 +94,7 @@ def deck_source(
     ModelError          several parts; omitted cards that `leave_out` does not allow
     """
     deck = read_deck(path)
-    refuse_left_out(deck, leave_out)
+    refuse_omitted_cards(deck, leave_out)
     own = named_part(deck, part)
     made = elements_source(
         deck_mesh(own), lambda: deck_model(own, kinematics=kinematics), deck_connections(own)

@@ -196,7 +196,7 @@ class ModalDamping:
 Damping = RayleighDamping | LinearRayleighDamping | ModalDamping
 
 
-def refuse_held(damping: Damping | None, what: str) -> None:
+def refuse_relative_damping(damping: Damping | None, what: str) -> None:
     """ModelError for a damping relative to an interface, where the motion has no floating frame."""
     if damping is not None and damping.held is not None:
         raise ModelError(

@@ -53,7 +53,7 @@ from supple.importers.deck import (
 )
 from supple.mesh import CellType, Mesh
 
-__all__ = ["deck_body", "deck_connections", "deck_mesh", "deck_model", "refuse_left_out"]
+__all__ = ["deck_body", "deck_connections", "deck_mesh", "deck_model", "refuse_omitted_cards"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -148,7 +148,7 @@ def deck_connections(deck: Deck) -> tuple[Connection, ...]:
     return (*rigid, *means)
 
 
-def refuse_left_out(deck: Deck, allowed: Sequence[str] = ()) -> None:
+def refuse_omitted_cards(deck: Deck, allowed: Sequence[str] = ()) -> None:
     """ModelError for omitted cards that would change the body, unless they are allowed.
 
     allowed : names of cards

@@ -40,7 +40,7 @@ class FormDefaults:
     """Members of `BodyForm` that are alike in most forms."""
 
     @property
-    def is_seen_by_interfaces(self) -> bool:
+    def uses_interface_motions(self) -> bool:
         """False: its coordinates are unknowns of the machine's equations."""
         return False
 

@@ -115,7 +115,7 @@ def free_body(
             virtual,
             rigid_motions=made.last_coordinates(6 * len(rigid)),
             pieces=[members for members, _ in sets[len(sets) - len(rigid) :]],
-            turns_finitely=model is not None and model.strains_vanish_when_turned,
+            turns_finitely=model is not None and model.strains_vanish_in_rotation,
         ),
         rigid_modes=read_only(made.rigid_modes),
         model=model,
@@ -177,7 +177,7 @@ def _widened(
 
 def _quadratic_force(model: FiniteElementModel, made: Coordinates) -> QuadraticStrainForce:
     """Ties of second order, unless the elements' strains see less of a rotation than they would."""
-    if not made.sets or not model.strains_vanish_when_turned:
+    if not made.sets or not model.strains_vanish_in_rotation:
         return QuadraticStrainForce(model, made.expansion)
     expansion = with_virtual_nodes(made.whole, model.dofs_per_node, len(made.sets))
     if made.rest is not None:

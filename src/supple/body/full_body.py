@@ -78,7 +78,7 @@ class FullBody(FloatingForm):
         return self.body.interface(name)
 
     @property
-    def is_seen_by_interfaces(self) -> bool:
+    def uses_interface_motions(self) -> bool:
         """True: its other freedoms are unknowns of a sparse method only."""
         return True
 

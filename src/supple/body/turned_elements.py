@@ -86,7 +86,7 @@ def _pieces(body: FlexibleBody) -> list[_Piece]:
         for each in body.interfaces
         if _is_rigid(each)
     ]
-    if body.is_linear or not body.model.strains_vanish_when_turned:
+    if body.is_linear or not body.model.strains_vanish_in_rotation:
         return found
     inner = inner_pieces(body.model.attached.rigid, body.nodes, body.dofs_per_node, body.interfaces)
     for each in inner:

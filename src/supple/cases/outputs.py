@@ -10,13 +10,13 @@ from supple.cases.existing_results import readings_paths, report_path, result_pa
 from supple.cases.run_page import page_path
 from supple.errors import CaseError
 from supple.importers import files_read_with
-from supple.simulation.kept_bodies import kept_path
+from supple.simulation.stored_bodies import stored_path
 
 
 def check_outputs(case: Case, folder: Path) -> None:
     """Raise CaseError if a run of the case in a folder would overwrite its inputs or one of its own files."""
     result = result_path(case.path, folder)
-    kept = {kept_path(folder, name): name for name in case.made_here}
+    kept = {stored_path(folder, name): name for name in case.made_here}
     if result in kept:
         raise CaseError(
             f"{case.path}: the file of its motion and that of body '{kept[result]}' would both be {result}; "

@@ -20,8 +20,8 @@ from supple.machine import Placed, System
 from supple.methods.intrinsic.complete_motion import with_modes
 from supple.methods.intrinsic.enough_modes import FEWEST
 from supple.reduction import ReducedBody
-from supple.simulation.kept_bodies import kept_path
 from supple.simulation.recorded_columns import check_bodies
+from supple.simulation.stored_bodies import stored_path
 from supple.storage import ResultParts, read_header, read_reduced_body
 from supple.storage.result_content import ResultHeader
 from supple.storage.run_inputs import Inputs, changes
@@ -123,7 +123,7 @@ def _as_simulated(case: Case, path: Path) -> System:
 
 
 def _kept(placed: Placed, path: Path) -> Placed:
-    kept = kept_path(path.parent, placed.body.name)
+    kept = stored_path(path.parent, placed.body.name)
     if not kept.exists():
         raise ResultFileError(
             f"{kept} is missing: the motion in {path} needs this reduced body; restore it, or run the "

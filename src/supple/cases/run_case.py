@@ -11,7 +11,7 @@ from supple.cases.case import Case
 from supple.cases.condense import with_modes_enough
 from supple.cases.damping import warn_of_ratios
 from supple.cases.drawing import ROUNDS_PICTURE, Drawing, check_drawing, drawing_of
-from supple.cases.drawing_beside import DrawingBeside
+from supple.cases.drawing_process import DrawingProcess
 from supple.cases.existing_results import readings_paths, refuse_overwrite, report_path, result_path
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import silent
@@ -31,7 +31,7 @@ from supple.quantities import (
     tracked_places,
 )
 from supple.results import stress_numbers, summarize
-from supple.simulation import reduced_bodies, simulate_kept
+from supple.simulation import reduced_bodies, simulate_and_store
 from supple.simulation.engines import is_explicit
 from supple.storage import write_errors, write_json
 from supple.storage.exclusive_lock import ExclusiveLock
@@ -97,7 +97,7 @@ def run_case(
     case.check_control(allow_code=allow_code)
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
-    with ExclusiveLock(folder), DrawingBeside() as beside:
+    with ExclusiveLock(folder), DrawingProcess() as beside:
         refuse_overwrite(case, folder, resume=resume, force=force)
         return _run_case(
             case,
@@ -115,7 +115,7 @@ def run_case(
 def _run_case(
     case: Case,
     folder: Path,
-    beside: DrawingBeside,
+    beside: DrawingProcess,
     *,
     resume: bool,
     force: bool,
@@ -262,7 +262,7 @@ def _simulated(
         progress("compiling and simulating", fraction)
 
     simulating(0.0)
-    system, solution = simulate_kept(*given, path, case.made_here, **of_file, progress=simulating)
+    system, solution = simulate_and_store(*given, path, case.made_here, **of_file, progress=simulating)
     if errors and not is_explicit(system, case.run):
         known(system, solution)
         solution = state_errors(system, case.run, solution, case.study, fulls=case.fulls, progress=progress)

@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 from pydantic import Discriminator, Field, Tag
 
 from supple.cases.body_kinds import is_explicit
+from supple.cases.continuation import StartState
 from supple.cases.explicit_method import ExplicitMethod
-from supple.cases.going_on import StartState
 from supple.cases.table import Key, table_of
 from supple.importers.toml import WORD_OR_TABLE, CheckedTable, Mistakes, Positive, Raw, table, tables
 from supple.integrate import MOST_OUTPUT_TIMES, AdaptiveStep, FixedStep, GeneralizedAlpha, Kinematic, Run

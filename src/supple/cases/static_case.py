@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from supple.cases.case import Case
+from supple.cases.continuation import StartState, continued_from
 from supple.cases.drawing import check_drawing
-from supple.cases.going_on import StartState, gone_on
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
 from supple.cases.run_page import case_texts, coloured_elements, page_looks
@@ -92,7 +92,7 @@ def starting_system(case: Case, simulated: System | None = None, *, allow_code: 
     placed = assembled_system(case) if simulated is None else simulated
     system = case.controlled(placed, allow_code=allow_code)
     if isinstance(wanted.start, StartState):
-        return gone_on(wanted.start, case, system)
+        return continued_from(wanted.start, case, system)
     if wanted.start == "placed":
         return system
     case.notify("searching the equilibrium")

@@ -16,7 +16,7 @@ from supple.errors import ArgumentError, ModelError, ResultFileError
 from supple.export import TABLE_SUFFIXES, write_readings, write_vtkhdf, write_vtu
 from supple.fem import FiniteElementModel, stress_recovery
 from supple.quantities import read_in_parts
-from supple.simulation.kept_bodies import kept_path
+from supple.simulation.stored_bodies import stored_path
 from supple.storage import ResultParts
 from supple.terminal import console, say, worded
 from supple.units import measured
@@ -73,7 +73,7 @@ def export_result(
 
 def _bodies_beside(found: ResultMachine, path: Path) -> set[Path]:
     """Files of the reduced bodies of its motion."""
-    return {kept_path(path.parent, placed.body.name).resolve() for placed in found.system.bodies}
+    return {stored_path(path.parent, placed.body.name).resolve() for placed in found.system.bodies}
 
 
 def _rows(

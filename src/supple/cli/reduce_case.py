@@ -10,8 +10,8 @@ from supple.errors import CaseError
 from supple.results import body_numbers, unit_names
 from supple.results.descriptions import describe_reduction
 from supple.results.run_tables import body_table
-from supple.simulation import keep_body, reduced_bodies
-from supple.simulation.kept_bodies import kept_path
+from supple.simulation import reduced_bodies, store_body
+from supple.simulation.stored_bodies import stored_path
 from supple.terminal import console, print_rows, print_table, say, worded, words
 
 
@@ -26,7 +26,7 @@ def reduce_case(path: Path, folder: Path) -> None:
     """
     with console.status("reducing") as status:
         case = read_case(path, lambda step, detail="": status.update(words(worded(step, detail))))
-        check_not_an_input(case, [kept_path(folder, name) for name in case.made_here])
+        check_not_an_input(case, [stored_path(folder, name) for name in case.made_here])
         bodies = reduced_bodies(case.system, case.made_here)
     if not bodies:
         raise CaseError(
@@ -38,5 +38,5 @@ def reduce_case(path: Path, folder: Path) -> None:
     print_table(*body_table({"units": unit_names(case.units), "bodies": numbers}))
     for body in bodies:
         print_rows(f"Reduction of {body.name}", describe_reduction(body.report))
-        written = keep_body(body, folder)
+        written = store_body(body, folder)
         say(f"written to {written} ({written.stat().st_size / 2**20:.1f} MiB)")

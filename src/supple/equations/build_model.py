@@ -124,17 +124,17 @@ def _are(own: Sequence[Any], others: Sequence[Any]) -> bool:
 def is_on_full_nodes(system: System, load: NodalLoad) -> bool:
     """True for loads on the nodes of a full body, which only the sparse method can apply."""
     body = system.bodies[system.body_index(load.body)].body
-    return body.is_seen_by_interfaces and load.nodes.size > 0
+    return body.uses_interface_motions and load.nodes.size > 0
 
 
 def _size(placed: Placed) -> int:
     body = placed.body
-    return 6 * len(body.interfaces) if body.is_seen_by_interfaces else body.n_coordinates
+    return 6 * len(body.interfaces) if body.uses_interface_motions else body.n_coordinates
 
 
 def seen_coordinates(body: BodyForm, coordinates: np.ndarray) -> np.ndarray:
     """Coordinates (t, r) of a body in the model: for a full body the motions of its interfaces."""
-    if not body.is_seen_by_interfaces:
+    if not body.uses_interface_motions:
         return coordinates
     return np.hstack([coordinates[:, :0], *(coordinates @ each.motion.T for each in body.interfaces)])
 
@@ -231,7 +231,7 @@ def _body_groups(system: System, places: _BodyPlaces, length: float) -> tuple[Bo
     found = [
         (index, _arrays(placed.body, length))
         for index, placed in enumerate(system.bodies)
-        if not placed.body.is_seen_by_interfaces
+        if not placed.body.uses_interface_motions
     ]
     groups = []
     for group in _grouped(found, lambda each: _structure(each[1])):
@@ -279,7 +279,7 @@ def interface_motion(placed: Placed, interface: str) -> tuple[np.ndarray, np.nda
     """Rest position (3,) of an interface, and its motion (6, r) per model coordinate of its body."""
     body = placed.body
     found = body.interface(interface)
-    if body.is_seen_by_interfaces:
+    if body.uses_interface_motions:
         index = [own.name for own in body.interfaces].index(interface)
         return np.asarray(found.position), np.eye(6 * len(body.interfaces))[6 * index : 6 * index + 6]
     return np.asarray(found.position), np.asarray(found.motion)

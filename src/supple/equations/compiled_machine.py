@@ -27,7 +27,7 @@ from supple.equations.machine_model import Model
 from supple.equations.start_change import StartChange
 from supple.equations.starting_machine import JointTerms, joint_terms
 from supple.machine import System
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["CompiledMachine", "CompiledStart", "compiled_start"]
 
@@ -58,7 +58,7 @@ class CompiledMachine:
         return self.model.slices
 
     @property
-    def seen_slices(self) -> tuple[slice, ...]:
+    def joint_slices(self) -> tuple[slice, ...]:
         """Equal to `slices`: joints use the coordinates directly."""
         return self.model.slices
 
@@ -157,9 +157,9 @@ def forces_without_acceleration(
     return terms.inertia + terms.internal + terms.applied
 
 
-_moved = KeptProgram(advance, STARTING)
-_mass = KeptProgram(mass_matrix, STARTING)
-_forces = KeptProgram(forces_without_acceleration, STARTING)
+_moved = CachedProgram(advance, STARTING)
+_mass = CachedProgram(mass_matrix, STARTING)
+_forces = CachedProgram(forces_without_acceleration, STARTING)
 
 
 def bordered_solve(mass: np.ndarray, jacobian: np.ndarray, top: np.ndarray, bottom: np.ndarray) -> np.ndarray:

@@ -120,7 +120,7 @@ def _check_nearby(
         list(
             neighbours(
                 float(machine.model.length),
-                machine.seen_slices,
+                machine.joint_slices,
                 machine.joint_terms(time, configuration, velocity).jacobian,
             )
         ),

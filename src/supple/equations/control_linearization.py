@@ -26,7 +26,7 @@ from supple.equations.machine_model import ControlLaw, Model
 from supple.equations.marker import N_LOCAL, pose
 from supple.equations.places import MatrixBlock, Places, assembled_matrix
 from supple.machine import Controller, System
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["LinearControl", "RestingControl", "control_at_rest", "unrest"]
 
@@ -138,7 +138,7 @@ def _terms(model: Model, motion: SystemMotion) -> RestingControl:
     )
 
 
-_at_rest = KeptProgram(_terms, STARTING)
+_at_rest = CachedProgram(_terms, STARTING)
 
 
 def _states(motion: SystemMotion, number: int) -> Any:

@@ -14,7 +14,7 @@ from supple.equations.control_force import stepped
 from supple.equations.machine_model import Model
 from supple.errors import ModelError
 from supple.machine import JointReading, SampledController, System
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["control_after", "first_control", "fresh_control", "kept_control", "resumed_control"]
 
@@ -53,7 +53,7 @@ def _stepped_at(model: Model, motion: SystemMotion) -> Any:
     return stepped(model, motion)
 
 
-_stepped = KeptProgram(_stepped_at, STARTING)
+_stepped = CachedProgram(_stepped_at, STARTING)
 
 
 def kept_control(control: ControlState | None) -> dict[str, np.ndarray]:

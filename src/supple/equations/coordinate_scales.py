@@ -9,7 +9,7 @@ import numpy as np
 from supple.equations.compiler_options import STARTING
 from supple.equations.machine_model import BodyGroup, Model
 from supple.equations.places import Places, assembled_vector
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["kinds_of_rows", "known_position_scale", "position_scale"]
 
@@ -26,7 +26,7 @@ def position_scale(model: Model) -> jax.Array:
     return assembled_vector(model.n_velocities, [of_group(group) for group in model.groups])
 
 
-known_position_scale = KeptProgram(position_scale, STARTING)
+known_position_scale = CachedProgram(position_scale, STARTING)
 """`position_scale` as one compiled program with concrete values."""
 
 

@@ -16,7 +16,7 @@ from supple.machine import System
 
 __all__ = [
     "LastInstant",
-    "SeenMotions",
+    "StationMotions",
     "body_motions",
     "failure_message",
     "floating_solution",
@@ -32,7 +32,7 @@ def floating_solution(
     motion: SystemMotion,
     statistics: Statistics,
     engine_state: Mapping[str, np.ndarray] = MappingProxyType({}),
-    seen: SeenMotions | None = None,
+    seen: StationMotions | None = None,
 ) -> Solution:
     """Stacked states (leading axis: time) as a solution, with the forces of the joints.
 
@@ -97,7 +97,7 @@ def joint_multipliers(
     return {name: every[..., rows] for name, rows in system.constraint_slices.items()}
 
 
-class SeenMotions(NamedTuple):
+class StationMotions(NamedTuple):
     """Motions of bodies represented by stations, by name; and the system that contains them."""
 
     system: System

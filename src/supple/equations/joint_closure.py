@@ -58,7 +58,7 @@ def _least_rigid_change(
     machine: StartingMachine, configuration: Configuration, terms: JointTerms
 ) -> tuple[np.ndarray, float]:
     """The least rigid motion (nb, 6) in the mass norm that best closes the joints; the remaining residual."""
-    frames = [slice(part.start, part.start + 6) for part in machine.seen_slices]
+    frames = [slice(part.start, part.start + 6) for part in machine.joint_slices]
     whitening = [np.linalg.inv(np.linalg.cholesky(own)).T for own in machine.frame_masses(configuration)]
     jacobian = np.hstack([terms.jacobian[:, part] @ own for part, own in zip(frames, whitening, strict=True)])
     change, *_ = np.linalg.lstsq(jacobian, -terms.residual, rcond=1e-9)

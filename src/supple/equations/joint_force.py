@@ -28,7 +28,7 @@ from supple.equations.joint_linearization import (
 )
 from supple.equations.machine_model import JointGroup, Model
 from supple.equations.places import MatrixBlock, Places, assembled_matrix, assembled_vector, over
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = [
     "LinearizedJoints",
@@ -108,7 +108,7 @@ def constraint_rows(
     return _active(model, assembled_matrix((model.n_equations, model.n_velocities), blocks))
 
 
-joint_rows = KeptProgram(constraint_rows, STARTING)
+joint_rows = CachedProgram(constraint_rows, STARTING)
 """`constraint_rows` as one compiled program with concrete values."""
 
 

@@ -34,7 +34,7 @@ from supple.equations.marker import (
     wrench_stiffness,
 )
 from supple.machine.pose import Pose
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = [
     "Blocks",
@@ -100,7 +100,7 @@ def affine_form(constraint: Constraint, value: Any) -> Affine:
 @lru_cache(maxsize=64)
 def _constant(constraint: Constraint) -> Affine:
     """The affine form of a joint without a law, by a separate small program while another is traced."""
-    coefficients, constant = map(read_only, KeptProgram(partial(_affine, constraint, None), STARTING)())
+    coefficients, constant = map(read_only, CachedProgram(partial(_affine, constraint, None), STARTING)())
     return coefficients, constant
 
 

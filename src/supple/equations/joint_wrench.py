@@ -23,7 +23,7 @@ from supple.body import place_in_frame
 from supple.equations.compiler_options import STARTING
 from supple.equations.joint_linearization import affine_form
 from supple.machine import GROUND, At, Joint, System
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["joint_wrenches"]
 
@@ -100,8 +100,8 @@ def _constant(constraint: Callable[..., jax.Array]) -> np.ndarray:
 
 
 @lru_cache
-def _program(constraint: Callable[..., jax.Array]) -> KeptProgram:
-    return KeptProgram(partial(_linearized, constraint), STARTING)
+def _program(constraint: Callable[..., jax.Array]) -> CachedProgram:
+    return CachedProgram(partial(_linearized, constraint), STARTING)
 
 
 def _linearized(constraint: Callable[..., jax.Array], law: Any, times: jax.Array) -> jax.Array:

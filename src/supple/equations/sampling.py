@@ -17,7 +17,7 @@ from supple.errors import ModelError
 from supple.integrate import Leg, Run, Statistics
 from supple.machine import SampledController, System
 from supple.machine.control.controller import as_memory
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["ControllerSampling", "march_sampled", "sampling_of"]
 
@@ -150,4 +150,4 @@ def _readings(model: Model, motion: SystemMotion) -> Any:
     return readings_at(model, motion)
 
 
-_read = KeptProgram(_readings, STARTING)
+_read = CachedProgram(_readings, STARTING)

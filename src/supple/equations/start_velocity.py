@@ -75,7 +75,7 @@ def velocity_change(
     machine : without redundant equations, its joints closed
     velocity : (n,)  as given, zero by default
     """
-    frames = np.concatenate([np.arange(part.start, part.start + 6) for part in machine.seen_slices])
+    frames = np.concatenate([np.arange(part.start, part.start + 6) for part in machine.joint_slices])
     motions = zip(given_parts(machine.system), machine.frame_masses(configuration), strict=True)
     by_body = [levels_of_body(given, mass) for given, mass in motions]
     fit = rigid_fit(

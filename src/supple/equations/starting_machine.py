@@ -14,7 +14,7 @@ from supple.equations.configuration import AnyArray, Configuration, advance
 from supple.equations.joint_force import constraints
 from supple.equations.machine_model import Model
 from supple.machine import System
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["JointTerms", "StartingMachine", "joint_terms"]
 
@@ -45,7 +45,7 @@ def _terms(model: Model, time: jax.Array, configuration: Configuration, velocity
     return JointTerms(residual, constraint_jacobian(model, time, configuration), rate, bias)
 
 
-_TERMS = KeptProgram(_terms, STARTING)
+_TERMS = CachedProgram(_terms, STARTING)
 
 
 def joint_terms(model: Model, time: AnyArray, configuration: Configuration, velocity: AnyArray) -> JointTerms:
@@ -71,7 +71,7 @@ class StartingMachine(Protocol):
         ...
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
-        """Constraints and their derivatives as NumPy arrays; the Jacobian for velocities in `seen_slices`."""
+        """Constraints and derivatives as NumPy arrays; the Jacobian for velocities in `joint_slices`."""
         ...
 
     def metric(self, configuration: Configuration) -> np.ndarray:
@@ -84,7 +84,7 @@ class StartingMachine(Protocol):
         ...
 
     @property
-    def seen_slices(self) -> tuple[slice, ...]:
+    def joint_slices(self) -> tuple[slice, ...]:
         """Positions of each body's velocities in the Jacobian's columns, its frame's six first."""
         ...
 

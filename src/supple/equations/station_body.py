@@ -19,7 +19,7 @@ from supple.equations.configuration import AnyArray
 from supple.integrate import FloatingMotion, FramedMotion, Motion
 from supple.machine import System
 
-__all__ = ["BodyState", "SeenMachine", "StationBody", "StationBodyForces", "Stations"]
+__all__ = ["BodyState", "MachineWithStations", "StationBody", "StationBodyForces", "Stations"]
 
 
 class BodyState(NamedTuple):
@@ -91,7 +91,7 @@ class StationBody(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class SeenMachine:
+class MachineWithStations:
     """A machine with station bodies.
 
     system : System     itself

@@ -32,7 +32,7 @@ from supple.equations.control_linearization import LinearControl, control_at_res
 from supple.equations.joint_force import joint_rows
 from supple.equations.machine_model import Model
 from supple.integrate import StepFactors
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = [
     "LinearEquations",
@@ -194,7 +194,7 @@ def _tangent_of_step(
     return tangent(model, motion, linearization, jnp.zeros(model.n_velocities), factors)
 
 
-_tangent = KeptProgram(_tangent_of_step, STARTING)
+_tangent = CachedProgram(_tangent_of_step, STARTING)
 
 
 def in_turning_axes(model: Model, configuration: Configuration) -> np.ndarray:

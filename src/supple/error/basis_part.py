@@ -77,7 +77,8 @@ def assessed_basis(
         }
     else:
         fulls = whole.bodies_of(FullBody)
-        parts = check_run(system, run, solution, fulls, bases, asked, progress=progress)
+        missed = {name: own.deformation for name, own in estimate.corrections.items()}
+        parts = check_run(system, run, solution, fulls, bases, asked, missed=missed, progress=progress)
     return parts, estimate
 
 

@@ -48,7 +48,7 @@ from supple.machine import System
 from supple.methods.floating.compiled.every_step import every_step
 from supple.quantities.quantity_of_interest import WholeBody
 from supple.reduction import ReducedBody, ReductionBasis
-from supple.simulation.kept_basis import kept_bases
+from supple.simulation.stored_basis import stored_bases
 
 __all__ = ["estimate_batch_errors", "state_batch_errors"]
 
@@ -60,7 +60,7 @@ def state_batch_errors(
 
     Parameters as for `estimate_batch_errors`. Step and model are estimated of single runs (`state_errors`).
     """
-    bases = kept_bases(cases[0], fulls)
+    bases = stored_bases(cases[0], fulls)
     quantities = [WholeBody(name) for name in bases]
     study = ErrorStudy(basis=False, integration=False, model=False)
     stated = []
@@ -107,7 +107,7 @@ def estimate_batch_errors(
     ModelError      bodies that differ from case to case, or are not made of those in full; nothing to assess
     """
     check_linearised(cases[0])
-    bases = kept_bases(cases[0], fulls)
+    bases = stored_bases(cases[0], fulls)
     if not bases:
         raise ModelError("batch estimate: give the bodies to estimate in full; none of them is in the cases")
     for system in cases[1:]:

@@ -54,24 +54,26 @@ def check_run(
     bases: Mapping[str, ReductionBasis],
     quantities: Sequence[QuantityOfInterest],
     *,
+    missed: Mapping[str, np.ndarray] | None = None,
     progress: StepProgress | None = None,
 ) -> dict[str, ErrorPart]:
     """The part of the bases in some quantities of a finished run, by their names.
 
     fulls, bases : of the reduced bodies whose bases are assessed, by name
+    missed : (n, m) displacement fields outside each basis; None: found here at `INSTANTS` times
     """
     report = progress or (lambda _step, _share: None)
     step = "what the bases miss"
     report(step, 0.0)
-    added: Mapping[str, np.ndarray] = {}
-    if not system.controllers:
+    added = missed or {}
+    if missed is None and not system.controllers:
         reduced = [fulls[name] for name in bases]
         n_times = len(solution.times)
         instants = stratified_samples(n_times, min(INSTANTS, n_times - 1), seed=n_times)
-        missed = system_corrections(
+        found = system_corrections(
             system, reduced, bases, solution, instants, progress=lambda x: report(step, x)
         )
-        added = {name: own.deformation for name, own in missed.items()}
+        added = {name: own.deformation for name, own in found.items()}
     richer = {}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SuppleWarning)

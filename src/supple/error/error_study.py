@@ -19,7 +19,7 @@ from supple.progress import by_step, with_progress_bar
 from supple.quantities.quantity_of_interest import QuantityOfInterest, WholeBody
 from supple.reduction import ReductionBasis
 from supple.simulation.engines import refuse_explicit
-from supple.simulation.kept_basis import kept_bases
+from supple.simulation.stored_basis import stored_bases
 
 __all__ = ["ErrorStudy", "state_errors"]
 
@@ -86,7 +86,7 @@ def state_errors(
     # What is found from equations of floating bodies alone is not found beside an intrinsic one.
     known = {} if system.bodies_of(IntrinsicBody) else _of_machine(system, fulls)
     quantities = quantities_of_interest(system, study)
-    bases = kept_bases(system, known)
+    bases = stored_bases(system, known)
     of_basis: Mapping[str, ErrorPart] = {}
     if study.basis and bases and solution.stopped is None:
         of_basis = basis_parts(system, run, solution, known, bases, quantities, progress=progress)

@@ -19,7 +19,7 @@ from supple.error.system_correction import Accepted, Announce
 from supple.errors import ResolutionWarning, ResultFileError, StartWarning, ValidityWarning
 from supple.integrate import Run, StepProgress, Validity
 from supple.machine import System
-from supple.simulation import keep_bodies
+from supple.simulation import store_bodies
 from supple.simulation.recorded_columns import columns_of
 from supple.simulation.recorded_run import joint_ends
 from supple.simulation.watched_run import report_resolution, warn_of_unseen_laws
@@ -85,7 +85,7 @@ def correct_recorded(
             **errors_metadata(corrected.solution.errors),
         }
         # The motion comes last: where it is, its bodies are.
-        keep_bodies(corrected.system, starts, path.parent)
+        store_bodies(corrected.system, starts, path.parent)
         write_solution(
             path, corrected.solution, case=case, metadata=metadata, inputs=inputs or {"the case": case}
         )

@@ -97,7 +97,7 @@ class FiniteElementModel:
         return (*self.blocks, *springs) if springs else self.blocks
 
     @property
-    def strains_vanish_when_turned(self) -> bool:
+    def strains_vanish_in_rotation(self) -> bool:
         """Whether a rotation about any axis leaves no second-order strain; not so for von Karman strain."""
         return self.kinematics.gradients == GREEN_LAGRANGE.gradients
 

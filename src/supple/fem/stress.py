@@ -343,7 +343,7 @@ def _ranks(lines: Sequence[NDArray[np.int64]]) -> list[NDArray[np.int64]]:
 
 
 def _pieces(model: FiniteElementModel) -> tuple[RigidPiece, ...]:
-    return model.attached.rigid if model.strains_vanish_when_turned else ()
+    return model.attached.rigid if model.strains_vanish_in_rotation else ()
 
 
 def _lines(model: FiniteElementModel) -> NDArray[np.int64]:

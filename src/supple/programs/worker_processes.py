@@ -31,7 +31,7 @@ import numpy as np
 from supple.algebra.available_memory import available_memory
 from supple.other_processes import available_cores, python_command, python_environment
 from supple.programs import program_worker
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["Finished", "Task", "Work", "on_all_cores", "shared_out"]
 
@@ -84,7 +84,7 @@ class _ProgramWork:
 
     script = program_worker.__file__
 
-    def __init__(self, program: KeptProgram) -> None:
+    def __init__(self, program: CachedProgram) -> None:
         self._program, self._compiled, self._first = program, None, ()
 
     def prepare(self, arguments: tuple[Any, ...]) -> None:
@@ -114,7 +114,7 @@ class _ProgramWork:
         return jax.tree.unflatten(self._compiled.out_tree, answer)
 
 
-def on_all_cores(program: KeptProgram, tasks: Sequence[Task]) -> Iterator[Finished]:
+def on_all_cores(program: CachedProgram, tasks: Sequence[Task]) -> Iterator[Finished]:
     """Run a program for many arguments, which agree in all but numbers; what comes first is given first."""
     return shared_out(_ProgramWork(program), tasks)
 

@@ -16,7 +16,7 @@ from scipy import linalg
 
 from supple.reduction.reduced_body import ReducedBody
 
-__all__ = ["filled_up", "padded", "with_zeros_behind"]
+__all__ = ["filled_up", "padded", "padded_with_zeros"]
 
 MULTIPLE = 16
 LARGEST = 32
@@ -52,7 +52,7 @@ def filled_up(body: ReducedBody) -> ReducedBody:
         return whole
 
     def cubic(tensor: np.ndarray | None) -> np.ndarray | None:
-        return None if tensor is None else with_zeros_behind(spread(tensor), body.padding)
+        return None if tensor is None else padded_with_zeros(spread(tensor), body.padding)
 
     def quartic(tensor: np.ndarray | None) -> np.ndarray | None:
         return None if tensor is None else spread(spread(tensor).T).T
@@ -68,12 +68,12 @@ def filled_up(body: ReducedBody) -> ReducedBody:
         damping_cubic=cubic(body.damping_cubic),
         damping_quartic=quartic(body.damping_quartic),
         interfaces=tuple(
-            replace(each, motion=with_zeros_behind(each.motion, body.padding)) for each in body.interfaces
+            replace(each, motion=padded_with_zeros(each.motion, body.padding)) for each in body.interfaces
         ),
-        nodal_basis=with_zeros_behind(body.nodal_basis, body.padding),
+        nodal_basis=padded_with_zeros(body.nodal_basis, body.padding),
         rotation_basis=None
         if body.rotation_basis is None
-        else with_zeros_behind(body.rotation_basis, body.padding),
+        else padded_with_zeros(body.rotation_basis, body.padding),
         frequencies=np.append(body.frequencies, np.full(body.padding, highest)),
     )
     # No split into blocks of zeros: the block sizes would depend on r.
@@ -82,6 +82,6 @@ def filled_up(body: ReducedBody) -> ReducedBody:
     return filled
 
 
-def with_zeros_behind(columns: np.ndarray, more: int) -> np.ndarray:
+def padded_with_zeros(columns: np.ndarray, more: int) -> np.ndarray:
     """Arrays (.., r) of coordinates, extended by zeros."""
     return np.pad(columns, [(0, 0)] * (columns.ndim - 1) + [(0, more)])

@@ -22,7 +22,7 @@ from scipy.spatial.transform import Rotation
 
 from supple.body import BodyForm, FlexibleBody, MeanAxisFrame
 from supple.errors import ModelError
-from supple.simulation.kept_basis import kept_basis
+from supple.simulation.stored_basis import stored_basis
 
 __all__ = ["CarriedDeformation", "Deformation", "PlacedFrame", "ProjectionLoss", "carried_deformation"]
 
@@ -111,7 +111,7 @@ def carried_deformation(
     x, dx = (coordinates_of(each) for each in deformation)
     if now.kind == "full":
         return CarriedDeformation(state, x, dx, ProjectionLoss(0.0, 0.0, 0.0, 0.0))
-    vectors = kept_basis(now.full, now).vectors if now.kind == "reduced" else now.vectors
+    vectors = stored_basis(now.full, now).vectors if now.kind == "reduced" else now.vectors
     weighted = (body.mass @ vectors).T
     back, ends, wanted = _interfaces(now, body)
 

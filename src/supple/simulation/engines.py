@@ -14,7 +14,7 @@ from supple.methods.floating import CompiledEngine, FullEngine, FullKinematicEng
 from supple.methods.intrinsic import intrinsic_engine
 from supple.methods.intrinsic.chosen_step import with_chosen_step
 from supple.methods.intrinsic.supported_root import is_joined
-from supple.simulation.seen_machine import seen_machine
+from supple.simulation.machine_with_stations import machine_with_stations
 
 __all__ = ["register_engine"]
 
@@ -24,7 +24,7 @@ EngineFactory = Callable[[System, Run], Engine[Any]]
 
 def _sparse_engine(system: System, run: Run) -> FullEngine:
     """The engine for machines with full bodies, with intrinsic bodies in floating frames."""
-    return FullEngine(seen_machine(system), with_chosen_step(system, run))
+    return FullEngine(machine_with_stations(system), with_chosen_step(system, run))
 
 
 def _intrinsic_engine(system: System, run: Run) -> Engine[Any]:
@@ -54,7 +54,11 @@ def engine_for(system: System, run: Run) -> Engine[Any]:
     kinds = {placed.body.kind for placed in system.bodies}
     if isinstance(run.method, Kinematic):
         sparse = kinds & {"full", "intrinsic"}
-        return FullKinematicEngine(seen_machine(system), run) if sparse else KinematicEngine(system, run)
+        return (
+            FullKinematicEngine(machine_with_stations(system), run)
+            if sparse
+            else KinematicEngine(system, run)
+        )
     if is_explicit(system, run):
         return ExplicitEngine(system, run)
     factory = next((factory for kind, factory in _ENGINES.items() if kind in kinds), CompiledEngine)

@@ -7,10 +7,10 @@ import numpy as np
 from supple.equations.static_search import Equations
 from supple.equations.steady_motion import SteadyTurning
 from supple.machine import System
-from supple.methods.explicit.check_machine import check_spun
+from supple.methods.explicit.check_machine import check_spin_stiffness
 from supple.methods.floating import compiled_statics, full_statics
 from supple.methods.intrinsic.line_statics import line_statics
-from supple.simulation.seen_machine import seen_machine
+from supple.simulation.machine_with_stations import machine_with_stations
 
 __all__ = ["equations_of"]
 
@@ -26,9 +26,9 @@ def equations_of(
     the start of a run.
     """
     if turning is not None and np.any(turning.angular_velocities):
-        check_spun(system)
+        check_spin_stiffness(system)
     kinds = {placed.body.kind for placed in system.bodies}
     if "full" in kinds or ("intrinsic" in kinds and system.controllers):
-        return full_statics(seen_machine(system), turning, time, known)
+        return full_statics(machine_with_stations(system), turning, time, known)
     method = line_statics if "intrinsic" in kinds else compiled_statics
     return method(system, turning, time, known)

@@ -32,9 +32,9 @@ from supple.machine import System
 from supple.methods.floating.full.statics import FullStatics, full_statics
 from supple.quantities.quantity_of_interest import largest_displacement
 from supple.reduction import Condensation, ReducedBody, ReductionBasis
-from supple.simulation.kept_basis import kept_bases
+from supple.simulation.machine_with_stations import machine_with_stations
 from supple.simulation.resting_state import RestingState, placed_at_rest
-from supple.simulation.seen_machine import seen_machine
+from supple.simulation.stored_basis import stored_bases
 
 __all__ = ["FullRest", "RestError", "full_rest", "holds_all", "known_fulls", "rest_errors"]
 
@@ -151,7 +151,7 @@ def full_rest(
     fulls : the full bodies of reduced ones, by name; other bodies are unchanged
     Raises ModelError for a full body that is not that of the reduced one.
     """
-    bases = kept_bases(reduced.system, fulls)
+    bases = stored_bases(reduced.system, fulls)
     if not bases:
         return None
     expanded = _expanded(reduced, bases, fulls)
@@ -161,7 +161,7 @@ def full_rest(
         else placed
         for placed in reduced.system.bodies
     )
-    machine = seen_machine(replace(reduced.system, bodies=bodies))
+    machine = machine_with_stations(replace(reduced.system, bodies=bodies))
     turning = reduced.turning if np.any(reduced.turning.angular_velocities) else None
     statics = full_statics(machine, turning, time, reduced.equations.model.active)
     # Frame conditions transmit no force: the frame's own six equations balance the sum of the nodal forces.

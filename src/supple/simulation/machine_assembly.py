@@ -17,7 +17,7 @@ from supple.equations.start_change import PositionCorrection
 from supple.equations.starting_machine import StartingMachine
 from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody
-from supple.simulation.seen_machine import full_system
+from supple.simulation.machine_with_stations import full_system
 
 __all__ = ["AssembledMachine", "assemble"]
 

@@ -28,7 +28,7 @@ from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.batch_start import Axes, BatchStart, stacked
 from supple.methods.floating.compiled.programs import COMPILED_MARCH
 from supple.methods.floating.compiled.state import Controls, State
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 from supple.programs.worker_processes import Task
 
 __all__ = ["SharesOfCases", "shares_of"]
@@ -38,7 +38,7 @@ __all__ = ["SharesOfCases", "shares_of"]
 class SharesOfCases:
     """Cases marched by one call, and the arguments of the program."""
 
-    program: KeptProgram
+    program: CachedProgram
     cases: tuple[Sequence[int], ...]
     arguments: tuple[Task, ...]
     alone: bool
@@ -104,4 +104,4 @@ def _march_of_cases(
     return jax.vmap(of_case)(differing, states)
 
 
-_MAPPED_MARCH = KeptProgram(_march_of_cases, MARCHING)
+_MAPPED_MARCH = CachedProgram(_march_of_cases, MARCHING)

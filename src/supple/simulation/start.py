@@ -14,7 +14,7 @@ from supple.body import BodyForm
 from supple.errors import BasisWarning, ModelError, StartWarning, did_you_mean
 from supple.integrate import FloatingMotion, FramedMotion, Motion, Solution
 from supple.machine import Controller, Placed, System
-from supple.methods.intrinsic.going_on import placed_as_moved
+from supple.methods.intrinsic.continuation import placed_at_instant
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.simulation.carried_deformation import (
     Deformation,
@@ -137,7 +137,7 @@ class Start:
                     f"body '{name}' must keep the intrinsic modes of the motion, and these are others: "
                     "condense it with the same modes, in the same units"
                 )
-            return placed_as_moved(placed, motion, self.row), None
+            return placed_at_instant(placed, motion, self.row), None
         if not isinstance(motion, FloatingMotion) or not body.has_frame or body.kind == "intrinsic":
             raise ModelError(
                 f"body '{name}' is {body.kind}, and its motion is {motion.kind}: keep the form "

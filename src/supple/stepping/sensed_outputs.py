@@ -30,7 +30,7 @@ from supple.quantities import (
     VelocitySensor,
 )
 from supple.stepping.one_of_group import one_of, pose_of
-from supple.stepping.seen_machine import SeenMachine
+from supple.stepping.sensed_machine import SensedMachine
 from supple.stepping.variables import Variable
 from supple.units import UnitSystem
 
@@ -59,7 +59,7 @@ class SensedOutputs:
         return jnp.concatenate(parts)
 
 
-def sensed_outputs(seen: SeenMachine, sensors: Sequence[Quantity], units: UnitSystem) -> SensedOutputs:
+def sensed_outputs(seen: SensedMachine, sensors: Sequence[Quantity], units: UnitSystem) -> SensedOutputs:
     """The readings of sensors as functions of a state; sensors that JAX cannot trace are left out."""
     variables, reads, left_out = [], [], []
     for sensor in sensors:
@@ -80,20 +80,20 @@ def sensed_outputs(seen: SeenMachine, sensors: Sequence[Quantity], units: UnitSy
     return SensedOutputs(tuple(variables), tuple(reads), tuple(left_out))
 
 
-def _read_of(seen: SeenMachine, sensor: Quantity) -> Reads | None:
+def _read_of(seen: SensedMachine, sensor: Quantity) -> Reads | None:
     made = next((make for kind, make in _READS.items() if isinstance(sensor, kind)), None)
     return None if made is None else made(seen, sensor)
 
 
-def _position(seen: SeenMachine, sensor: PositionSensor) -> Reads | None:
+def _position(seen: SensedMachine, sensor: PositionSensor) -> Reads | None:
     return _of_point(seen, sensor.place, lambda moving, *_: moving[0])
 
 
-def _velocity(seen: SeenMachine, sensor: VelocitySensor) -> Reads | None:
+def _velocity(seen: SensedMachine, sensor: VelocitySensor) -> Reads | None:
     return _of_point(seen, sensor.place, lambda moving, *_: moving[1])
 
 
-def _acceleration(seen: SeenMachine, sensor: AccelerationSensor) -> Reads | None:
+def _acceleration(seen: SensedMachine, sensor: AccelerationSensor) -> Reads | None:
     return _of_point(seen, sensor.place, _absolute)
 
 
@@ -159,7 +159,7 @@ class _Point:
         return origin + turn @ arm, velocity, a[:3] + turn @ seen
 
 
-def _of_point(seen: SeenMachine, place: Place, chosen: Callable[..., Any]) -> Reads | None:
+def _of_point(seen: SensedMachine, place: Place, chosen: Callable[..., Any]) -> Reads | None:
     own = seen.place(place)
     if own is None:
         return None
@@ -167,7 +167,7 @@ def _of_point(seen: SeenMachine, place: Place, chosen: Callable[..., Any]) -> Re
     return lambda model, motion, *_: chosen(point.at(model, motion), motion.time, model)
 
 
-def _deflection(seen: SeenMachine, sensor: DeflectionSensor) -> Reads | None:
+def _deflection(seen: SensedMachine, sensor: DeflectionSensor) -> Reads | None:
     base, place = sensor.base(seen.own), seen.place(sensor.place)
     if base is None or place is None:
         return None
@@ -187,14 +187,14 @@ def _deflection(seen: SeenMachine, sensor: DeflectionSensor) -> Reads | None:
     return read
 
 
-def _angular_velocity(seen: SeenMachine, sensor: AngularVelocitySensor) -> Reads:
+def _angular_velocity(seen: SensedMachine, sensor: AngularVelocitySensor) -> Reads:
     if sensor.at == GROUND:
         return lambda *_: jnp.zeros(3)
     (reader,) = readers_of(seen.system, {"end": EndReading(seen.end(sensor.at))})
     return lambda _, motion, *__: pose_of(reader.first, motion).angular_velocity
 
 
-def _joint_motion(seen: SeenMachine, sensor: JointMotionSensor) -> Reads:
+def _joint_motion(seen: SensedMachine, sensor: JointMotionSensor) -> Reads:
     (reader,) = readers_of(seen.system, {"joint": JointReading(sensor.joint)})
 
     def read(_model: Model, motion: SystemMotion, before: Any, elapsed: Any) -> Any:
@@ -228,7 +228,7 @@ def _joint_wrench(system: System, name: str) -> Callable[[Model, SystemMotion], 
     return read
 
 
-def _joint_force(seen: SeenMachine, sensor: JointForceSensor) -> Reads:
+def _joint_force(seen: SensedMachine, sensor: JointForceSensor) -> Reads:
     wrench = _joint_wrench(seen.system, sensor.joint)
     return lambda model, motion, *_: wrench(model, motion)
 
@@ -249,7 +249,7 @@ class _Unnamed:
         return 0
 
 
-def _element(seen: SeenMachine, sensor: SpringForceSensor | ElementEnergySensor) -> Reads | None:
+def _element(seen: SensedMachine, sensor: SpringForceSensor | ElementEnergySensor) -> Reads | None:
     system, element = seen.system, seen.element(sensor.element)
     if element.law is not None and not any(each is element for each in system.loads):
         return None  # its law is replaced by an input
@@ -276,7 +276,7 @@ def _element(seen: SeenMachine, sensor: SpringForceSensor | ElementEnergySensor)
     return jax.tree_util.Partial(_Unnamed(read), group)
 
 
-_READS: dict[type, Callable[[SeenMachine, Any], Reads | None]] = {
+_READS: dict[type, Callable[[SensedMachine, Any], Reads | None]] = {
     PositionSensor: _position,
     VelocitySensor: _velocity,
     AccelerationSensor: _acceleration,

@@ -29,7 +29,7 @@ from supple.stepping.floating_steps import floating_steps
 from supple.stepping.joined_steps import joined_steps
 from supple.stepping.marching import Marching, MarchingState
 from supple.stepping.parameters import AffineArrays, MachineParameters, affine_arrays
-from supple.stepping.seen_machine import SeenMachine, ends_on_lines
+from supple.stepping.sensed_machine import SensedMachine, ends_on_lines
 from supple.stepping.sensed_outputs import SensedOutputs, sensed_outputs
 from supple.stepping.variables import Variable
 from supple.units import UNNAMED, UnitSystem
@@ -219,7 +219,7 @@ def _by_parameters(parameters: MachineParameters, time: float, sensed: SensedOut
         system, sensors, inputs = parameters.machine(values)
         external = external_inputs(system, inputs, {}, time)
         start = compiled_start(external.system, time)
-        outputs = sensed_outputs(SeenMachine(external.system, external.system), sensors, UNNAMED)
+        outputs = sensed_outputs(SensedMachine(external.system, external.system), sensors, UNNAMED)
         model = external.unset(_without_unread_scales(start.model))
         at = start.configuration, start.velocity, start.control
         parts = _Parts(model, outputs.reads, contacts_of(external.system), *at)
@@ -256,12 +256,12 @@ def _without_unread_scales(model: Model) -> Model:
 
 def _made_ready(
     system: System, run: Run, sensors: Sequence[Quantity]
-) -> tuple[Marching, Any, Any, SeenMachine]:
+) -> tuple[Marching, Any, Any, SensedMachine]:
     """Time integration of a machine, its arrays, the initial state, and the machine for its sensors."""
     if any(placed.body.kind == "intrinsic" for placed in system.bodies):
         joined, machine, begun = joined_steps(system, run, ends_on_lines(system, sensors))
-        return joined, machine.arrays, begun, SeenMachine(system, machine.seen)
-    return *floating_steps(system, run), SeenMachine(system, system)
+        return joined, machine.arrays, begun, SensedMachine(system, machine.seen)
+    return *floating_steps(system, run), SensedMachine(system, system)
 
 
 _OTHERS = {

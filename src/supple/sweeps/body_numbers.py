@@ -47,11 +47,12 @@ def number_of_run(case: Path, name: str, raw: Raw) -> tuple[KeyPath, float]:
     place = parameter_path(name, raw)
     value = number_at(place, raw)
     if value is None:
-        raise CaseError(f"{name} is no number of {case}: give its value there, or another path")
+        raise CaseError(f"{name} is not a number in {case}; give its value there, or another path")
     if not is_number_of_run(place, value, raw):
         raise CaseError(
-            f"{case}: {name} makes another body, run or program, and cannot be a parameter; numbers of "
-            "loads, joints, springs, elements, gravity and rigid bodies can: run or export each value alone"
+            f"{case}: {name} changes a flexible body, the run or the program, and cannot be a parameter; "
+            "numbers of loads, joints, springs, elements, gravity and rigid bodies can: run or export each "
+            "value alone"
         )
     return place, value
 

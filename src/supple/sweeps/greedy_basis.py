@@ -10,14 +10,12 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
 
 from supple.body import FullBody
-from supple.cases.notify import silent
 from supple.error import (
     ErrorStudy,
     Indicated,
@@ -33,16 +31,16 @@ from supple.error.error_study import statements
 from supple.error.round_archive import InMemoryArchive, RoundBases
 from supple.error.start_deformation import with_start
 from supple.error.system_correction import Problem, correct
-from supple.errors import CaseError, ConvergenceError, LockingWarning
+from supple.errors import LockingWarning
 from supple.integrate import FloatingMotion, Solution, Validity
 from supple.machine import System
 from supple.quantities.quantity_of_interest import WholeBody
 from supple.reduction import CondensedQuartic, PlainQuartic, ReducedBody, ReductionBasis, project
-from supple.simulation import simulate_batch
-from supple.simulation.kept_basis import kept_bases
+from supple.simulation.stored_basis import stored_bases
 from supple.sweeps.certificate import Certificate, Representative
 from supple.sweeps.plan import MARCHED_AT_ONCE, SweepPlan
 from supple.sweeps.swept_group import SweptCase, SweptGroup
+from supple.sweeps.training_runs import training_runs
 
 __all__ = ["certify", "indicated", "training_cases"]
 
@@ -111,18 +109,8 @@ class _Search:
 
     def __init__(self, group: SweptGroup, numbers: Sequence[int]) -> None:
         self._group = group
-        known, made = list[int](), list[SweptCase]()
-        for number in numbers:
-            with suppress(CaseError, ConvergenceError):  # recorded when it is its turn
-                made.append(group.case(number))
-                known.append(number)
-        if not made:
-            raise CaseError("no case of the group makes a machine")
-        found = simulate_batch([own.system for own in made], made[0].run, progress=silent)
-        ran = [place for place in range(len(made)) if place not in found.failures]
-        self._numbers = [known[place] for place in ran]
-        self._cases = [made[place] for place in ran]
-        self._solutions = [found.solutions[place] for place in ran]
+        runs = training_runs(group, numbers)
+        self._numbers, self._cases, self._solutions = runs.numbers, runs.cases, runs.solutions
         self._fields: dict[str, list[np.ndarray]] = {}
         targets = {name: start.target for name, start in group.fresh.starts.items()}
         self.certificate = Certificate(targets=targets)
@@ -176,7 +164,7 @@ class _Search:
         """
         own, solution = self._cases[place], self._solutions[place]
         fulls = self._group.fulls(own.case)
-        bases = kept_bases(own.system, fulls)
+        bases = stored_bases(own.system, fulls)
         system = _with_locking(own.system, fulls, bases)
         quantities = [WholeBody(name) for name in bases]
         instants = max((target.instants for target in self.certificate.targets.values()), default=INSTANTS)
@@ -208,7 +196,7 @@ class _Search:
         """Of the indicators, with the motion that all representatives miss."""
         first = self._cases[0]
         fulls = self._group.fulls(first.case)
-        bases = kept_bases(first.system, fulls)
+        bases = stored_bases(first.system, fulls)
         reduced = first.system.bodies_of(ReducedBody)
         return {
             name: indicator_body(
@@ -274,7 +262,7 @@ def _enriched(group: SweptGroup, own: SweptCase, *, richer: bool = False) -> Swe
     fulls = group.fulls(case)
     correctable = {name: fulls[name] for name in starts}
     whole = group.in_full(case, correctable)
-    bases = kept_bases(own.system, correctable)
+    bases = stored_bases(own.system, correctable)
     first = {name: with_start(whole.placed(name), full, bases[name]) for name, full in correctable.items()}
     archive = _LastBases()
     problem = Problem(

@@ -21,8 +21,8 @@ from supple.error import correction_numbers, self_correct
 from supple.integrate import Validity
 from supple.machine import System
 from supple.reduction import ReducedBody, redamped
-from supple.simulation import keep_body
-from supple.simulation.kept_bodies import kept_path
+from supple.simulation import store_body
+from supple.simulation.stored_bodies import stored_path
 from supple.storage import read_reduced_body, write_json
 from supple.storage.exclusive_lock import ExclusiveLock
 from supple.storage.file_errors import file_errors
@@ -91,7 +91,7 @@ def bodies_of_group(case: Case, folder: Path) -> GroupBodies:
             if not _are_kept(own, tables):
                 _reduce(case, tables, own)
     record = json.loads((own / _RECORD).read_text(encoding="utf-8"))
-    reduced = {name: read_reduced_body(kept_path(own, name)) for name in tables}
+    reduced = {name: read_reduced_body(stored_path(own, name)) for name in tables}
     return GroupBodies(reduced, {name: tuple(own) for name, own in record["rayleigh"].items()}, tables)
 
 
@@ -123,7 +123,7 @@ def _files(table: Body) -> list[str]:
 
 
 def _are_kept(folder: Path, tables: Mapping[str, Body]) -> bool:
-    return (folder / _RECORD).is_file() and all(is_whole(kept_path(folder, name)) for name in tables)
+    return (folder / _RECORD).is_file() and all(is_whole(stored_path(folder, name)) for name in tables)
 
 
 def _reduce(case: Case, tables: Mapping[str, Body], folder: Path) -> None:
@@ -138,7 +138,7 @@ def _reduce(case: Case, tables: Mapping[str, Body], folder: Path) -> None:
     rayleigh = {}
     for name in tables:
         body = found[name]
-        keep_body(body, folder)
+        store_body(body, folder)
         damping = body.full.damping if body.full is not None else None
         if isinstance(damping, RayleighDamping | LinearRayleighDamping):
             rayleigh[name] = (damping.alpha, damping.beta)

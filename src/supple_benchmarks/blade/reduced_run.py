@@ -23,11 +23,11 @@ from supple.reduction import (
     StaticLoad,
 )
 from supple.results import MotionError, motion_error
-from supple_benchmarks.as_far_as_it_goes import as_far_as_it_goes
 from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES, FullRun
 from supple_benchmarks.compared_tensors import reduce_to_compare
 from supple_benchmarks.nrel5mw_blade import BODY, FRAMES, Blade, BladeCase, TipMotion, tip_motion
 from supple_benchmarks.progress import Progress
+from supple_benchmarks.until_early_end import until_early_end
 
 __all__ = ["FixedBasis", "ReducedRun", "bases_of", "error_against", "reduce_blade", "run_reduced"]
 
@@ -127,7 +127,7 @@ def run_reduced(
 ) -> ReducedRun:
     """Simulate the whole duration, and measure the error over the time of the full run."""
     body, offline_seconds = reduced
-    solution, failed_at = as_far_as_it_goes(
+    solution, failed_at = until_early_end(
         blade.system(body, case, blade.loads(case, duration)),
         Run(duration=duration, output_step=OUTPUT_STEP, step=STEP, tolerances=TOLERANCES),
         progress=progress,

@@ -15,7 +15,7 @@ from supple_benchmarks.invariance.strip import (
     TORSION,
     HeldStrip,
     beam_model,
-    force_that_turns,
+    force_for_rotation,
     strip_model,
 )
 
@@ -31,7 +31,7 @@ def bent_strips(quick: bool) -> Iterator[dict[str, Any]]:
     """Error of the tip against the elastica, frame on the root, as a share of the deflection."""
     models = {"shell": (strip_model(20), np.array([0.25, 0.5, 0.25])), "beam": (beam_model(40), np.ones(1))}
     for rotation in ROTATIONS[: 1 if quick else None]:
-        force, (along, across) = force_that_turns(BENDING, LENGTH, rotation)
+        force, (along, across) = force_for_rotation(BENDING, LENGTH, rotation)
         for element, (model, weights) in models.items():
             tip = model.mesh.nodes_of("tip")
             body = FullBody(clamped_body("strip", model), FRAMES["nodal-fixed"])
@@ -48,7 +48,7 @@ def turned_strips(quick: bool) -> Iterator[dict[str, Any]]:
     held = HeldStrip(10 if quick else 20)
     tip = held.mesh.nodes_of("tip_centre")[0]
     loads = {
-        "bent": held.tip_force([0, 0, force_that_turns(BENDING, LENGTH, 0.291)[0]]),
+        "bent": held.tip_force([0, 0, force_for_rotation(BENDING, LENGTH, 0.291)[0]]),
         "twisted": held.tip_couple(0.3 * TORSION / LENGTH),
     }
     for case, load in loads.items():

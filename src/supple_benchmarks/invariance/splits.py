@@ -11,7 +11,7 @@ from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface
 from supple.machine import split_body
 from supple.mesh import AlongAxis
 from supple_benchmarks.invariance.clamped import FRAMES, clamped_body, resting_tip
-from supple_benchmarks.invariance.strip import BENDING, LENGTH, force_that_turns, strip_model
+from supple_benchmarks.invariance.strip import BENDING, LENGTH, force_for_rotation, strip_model
 
 __all__ = ["split_strips"]
 
@@ -22,7 +22,7 @@ def split_strips(quick: bool) -> Iterator[dict[str, Any]]:
     tip = model.mesh.nodes_of("tip")
     weights = np.array([0.25, 0.5, 0.25])
     for rotation in (0.874,) if quick else (0.291, 0.573, 0.874, 1.2):
-        force, (along, across) = force_that_turns(BENDING, LENGTH, rotation)
+        force, (along, across) = force_for_rotation(BENDING, LENGTH, rotation)
         for name in FRAMES:
             for k in (1, 2) if quick else (1, 2, 4):
                 bodies, joints, own = _parts(model, name, k)

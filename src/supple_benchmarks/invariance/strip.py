@@ -29,7 +29,7 @@ __all__ = [
     "WARPING",
     "HeldStrip",
     "beam_model",
-    "force_that_turns",
+    "force_for_rotation",
     "strip_mesh",
     "strip_model",
 ]
@@ -74,7 +74,7 @@ def beam_model(n_length: int) -> FiniteElementModel:
     return shell_model(Mesh(nodes, {CellType.LINE2: cells}, sets), section)
 
 
-def force_that_turns(bending: float, length: float, rotation: float) -> tuple[float, Array]:
+def force_for_rotation(bending: float, length: float, rotation: float) -> tuple[float, Array]:
     """Dead tip force for a given tip rotation of an elastica, N; position of the tip, along and across."""
 
     def missing(force: float) -> float:
@@ -87,7 +87,7 @@ def force_that_turns(bending: float, length: float, rotation: float) -> tuple[fl
     return force, np.array(elastica(bending, length, force)[:2])
 
 
-def turned_rigidly(mesh: Mesh, motion: Array, around: Rotation) -> Array:
+def rotated_rigidly(mesh: Mesh, motion: Array, around: Rotation) -> Array:
     """Nodal freedoms (N, 6) of a motion followed by a rotation about the origin."""
     moved = around.apply(mesh.nodes + motion[:, :3]) - mesh.nodes
     return np.column_stack([moved, (around * Rotation.from_rotvec(motion[:, 3:])).as_rotvec()])
@@ -128,12 +128,12 @@ class HeldStrip:
         """The same equilibrium in a frame rotated against all bodies, expressed in the axes of the root."""
         around = Rotation.from_rotvec(turn)
         turned_load = around.apply(load.reshape(-1, 3)).reshape(-1, 6)
-        found = self._resting(turned_load, turned_rigidly(self.mesh, motion, around), 1)
-        return turned_rigidly(self.mesh, found, around.inv())
+        found = self._resting(turned_load, rotated_rigidly(self.mesh, motion, around), 1)
+        return rotated_rigidly(self.mesh, found, around.inv())
 
     def energy(self, turn: Array, motion: Array) -> float:
         """Strain energy of a motion followed by a rotation, J."""
-        turned = turned_rigidly(self.mesh, motion, Rotation.from_rotvec(turn))
+        turned = rotated_rigidly(self.mesh, motion, Rotation.from_rotvec(turn))
         return float(self.assembly.energy(turned.ravel()))
 
     def _resting(self, load: Array, start: Array, steps: int) -> Array:

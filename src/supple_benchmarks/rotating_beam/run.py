@@ -31,12 +31,12 @@ from supple.reduction import (
 )
 from supple.results.error_measures import MotionError, motion_error
 from supple.simulation import simulate
-from supple_benchmarks.as_far_as_it_goes import as_far_as_it_goes
 from supple_benchmarks.compared_tensors import reduce_to_compare
 from supple_benchmarks.progress import Announce, Progress
 from supple_benchmarks.rotating_beam.exact_beam import ExactTip, exact_tip
 from supple_benchmarks.rotating_beam.problem import BODY, FRAMES, KINEMATICS, ROOT, RotatingBeam, spin_up_load
 from supple_benchmarks.rotating_beam.tip_motion import TipMotion
+from supple_benchmarks.until_early_end import until_early_end
 
 __all__ = [
     "BeamRun",
@@ -211,7 +211,7 @@ def _run_reduced(
         body, FRAMES[full.frame], choice.recipe, derivatives=choice.derivatives, tensors=choice.tensors
     )
     offline = perf_counter() - began
-    solution, failed_at = as_far_as_it_goes(
+    solution, failed_at = until_early_end(
         _system(reduced, spin),
         Run(duration=problem.duration, output_step=problem.output_step, step=FixedStep(problem.step)),
         progress=progress,

@@ -34,7 +34,7 @@ from supple.simulation import simulate
 from supple_benchmarks.progress import Progress
 from supple_benchmarks.references.simo_reissner import straight_beam, swung
 
-__all__ = ["EXACT_BEAMS", "ExactBeamCase", "judge_by_exact_beam"]
+__all__ = ["EXACT_BEAMS", "ExactBeamCase", "assess_by_exact_beam"]
 
 Array = NDArray[np.float64]
 
@@ -57,7 +57,7 @@ class ExactBeamCase:
         return re.sub(r"\W+", "-", self.name)
 
 
-def judge_by_exact_beam(case: ExactBeamCase, told: Progress) -> dict[str, Any]:
+def assess_by_exact_beam(case: ExactBeamCase, told: Progress) -> dict[str, Any]:
     """Estimated error of the tip of a body of fixed size, and its distance from the exact beam's tip."""
     full, system_of, derivatives, run, tip = case.made()
     body: ReducedBody = reduce(

@@ -11,7 +11,7 @@ from supple.storage import write_json
 from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.progress import Announce, Progress
 from supple_benchmarks.trust.cases import CASES, QUICK
-from supple_benchmarks.trust.exact_beams import EXACT_BEAMS, judge_by_exact_beam
+from supple_benchmarks.trust.exact_beams import EXACT_BEAMS, assess_by_exact_beam
 from supple_benchmarks.trust.judge import judge
 
 __all__ = ["coverage", "run_trust"]
@@ -36,7 +36,7 @@ def run_trust(quick: bool, folder: Path, announce: Announce) -> Iterator[dict[st
     for beam in () if quick else EXACT_BEAMS:
         told = announce(beam.name)
         kept = folder / "exact-beams" / f"{beam.file_name}.json"
-        record = _kept_or(kept, told, lambda beam=beam, told=told: judge_by_exact_beam(beam, told))
+        record = _kept_or(kept, told, lambda beam=beam, told=told: assess_by_exact_beam(beam, told))
         report["exact_beams"].append(record)
         report["coverage"] = coverage(report["cases"], report["exact_beams"])
         yield report

@@ -22,7 +22,9 @@ from fixtures.exported_machines import (
 
 from supple.body import NodalFixedFrame, RigidBody
 from supple.errors import ModelError
-from supple.export.fmu.write_fmu import write_linear_fmu
+from supple.export.fmu import prebuilt
+from supple.export.fmu.platforms import PLATFORMS
+from supple.export.fmu.write_fmu import linear_sources, write_linear_fmu
 from supple.export.linear.linear_form import linear_form
 from supple.integrate import FixedStep
 from supple.machine import (
@@ -266,3 +268,19 @@ def test_a_controlled_machine_has_the_states_of_its_controller():
     expected = np.asarray(now.output) - step.start.output
     np.testing.assert_allclose(found, expected, atol=2e-3 * np.abs(expected).max())
     assert np.abs(expected).max() > 1e-5
+
+
+def test_libraries_of_the_package_need_no_compiler(tmp_path, monkeypatch):
+    """They are found by the digest of their sources, all or none of the named platforms."""
+    monkeypatch.setenv("CC", "no-such-compiler")
+    monkeypatch.setattr(prebuilt, "FOLDER", tmp_path)
+    sources, form = linear_sources(3), formed(oscillator())
+    linux, arm = PLATFORMS["linux"]
+    (tmp_path / prebuilt.prebuilt_path(sources, linux, 3)).write_bytes(b"a library")
+    assert prebuilt.prebuilt_libraries(sources, 3, ()) == [(linux, b"a library")]
+    assert prebuilt.prebuilt_libraries(sources, 3, (linux, arm)) == []
+    assert prebuilt.prebuilt_libraries(sources | {"fmi3.c": ""}, 3, (linux,)) == []
+    with zipfile.ZipFile(write_linear_fmu(tmp_path / "machine.fmu", form, "machine")) as archive:
+        assert archive.read("binaries/x86_64-linux/machine.so") == b"a library"
+    with pytest.raises(ModelError, match="no-such-compiler"):
+        write_linear_fmu(tmp_path / "machine.fmu", form, "machine", fmi=2)

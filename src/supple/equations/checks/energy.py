@@ -20,7 +20,7 @@ from supple.equations.polynomial_force import Quartic, polynomial_energy
 from supple.errors import ModelError
 from supple.integrate import FloatingMotion, Motion, Solution
 from supple.machine import Placed, System
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 from supple.reduction import ReducedBody
 
 __all__ = ["Balances", "balances"]
@@ -132,7 +132,7 @@ def _over_time(body: _Arrays, gravity: jax.Array, motion: _Motion) -> Balances:
     return jax.vmap(at_one_time)(motion)
 
 
-_of_reduced_body = KeptProgram(_over_time)
+_of_reduced_body = CachedProgram(_over_time)
 
 
 def _first_moment(gram: jax.Array, coordinates: jax.Array) -> jax.Array:

@@ -16,7 +16,7 @@ from supple.equations.joint_force import constraints
 from supple.equations.machine_model import Model
 from supple.integrate import FloatingMotion, Motion, Solution
 from supple.machine import GROUND, At, Placed, System
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["joint_residuals"]
 
@@ -25,7 +25,7 @@ def _residuals_over_time(model: Model, times: jax.Array, configurations: Configu
     return jax.vmap(lambda time, at: constraints(model, time, at))(times, configurations)
 
 
-_residuals = KeptProgram(_residuals_over_time)
+_residuals = CachedProgram(_residuals_over_time)
 
 
 def joint_residuals(system: System, solution: Solution) -> np.ndarray:

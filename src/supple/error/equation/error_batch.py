@@ -14,7 +14,7 @@ from supple.error.equation.error_history import ErrorEquation
 from supple.error.equation.linearised_march import ElasticGain, ErrorState, GainHistory, march_error
 from supple.error.equation.steps_of_run import blocks_of_run, standing
 from supple.methods.floating.compiled.batch_start import Axes, differing, stacked
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["first_together"]
 
@@ -129,7 +129,7 @@ def _stacked(trees: Sequence[Any]) -> Any:
 
 
 @lru_cache(maxsize=16)
-def _mapped_march(model_structure: Any, axes: Axes) -> KeptProgram:
+def _mapped_march(model_structure: Any, axes: Axes) -> CachedProgram:
     """The compiled march over cases, for one pattern of shared and differing numbers."""
 
     def over_cases(leaves: list[Any], gains: Any, coefficients: Any, states: Any, blocks: Any) -> Any:
@@ -139,4 +139,4 @@ def _mapped_march(model_structure: Any, axes: Axes) -> KeptProgram:
 
         return jax.vmap(one_case, in_axes=(list(axes), 0, 0))(leaves, states, blocks)
 
-    return KeptProgram(over_cases, MARCHING)
+    return CachedProgram(over_cases, MARCHING)

@@ -37,7 +37,7 @@ from supple.equations.joint_force import constraint_rows
 from supple.equations.machine_model import STATIC, Model
 from supple.integrate import Coefficients, StepFactors, StepRule
 from supple.methods.floating.compiled.elimination import solve_bordering_column
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["ElasticGain", "ErrorState", "GainHistory", "StepOfRun", "first_error", "march_error"]
 
@@ -265,4 +265,4 @@ def _march_error(
     return jax.lax.scan(one_step, start, ((steps.h, steps.motion, steps.turn), gains))
 
 
-march_error = KeptProgram(_march_error, MARCHING)
+march_error = CachedProgram(_march_error, MARCHING)

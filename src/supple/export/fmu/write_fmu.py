@@ -7,7 +7,7 @@ import os
 import subprocess
 import tempfile
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -25,11 +25,12 @@ from supple.export.fmu.model_description import (
     model_description_3,
 )
 from supple.export.fmu.platforms import Compiler, Platform, compilers_of
+from supple.export.fmu.prebuilt import prebuilt_libraries
 from supple.export.linear.linear_form import LinearForm
 from supple.stepping import StepProgram
 from supple.storage.atomic_write import replacing
 
-__all__ = ["write_fmu", "write_linear_fmu"]
+__all__ = ["compile_library", "linear_sources", "write_fmu", "write_linear_fmu"]
 
 _WRAPPERS = {2: "fmi2.c", 3: "fmi3.c"}
 
@@ -48,7 +49,8 @@ def write_fmu(
                         a translation to C
     ResultFileError     the file cannot be written
     """
-    compilers = _compilers(platforms, fmi)
+    _check_version(fmi)
+    compilers = compilers_of(platforms, fmi)  # before the sources: printing them takes longer
     made = machine_sources(step, title)
     # Equal machines have equal tokens: an importer may cache data by token.
     token = _token((made["machine.c"] + made["machine.h"]).encode())
@@ -60,7 +62,9 @@ def write_fmu(
     }
     if step.inputs.variables:
         sources["derivative.c"] = derivative_source(step)
-    return _write(path, Interface.of_steps(step), title, token, sources, {}, fmi, compilers)
+    sources |= _wrapper(fmi)
+    libraries = _compiled(sources, compilers)
+    return _write(path, Interface.of_steps(step), title, token, sources, {}, fmi, libraries)
 
 
 def write_linear_fmu(
@@ -68,26 +72,38 @@ def write_linear_fmu(
 ) -> Path:
     """Write a linear machine as an FMU for co-simulation; returns the path.
 
-    The library is the same for all linear machines and reads the matrices from `resources/linear.bin`. That
-    file holds the token and little-endian doubles: the version 1; the numbers of states, inputs and outputs;
-    start time and time step of the run; inputs at rest; outputs at rest; states at the start; A, B, C, D by
-    rows. Arguments and errors as in `write_fmu`.
+    Arguments and errors as in `write_fmu`. The libraries are those built with the package, for all platforms
+    if none is given; without them they are compiled now. They read the matrices from `resources/linear.bin`.
+    That file holds the token and little-endian doubles: the version 1; the numbers of states, inputs and
+    outputs; start time and time step of the run; inputs at rest; outputs at rest; states at the start; A, B,
+    C, D by rows.
     """
-    compilers = _compilers(platforms, fmi)
+    _check_version(fmi)
     head = [1, len(form.state), len(form.inputs), len(form.outputs), form.time, form.size]
     given = [each.start for each in form.inputs]
     arrays = (head, given, form.rest, form.state, form.a, form.b, form.c, form.d)
     numbers = np.concatenate([np.ravel(np.asarray(each, dtype="<f8")) for each in arrays]).tobytes()
     token = _token(numbers)
-    sources = {"simulation.h": _asset("linear_simulation.h")}
+    sources = linear_sources(fmi)
+    libraries = prebuilt_libraries(sources, fmi, platforms) or _compiled(
+        sources, compilers_of(platforms, fmi)
+    )
     resources = {"linear.bin": token.encode() + numbers}
-    return _write(path, Interface.of_linear(form), title, token, sources, resources, fmi, compilers)
+    return _write(path, Interface.of_linear(form), title, token, sources, resources, fmi, libraries)
 
 
-def _compilers(platforms: tuple[Platform, ...], fmi: int) -> tuple[Compiler, ...]:
+def linear_sources(fmi: int) -> dict[str, str]:
+    """Sources of the library that all linear machines share, by file name."""
+    return {"simulation.h": _asset("linear_simulation.h")} | _wrapper(fmi)
+
+
+def _check_version(fmi: int) -> None:
     if fmi not in _WRAPPERS:
         raise ModelError(f"no FMU of FMI {fmi} can be written: choose 3 or 2")
-    return compilers_of(platforms, fmi)
+
+
+def _wrapper(fmi: int) -> dict[str, str]:
+    return {name: _asset(name) for name in ("instance.h", _WRAPPERS[fmi])}
 
 
 def _token(content: bytes) -> str:
@@ -102,11 +118,9 @@ def _write(
     sources: Mapping[str, str],
     resources: Mapping[str, bytes],
     fmi: int,
-    compilers: tuple[Compiler, ...],
+    libraries: Sequence[tuple[Platform, bytes]],
 ) -> Path:
-    """Write the archive: description, sources, compiled libraries and resources."""
-    wrapper = _WRAPPERS[fmi]
-    sources = {**sources, "instance.h": _asset("instance.h"), wrapper: _asset(wrapper)}
+    """Write the archive: description, sources, libraries by platform, and resources."""
     compiled = [name for name in sources if name.endswith(".c")]
     parts: dict[str, str | bytes] = {f"sources/{name}": own for name, own in sources.items()}
     parts |= {f"resources/{name}": own for name, own in resources.items()}
@@ -115,9 +129,8 @@ def _write(
         parts["sources/buildDescription.xml"] = build_description(compiled)
     else:
         parts["modelDescription.xml"] = model_description_2(machine, title, token, compiled)
-    for each in compilers:
-        name = f"binaries/{each.platform.folders[fmi]}/{IDENTIFIER}{each.platform.suffix}"
-        parts[name] = _library(each, sources, compiled)
+    for platform, library in libraries:
+        parts[f"binaries/{platform.folders[fmi]}/{IDENTIFIER}{platform.suffix}"] = library
     with replacing(path) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(parts):
             entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
@@ -140,7 +153,13 @@ def _asset(name: str) -> str:
     return files("supple.export.fmu").joinpath("assets", name).read_text("utf-8")
 
 
-def _library(compiler: Compiler, sources: Mapping[str, str], compiled: list[str]) -> bytes:
+def _compiled(sources: Mapping[str, str], compilers: tuple[Compiler, ...]) -> list[tuple[Platform, bytes]]:
+    return [(each.platform, compile_library(each, sources)) for each in compilers]
+
+
+def compile_library(compiler: Compiler, sources: Mapping[str, str]) -> bytes:
+    """The shared library of an FMU for one platform; ModelError where the compiler fails."""
+    compiled = [name for name in sources if name.endswith(".c")]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for file, text in sources.items():
@@ -148,17 +167,20 @@ def _library(compiler: Compiler, sources: Mapping[str, str], compiled: list[str]
         own = os.environ.get("CFLAGS", "-O2 -ffp-contract=off").split()
         options = ["-std=c99", *own, "-fPIC", "-shared", "-fvisibility=hidden"]
         target = f"{IDENTIFIER}{compiler.platform.suffix}"
-        done = subprocess.run(
-            [*compiler.command, *options, "-o", target, *compiled, "-lm"],
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+        command = " ".join(compiler.command)
+        try:
+            done = subprocess.run(
+                [*compiler.command, *options, "-o", target, *compiled, "-lm"],
+                cwd=folder,
+                capture_output=True,
+                text=True,
+                check=False,
+            )
+        except OSError as error:
+            raise ModelError(f"the compiler {command} of an FMU does not start: {error}") from error
         if done.returncode:
-            command = " ".join(compiler.command)
             raise ModelError(
-                f"{command} could not build the FMU: {done.stderr.strip()[-400:]}; check the variables "
-                "CC and CFLAGS, or export the machine as C and build it there"
+                f"{command} could not build the FMU: {done.stderr.strip()[-400:]}; check the variables CC and "
+                "CFLAGS, or export the machine as C and build it there"
             )
         return (folder / target).read_bytes()

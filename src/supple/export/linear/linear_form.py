@@ -20,7 +20,7 @@ from supple.linearization import LinearMachine, linearize
 from supple.machine import JointFriction, PrismaticFriction, RevoluteFriction, System
 from supple.quantities import Quantity
 from supple.stepping.external_inputs import external_inputs
-from supple.stepping.seen_machine import SeenMachine
+from supple.stepping.sensed_machine import SensedMachine
 from supple.stepping.sensed_outputs import SensedOutputs, sensed_outputs
 from supple.stepping.variables import Variable
 from supple.units import UNNAMED, UnitSystem
@@ -95,7 +95,7 @@ def linear_form(
             "are constant: make their laws inputs (--input NAME), or constant; for a prescribed motion "
             "export the nonlinear machine"
         )
-    sensed = sensed_outputs(SeenMachine(machine.system, machine.system), sensors, units)
+    sensed = sensed_outputs(SensedMachine(machine.system, machine.system), sensors, units)
     if not sensed.variables:
         raise ModelError("the machine has no output: name sensors, or points to track")
     small = small_motions(rest, run.start, given, sensed)

@@ -16,7 +16,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["Jumps", "jumps", "sampled", "sampled_instants"]
 
@@ -64,8 +64,8 @@ def _numbers(law: _OfTime) -> int:
 
 
 @lru_cache
-def _program(order: int) -> KeptProgram:
-    return KeptProgram(partial(_of_block, order), {"xla_backend_optimization_level": 0})
+def _program(order: int) -> CachedProgram:
+    return CachedProgram(partial(_of_block, order), {"xla_backend_optimization_level": 0})
 
 
 def _of_block(order: int, law: _OfTime, times: jax.Array) -> list[jax.Array]:

@@ -25,7 +25,7 @@ from supple.methods.explicit.modal_subdomain import ModalSubdomain
 from supple.methods.explicit.projected_difference import ProjectedDifference
 from supple.methods.explicit.start_motion import rigid_velocities, undeformed
 
-__all__ = ["check_machine", "check_run", "check_spun"]
+__all__ = ["check_machine", "check_run", "check_spin_stiffness"]
 
 _APART = 1e-9
 """Largest initial velocity difference of two tied modal parts, relative to the fastest point."""
@@ -33,7 +33,7 @@ _ROUNDED = 1e-6
 """Largest initial velocity difference of explicit nodes and their modal part, likewise relative."""
 
 
-def check_spun(system: System) -> None:
+def check_spin_stiffness(system: System) -> None:
     """Raise ModelError for modal parts with a spin stiffness, which statics and modes would neglect."""
     for name, part in system.bodies_of(ModalSubdomain).items():
         if part.spin_stiffness is not None:

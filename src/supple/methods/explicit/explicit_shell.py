@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from supple.arguments import check_fields, checked_arguments
 from supple.body import LinearRayleighDamping
-from supple.body.damping import refuse_held
+from supple.body.damping import refuse_relative_damping
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, HomogeneousSection, lumped_mass, stress_recovery
 from supple.fem.kirchhoff_bending import MIDSIDES
@@ -76,7 +76,7 @@ class ExplicitShell(ElementPart):
 
     def __post_init__(self) -> None:
         check_fields(self)
-        refuse_held(self.damping, f"explicit shell '{self.name}'")
+        refuse_relative_damping(self.damping, f"explicit shell '{self.name}'")
         refuse_beside_elements(f"explicit shell '{self.name}'", self.model)
         for section in self.model.sections:
             if section.cell_type is not CellType.TRIANGLE3 or not isinstance(

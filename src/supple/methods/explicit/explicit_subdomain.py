@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from supple.arguments import check_fields, checked_arguments
 from supple.body import LinearRayleighDamping
-from supple.body.damping import refuse_held
+from supple.body.damping import refuse_relative_damping
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, Isotropic, lumped_mass, node_masses
 from supple.fem.mass import CellMass
@@ -56,7 +56,7 @@ class ExplicitSubdomain(ElementPart):
 
     def __post_init__(self) -> None:
         check_fields(self)
-        refuse_held(self.damping, f"explicit sub-domain '{self.name}'")
+        refuse_relative_damping(self.damping, f"explicit sub-domain '{self.name}'")
         refuse_beside_elements(f"explicit sub-domain '{self.name}'", self.model)
         if self.model.dofs_per_node != 3:
             raise ModelError(

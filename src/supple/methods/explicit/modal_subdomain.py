@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from supple.arguments import checked_arguments
 from supple.body import FlexibleBody, LinearRayleighDamping, MeanAxisFrame, inertia_gram
-from supple.body.damping import refuse_held
+from supple.body.damping import refuse_relative_damping
 from supple.body.interface import interface_named
 from supple.body.mass_properties import rigid_mass_properties
 from supple.body.point_motion import FloatingForm
@@ -270,7 +270,7 @@ def modal_subdomain(
         the recipe.
     Source: [Radioss]; docs/theory/explicit.md for the orthogonality.
     """
-    refuse_held(damping, f"modal sub-domain '{body.name}'")
+    refuse_relative_damping(damping, f"modal sub-domain '{body.name}'")
     if body.damping is not None:
         raise ModelError(
             f"modal sub-domain '{body.name}': a damping matrix is not supported; leave it out, and give "

@@ -86,7 +86,7 @@ def largest_of_unit_spin(matrices: FloatArray, mass: FloatArray) -> float:
     return float(np.linalg.norm(sizes / np.where([a == b for a, b in PAIRS], 1.0, np.sqrt(2.0))))
 
 
-def spun_limit(limit: Array, bound: Array, p: Array, rates: Array) -> Array:
+def spinning_step_limit(limit: Array, bound: Array, p: Array, rates: Array) -> Array:
     """The step limit of a frame that spins, s, from that at rest and the bound of `largest_of_unit_spin`."""
     squared = spin_products(p, rates)[:3].sum()
     return 2 / jnp.sqrt((2 / limit) ** 2 + bound * squared)

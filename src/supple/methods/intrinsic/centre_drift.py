@@ -17,7 +17,7 @@ from supple.methods.intrinsic.line_equations import momenta, station_velocities
 from supple.methods.intrinsic.line_system import LineSystem, States, places_of, system_wrenches
 from supple.methods.intrinsic.machine_of_lines import machine_of_lines
 from supple.methods.intrinsic.supported_root import is_joined
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["centre_drift"]
 
@@ -104,4 +104,4 @@ def _carried_by(
     return jax.lax.map(at, (times, states))
 
 
-_carried = KeptProgram(_carried_by_lines, STARTING)
+_carried = CachedProgram(_carried_by_lines, STARTING)

@@ -29,7 +29,7 @@ from supple.methods.intrinsic.machine_of_lines import line_motion, machine_of_li
 from supple.methods.intrinsic.released import released
 from supple.methods.intrinsic.root_drive import RootDrive
 from supple.methods.intrinsic.supported_root import is_joined
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["CompleteMotion", "complete_motion", "intrinsic_of", "states_of", "with_modes"]
 
@@ -281,5 +281,5 @@ def _held(arrays: JoinedArrays, instants: JoinedInstant, multipliers: jax.Array)
     return jax.vmap(at)(instants, multipliers)
 
 
-_follow = KeptProgram(_followed, STARTING)
-_wrenches = KeptProgram(_held, STARTING)
+_follow = CachedProgram(_followed, STARTING)
+_wrenches = CachedProgram(_held, STARTING)

@@ -36,7 +36,7 @@ from supple.methods.intrinsic.root_support import RootSupport
 from supple.methods.intrinsic.second_order_modes import completed_modes, second_order_shapes
 from supple.methods.intrinsic.station_motion import StationMotion, station_motion
 from supple.methods.intrinsic.strain_integration import StationPlaces, station_places
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 from supple.summary import Summarized, Summary, point
 
 __all__ = ["IntrinsicBody", "intrinsic_body"]
@@ -339,7 +339,7 @@ def _places_over_time(model: LineModel, q2: Any, rotations: Any, positions: Any)
     return jax.vmap(lambda *now: station_places(model, *now))(q2, rotations, positions)
 
 
-_places = KeptProgram(_places_over_time)
+_places = CachedProgram(_places_over_time)
 
 
 def intrinsic_body(

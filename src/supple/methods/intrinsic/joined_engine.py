@@ -27,7 +27,7 @@ from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine,
 from supple.methods.intrinsic.joined_solution import joined_solution
 from supple.methods.intrinsic.joined_start import instant_rates, joined_start
 from supple.methods.intrinsic.joined_step import JoinedState, joined_step
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["ITERATED", "JoinedEngine", "JoinedStepping"]
 
@@ -253,5 +253,5 @@ def _rates_at(
     return jax.vmap(at)(states, controls)
 
 
-_march = KeptProgram(_march_joined, STARTING)
-_outputs = KeptProgram(_rates_at, STARTING)
+_march = CachedProgram(_march_joined, STARTING)
+_outputs = CachedProgram(_rates_at, STARTING)

@@ -48,9 +48,9 @@ __all__ = [
     "JoinedMachine",
     "held_places",
     "joined_machine",
+    "lines_as_stations",
     "seen_element",
     "seen_end",
-    "seen_lines",
     "supported_machine",
     "with_stations",
 ]
@@ -107,7 +107,7 @@ class JoinedMachine(NamedTuple):
     states: States
 
 
-class SeenLines(NamedTuple):
+class LinesAsStations(NamedTuple):
     """A machine as the system of its joints and forces.
 
     seen : System       floating bodies, and a body for every coupled station
@@ -122,7 +122,7 @@ class SeenLines(NamedTuple):
     on_lines: System
 
 
-def seen_lines(system: System, also: Sequence[At] = ()) -> SeenLines:
+def lines_as_stations(system: System, also: Sequence[At] = ()) -> LinesAsStations:
     """The system with a body for each station coupled to joints, forces and controllers.
 
     also : further ends to include
@@ -154,15 +154,17 @@ def seen_lines(system: System, also: Sequence[At] = ()) -> SeenLines:
         controllers=[_seen_controller(system, controller) for controller in system.controllers],
     )
     own_loads = [load for load in nodal if load.body in names]
-    return SeenLines(seen, lines, held, System(lines, loads=[*own_loads, *bases], gravity=system.gravity))
+    return LinesAsStations(
+        seen, lines, held, System(lines, loads=[*own_loads, *bases], gravity=system.gravity)
+    )
 
 
 def joined_machine(system: System, time: float, also: Sequence[At] = ()) -> JoinedMachine:
     """Arrays of a machine; ModelError, with the remedy, for bodies that are not supported.
 
-    also : as for `seen_lines`
+    also : as for `lines_as_stations`
     """
-    seen, lines, held, on_lines = seen_lines(system, also)
+    seen, lines, held, on_lines = lines_as_stations(system, also)
     arrays = JoinedArrays(
         lines=tuple(body_of(placed).model for placed in lines),
         drives=(None,) * len(lines),

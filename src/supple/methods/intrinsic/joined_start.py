@@ -39,7 +39,7 @@ from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine,
 from supple.methods.intrinsic.line_model import LineState
 from supple.methods.intrinsic.machine_of_lines import frame_to_root
 from supple.methods.intrinsic.rigid_motion import amplitudes_of, rigid_motion
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = [
     "ClosedMachine",
@@ -284,4 +284,4 @@ def instant_rates(
     return JoinedRates(moving, acceleration, now.velocity), multipliers
 
 
-_BEGUN = KeptProgram(_begun, STARTING)
+_BEGUN = CachedProgram(_begun, STARTING)

@@ -20,7 +20,7 @@ from supple.methods.intrinsic.line_equations import (
 )
 from supple.methods.intrinsic.line_model import LineModel
 from supple.methods.intrinsic.root_support import RootSupport
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["LineFreedoms", "line_freedoms"]
 
@@ -75,4 +75,4 @@ def _rates_by_velocities(model: LineModel, q2: jax.Array) -> tuple[jax.Array, ja
     return jax.jacfwd(rates)(jnp.zeros(m + 6))
 
 
-_rates = KeptProgram(_rates_by_velocities, STARTING)
+_rates = CachedProgram(_rates_by_velocities, STARTING)

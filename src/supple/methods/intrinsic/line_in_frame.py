@@ -26,12 +26,12 @@ import numpy as np
 
 from supple.algebra.rotation import rotation_exp, skew, unskew
 from supple.equations.compiler_options import STARTING
-from supple.equations.station_body import BodyState, SeenMachine, StationBodyForces, Stations
+from supple.equations.station_body import BodyState, MachineWithStations, StationBodyForces, Stations
 from supple.integrate import FloatingMotion, Motion
 from supple.machine import Placed, System
 from supple.methods.intrinsic.intrinsic_body import body_of
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
-from supple.methods.intrinsic.joined_machine import seen_lines
+from supple.methods.intrinsic.joined_machine import lines_as_stations
 from supple.methods.intrinsic.line_equations import (
     force_rates,
     line_rates,
@@ -44,7 +44,7 @@ from supple.methods.intrinsic.machine_loads import machine_loads
 from supple.methods.intrinsic.machine_of_lines import line_start
 from supple.methods.intrinsic.station_loads import MovingStations, StationLoad
 from supple.methods.intrinsic.strain_integration import StationPlaces, station_places
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["LineInFrame", "lines_in_frames"]
 
@@ -132,12 +132,12 @@ class LineInFrame:
         }
 
 
-def lines_in_frames(system: System) -> SeenMachine:
+def lines_in_frames(system: System) -> MachineWithStations:
     """A machine with its intrinsic bodies in floating frames.
 
     Raises ModelError for intrinsic bodies with a supported root.
     """
-    seen, lines, held, on_lines = seen_lines(system)
+    seen, lines, held, on_lines = lines_as_stations(system)
     first, bodies = len(seen.bodies) - sum(map(len, held)), []
     for placed, stations in zip(lines, held, strict=True):
         body = body_of(placed)
@@ -148,7 +148,7 @@ def lines_in_frames(system: System) -> SeenMachine:
         bodies.append(LineInFrame(system.body_index(body.name), placed, arrays, names))
         first += len(stations)
     placed_all = [_with_frame_rates(each) if each in lines else each for each in system.bodies]
-    return SeenMachine(replace(system, bodies=placed_all), seen, tuple(bodies))
+    return MachineWithStations(replace(system, bodies=placed_all), seen, tuple(bodies))
 
 
 def _with_frame_rates(placed: Placed) -> Placed:
@@ -273,8 +273,8 @@ def _tangent_at(line: FrameLine, state: BodyState, forces: jax.Array) -> tuple[j
     return mass, damping, stiffness
 
 
-_frame_rates = KeptProgram(_frame_rates_at, STARTING)
-_stations = KeptProgram(_stations_at, STARTING)
-_forces = KeptProgram(_forces_at, STARTING)
-_tangent = KeptProgram(_tangent_at, STARTING)
-_amplitudes = KeptProgram(_rates, STARTING)
+_frame_rates = CachedProgram(_frame_rates_at, STARTING)
+_stations = CachedProgram(_stations_at, STARTING)
+_forces = CachedProgram(_forces_at, STARTING)
+_tangent = CachedProgram(_tangent_at, STARTING)
+_amplitudes = CachedProgram(_rates, STARTING)

@@ -23,7 +23,7 @@ from supple.methods.intrinsic.line_slope import system_slope
 from supple.methods.intrinsic.line_system import LineSystem, States, system_rates
 from supple.methods.intrinsic.residual_modes import at_rest_rates, inverse_of_high, slaved
 from supple.methods.intrinsic.runge_kutta import runge_kutta_step
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["LineMarchState", "LineRule", "Stepping", "first_march_state", "march_by", "march_lines"]
 
@@ -46,7 +46,7 @@ class LineMarchState(NamedTuple):
     iterations: Any
 
 
-_rates = KeptProgram(system_rates)
+_rates = CachedProgram(system_rates)
 
 
 def first_march_state(system: LineSystem, rule: LineRule, time: float, states: States) -> LineMarchState:
@@ -121,7 +121,7 @@ def _march_by(
     )
 
 
-march_by = KeptProgram(_march_by)
+march_by = CachedProgram(_march_by)
 """`march_lines` by a program stored for later processes."""
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 import supple.algebra.jax_settings  # noqa: F401 - 64-bit floats, before the first array
 from supple.body import Damping, ModalDamping, RayleighDamping
-from supple.body.damping import refuse_held
+from supple.body.damping import refuse_relative_damping
 from supple.errors import ModelError
 from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes
 
@@ -124,7 +124,7 @@ def rest_state(model: LineModel) -> LineState:
 def _damping(damping: Damping | None, modes: IntrinsicModes) -> tuple[np.ndarray, np.ndarray]:
     decay, retardation = np.zeros(modes.n_modes), np.zeros(modes.n_elastic)
     elastic = slice(modes.n_rigid, None)
-    refuse_held(damping, f"line '{modes.line.name}'")
+    refuse_relative_damping(damping, f"line '{modes.line.name}'")
     match damping:
         case None:
             pass

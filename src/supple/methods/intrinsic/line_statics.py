@@ -37,7 +37,7 @@ from supple.methods.intrinsic.machine_of_lines import MachineOfLines
 from supple.methods.intrinsic.root_drive import RootDrive
 from supple.methods.intrinsic.root_reaction import reactions
 from supple.methods.intrinsic.strain_integration import rotation_of
-from supple.methods.intrinsic.supported_root import held_root, is_joined
+from supple.methods.intrinsic.supported_root import is_joined, supported_root
 
 __all__ = ["LineStatics", "line_statics"]
 
@@ -194,7 +194,7 @@ class LineStatics(SteadyEquations):
         statistics = Statistics(iterations=iterations)
         if self._supported:
             system, times = self.machine.system, np.array([time])
-            roots = tuple(held_root(system, placed) for placed in system.bodies)
+            roots = tuple(supported_root(system, placed) for placed in system.bodies)
             machine = MachineOfLines(system, arrays.line_system, found[0].lines, roots)
             forces, _ = jax.device_get(reactions(machine.lines, times, now.lines))
             motions = machine.motions(times, now.lines, [rate.q1 for rate in rates.lines])

@@ -48,7 +48,7 @@ from supple.methods.intrinsic.line_equations import (
 from supple.methods.intrinsic.line_model import LineModel, LineState
 from supple.methods.intrinsic.line_system import system_wrenches
 from supple.methods.intrinsic.strain_integration import rotation_of
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["SmallMotions", "Unbalanced", "moved_by", "small_motions", "steady", "unbalanced_at"]
 
@@ -215,7 +215,7 @@ def _steady(
     return now, rates, all_velocities(arrays, now)
 
 
-moved_by = KeptProgram(_moved_by, STARTING)
-unbalanced_at = KeptProgram(_unbalanced, STARTING)
-small_motions = KeptProgram(_small_motions, STARTING)
-steady = KeptProgram(_steady, STARTING)
+moved_by = CachedProgram(_moved_by, STARTING)
+unbalanced_at = CachedProgram(_unbalanced, STARTING)
+small_motions = CachedProgram(_small_motions, STARTING)
+steady = CachedProgram(_steady, STARTING)

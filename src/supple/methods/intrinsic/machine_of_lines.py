@@ -22,8 +22,8 @@ from supple.methods.intrinsic.machine_loads import machine_loads
 from supple.methods.intrinsic.rigid_motion import amplitudes_of, rigid_motion
 from supple.methods.intrinsic.root_drive import RootDrive
 from supple.methods.intrinsic.strain_integration import rotation_of
-from supple.methods.intrinsic.supported_root import HeldRoot, held_root, is_joined
-from supple.programs.kept_programs import KeptProgram
+from supple.methods.intrinsic.supported_root import SupportedRoot, is_joined, supported_root
+from supple.programs.program_cache import CachedProgram
 
 __all__ = [
     "MachineOfLines",
@@ -36,7 +36,7 @@ __all__ = [
 
 Array = np.ndarray
 
-_quaternion = KeptProgram(euler_parameters)
+_quaternion = CachedProgram(euler_parameters)
 
 SAME_VELOCITY = 1e-6
 """Relative velocity of a root that its support fixes; less is round-off."""
@@ -55,7 +55,7 @@ class MachineOfLines:
     system: System
     lines: LineSystem
     start: States
-    roots: tuple[HeldRoot, ...]
+    roots: tuple[SupportedRoot, ...]
 
     def motions(
         self, times: Array, states: States, rates: Sequence[Any] | None = None
@@ -95,7 +95,7 @@ class MachineOfLines:
 def machine_of_lines(system: System, time: float) -> MachineOfLines:
     """Lines, loads and first states of a machine; ModelError for what intrinsic bodies do not support."""
     check_held_by_ground(system)
-    roots = tuple(held_root(system, placed) for placed in system.bodies)
+    roots = tuple(supported_root(system, placed) for placed in system.bodies)
     lines = LineSystem(
         tuple(body_of(placed).model for placed in system.bodies),
         tuple(root.drive for root in roots),
@@ -214,4 +214,4 @@ def _roots_over_time(
     return jax.vmap(at)(states, rates, times)
 
 
-_roots = KeptProgram(_roots_over_time)
+_roots = CachedProgram(_roots_over_time)

@@ -12,7 +12,7 @@ from supple.equations.compiler_options import STARTING
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody
 from supple.methods.intrinsic.line_model import LineModel
 from supple.methods.intrinsic.strain_integration import station_places
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["amplitudes_of", "rigid_motion"]
 
@@ -44,4 +44,4 @@ def _from_root(model: LineModel, q2: jax.Array) -> tuple[jax.Array, jax.Array]:
     return station_places(model, q2, jnp.eye(3), jnp.zeros(3))
 
 
-_places = KeptProgram(_from_root, STARTING)
+_places = CachedProgram(_from_root, STARTING)

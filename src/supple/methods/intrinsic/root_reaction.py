@@ -11,7 +11,7 @@ from supple.methods.intrinsic.line_equations import RootTwist, momenta, station_
 from supple.methods.intrinsic.line_model import LineModel, LineState
 from supple.methods.intrinsic.line_system import LineSystem, States, places_of, system_rates, system_wrenches
 from supple.methods.intrinsic.strain_integration import StationPlaces
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["reactions", "root_reaction"]
 
@@ -32,7 +32,7 @@ def _reactions(system: LineSystem, times: jax.Array, states: States) -> tuple[ja
     return jax.vmap(at)(times, states)
 
 
-reactions = KeptProgram(_reactions)
+reactions = CachedProgram(_reactions)
 """Forces and moments (t, b, 6) on the roots of b lines, as `root_reaction`, and q_1' (t, m) of each."""
 
 

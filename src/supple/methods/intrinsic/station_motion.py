@@ -16,7 +16,7 @@ from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.methods.intrinsic.line_equations import force_rates, section_strains, station_velocities
 from supple.methods.intrinsic.line_model import LineModel
 from supple.methods.intrinsic.strain_integration import StationPlaces, station_places
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["StationMotion", "station_motion", "station_twists"]
 
@@ -138,4 +138,4 @@ def _motion_over_time(model: LineModel, over_time: _Now) -> StationMotion:
     return jax.vmap(at)(over_time)
 
 
-_motion = KeptProgram(_motion_over_time, STARTING)
+_motion = CachedProgram(_motion_over_time, STARTING)

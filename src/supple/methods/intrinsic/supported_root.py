@@ -25,13 +25,13 @@ from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.methods.intrinsic.root_drive import RootDrive
 from supple.methods.intrinsic.root_support import BALL, CLAMPED, FREE, RootSupport
 
-__all__ = ["HeldRoot", "held_root", "is_joined", "joints_of"]
+__all__ = ["SupportedRoot", "is_joined", "joints_of", "supported_root"]
 
 SAME = 1e-9
 """Largest difference of unit twists for which two supports are equal."""
 
 
-class HeldRoot(NamedTuple):
+class SupportedRoot(NamedTuple):
     """The joint that supports a root, if any, and its prescribed motion, if any."""
 
     joint: Joint | None
@@ -60,7 +60,7 @@ def joints_of(system: System, body: str) -> list[Joint]:
     return [joint for joint in system.joints if body in (joint.first.body, joint.second.body)]
 
 
-def held_root(system: System, placed: Placed) -> HeldRoot:
+def supported_root(system: System, placed: Placed) -> SupportedRoot:
     """Support of the root of a body; ModelError for joints that intrinsic bodies do not support.
 
     They support one joint, between their root and the ground. It must have the support that their modes were
@@ -84,7 +84,7 @@ def held_root(system: System, placed: Placed) -> HeldRoot:
             f"which leaves it {_freedom(support)}: condense it with the support of the joint (CLAMPED, FREE, "
             "BALL, hinged(axis), sliding(axis)), or place released(body), which any joint may hold"
         )
-    return HeldRoot(joint, drive)
+    return SupportedRoot(joint, drive)
 
 
 def _freedom(support: RootSupport) -> str:

@@ -41,7 +41,7 @@ from supple.methods.floating.compiled.iterate import evaluate, motion_of
 from supple.methods.floating.compiled.programs import COMPILED_MARCH, STOPS_AT_ONCE
 from supple.methods.floating.compiled.state import State
 from supple.methods.floating.compiled.step_equations import LinearizedStep, step_matrix
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 from supple.simulation import simulate, simulate_batch
 
@@ -123,7 +123,7 @@ def _residuals_of(model: Model, before: State, behind: State) -> Any:
     return jax.vmap(residual)(before, behind)
 
 
-_residuals = KeptProgram(_residuals_of, STARTING)
+_residuals = CachedProgram(_residuals_of, STARTING)
 
 
 def seen(states):
@@ -254,7 +254,7 @@ def _matrices_at(model: Model, start: State) -> Any:
     )
 
 
-_at = KeptProgram(_matrices_at, STARTING)
+_at = CachedProgram(_matrices_at, STARTING)
 
 
 @pytest.mark.slow

@@ -16,7 +16,7 @@ from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.machine import GROUND, At, Ball, Placed, System
 from supple.mesh import CellType, block
 from supple.methods.floating.compiled.every_step import every_step
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, PlainQuartic, padded, reduce
 from supple.simulation import simulate
 
@@ -101,7 +101,7 @@ def test_another_number_of_modes_compiles_nothing(roomy, monkeypatch):
         raise AssertionError("a program was built")
 
     assert len(roomy.times) == 11
-    monkeypatch.setattr(KeptProgram, "_found_or_built", refuse)
+    monkeypatch.setattr(CachedProgram, "_found_or_built", refuse)
     more = swinging(4)
     assert more.bodies[0].body.r > swinging(3).bodies[0].body.r
     simulate(more, RUN)

@@ -19,7 +19,7 @@ from supple.methods.explicit.elements.mean_gradient import SolidPoints
 from supple.methods.explicit.elements.solid_block import SolidBlock, deformation
 from supple.methods.explicit.tensor3 import as_array
 
-__all__ = ["element_limits", "squashed"]
+__all__ = ["element_limits", "smallest_stretch"]
 
 FloatArray = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ def element_limits(
     return 2 / np.sqrt(largest)
 
 
-def squashed(block: SolidBlock, x: Array) -> Array:
+def smallest_stretch(block: SolidBlock, x: Array) -> Array:
     """Factor (E,) on the limits at rest: the smallest stretch of each element at positions x (3, N)."""
     F = as_array(deformation(block, x[:, block.nodes]))
     C = jnp.einsum("kige,kjge->geij", F, F)

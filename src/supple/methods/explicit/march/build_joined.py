@@ -30,7 +30,7 @@ from supple.methods.explicit.modal_tie import ModalTie, TiedSide, tied_rows
 from supple.methods.explicit.projected_difference import ProjectedDifference
 from supple.methods.explicit.published_scheme import PublishedScheme
 from supple.methods.explicit.step_limit import damped_limit
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["JoinedFrames", "joined_frames"]
 
@@ -187,8 +187,8 @@ def _of_elements(
     return matrix(StepFactors(-1.0, 0.0)), matrix(StepFactors(0.0, -1.0))
 
 
-_JOINT_ROWS = KeptProgram(joint_rows, STARTING)
-_OF_ELEMENTS = KeptProgram(_of_elements, STARTING)
+_JOINT_ROWS = CachedProgram(joint_rows, STARTING)
+_OF_ELEMENTS = CachedProgram(_of_elements, STARTING)
 
 
 def _pencil_rows(

@@ -23,7 +23,7 @@ from supple.methods.explicit.march.touching_surface import (
     touching_surface,
 )
 from supple.methods.explicit.modal_frame import ModalFrame
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["ModalSkin", "TiedNodes", "modal_skins", "touching_surfaces"]
 
@@ -140,7 +140,7 @@ def _stiffness(
     return contact.fraction * np.minimum(bears[nodes], weakest)
 
 
-_projected = KeptProgram(projected, STARTING)
+_projected = CachedProgram(projected, STARTING)
 
 
 def _check_outside(contact: SurfaceContact, surface: TouchingSurface, x: FloatArray) -> None:

@@ -17,7 +17,7 @@ from supple.methods.explicit.elements import (
     rest_layers,
     shell_force,
     shell_von_mises,
-    squashed,
+    smallest_stretch,
     von_mises,
 )
 from supple.methods.explicit.elements.bulk_viscosity import bulk_share
@@ -83,7 +83,7 @@ class SolidArrays(NamedTuple):
 
     def longest_step(self, x: Array, v: Array, alive: Array, contact_rate: Array) -> Array:
         """Step limit of the remaining elements in their present state, with all contacts closed, s."""
-        stretch = squashed(self.block, x)
+        stretch = smallest_stretch(self.block, x)
         longest = with_contact(self.limit * stretch, contact_rate)
         if self.block.bulk is not None:
             F, rate = (deformation(self.block, each[:, self.block.nodes]) for each in (x, v))

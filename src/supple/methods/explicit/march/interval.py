@@ -14,8 +14,8 @@ from supple.methods.explicit.march.element_block import with_contact
 from supple.methods.explicit.march.frame_step import frame_step, tied_positions
 from supple.methods.explicit.march.march_model import MarchModel, MarchState, Methods
 from supple.methods.explicit.march.march_step import kinetic, march_step
-from supple.methods.explicit.spin_stiffness import spun_limit
-from supple.programs.kept_programs import KeptProgram
+from supple.methods.explicit.spin_stiffness import spinning_step_limit
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["Recorded", "chosen_steps", "frame_limits", "march_to", "nodes_limit", "recorded"]
 
@@ -109,7 +109,7 @@ def frame_limits(model: MarchModel, state: MarchState) -> list[Array]:
     return [
         arrays.step_limit
         if arrays.spin_bound is None
-        else spun_limit(arrays.step_limit, arrays.spin_bound, frame.p, frame.vp)
+        else spinning_step_limit(arrays.step_limit, arrays.spin_bound, frame.p, frame.vp)
         for arrays, frame in zip(model.frames, state.frames, strict=True)
     ]
 
@@ -168,7 +168,7 @@ def _marched(
     h, ratio, n = _chosen_steps(model, methods, state, fixed, end - state.time)
     before = state.energies.interface
 
-    def going_on(carry: tuple[Array, MarchState]) -> Array:
+    def is_running(carry: tuple[Array, MarchState]) -> Array:
         done, state = carry
         bears = (ratio == 1) | (jnp.abs(state.energies.interface - before) <= most)
         return (done < n) & (state.smallest > 0) & jnp.isfinite(state.energies.internal) & bears
@@ -177,7 +177,7 @@ def _marched(
         done, state = carry
         return done + 1, march_step(model, methods, state, h, ratio)
 
-    done, state = lax.while_loop(going_on, go_on, (jnp.asarray(0), state))
+    done, state = lax.while_loop(is_running, go_on, (jnp.asarray(0), state))
     return state._replace(time=jnp.where(done == n, end, state.time))
 
 
@@ -265,10 +265,10 @@ def _recorded(
     )
 
 
-march_to = KeptProgram(_march_to)
-nodes_limit = KeptProgram(_nodes_limit, STARTING)
-chosen_steps = KeptProgram(_chosen_steps, STARTING)
-recorded = KeptProgram(_recorded)
+march_to = CachedProgram(_march_to)
+nodes_limit = CachedProgram(_nodes_limit, STARTING)
+chosen_steps = CachedProgram(_chosen_steps, STARTING)
+recorded = CachedProgram(_recorded)
 """A recorded state.
 
     Rates of frames at t_n, accelerations and multipliers are those of a trial of the next step.

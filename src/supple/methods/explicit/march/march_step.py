@@ -20,7 +20,7 @@ from supple.methods.explicit.march.frame_step import frame_step, tied_positions
 from supple.methods.explicit.march.march_model import Energies, MarchModel, MarchState, Methods, ObstacleState
 from supple.methods.explicit.march.nodal_forces import nodal_forces
 from supple.methods.explicit.march.turning_nodes import turned
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["begun", "kinetic", "march_step"]
 
@@ -159,4 +159,4 @@ def kinetic(model: MarchModel, state: MarchState) -> Array:
     return total
 
 
-begun = KeptProgram(_begun, STARTING)
+begun = CachedProgram(_begun, STARTING)

@@ -24,7 +24,7 @@ from supple.integrate import Run
 from supple.machine import System
 from supple.methods.floating.compiled.engine import initial_state
 from supple.methods.floating.compiled.state import State
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["Axes", "BatchStart", "batch_start", "differing", "stacked"]
 
@@ -147,7 +147,7 @@ def _forces(models: list[Model], state: State) -> np.ndarray:
 
 
 @lru_cache(maxsize=32)
-def _mapped_forces(model_structure: Any, axes: Axes) -> KeptProgram:
+def _mapped_forces(model_structure: Any, axes: Axes) -> CachedProgram:
     def of_case(leaves: list[Any], time: Any, configuration: Any, velocity: Any) -> jax.Array:
         model = jax.tree.unflatten(model_structure, leaves)
         return forces_without_acceleration(model, time, configuration, velocity)
@@ -156,4 +156,4 @@ def _mapped_forces(model_structure: Any, axes: Axes) -> KeptProgram:
         mapped = jax.vmap(of_case, in_axes=(list(axes), None, None, None), axis_size=_AT_ONCE)
         return mapped(leaves, time, configuration, velocity)
 
-    return KeptProgram(of_cases, STARTING)
+    return CachedProgram(of_cases, STARTING)

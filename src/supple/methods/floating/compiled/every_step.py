@@ -18,7 +18,7 @@ from supple.machine import System
 from supple.methods.floating.compiled.elimination import DenseElimination
 from supple.methods.floating.compiled.engine import as_solution, controls, initial_state
 from supple.methods.floating.compiled.padded_motion import in_own_coordinates, with_padding_coordinates
-from supple.methods.floating.compiled.programs import is_over_soon, well_and_quickly
+from supple.methods.floating.compiled.programs import ends_before_compiling, program_pair
 from supple.methods.floating.compiled.state import Controls, State
 from supple.methods.floating.compiled.time_step import substep
 
@@ -53,7 +53,7 @@ def every_step(system: System, run: Run, solution: Solution) -> EveryStep:
     times = solution.times
     stops, _ = Stops(run.times, stepping_instants([system], run)).on_the_way(float(times[0]), times[1:])
     stops = filled_up(stops, fewest=_FEWEST_STOPS)
-    soon = is_over_soon(solution.statistics.steps, model.n_velocities)
+    soon = ends_before_compiling(solution.statistics.steps, model.n_velocities)
     program = _march_steps_quickly if soon else _march_steps
     model = jax.device_put(model)
     parts = [jax.tree.map(lambda leaf: np.asarray(leaf)[None], state._replace(kept=None))]
@@ -85,4 +85,4 @@ def _next_steps(
     return jax.lax.scan(next_step, start, None, length=_STEPS_AT_ONCE)
 
 
-_march_steps, _march_steps_quickly = well_and_quickly(_next_steps)
+_march_steps, _march_steps_quickly = program_pair(_next_steps)

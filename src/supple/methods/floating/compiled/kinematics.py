@@ -26,7 +26,7 @@ from supple.equations.step_size import position_rounding
 from supple.errors import ModelError, ValidityWarning
 from supple.integrate import Leg, Run, Solution, Statistics
 from supple.machine import System
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["KinematicEngine"]
 
@@ -69,12 +69,12 @@ def of_frames(terms: JointTerms, parts: Sequence[slice]) -> JointTerms:
     return terms._replace(jacobian=jacobian)
 
 
-class _HeldMachine(CompiledMachine):
+class _ConstrainedMachine(CompiledMachine):
     """Machine with constraints independent for its frames; in a closed loop, deformable bodies have more."""
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
         """Constraint terms of bodies that keep their shape."""
-        return of_frames(super().joint_terms(time, configuration, velocity), self.seen_slices)
+        return of_frames(super().joint_terms(time, configuration, velocity), self.joint_slices)
 
 
 def check_held(system: System, run: Run) -> None:
@@ -137,7 +137,7 @@ class KinematicEngine:
 
     def start(self, time: float) -> Instant:
         """Initial instant with closed joints; ModelError where they leave a degree of freedom."""
-        start = consistent_start(_HeldMachine(self._system, build_model(self._system)), time)
+        start = consistent_start(_ConstrainedMachine(self._system, build_model(self._system)), time)
         report_start(start.change, self._run.validity)
         model = start.machine.model
         check_determined(self._system, model.active)
@@ -314,4 +314,4 @@ def _instants(model: Model, start: Instant, times: jax.Array) -> tuple[Instant, 
     return jax.lax.scan(one, jax.tree.map(jnp.asarray, start), times)
 
 
-_march_instants = KeptProgram(_instants, STARTING)
+_march_instants = CachedProgram(_instants, STARTING)

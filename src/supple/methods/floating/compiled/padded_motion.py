@@ -9,7 +9,7 @@ import numpy as np
 
 from supple.integrate import FloatingMotion, Solution
 from supple.machine import Placed, System
-from supple.reduction import ReducedBody, filled_up, with_zeros_behind
+from supple.reduction import ReducedBody, filled_up, padded_with_zeros
 
 __all__ = ["in_all_coordinates", "in_own_coordinates", "with_padding_coordinates"]
 
@@ -26,8 +26,8 @@ def with_padding_coordinates(system: System) -> System:
         return replace(
             placed,
             body=filled_up(body),
-            coordinates=with_zeros_behind(placed.coordinates, body.padding),
-            coordinate_rates=with_zeros_behind(placed.coordinate_rates, body.padding),
+            coordinates=padded_with_zeros(placed.coordinates, body.padding),
+            coordinate_rates=padded_with_zeros(placed.coordinate_rates, body.padding),
         )
 
     if not _roomy(system):
@@ -37,7 +37,7 @@ def with_padding_coordinates(system: System) -> System:
 
 def in_all_coordinates(system: System, solution: Solution) -> Solution:
     """A motion of the system in the coordinates of its padded bodies."""
-    return _resized(system, solution, lambda own, body: with_zeros_behind(own, body.padding))
+    return _resized(system, solution, lambda own, body: padded_with_zeros(own, body.padding))
 
 
 def in_own_coordinates(system: System, solution: Solution) -> Solution:

@@ -16,18 +16,25 @@ from supple.equations.compiler_options import MARCHING, STARTING
 from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.elimination import ByLapack, ByLoops
 from supple.methods.floating.compiled.time_step import march
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
-__all__ = ["COMPILED_MARCH", "QUICK_MARCH", "STOPS_AT_ONCE", "is_over_soon", "march_for", "well_and_quickly"]
+__all__ = [
+    "COMPILED_MARCH",
+    "QUICK_MARCH",
+    "STOPS_AT_ONCE",
+    "ends_before_compiling",
+    "march_for",
+    "program_pair",
+]
 
 
-def well_and_quickly(function: Callable[..., Any]) -> tuple[KeptProgram, KeptProgram]:
+def program_pair(function: Callable[..., Any]) -> tuple[CachedProgram, CachedProgram]:
     """Two programs of a function of an elimination and of arrays: of fast steps, and of fast compilation."""
-    well = KeptProgram(partial(function, ByLoops()), MARCHING)
-    return well, KeptProgram(partial(function, ByLapack()), STARTING)
+    well = CachedProgram(partial(function, ByLoops()), MARCHING)
+    return well, CachedProgram(partial(function, ByLapack()), STARTING)
 
 
-COMPILED_MARCH, QUICK_MARCH = well_and_quickly(march)
+COMPILED_MARCH, QUICK_MARCH = program_pair(march)
 STOPS_AT_ONCE = 128
 """Output times of a call; fewer are padded with the last one at no cost, more take several calls."""
 
@@ -35,11 +42,11 @@ _QUICK = 500_000
 """Steps times velocities of a run, at which a quick program loses three seconds of the four that it saves."""
 
 
-def march_for(model: Model, steps: float) -> KeptProgram:
+def march_for(model: Model, steps: float) -> CachedProgram:
     """The program for a run of so many steps."""
-    return QUICK_MARCH if is_over_soon(steps, model.n_velocities) else COMPILED_MARCH
+    return QUICK_MARCH if ends_before_compiling(steps, model.n_velocities) else COMPILED_MARCH
 
 
-def is_over_soon(steps: float, n_velocities: int) -> bool:
+def ends_before_compiling(steps: float, n_velocities: int) -> bool:
     """Whether so many steps take less time than the compilation of the fast program."""
     return steps * n_velocities <= _QUICK

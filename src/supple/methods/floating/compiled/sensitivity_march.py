@@ -17,7 +17,7 @@ import numpy as np
 
 from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.elimination import DenseElimination
-from supple.methods.floating.compiled.programs import STOPS_AT_ONCE, is_over_soon, well_and_quickly
+from supple.methods.floating.compiled.programs import STOPS_AT_ONCE, ends_before_compiling, program_pair
 from supple.methods.floating.compiled.sensitivity_step import StateChange, changed_by_step
 from supple.methods.floating.compiled.state import Controls, State
 from supple.methods.floating.compiled.time_step import substep
@@ -53,7 +53,7 @@ def march_with_changes(
     calls = np.pad(stops, (0, -len(stops) % STOPS_AT_ONCE), mode="edge").reshape(-1, STOPS_AT_ONCE)
     by_call = np.pad(changes.stops, ((0, 0), (0, calls.size - len(stops))), mode="edge")
     p = len(changes.stops)
-    soon = is_over_soon((1 + p) * n_steps, model.n_velocities)
+    soon = ends_before_compiling((1 + p) * n_steps, model.n_velocities)
     program = _QUICK_MARCH if soon else _MARCH
     model, model_change = jax.device_put((model, list(changes.model)))
     last, change, parts = start, changes.start, []
@@ -112,4 +112,4 @@ def _march(
     return last, change, states, changes
 
 
-_MARCH, _QUICK_MARCH = well_and_quickly(_march)
+_MARCH, _QUICK_MARCH = program_pair(_march)

@@ -39,7 +39,7 @@ from supple.equations.steady_motion import (
 from supple.integrate import Solution, Statistics
 from supple.machine import System
 from supple.methods.floating.compiled.elimination import solve_bordering_column
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["CompiledStatics", "compiled_statics"]
 
@@ -189,5 +189,5 @@ def _balanced(model: Model, motion: SystemMotion) -> Balance:
     return balance(model, motion)
 
 
-balanced = KeptProgram(_balanced, STARTING)
-_solved = KeptProgram(solve_bordering_column, STARTING)
+balanced = CachedProgram(_balanced, STARTING)
+_solved = CachedProgram(solve_bordering_column, STARTING)

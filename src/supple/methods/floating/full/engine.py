@@ -18,7 +18,7 @@ from supple.equations.floating_solution import (
     last_instant,
 )
 from supple.equations.sampling import sampling_of
-from supple.equations.station_body import SeenMachine
+from supple.equations.station_body import MachineWithStations
 from supple.equations.step_size import next_step
 from supple.equations.stops import Stops, stepping_instants
 from supple.integrate import Leg, Run, Solution, Statistics, StepRule, damps_joint_forces
@@ -61,7 +61,7 @@ class FullEngine:
     """An `Engine` of sparse bordered Newton steps; `March` is its state."""
 
     def __init__(
-        self, machine: System | SeenMachine, run: Run, iteration: NewtonIteration = modified_newton
+        self, machine: System | MachineWithStations, run: Run, iteration: NewtonIteration = modified_newton
     ) -> None:
         self._run = run
         self._iteration = iteration

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.sparse import block_array, coo_array, csr_array
 
 from supple.algebra.cross import cross_matrices, cross_matrix
-from supple.algebra.jax_settings import when_given_back
+from supple.algebra.jax_settings import on_program_release
 from supple.algebra.rotation import rotation_right_jacobian
 from supple.body.full_body import FullBody
 from supple.equations.full_inertia import FullInertia, FullMotion
@@ -303,4 +303,4 @@ def _unloaded_interior(full: FullBody) -> FullInterior:
     )
 
 
-when_given_back(_unloaded_interior.cache_clear)
+on_program_release(_unloaded_interior.cache_clear)

@@ -8,7 +8,7 @@ from types import MappingProxyType
 import numpy as np
 
 from supple.equations.configuration import Configuration, SystemMotion
-from supple.equations.floating_solution import SeenMotions, floating_solution
+from supple.equations.floating_solution import StationMotions, floating_solution
 from supple.integrate import Solution, Statistics
 from supple.methods.floating.full.full_state import FullState
 from supple.methods.floating.full.full_system import FullSystem
@@ -42,7 +42,7 @@ def full_solution(
     )
 
 
-def _seen(machine: FullSystem, states: Sequence[FullState]) -> SeenMotions | None:
+def _seen(machine: FullSystem, states: Sequence[FullState]) -> StationMotions | None:
     if not machine.lines:
         return None
     bodies, stations = {}, {}
@@ -50,4 +50,4 @@ def _seen(machine: FullSystem, states: Sequence[FullState]) -> SeenMotions | Non
         motion = line.motion(machine.body_states(line.index, states))
         bodies[machine.system.bodies[line.index].body.name] = motion
         stations |= line.station_motions(motion)
-    return SeenMotions(machine.seen, bodies, stations)
+    return StationMotions(machine.seen, bodies, stations)

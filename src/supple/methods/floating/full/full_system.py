@@ -37,7 +37,7 @@ from supple.equations.inertia import mass_matrix
 from supple.equations.joint_force import constraint_rows
 from supple.equations.machine_model import Model
 from supple.equations.starting_machine import JointTerms, joint_terms
-from supple.equations.station_body import BodyState, SeenMachine, Stations
+from supple.equations.station_body import BodyState, MachineWithStations, Stations
 from supple.equations.step_size import position_rounding
 from supple.errors import ModelError
 from supple.integrate import StepFactors
@@ -52,7 +52,7 @@ from supple.methods.floating.full.full_interior import (
 )
 from supple.methods.floating.full.full_state import Evaluation, FullState, LineEvaluation, Targets
 from supple.methods.floating.full.full_tangent import Factored, FullTangent, TangentPoint
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 
 __all__ = ["FullSystem"]
 
@@ -71,8 +71,8 @@ def _matrices(
     )
 
 
-_border_terms = KeptProgram(balance)
-_border_matrices = KeptProgram(_matrices)
+_border_terms = CachedProgram(balance)
+_border_matrices = CachedProgram(_matrices)
 
 
 class FullSystem:
@@ -86,8 +86,8 @@ class FullSystem:
     active : the independent constraint equations; all equations until the start has found the redundant ones
     """
 
-    def __init__(self, system: System | SeenMachine, active: tuple[int, ...] | None = None) -> None:
-        seen = system if isinstance(system, SeenMachine) else SeenMachine(system, system, ())
+    def __init__(self, system: System | MachineWithStations, active: tuple[int, ...] | None = None) -> None:
+        seen = system if isinstance(system, MachineWithStations) else MachineWithStations(system, system, ())
         self.system = system = seen.system
         self.seen, self.lines = seen.seen, seen.bodies
         sizes = [placed.body.n_coordinates for placed in system.bodies]
@@ -102,7 +102,7 @@ class FullSystem:
         self.interior_of = {interior.index: interior for interior in self.interiors}
         self.line_of = {line.index: number for number, line in enumerate(self.lines)}
         self.border_slices = self._border_slices()
-        self.seen_slices = self._seen_slices()
+        self.joint_slices = self._seen_slices()
 
     def _border_slices(self) -> tuple[slice, ...]:
         """Numbers in the border of each body's velocities: of frame and interfaces, or of stations."""
@@ -203,13 +203,13 @@ class FullSystem:
         )
 
     def _by_line(self, stations: tuple[Stations, ...]) -> np.ndarray:
-        """P, from velocities in `seen_slices` to those of the border."""
-        found = np.zeros((self.model.n_velocities, max(part.stop for part in self.seen_slices)))
+        """P, from velocities in `joint_slices` to those of the border."""
+        found = np.zeros((self.model.n_velocities, max(part.stop for part in self.joint_slices)))
         for index in self._others:
             part = self.border_slices[index]
             found[part, part] = np.eye(part.stop - part.start)
         for line, each in zip(self.lines, stations, strict=True):
-            found[self.border_slices[line.index], self.seen_slices[line.index]] = each.motion
+            found[self.border_slices[line.index], self.joint_slices[line.index]] = each.motion
         return found
 
     def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
@@ -468,7 +468,7 @@ class FullSystem:
             )
         ]
         change = solve_bordered(border, behind)
-        parts = [change.border[part] for part in self.seen_slices]
+        parts = [change.border[part] for part in self.joint_slices]
         for interior, own in zip(self.interiors, change.interiors, strict=True):
             parts[interior.index] = np.concatenate([parts[interior.index][:6], own])
         return np.concatenate(parts), change.multipliers, change.frame_multipliers
@@ -482,7 +482,7 @@ class FullSystem:
         increments: np.ndarray,
         factors: StepFactors,
     ) -> tuple[np.ndarray, ...]:
-        """Matrices and residual of the border for `seen_slices`, with the tangents of the lines included.
+        """Matrices and residual of the border for `joint_slices`, with the tangents of the lines included.
 
         The derivative of the stations' velocities by their positions is neglected in Newton's iteration.
         """
@@ -493,7 +493,7 @@ class FullSystem:
             part = self.border_slices[index]
             residual[part] = evaluation.border.residual[part]
         for body, line in zip(self.lines, evaluation.lines, strict=True):
-            part = self.seen_slices[body.index]
+            part = self.joint_slices[body.index]
             mass, damping, stiffness = body.tangent(line.state, line.station_forces)
             turned = slice(part.start + 3, part.start + 6)
             turn = np.asarray(_right_jacobian(increments[self.slices[body.index]][3:6]))
@@ -504,7 +504,7 @@ class FullSystem:
         return matrix, rows, by_increment, residual
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
-        """Constraints and their derivatives, for velocities in `seen_slices`."""
+        """Constraints and their derivatives, for velocities in `joint_slices`."""
         stations = self.stations(configuration, velocity)
         border = self.border_configuration(configuration, stations)
         at, moving = jnp.asarray(float(time)), jnp.asarray(self.to_border(velocity, stations))
@@ -521,7 +521,7 @@ class FullSystem:
 
     def metric(self, configuration: Configuration) -> np.ndarray:  # noqa: ARG002
         """Unit metric: interface motions, which have no mass of their own, scale the rows."""
-        return np.eye(max(part.stop for part in self.seen_slices))
+        return np.eye(max(part.stop for part in self.joint_slices))
 
     def _border_mass(self, configuration: Configuration) -> np.ndarray:
         stations = self.stations(configuration, np.zeros(self.n))
@@ -654,7 +654,7 @@ class FullSystem:
         )
 
 
-_mass_matrix = KeptProgram(mass_matrix, STARTING)
+_mass_matrix = CachedProgram(mass_matrix, STARTING)
 _right_jacobian = jax.jit(rotation_right_jacobian)
 _rotations_exp = jax.jit(jax.vmap(rotation_exp))
 

@@ -18,7 +18,7 @@ from supple.equations.consistent_start import consistent_start
 from supple.equations.converged_reactions import converged_reactions
 from supple.equations.floating_solution import last_instant
 from supple.equations.starting_machine import JointTerms
-from supple.equations.station_body import SeenMachine
+from supple.equations.station_body import MachineWithStations
 from supple.equations.step_size import position_rounding
 from supple.errors import ConvergenceError, ModelError
 from supple.integrate import Leg, Run, Solution, Statistics
@@ -38,7 +38,7 @@ from supple.methods.floating.full.full_system import FullSystem
 __all__ = ["FullKinematicEngine"]
 
 
-class HeldInstant(NamedTuple):
+class KinematicInstant(NamedTuple):
     """Configuration of a machine, iterations so far, and largest rotation of a body between two instants."""
 
     state: FullState
@@ -46,47 +46,47 @@ class HeldInstant(NamedTuple):
     largest_turn: float = 0.0
 
 
-class _HeldSystem(FullSystem):
+class _ConstrainedSystem(FullSystem):
     """Full system with constraints independent for its frames."""
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
         """Constraint terms of bodies that keep their shape."""
-        return of_frames(super().joint_terms(time, configuration, velocity), self.seen_slices)
+        return of_frames(super().joint_terms(time, configuration, velocity), self.joint_slices)
 
 
 class FullKinematicEngine:
     """`Engine` that solves the joints' equations for the frames of the bodies at each instant."""
 
-    def __init__(self, machine: SeenMachine, run: Run) -> None:
+    def __init__(self, machine: MachineWithStations, run: Run) -> None:
         check_held(machine.system, run)
-        self._every = self._machine = _HeldSystem(machine)
+        self._every = self._machine = _ConstrainedSystem(machine)
         self._run, self._step = run, run.step_control.largest
 
-    def start(self, time: float) -> HeldInstant:
+    def start(self, time: float) -> KinematicInstant:
         """Initial instant with closed joints; ModelError where they leave a degree of freedom."""
         self._machine, configuration, _, change = consistent_start(self._every, time)
         report_start(change, self._run.validity)
         check_determined(self._machine.system, self._machine.model.active)
         placed = self._machine.state_at(time, configuration, np.zeros(self._machine.n))
-        begun = self._next(HeldInstant(placed), time)
+        begun = self._next(KinematicInstant(placed), time)
         if begun is None:
             raise ModelError(not_closed(time))
         return begun
 
-    def resumed(self, last: Solution) -> HeldInstant:
+    def resumed(self, last: Solution) -> KinematicInstant:
         """The state at the end of a recorded part."""
         known = last.engine_state
         self._machine = self._every.restricted(tuple(int(index) for index in known["active"]))
         instant = last_instant(self._machine.system, last)
         state = self._machine.state_at(instant.time, instant.configuration, instant.velocity)
-        return HeldInstant(
+        return KinematicInstant(
             state._replace(
                 acceleration=instant.acceleration,
                 multipliers=instant.multipliers[list(self._machine.model.active)],
             )
         )
 
-    def march(self, state: HeldInstant, times: np.ndarray) -> Leg[HeldInstant]:
+    def march(self, state: KinematicInstant, times: np.ndarray) -> Leg[KinematicInstant]:
         """Solve at each of the output times, with intermediate instants at most one step apart."""
         began, reached, before, stopped = clock.perf_counter(), [], state, None
         every, outputs = instants_between(float(state.state.time), times, self._step)
@@ -107,7 +107,7 @@ class FullKinematicEngine:
         )
         return Leg((reached, state), len(reached), state, statistics, stopped)
 
-    def solution(self, leg: Leg[HeldInstant]) -> Solution:
+    def solution(self, leg: Leg[KinematicInstant]) -> Solution:
         """The motion of a leg."""
         states, last = leg.states
         kept = {"active": np.array(self._machine.model.active, dtype=float)}
@@ -115,7 +115,7 @@ class FullKinematicEngine:
             kept |= {"velocity": last.state.velocity, "acceleration": last.state.acceleration}
         return full_solution(self._machine, states, leg.statistics, kept)
 
-    def _next(self, before: HeldInstant, time: float) -> HeldInstant | None:
+    def _next(self, before: KinematicInstant, time: float) -> KinematicInstant | None:
         """The machine at another time, found from its position; None if the joints cannot be closed."""
         machine, start = self._machine, before.state
         h, none = time - start.time, np.zeros(machine.n)
@@ -139,7 +139,7 @@ class FullKinematicEngine:
         turned = np.swapaxes(start.configuration.rotations, 1, 2) @ configuration.rotations
         cosine = np.clip((np.trace(turned, axis1=1, axis2=2) - 1) / 2, -1.0, 1.0)
         turn = max(before.largest_turn, float(np.arccos(cosine).max()))
-        return HeldInstant(state, before.iterations + iterations, turn)
+        return KinematicInstant(state, before.iterations + iterations, turn)
 
     def _closed(self, configuration: Configuration, time: float) -> tuple[Configuration, int]:
         """Newton's method on g(q, t) = 0 down to rounding error; the configuration, and the iterations."""
@@ -174,7 +174,7 @@ class FullKinematicEngine:
         return np.concatenate([np.arange(part.start, part.start + 6) for part in self._machine.slices])
 
     def _of_frames(self, jacobian: np.ndarray) -> np.ndarray:
-        frames = [np.arange(part.start, part.start + 6) for part in self._machine.seen_slices]
+        frames = [np.arange(part.start, part.start + 6) for part in self._machine.joint_slices]
         return jacobian[:, np.concatenate(frames)]
 
     def _to_all(self, frames: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from supple.equations.consistent_start import consistent_start, placed_configura
 from supple.equations.control_force import first_states, resting_control
 from supple.equations.control_linearization import control_at_rest, unrest
 from supple.equations.static_search import ROUND_OFF, EquilibriumResidual, StaticState, StaticStep
-from supple.equations.station_body import SeenMachine
+from supple.equations.station_body import MachineWithStations
 from supple.equations.steady_motion import SteadyEquations, SteadyTurning, turning_velocities, work_of_turning
 from supple.integrate import Solution, Statistics
 from supple.methods.floating.full.full_solution import full_solution
@@ -190,7 +190,10 @@ def _turned(machine: FullSystem, vector: np.ndarray, rotations: np.ndarray) -> n
 
 
 def full_statics(
-    machine: SeenMachine, turning: SteadyTurning | None, time: float, known: tuple[int, ...] | None = None
+    machine: MachineWithStations,
+    turning: SteadyTurning | None,
+    time: float,
+    known: tuple[int, ...] | None = None,
 ) -> FullStatics:
     """Equations of a machine with full bodies and closed joints; `known` equations are independent."""
     prepared = FullSystem(machine, known)

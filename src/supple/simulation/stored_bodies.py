@@ -10,7 +10,7 @@ from supple.machine import System
 from supple.reduction import ReducedBody
 from supple.storage import file_name, read_reduced_body, write_reduced_body
 
-__all__ = ["keep_bodies", "keep_body", "reduced_bodies", "with_kept_bodies"]
+__all__ = ["reduced_bodies", "store_bodies", "store_body", "with_stored_bodies"]
 
 
 def reduced_bodies(system: System, names: Collection[str]) -> list[ReducedBody]:
@@ -18,18 +18,18 @@ def reduced_bodies(system: System, names: Collection[str]) -> list[ReducedBody]:
     return [body for name, body in system.bodies_of(ReducedBody).items() if name in names]
 
 
-def keep_body(body: ReducedBody, folder: Path) -> Path:
+def store_body(body: ReducedBody, folder: Path) -> Path:
     """Write a reduced body to its file beside a run; returns the path."""
-    return write_reduced_body(kept_path(folder, body.name), body)
+    return write_reduced_body(stored_path(folder, body.name), body)
 
 
-def keep_bodies(system: System, names: Collection[str], folder: Path) -> None:
+def store_bodies(system: System, names: Collection[str], folder: Path) -> None:
     """Write the reduced bodies of a system, among the given names."""
     for body in reduced_bodies(system, names):
-        keep_body(body, folder)
+        store_body(body, folder)
 
 
-def with_kept_bodies(system: System, names: Collection[str], folder: Path) -> System:
+def with_stored_bodies(system: System, names: Collection[str], folder: Path) -> System:
     """The system with the stored bodies of a run, to resume it; bodies not yet stored are written.
 
     A repeated reduction may change the signs of columns.
@@ -37,9 +37,9 @@ def with_kept_bodies(system: System, names: Collection[str], folder: Path) -> Sy
     kept = {
         body.name: read_reduced_body(path)
         for body in reduced_bodies(system, names)
-        if (path := kept_path(folder, body.name)).exists()
+        if (path := stored_path(folder, body.name)).exists()
     }
-    keep_bodies(system, set(names) - kept.keys(), folder)
+    store_bodies(system, set(names) - kept.keys(), folder)
 
     bodies = (
         replace(placed, body=kept[placed.body.name]) if placed.body.name in kept else placed
@@ -48,6 +48,6 @@ def with_kept_bodies(system: System, names: Collection[str], folder: Path) -> Sy
     return replace(system, bodies=tuple(bodies))
 
 
-def kept_path(folder: Path, name: str) -> Path:
+def stored_path(folder: Path, name: str) -> Path:
     """The file of a reduced body in the folder of a run."""
     return folder / f"{file_name(name)}-reduced.h5"

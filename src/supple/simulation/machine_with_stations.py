@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from supple.equations.station_body import SeenMachine
+from supple.equations.station_body import MachineWithStations
 from supple.machine import System
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.intrinsic import IntrinsicBody
 from supple.methods.intrinsic.line_in_frame import lines_in_frames
 
-__all__ = ["full_system", "seen_machine"]
+__all__ = ["full_system", "machine_with_stations"]
 
 
-def seen_machine(system: System) -> SeenMachine:
+def machine_with_stations(system: System) -> MachineWithStations:
     """The machine with its intrinsic bodies in floating frames.
 
     Raises ModelError for intrinsic bodies whose modes have a fixed root.
     """
-    return lines_in_frames(system) if system.bodies_of(IntrinsicBody) else SeenMachine(system, system, ())
+    return (
+        lines_in_frames(system)
+        if system.bodies_of(IntrinsicBody)
+        else MachineWithStations(system, system, ())
+    )
 
 
 def full_system(system: System, active: tuple[int, ...] | None = None) -> FullSystem:
     """Its equations; `active` leaves out redundant constraint equations."""
-    return FullSystem(seen_machine(system), active)
+    return FullSystem(machine_with_stations(system), active)

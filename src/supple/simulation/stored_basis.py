@@ -13,7 +13,7 @@ from supple.errors import ModelError
 from supple.machine import System
 from supple.reduction import ReducedBody, ReductionBasis
 
-__all__ = ["kept_bases", "kept_basis"]
+__all__ = ["stored_bases", "stored_basis"]
 
 DIFFERENT = 1e-8
 """Relative to the nodal motion: a larger remainder is not a motion of the full body."""
@@ -21,7 +21,7 @@ LIKE = 1e-6
 """Relative to the reduced stiffness: allowed difference of the projected full stiffness."""
 
 
-def kept_basis(full: FullBody, reduced: ReducedBody) -> ReductionBasis:
+def stored_basis(full: FullBody, reduced: ReducedBody) -> ReductionBasis:
     """V with T V = nodal basis: least squares, exact for a body reduced from this one.
 
     Raises ModelError for the reduction of another body, or with coordinates invisible at the nodes.
@@ -46,7 +46,7 @@ def kept_basis(full: FullBody, reduced: ReducedBody) -> ReductionBasis:
     return ReductionBasis(reduced.frame, columns, reduced.report)
 
 
-def kept_bases(system: System, fulls: Mapping[str, FullBody]) -> dict[str, ReductionBasis]:
+def stored_bases(system: System, fulls: Mapping[str, FullBody]) -> dict[str, ReductionBasis]:
     """Bases of a machine's reduced bodies with known full bodies, by name."""
     reduced = system.bodies_of(ReducedBody)
-    return {name: kept_basis(fulls[name], body) for name, body in reduced.items() if name in fulls}
+    return {name: stored_basis(fulls[name], body) for name, body in reduced.items() if name in fulls}

@@ -8,17 +8,17 @@ from types import MappingProxyType
 
 from supple.integrate import Progress, Run, Solution
 from supple.machine import System
-from supple.simulation.kept_bodies import keep_bodies, with_kept_bodies
 from supple.simulation.recorded_columns import columns_of
 from supple.simulation.recorded_run import continue_recorded, joint_ends, recorded
+from supple.simulation.stored_bodies import store_bodies, with_stored_bodies
 from supple.storage import ResultFile, read_header
 from supple.storage.result_content import Metadata
 from supple.storage.run_inputs import Inputs
 
-__all__ = ["simulate_kept"]
+__all__ = ["simulate_and_store"]
 
 
-def simulate_kept(
+def simulate_and_store(
     system: System,
     run: Run,
     path: Path,
@@ -49,7 +49,7 @@ def simulate_kept(
     errors of `simulate`; the results until then are in the file
     """
     if resume and read_header(path).n_times:
-        system = with_kept_bodies(system, kept, path.parent)
+        system = with_stored_bodies(system, kept, path.parent)
         return system, continue_recorded(system, run, path, case=case, inputs=inputs, progress=progress)
     if resume:
         # Nothing was computed yet. The stored bodies may be those of an earlier run.
@@ -57,5 +57,5 @@ def simulate_kept(
     metadata = {**metadata, **joint_ends(system), **columns_of(system)}
     # The old motion is deleted before its bodies: it is never beside bodies of another run.
     with ResultFile.create(path, case=case, metadata=metadata, inputs=inputs, overwrite=overwrite) as file:
-        keep_bodies(system, kept, path.parent)
+        store_bodies(system, kept, path.parent)
         return system, recorded(system, run, file, progress=progress)

@@ -12,10 +12,10 @@ from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.methods.intrinsic.machine_of_lines import frame_to_root
 from supple.methods.intrinsic.rigid_motion import amplitudes_of, rigid_motion
 
-__all__ = ["placed_as_moved"]
+__all__ = ["placed_at_instant"]
 
 
-def placed_as_moved(placed: Placed, motion: IntrinsicMotion, row: int) -> Placed:
+def placed_at_instant(placed: Placed, motion: IntrinsicMotion, row: int) -> Placed:
     """The body placed as in a row of its motion; its first state (`line_start`) has these strains and q_1.
 
         q_1 = Phi_1^T M ( R(q_2) (d + F c) - T d ) + (0, rates)

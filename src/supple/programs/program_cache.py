@@ -26,17 +26,17 @@ import numpy as np
 from jax.core import Tracer
 from jax.experimental import serialize_executable
 
-from supple.algebra.jax_settings import count_program, when_given_back
+from supple.algebra.jax_settings import count_program, on_program_release
 from supple.programs.program_digest import digest_of_sources, program_digest, text_digest
 from supple.programs.program_worker import program_of_file
 
-__all__ = ["KeptProgram"]
+__all__ = ["CachedProgram"]
 
 _MOST_AT_HAND = 16
 """Programs of one function that a process holds; the one used last stays longest."""
 
 
-class KeptProgram:
+class CachedProgram:
     """A function of arrays, compiled once for all arguments that differ in numbers alone.
 
     function : of pytrees, by position; its result holds arrays in tuples and named tuples
@@ -49,7 +49,7 @@ class KeptProgram:
         self.function = function
         self._options = dict(options)
         self._at_hand: OrderedDict[Any, Any] = OrderedDict()
-        when_given_back(self._at_hand.clear)
+        on_program_release(self._at_hand.clear)
 
     def __call__(self, *arguments: Any) -> Any:
         """The function's result; as a part of another program where that is being traced."""

@@ -21,20 +21,20 @@ from supple.cases.drawing import Drawing
 from supple.integrate import StepProgress
 from supple.other_processes import available_cores, python_command, python_environment
 
-__all__ = ["DrawingBeside"]
+__all__ = ["DrawingProcess"]
 
 WORTH = 20.0
 """Shortest run, s, for which a process is started: only then is the error estimate long enough."""
 
 
-class DrawingBeside:
+class DrawingProcess:
     """Draws a run once, in this process or in a separate one, which ends with the `with` block."""
 
     def __init__(self) -> None:
         self._began = perf_counter()
         self._process: subprocess.Popen[str] | None = None
 
-    def __enter__(self) -> DrawingBeside:
+    def __enter__(self) -> DrawingProcess:
         return self
 
     def __exit__(self, *_: object) -> None:

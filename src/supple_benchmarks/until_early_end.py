@@ -8,7 +8,7 @@ from supple.simulation import simulate
 from supple_benchmarks.progress import Progress
 
 
-def as_far_as_it_goes(system: System, run: Run, *, progress: Progress) -> tuple[Solution, float | None]:
+def until_early_end(system: System, run: Run, *, progress: Progress) -> tuple[Solution, float | None]:
     """The motion, and the time of an early end, or None."""
     solution = simulate(system, run, progress=progress, check=False)
     progress(1.0)

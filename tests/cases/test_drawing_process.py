@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from supple.body import RigidBody
-from supple.cases import drawing_beside
+from supple.cases import drawing_process
 from supple.cases.drawing import Drawing
-from supple.cases.drawing_beside import DrawingBeside
+from supple.cases.drawing_process import DrawingProcess
 from supple.cases.notify import silent
 from supple.integrate import FixedStep, Run
 from supple.machine import GROUND, At, Placed, Revolute, System
@@ -38,8 +38,8 @@ def drawing(swing, tmp_path):
 
 @pytest.fixture
 def worth(monkeypatch):
-    monkeypatch.setattr(drawing_beside, "WORTH", 0.0)
-    monkeypatch.setattr(drawing_beside, "available_cores", lambda: 2)
+    monkeypatch.setattr(drawing_process, "WORTH", 0.0)
+    monkeypatch.setattr(drawing_process, "available_cores", lambda: 2)
 
 
 PICTURES = {"machine.png", "joint-forces.png", "self_correction.png", "motion.gif"}
@@ -48,7 +48,7 @@ PICTURES = {"machine.png", "joint-forces.png", "self_correction.png", "motion.gi
 @pytest.mark.slow
 def test_pictures_of_the_process_are_those_drawn_here(drawing, worth, tmp_path):
     said = []
-    with DrawingBeside() as beside:
+    with DrawingProcess() as beside:
         beside.begin(lambda: drawing)
         beside.finish(replace(drawing, folder=tmp_path / "never"), lambda *told: said.append(told))
     assert {path.name for path in tmp_path.iterdir()} == PICTURES
@@ -63,7 +63,7 @@ def test_pictures_of_the_process_are_those_drawn_here(drawing, worth, tmp_path):
 
 @pytest.mark.slow
 def test_what_a_killed_process_has_left_is_drawn_here(drawing, worth, tmp_path):
-    with DrawingBeside() as beside:
+    with DrawingProcess() as beside:
         beside.begin(lambda: drawing)
         os.kill(beside._process.pid, signal.SIGKILL)
         beside.finish(replace(drawing, pictures=False), silent)
@@ -71,7 +71,7 @@ def test_what_a_killed_process_has_left_is_drawn_here(drawing, worth, tmp_path):
 
 
 def test_what_cannot_be_sent_is_drawn_here(drawing, worth, tmp_path):
-    with DrawingBeside() as beside:
+    with DrawingProcess() as beside:
         beside.begin(lambda: replace(drawing, bases={"bob": lambda: None}))
         assert beside._process is None
         beside.finish(replace(drawing, pictures=False), silent)
@@ -79,7 +79,7 @@ def test_what_cannot_be_sent_is_drawn_here(drawing, worth, tmp_path):
 
 
 def test_process_ends_with_the_run(drawing, worth):
-    with DrawingBeside() as beside:
+    with DrawingProcess() as beside:
         beside.begin(lambda: drawing)
         first = beside._process
         beside.begin(lambda: drawing)
@@ -90,6 +90,6 @@ def test_process_ends_with_the_run(drawing, worth):
 
 
 def test_runs_over_soon_are_drawn_here(drawing):
-    with DrawingBeside() as beside:
+    with DrawingProcess() as beside:
         beside.begin(lambda: drawing)
         assert beside._process is None

@@ -17,11 +17,11 @@ from supple.quantities import (
     SpringForceSensor,
 )
 
-__all__ = ["SeenMachine", "ends_on_lines"]
+__all__ = ["SensedMachine", "ends_on_lines"]
 
 
 @dataclass(frozen=True, eq=False)
-class SeenMachine:
+class SensedMachine:
     """A machine, and the system of its model, in which stations replace intrinsic bodies.
 
     own : the machine that the sensors refer to

@@ -13,9 +13,9 @@ from supple.errors import CaseError
 from supple.importers.toml import CheckedTable
 from supple.machine import Placed, System
 from supple.simulation import Start
-from supple.simulation.kept_bodies import kept_path
 from supple.simulation.recorded_columns import are_same_columns
 from supple.simulation.start import ProjectionLoss
+from supple.simulation.stored_bodies import stored_path
 from supple.storage import read_header, read_reduced_body, read_solution
 from supple.units import UnitSystem
 
@@ -30,7 +30,7 @@ class StartState(CheckedTable):
     time: float = Field(description="one of its output times, the start of this run, a time")
 
 
-def gone_on(state: StartState, case: Case, system: System) -> System:
+def continued_from(state: StartState, case: Case, system: System) -> System:
     """The machine of a case with the state of an earlier run, in the units of the case.
 
     Raises
@@ -79,7 +79,7 @@ def _bodies_that_moved(
     """The bodies of the earlier run: reduced bodies from their files, and bodies that were not reduced."""
     fulls = case.fulls
     for name in (placed.body.name for placed in system.bodies):
-        if (kept := kept_path(folder, name)).exists():
+        if (kept := stored_path(folder, name)).exists():
             yield Placed(read_reduced_body(kept))
         elif name in fulls and are_same_columns(columns.get(name, {}), Placed(fulls[name])):
             yield Placed(fulls[name])

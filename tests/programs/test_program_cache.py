@@ -13,8 +13,8 @@ import pytest
 
 from supple.algebra.rotation import rotation_exp
 from supple.machine import TimeFunction
-from supple.programs import kept_programs, program_digest
-from supple.programs.kept_programs import KeptProgram
+from supple.programs import program_cache, program_digest
+from supple.programs.program_cache import CachedProgram
 
 
 @pytest.fixture
@@ -27,7 +27,7 @@ def traced(monkeypatch):
         seen.append(function.__name__)
         return jit(function, **options)
 
-    monkeypatch.setattr(kept_programs.jax, "jit", counted)
+    monkeypatch.setattr(program_cache.jax, "jit", counted)
     return seen
 
 
@@ -35,19 +35,19 @@ VECTOR = np.array([0.3, -0.2, 0.5])
 
 
 def test_later_process_neither_traces_nor_compiles(kept, traced):
-    first = KeptProgram(rotation_exp)(VECTOR)
+    first = CachedProgram(rotation_exp)(VECTOR)
     assert traced == ["kept_rotation_exp"]
-    again = KeptProgram(rotation_exp)(VECTOR)
+    again = CachedProgram(rotation_exp)(VECTOR)
     assert traced == ["kept_rotation_exp"]
     np.testing.assert_array_equal(first, again)
-    np.testing.assert_array_equal(KeptProgram(rotation_exp)(2 * VECTOR), rotation_exp(2 * VECTOR))
+    np.testing.assert_array_equal(CachedProgram(rotation_exp)(2 * VECTOR), rotation_exp(2 * VECTOR))
 
 
 def test_changed_sources_are_traced_and_found_by_their_text(kept, traced, monkeypatch):
-    first = KeptProgram(rotation_exp)(VECTOR)
+    first = CachedProgram(rotation_exp)(VECTOR)
     programs = sorted((kept / "by-text").iterdir())
-    monkeypatch.setattr(kept_programs, "digest_of_sources", lambda: "of another version")
-    np.testing.assert_array_equal(KeptProgram(rotation_exp)(VECTOR), first)
+    monkeypatch.setattr(program_cache, "digest_of_sources", lambda: "of another version")
+    np.testing.assert_array_equal(CachedProgram(rotation_exp)(VECTOR), first)
     assert traced == 2 * ["kept_rotation_exp"]
     assert sorted((kept / "by-text").iterdir()) == programs
 
@@ -63,26 +63,26 @@ def test_sources_that_do_not_count_stand_above_all_programs():
     assert sorted(names) == sorted(program_digest._ABOVE)
     for name in names:
         for path in (root / "src" / "supple" / name).rglob("*.py"):
-            assert "KeptProgram" not in path.read_text()
+            assert "CachedProgram" not in path.read_text()
 
 
 def test_broken_file_is_built_anew(kept, traced):
-    first = KeptProgram(rotation_exp)(VECTOR)
+    first = CachedProgram(rotation_exp)(VECTOR)
     (file,) = (kept / "by-text").iterdir()
     file.write_bytes(file.read_bytes()[:-9])
-    np.testing.assert_array_equal(KeptProgram(rotation_exp)(VECTOR), first)
+    np.testing.assert_array_equal(CachedProgram(rotation_exp)(VECTOR), first)
     assert traced == 2 * ["kept_rotation_exp"]
-    KeptProgram(rotation_exp)(VECTOR)
+    CachedProgram(rotation_exp)(VECTOR)
     assert len(traced) == 2
 
 
 def test_the_folder_is_bounded_and_the_program_read_last_stays(kept, monkeypatch):
-    monkeypatch.setattr(kept_programs, "_MOST_KEPT", 100_000)
+    monkeypatch.setattr(program_cache, "_MOST_KEPT", 100_000)
     (kept / "by-text").mkdir()
     for read, name in enumerate(("of JAX", "by-text/old", "by-text/young")):
         (kept / name).write_bytes(bytes(40_000))
         os.utime(kept / name, (1e9 + read, 1e9 - read))
-    KeptProgram(rotation_exp)(VECTOR)
+    CachedProgram(rotation_exp)(VECTOR)
     assert not (kept / "of JAX").exists()
     assert len(list((kept / "by-text").iterdir())) == 3
 
@@ -96,7 +96,7 @@ OFFSET = 1.0
 
 def test_functions_of_the_users_own_are_known_by_what_they_do(kept, traced, monkeypatch):
     def value(factor):
-        return float(KeptProgram(TimeFunction.__call__)(TimeFunction(scaled_by(factor)), 0.5))
+        return float(CachedProgram(TimeFunction.__call__)(TimeFunction(scaled_by(factor)), 0.5))
 
     assert [value(factor) for factor in (2.0, 3.0, 2.0)] == [3.5, 4.5, 3.5]
     assert len(traced) == 2
@@ -137,32 +137,32 @@ def test_functions_that_take_what_is_not_known_are_not_kept(kept, traced, functi
     """Another of the same name, or this one with other surroundings, would be given the values of now."""
     law = TimeFunction(function)
     for _ in range(2):
-        KeptProgram(TimeFunction.__call__)(law, 5.0)
+        CachedProgram(TimeFunction.__call__)(law, 5.0)
     assert traced == ["__call__", "__call__"]
     assert not list(kept.rglob("by-*"))
 
 
 def test_shapes_and_options_have_programs_of_their_own(kept, traced):
-    KeptProgram(rotation_exp)(VECTOR)
-    KeptProgram(rotation_exp)(VECTOR.astype(np.float32))
-    KeptProgram(rotation_exp, {"xla_backend_optimization_level": 1})(VECTOR)
+    CachedProgram(rotation_exp)(VECTOR)
+    CachedProgram(rotation_exp)(VECTOR.astype(np.float32))
+    CachedProgram(rotation_exp, {"xla_backend_optimization_level": 1})(VECTOR)
     assert len(traced) == 3
     assert len(list((kept / "by-text").iterdir())) == 3
 
 
 def test_part_of_another_program():
     """While another program is traced, it becomes a piece of it."""
-    program = KeptProgram(rotation_exp)
+    program = CachedProgram(rotation_exp)
     stacked = np.array([VECTOR, 2 * VECTOR])
     np.testing.assert_allclose(jax.vmap(program)(stacked), jax.vmap(rotation_exp)(stacked), rtol=1e-15)
 
 
 TWICE = """
 import numpy as np
-from supple.programs.kept_programs import KeptProgram
+from supple.programs.program_cache import CachedProgram
 from supple.algebra.rotation import rotation_exp
 for _ in range(2):
-    print(KeptProgram(rotation_exp)(np.array([0.3, -0.2, 0.5])).tolist())
+    print(CachedProgram(rotation_exp)(np.array([0.3, -0.2, 0.5])).tolist())
 """
 
 
