@@ -1,6 +1,7 @@
-"""Libraries of linear machines, built once for all platforms: exporting such a machine needs no compiler.
+"""Prebuilt FMU libraries for linear machines, with which their export needs no compiler.
 
-The folder `prebuilt` of the package is filled when a release is built; a checkout compiles at each export.
+The folder `prebuilt` of the package is filled when a release is built. A source checkout compiles the library
+at each export.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ FOLDER = resources.files("supple.export.fmu").joinpath("prebuilt")
 
 
 def prebuilt_path(sources: Mapping[str, str], platform: Platform, fmi: int) -> str:
-    """Name of a library in `FOLDER`, with the digest of its sources: a stale one is not found."""
+    """Name of a library in `FOLDER`, with a digest of the sources, so that old ones do not match."""
     texts = "\0".join(f"{name}\0{text}" for name, text in sorted(sources.items()))
     digest = hashlib.sha256(texts.encode()).hexdigest()[:16]
     return f"{digest}-{platform.folders[fmi]}{platform.suffix}"
@@ -26,7 +27,7 @@ def prebuilt_path(sources: Mapping[str, str], platform: Platform, fmi: int) -> s
 def prebuilt_libraries(
     sources: Mapping[str, str], fmi: int, platforms: tuple[Platform, ...]
 ) -> list[tuple[Platform, bytes]]:
-    """Libraries of these sources for the platforms, by default all that exist; none if one is missing."""
+    """Libraries for the given platforms, or none if one is missing; by default all that exist."""
     every = [each for of_system in PLATFORMS.values() for each in of_system]
     wanted = [each for each in platforms or every if fmi in each.folders]
     files = [(each, FOLDER.joinpath(prebuilt_path(sources, each, fmi))) for each in wanted]

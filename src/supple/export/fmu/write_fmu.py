@@ -177,10 +177,12 @@ def compile_library(compiler: Compiler, sources: Mapping[str, str]) -> bytes:
                 check=False,
             )
         except OSError as error:
-            raise ModelError(f"the compiler {command} of an FMU does not start: {error}") from error
+            raise ModelError(
+                f"the compiler {command} does not start ({error}): check the variable CC"
+            ) from error
         if done.returncode:
             raise ModelError(
-                f"{command} could not build the FMU: {done.stderr.strip()[-400:]}; check the variables CC and "
-                "CFLAGS, or export the machine as C and build it there"
+                f"{command} could not build the FMU: {done.stderr.strip()[-400:]}; check the variables CC "
+                "and CFLAGS, or export the machine as C and build it there"
             )
         return (folder / target).read_bytes()
