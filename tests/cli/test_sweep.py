@@ -41,7 +41,7 @@ def test_jobs_share_a_sweep_and_the_status_says_how_far_it_is(cases, tmp_path):
     assert "mass" in second
     assert "3 ran, 1 failed" in call("sweep", "status", folder, code=3)
     cases.write_text(cases.read_text().replace("4.0]", "5.0]"))
-    assert "--force begins anew" in call("sweep", cases, "-o", folder, "--share", "1/2", code=2)
+    assert "replace it with --force" in call("sweep", cases, "-o", folder, "--share", "1/2", code=2)
 
 
 @pytest.mark.parametrize(
@@ -68,5 +68,5 @@ def test_the_page_has_as_many_reports_as_it_is_asked_for(cases, tmp_path):
 
 
 def test_a_folder_without_a_sweep_is_named(tmp_path):
-    assert "holds no sweep" in call("sweep", "status", tmp_path, code=2)
+    assert "has no sweep" in call("sweep", "status", tmp_path, code=2)
     assert "sweep CASES.toml -o FOLDER" in call("sweep", "--help")

@@ -112,13 +112,13 @@ def test_a_file_combines_a_csv_table_samples_and_values(file, tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", r"a sweep varies something"),
+        ("", r"nothing is varied"),
         ('[vary]\n"a.b" = []', r"line 3, vary\.a\.b: the list is empty"),
-        ('[vary]\n"a.b" = [1.0, "x"]', r"values of one kind are needed, got numbers and words"),
+        ('[vary]\n"a.b" = [1.0, "x"]', r"give values of one kind, not numbers and words"),
         ('[vary]\n"a.b" = 3.0', r"give a list of values"),
         ('[vary]\n"a.b" = { from = 1.0, to = 2.0 }', r"give either number or step"),
         ('[vary]\n"a.b" = { from = 1.0, to = 2.0, numbr = 3 }', r"unknown key, did you mean 'number'"),
-        ('[vary]\n"a.b" = { from = 2.0, to = 1.0, step = 0.1 }', r"is before 2.0"),
+        ('[vary]\n"a.b" = { from = 2.0, to = 1.0, step = 0.1 }', r"is less than from = 2.0"),
         ('[vary]\n"a.b" = { pattern = "seed.csv", from = 1, to = 2 }', r"no \{\} for the number"),
         (
             '[sample]\nmethod = "halton"\nnumber = 4\n[sample.of]\n"a" = {from = 1.0, to = 2.0}',

@@ -104,7 +104,7 @@ def test_functions_made_anew_for_each_case_are_refused(controlled, tmp_path):
     controlled.write_text(controlled.read_text().replace("py:held", "py:anew"))
     folder = planned(controlled, tmp_path / "out", allow_code=True)
     run_part_of_sweep(folder, 1, 1, allow_code=True)
-    assert all("makes new functions at every call" in each.cause for each in sweep_status(folder).failed)
+    assert all("creates new functions at every call" in each.cause for each in sweep_status(folder).failed)
     assert sweep_status(folder).n_ran == 0
 
 

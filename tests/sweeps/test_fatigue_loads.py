@@ -29,7 +29,7 @@ def swept(pendulum, tmp_path):
 def test_loads_are_those_of_the_kept_histories(swept):
     columns, read = SweepColumns(swept), read_sweep(swept)
     assert list(read.statistic.values[-2:]) == NAMES
-    assert "2 reference cycles a unit of time" in read.attrs["fatigue"]
+    assert "2 reference cycles per unit of time" in read.attrs["fatigue"]
     assert "residue as closed" in read.attrs["fatigue"]
     joint = np.array([name.startswith("joint ") for name in read.channel.values])
     for case in range(6):

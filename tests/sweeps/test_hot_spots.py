@@ -98,7 +98,7 @@ def test_a_peak_beyond_the_ultimate_stress_is_a_failure_of_its_case_alone(strip,
     read = read_sweep(folder)
     assert np.isnan(read.lifetime.values).all(), "no lifetime without all cases"
     assert np.isfinite(read.statistics.sel(statistic="damage").values[[0, 2], -1]).all()
-    assert "no numbers of the lifetime" in write_sweep_report(folder).read_text()
+    assert "loads and damage of the lifetime need all cases" in write_sweep_report(folder).read_text()
     with pytest.raises(ModelError):
         Goodman(-1.0)
 
@@ -110,8 +110,8 @@ def test_what_is_not_there_is_refused_before_anything_runs(strip):
 
     refused("no body 'stirp' that is reduced .* mean 'strip'", hot_spot=[SPOT | {"nodes": "stirp.ROOT"}])
     refused("hot spot 'weld': no node set 'ROTO'", hot_spot=[SPOT | {"nodes": "strip.ROTO"}])
-    refused("stands twice", hot_spot=[SPOT, SPOT])
-    refused("the speed 'wnd' does not vary; did you mean 'wind'", lifetime=LIFETIME | {"speed": "wnd"})
+    refused("is given twice", hot_spot=[SPOT, SPOT])
+    refused("no column is named 'wnd'; did you mean 'wind'", lifetime=LIFETIME | {"speed": "wnd"})
     refused("beyond the cuts", ModelError, lifetime=LIFETIME | {"cut_in": 9.0})
 
 

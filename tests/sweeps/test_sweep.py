@@ -72,7 +72,7 @@ def test_a_sweep_is_its_cases_one_by_one(pendulum, tmp_path):
     assert kept["times"][-1] == pytest.approx(0.2)
     assert np.arcsin(-bob[-1, 2]) == pytest.approx(pendulum_angle(mass=3.0, gravity=9.81), rel=1e-4)
     assert angle < pendulum_angle(mass=3.0, gravity=9.81)
-    with pytest.raises(ResultFileError, match="keeps no motion of case 0"):
+    with pytest.raises(ResultFileError, match="has no motion of case 0"):
         SweepColumns(folder).motion(0)
 
 
@@ -143,7 +143,7 @@ class GivesUp(Here):
 
 def test_tasks_that_are_given_up_are_an_error_and_missing(pendulum, tmp_path):
     table = CaseTable({"gravity[2]": np.linspace(-9.81, -1.0, 40).tolist()})
-    with pytest.raises(SuppleError, match=r"loses its scheduler: .* the same command does the rest"):
+    with pytest.raises(SuppleError, match=r"lost its scheduler; .* the same command runs the rest"):
         sweep(pendulum, table, tmp_path / "out", executor=GivesUp())
     assert sweep_status(tmp_path / "out").missing == (1, 2)
 
@@ -151,7 +151,7 @@ def test_tasks_that_are_given_up_are_an_error_and_missing(pendulum, tmp_path):
 def test_a_sweep_of_other_inputs_is_refused(pendulum, tmp_path):
     folder, table = tmp_path / "out", CaseTable({"gravity[2]": [-9.81, -5.0]})
     sweep(pendulum, table, folder, executor=Here())
-    with pytest.raises(ResultFileError, match=r"holds a sweep of other inputs \(the table"):
+    with pytest.raises(ResultFileError, match=r"holds a sweep with other inputs \(the table"):
         sweep(pendulum, CaseTable({"gravity[2]": [-9.81, -6.0]}), folder, executor=Here())
     pendulum.write_text(pendulum.read_text().replace("step = 0.01", "step = 0.005"))
     with pytest.raises(ResultFileError, match=r"other inputs \(the case"):

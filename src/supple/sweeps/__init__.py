@@ -1,4 +1,4 @@
-"""Sweeps: many cases of one case file, run anywhere, kept in one folder, read by the column."""
+"""Sweeps: many variants of one case file, run in parallel and stored in one folder."""
 
 from supple.sweeps.case_parameters import *
 from supple.sweeps.case_table import *
@@ -16,5 +16,5 @@ from supple.sweeps.sweep_status import *
 from supple.sweeps.swept_group import *
 
 # isort: split
-# Last, for its function has the name of a module.
+# Last, because its function has the name of its module.
 from supple.sweeps.sweep import *

@@ -1,4 +1,4 @@
-"""Attempts at a share that came to no end: a process that is killed leaves its mark."""
+"""Records of processes that started a share of a sweep and did not finish it."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from supple.storage.file_errors import file_errors
 __all__ = ["NOT_OF_A_CASE", "Attempts"]
 
 NOT_OF_A_CASE = (MemoryShortageError, MissingPackageError, ResultFileError)
-"""Errors of the machine or the disk: another try may succeed, so nothing is recorded."""
+"""Errors of the computer or the disk, not of a case: a later attempt may succeed, so none is recorded."""
 
 MOST = 2
-"""Attempts that may end with their process before a share is looked into case by case."""
+"""Number of killed processes after which the cases of a share run in isolated processes."""
 
 
 class Attempts:
-    """Marks of the attempts at a share, one file for each, which the end of the share removes.
+    """Files that mark attempts to run a share, one per attempt; they are removed when the share is finished.
 
-    folder : of the sweep
+    folder : folder of the sweep;  share : number of the share
     """
 
     def __init__(self, folder: Path, share: int) -> None:
@@ -32,16 +32,16 @@ class Attempts:
 
     @property
     def marks(self) -> list[Path]:
-        """Of all attempts that have not ended well."""
+        """Files of all attempts that are running or were killed."""
         return sorted(self._folder.glob(f"{self._share:05}-*.json"))
 
     @property
     def are_many(self) -> bool:
-        """Whether processes have ended with this share twice."""
+        """Whether at least `MOST` attempts are running or were killed."""
         return len(self.marks) >= MOST
 
     def begin(self, cases: Sequence[int]) -> None:
-        """Note that this process marches some cases from now on."""
+        """Record that this process starts to simulate some cases."""
         with file_errors("write", self._folder):
             self._folder.mkdir(parents=True, exist_ok=True)
             if self._own is None:
@@ -52,11 +52,11 @@ class Attempts:
             self._own.write_text(json.dumps({"cases": [int(min(cases)), int(max(cases))]}), encoding="utf-8")
 
     def end(self) -> None:
-        """The share has its part: all its marks go."""
+        """Remove all marks of the share, whose part is written."""
         for mark in self.marks:
             mark.unlink(missing_ok=True)
 
     def withdraw(self) -> None:
-        """The attempt ended without the process: its mark goes."""
+        """Remove the mark of this process, whose attempt ended with an exception."""
         if self._own is not None:
             self._own.unlink(missing_ok=True)

@@ -1,7 +1,8 @@
-"""Which values of a case are numbers of its run, and which make another body, another run or another program.
+"""Distinction of values that may vary within a group of cases from those that need a group of their own.
 
-Cases that differ in numbers of the run march together, in one compiled program, with bodies reduced once. All
-others are groups of their own: of bodies (thickness, basis), of the run (duration, step), of words.
+Cases that differ only in numbers of the run form a group: they run together, in one compiled program, with
+bodies that are reduced once. All other values separate groups: those of bodies (thickness, basis), of the run
+(duration, step), and texts.
 """
 
 from __future__ import annotations
@@ -23,9 +24,9 @@ DAMPING_NUMBERS = ("alpha", "beta", "ratio")
 
 
 def is_number_of_run(place: KeyPath, value: Any, raw: Raw) -> bool:
-    """Whether cases may differ in the value at a place and march together.
+    """Whether cases of one group may differ in the value at a place.
 
-    raw : the tables of the case file
+    place : keys that lead to the value;   raw : the tables of the case file
     """
     section, *rest = place
     if section in _FORCES:
@@ -40,9 +41,9 @@ def is_number_of_run(place: KeyPath, value: Any, raw: Raw) -> bool:
 
 
 def number_of_run(case: Path, name: str, raw: Raw) -> tuple[KeyPath, float]:
-    """Place and value of a parameter of a case by its path, a number with which the machine stays the same.
+    """Place and value of a number of the run of a case, by its path.
 
-    Raises CaseError for a path that leads nowhere, to no number, or to one that makes another body.
+    Raises CaseError for a path that does not exist, is no number, or changes a flexible body or the run.
     """
     place = parameter_path(name, raw)
     value = number_at(place, raw)
@@ -51,14 +52,14 @@ def number_of_run(case: Path, name: str, raw: Raw) -> tuple[KeyPath, float]:
     if not is_number_of_run(place, value, raw):
         raise CaseError(
             f"{case}: {name} changes a flexible body, the run or the program, and cannot be a parameter; "
-            "numbers of loads, joints, springs, elements, gravity and rigid bodies can: run or export each "
-            "value alone"
+            "numbers of loads, joints, springs, elements, gravity and rigid bodies can: run or export one "
+            "case for each value"
         )
     return place, value
 
 
 def _is_damped_apart(body: Mapping[str, Any]) -> bool:
-    """Whether a body is reduced here and its damping is known afterwards: that of its elements."""
+    """Whether a body is reduced by the sweep, with damping of its elements, which can be changed later."""
     kind, reduction = kind_of(body), body.get("reduction", {})
     whole = isinstance(reduction, Mapping) and reduction.get("basis") == "none"
     others = {"condense", "modal", "explicit", "split"} & body.keys()

@@ -1,4 +1,4 @@
-"""Numbers of a case file as parameters of its machine: derivatives of its outputs, fits to measurements."""
+"""Numbers of a case file as parameters, for derivatives of outputs and for fits to measurements."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ __all__ = ["CaseParameters", "case_parameters"]
 
 @dataclass(frozen=True, eq=False)
 class CaseParameters:
-    """Some numbers of a case, whose bodies are reduced once for all their values.
+    """Some numbers of a case as parameters; bodies are reduced once for all values.
 
-    values : of the case file, by path
+    values : values in the case file, by path
     """
 
     values: Mapping[str, float]
@@ -39,11 +39,11 @@ class CaseParameters:
 
     @property
     def run(self) -> Run:
-        """Of the case."""
+        """The run of the case."""
         return self._group.like.run
 
     def machine(self, values: Mapping[str, float]) -> System:
-        """The machine as its run starts, with other values by path; errors as of reading a case file."""
+        """The machine at the start of its run with other values, by path; errors as of a case file."""
         places = self._group.plan.places
         found = self._group.with_values({places[path]: value for path, value in values.items()})
         self._cases[found.system] = found
@@ -52,10 +52,10 @@ class CaseParameters:
     def sensitivities(
         self, outputs: Sequence[str], *, sizes: Mapping[str, float] = MappingProxyType({})
     ) -> Sensitivities:
-        """Derivatives of outputs of the case for its parameters, along the run.
+        """Derivatives of outputs of the case with respect to its parameters, along the run.
 
-        outputs : names of its sensors, `joint NAME`, `position BODY.PLACE`, `deflection BODY.PLACE`, `energy`
-        sizes, results, errors : as of `supple.sensitivity.sensitivities`
+        outputs : names of sensors, `joint NAME`, `position BODY.PLACE`, `deflection BODY.PLACE`, `energy`
+        sizes, results, errors : as in `supple.sensitivity.sensitivities`
         """
         return sensitivities(self.machine, self.values, self.run, self._named(outputs), sizes=sizes)
 
@@ -66,10 +66,10 @@ class CaseParameters:
         bounds: Mapping[str, tuple[float, float]] = MappingProxyType({}),
         sizes: Mapping[str, float] = MappingProxyType({}),
     ) -> Calibration:
-        """Values of the parameters that fit measurements of outputs, beginning with those of the case file.
+        """Fit the parameters to measurements of outputs; the initial values are those of the case file.
 
-        measurements : each `observable` an output, as for `sensitivities`
-        bounds, sizes, results, errors : as of `supple.sensitivity.calibrate`
+        measurements : each `observable` is the name of an output, as in `sensitivities`
+        bounds, sizes, results, errors : as in `supple.sensitivity.calibrate`
         """
         outputs = list(dict.fromkeys(each.observable for each in measurements))
         return calibrate(
@@ -83,7 +83,7 @@ class CaseParameters:
         )
 
     def _named(self, outputs: Sequence[str]) -> Any:
-        """Outputs of the case that a machine belongs to; CaseError for names that it has not."""
+        """Function that returns the named outputs of a machine; CaseError for unknown names."""
         known = [each.name for each in self._outputs_of(self.machine(self.values))]
         for name in outputs:
             if name not in known:
@@ -100,22 +100,22 @@ class CaseParameters:
 
 @checked_arguments
 def case_parameters(case: Path | str, paths: Sequence[str], *, allow_code: bool = False) -> CaseParameters:
-    """Numbers of a case file by their paths, as parameters of its machine.
+    """Parameters of a machine: numbers of its case file, by their paths.
 
         own = sp.case_parameters("blade.toml", ["joint.shaft.law.speed", "body.blade.damping.ratio"])
         slopes = own.sensitivities(["deflection blade.TIP"]).derivatives
 
     Parameters
     ----------
-    case : of its file
-    paths : of numbers that change no body and no program: of loads, laws, joints, springs, elements, gravity;
-        of rigid bodies; damping of bodies that are reduced here; as of the columns of a sweep
+    case : path of the case file
+    paths : paths of numbers that change no flexible body and no compiled program, as in a sweep: numbers of
+        loads, laws, joints, springs, elements, gravity and rigid bodies; damping of bodies that are reduced
     allow_code : run the Python file of `control`, if the case names one
 
     Raises
     ------
-    CaseError       a path that leads nowhere, to no number, or to one that makes another body
-    SuppleError     whatever meshes, bodies and reductions find wrong
+    CaseError       a path that does not exist, is no number, or changes a flexible body or the run
+    SuppleError     errors of meshes, bodies and reductions
     """
     path = Path(case)
     raw = case_family(path).raw

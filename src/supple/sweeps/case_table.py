@@ -1,4 +1,4 @@
-"""The table of a sweep: a column of values for each path that varies, a row for each case."""
+"""The table of a sweep: a column of values for each varied path, a row for each case."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class CaseTable:
-    """A case for each row; columns by path, such as `joint.shaft.law.speed`.
+    """The table of a sweep, with a case in each row; columns by path, such as `joint.shaft.law.speed`.
 
     Raises CaseError for columns of different lengths.
     """
@@ -45,7 +45,9 @@ class CaseTable:
         lengths = {path: len(column) for path, column in self.columns.items()}
         if len(set(lengths.values())) > 1:
             listed = ", ".join(f"{path} {length}" for path, length in lengths.items())
-            raise CaseError(f"the columns of a table of cases have different lengths: {listed}")
+            raise CaseError(
+                f"the columns of a table of cases have different lengths: {listed}; give one value per case"
+            )
         object.__setattr__(self, "columns", {path: tuple(own) for path, own in self.columns.items()})
 
     def __len__(self) -> int:
@@ -57,66 +59,66 @@ class CaseTable:
 
 
 class Distribution(Protocol):
-    """What a sampled parameter is drawn from."""
+    """Probability distribution of a sampled parameter."""
 
     def quantiles(self, shares: Array, /) -> Array:
-        """Values below which these shares of all draws lie."""
+        """Values (n,) at cumulative probabilities (n,)."""
         ...
 
 
 @dataclass(frozen=True)
 class Uniform:
-    """Evenly between two values."""
+    """Uniform distribution between two values."""
 
     low: float
     high: float
 
     def quantiles(self, shares: Array) -> Array:
-        """At x = low + (high - low) p."""
+        """Values x = low + (high - low) p at probabilities p."""
         return self.low + (self.high - self.low) * shares
 
 
 @dataclass(frozen=True)
 class Normal:
-    """Of a mean and a standard deviation."""
+    """Normal distribution with a mean and a standard deviation."""
 
     mean: float
     deviation: float
 
     def quantiles(self, shares: Array) -> Array:
-        """At x = mean + deviation Phi^-1(p)."""
+        """Values x = mean + deviation Phi^-1(p) at probabilities p."""
         return stats.norm.ppf(shares, self.mean, self.deviation)
 
 
 class Sampling(Protocol):
-    """How points of a unit cube are drawn."""
+    """Sampling of points in the unit cube."""
 
     def points(self, dimensions: int, /) -> Array:
-        """(number, dimensions), each between 0 and 1."""
+        """Points (number, dimensions), with coordinates between 0 and 1."""
         ...
 
 
 @dataclass(frozen=True)
 class LatinHypercube:
-    """One point in each of `number` slices of every parameter (`scipy.stats.qmc.LatinHypercube`)."""
+    """Latin hypercube: one point in each of `number` intervals of every parameter (`scipy.stats.qmc`)."""
 
     number: int
     seed: int = 0
 
     def points(self, dimensions: int) -> Array:
-        """(number, dimensions)."""
+        """Points (number, dimensions)."""
         return qmc.LatinHypercube(dimensions, rng=self.seed).random(self.number)
 
 
 @dataclass(frozen=True)
 class Sobol:
-    """Sobol's sequence, scrambled (`scipy.stats.qmc.Sobol`); balanced where the number is a power of two."""
+    """Scrambled Sobol sequence (`scipy.stats.qmc.Sobol`) of 2^m points, for which it is balanced."""
 
     number: int
     seed: int = 0
 
     def points(self, dimensions: int) -> Array:
-        """(number, dimensions)."""
+        """Points (number, dimensions); CaseError for a number that is no power of two."""
         if self.number & (self.number - 1):
             raise CaseError(
                 f"Sobol's sequence is balanced for powers of two: give number = "
@@ -126,27 +128,27 @@ class Sobol:
 
 
 def full_factorial(values: Mapping[str, Sequence[Any]]) -> CaseTable:
-    """Every combination of the values; the last path varies fastest."""
+    """The table of all combinations of the values; the last path varies fastest."""
     rows = list(product(*values.values()))
     return CaseTable({path: [row[i] for row in rows] for i, path in enumerate(values)})
 
 
 def sampled(of: Mapping[str, Distribution], sampling: Sampling) -> CaseTable:
-    """Points drawn together of the distributions of some parameters."""
+    """The table of sampled points, with the distribution of each parameter by its path."""
     points = sampling.points(len(of))
     columns = zip(of.items(), points.T, strict=True)
     return CaseTable({path: own.quantiles(column).tolist() for (path, own), column in columns})
 
 
 def crossed(*tables: CaseTable) -> CaseTable:
-    """Every row of the first with every row of the second, and so on; the last varies fastest.
+    """The table of all combinations of the rows of some tables; the last table varies fastest.
 
-    Raises CaseError where two tables vary the same path.
+    Raises CaseError if two tables vary the same path.
     """
     columns: dict[str, Sequence[Any]] = {}
     for table in tables:
         if twice := columns.keys() & table.columns.keys():
-            raise CaseError(f"{', '.join(sorted(twice))} is varied twice: once is enough")
+            raise CaseError(f"{', '.join(sorted(twice))} is varied twice: keep one of the columns")
         n, m = max(len(next(iter(columns.values()), ())), 1), len(table)
         repeated = {path: [value for value in own for _ in range(m)] for path, own in columns.items()}
         columns = repeated | {path: [*own] * n for path, own in table.columns.items()}

@@ -1,11 +1,12 @@
-"""What is known of the errors of the cases of a group: from a few statements, by an indicator of every case.
+"""Estimated errors of the cases of a group: full estimates of a few cases, and an indicator of every case.
 
-Of representative cases the error is stated as of single runs; over their indicators it gives the effectivity,
-the largest of which scales the indicator of every case (docs/theory/greedy_certification.md).
+The error of representative cases is estimated in full, as for single runs. The effectivity is the largest
+ratio of a full estimate to its indicator; it scales the indicators of all cases
+(docs/theory/greedy_certification.md):
 
     estimated = effectivity * indicator + share * size,      size: largest displacement of the case
 
-with the share that the other parts of the statements (step, Newton, model) have of the sizes there.
+The share is the largest ratio of the other parts of the full estimates (step, Newton, model) to the size.
 """
 
 from __future__ import annotations
@@ -28,16 +29,16 @@ from supple.storage.sealed_hdf5 import open_sealed, writing_sealed
 __all__ = ["Certificate", "EstimatedError", "Representative", "read_certificate", "write_certificate"]
 
 NOTHING = 1e-9
-"""Of the displacement: a stated error that is less has no effectivity."""
+"""Smallest error that has an effectivity, as a fraction of the displacement."""
 
 
 @dataclass(frozen=True)
 class Representative:
-    """A case whose error was stated; lengths, of one body.
+    """A case with a full error estimate, of one body; errors and size are lengths.
 
-    basis : error by the basis that was stated;  others : by step, Newton's iteration and model together
-    indicator : found before the motion that this case misses joined its columns
-    final : the same with the columns as they were in the end
+    basis : estimated error of the basis;  others : of step, Newton's iteration and model together
+    indicator : indicator before the motion that the basis of this case lacks was added to its columns
+    final : indicator with the final columns
     size : largest displacement
     """
 
@@ -51,16 +52,16 @@ class Representative:
 
     @property
     def ratios(self) -> tuple[float, ...]:
-        """Stated error over the indicators that are known."""
+        """Ratios of the estimated basis error to the known indicators."""
         if not self.basis > NOTHING * self.size:
             return ()
         return tuple(self.basis / each for each in (self.indicator, self.final) if np.isfinite(each) and each)
 
 
 class EstimatedError(NamedTuple):
-    """Estimated error of a case, a length: of the body whose error is largest beside what it is allowed.
+    """Estimated error of a case, a length, of the body with the largest ratio of error to allowed error.
 
-    estimated : by all parts;  basis : by the basis alone;  allowed : NaN where no accuracy is asked for
+    estimated : total error;  basis : error of the basis;  allowed : NaN without a requested accuracy
     """
 
     estimated: float = np.nan
@@ -70,12 +71,12 @@ class EstimatedError(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Certificate:
-    """Of the cases of a group.
+    """The data from which errors of the cases of a group are estimated.
 
-    bodies : whose bases are assessed, with the columns of their indicators
-    representatives : of these bodies, statement by statement
-    targets : the error to reach, of those that correct themselves
-    reason : why there is no estimate; empty where there is one
+    bodies : bodies whose bases are assessed, with the columns of their indicators
+    representatives : full estimates of these bodies, in the order of the cases
+    targets : accuracies of the bodies with self-correction
+    reason : why there is no estimate; empty if there is one
     """
 
     bodies: Mapping[str, IndicatorBody] = field(default_factory=dict)
@@ -84,20 +85,20 @@ class Certificate:
     reason: str = ""
 
     def effectivity(self, body: str) -> float:
-        """Largest ratio of a stated error to its indicator; 1 where all errors are nothing."""
+        """Largest ratio of an estimated basis error to its indicator; 1 if all errors are negligible."""
         return max((ratio for each in self._of(body) for ratio in each.ratios), default=1.0)
 
     def spread(self, body: str) -> float:
-        """Largest of these ratios over the smallest."""
+        """Ratio of the largest to the smallest of the ratios in `effectivity`."""
         ratios = [ratio for each in self._of(body) for ratio in each.ratios]
         return max(ratios) / min(ratios) if ratios else 1.0
 
     def other_share(self, body: str) -> float:
-        """Of the size: the other parts of the error."""
+        """Largest ratio of the other parts of the error to the size."""
         return max((each.others / each.size for each in self._of(body) if each.size), default=0.0)
 
     def case_error(self, indicated: Mapping[str, Indicated]) -> EstimatedError:
-        """Of a case from its indicators."""
+        """Estimated error of a case from its indicators by body."""
         if self.reason or not indicated:
             return EstimatedError()
         found = []
@@ -108,7 +109,7 @@ class Certificate:
         return max(found, key=lambda each: (each.basis / (each.allowed or np.nan) > 1, each.estimated))
 
     def allowed(self, body: str, size: float) -> float:
-        """The error that a body may have; NaN without an accuracy, or with one of another quantity."""
+        """Allowed error of a body; NaN without an accuracy, or with one for another quantity."""
         target = self.targets.get(body)
         return np.nan if target is None or target.of is not None else target.allowed(size)
 
@@ -117,7 +118,7 @@ class Certificate:
 
 
 def write_certificate(path: Path, certificate: Certificate) -> None:
-    """Write it whole; ResultFileError where it cannot be written."""
+    """Write a certificate; ResultFileError if the file cannot be written."""
     with writing_sealed(path) as file:
         file.attrs["reason"] = certificate.reason
         file.attrs["representatives"] = json.dumps([asdict(each) for each in certificate.representatives])
@@ -133,7 +134,7 @@ def write_certificate(path: Path, certificate: Certificate) -> None:
 def read_certificate(
     path: Path, fulls: Mapping[str, FullBody], targets: Mapping[str, SelfCorrection]
 ) -> Certificate:
-    """That of a file; ResultFileError where it is damaged."""
+    """The certificate in a file; ResultFileError if it is damaged."""
     with open_sealed(path) as file:
         rows = [Representative(**each) for each in json.loads(file.attrs["representatives"])]
         bodies = {name: _body(file[f"bodies/{name}"], fulls[name]) for name in file.get("bodies", ())}

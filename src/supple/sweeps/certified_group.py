@@ -1,4 +1,4 @@
-"""A group of a sweep with its certificate, made once and kept; cases that run again have richer bases."""
+"""Groups of a sweep with their certificates, computed once and stored; repeated runs have enriched bases."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ __all__ = ["CertifiedGroup", "certified_group", "swept_case"]
 
 _CERTIFICATE = "certificate.h5"
 MANY = 256
-"""Cases of a group that pay for bases of fewer columns: of a blade the search costs what 150 cases save."""
+"""Fewest cases of a group for which a search for smaller bases pays; for a blade 150 cases pay for it."""
 
 
 @dataclass(frozen=True, eq=False)
 class CertifiedGroup:
-    """A group with the bases that its cases run with, and what is known of their errors."""
+    """A group with the bases of its runs, and the certificate of their errors."""
 
     group: SweptGroup
     certificate: Certificate
@@ -49,9 +49,9 @@ class CertifiedGroup:
 
 @lru_cache(maxsize=4)
 def certified_group(folder: Path, plan: SweepPlan, number: int, level: int = 0) -> CertifiedGroup:
-    """A group of a sweep as its cases run: at first, or again with richer bases.
+    """A group of a sweep with the bases and the certificate of its runs.
 
-    level : times that its cases have run before
+    level : number of earlier runs of its cases; each repeated run has enriched bases
     Raises errors as `swept_group`.
     """
     group = swept_group(folder, plan, number)
@@ -76,13 +76,13 @@ def certified_group(folder: Path, plan: SweepPlan, number: int, level: int = 0) 
 
 
 def swept_case(folder: Path | str, number: int, *, allow_code: bool = False) -> SweptCase:
-    """A case of the sweep in a folder, as it was simulated there, the last time.
+    """A case of the sweep in a folder, as in its last run.
 
         swept = swept_case("results/sweep", 17)
         solution = simulate(swept.system, swept.run)
 
     allow_code : run the Python file of `control`, if the case names one
-    Raises ResultFileError without such a case; SuppleError as for building it.
+    Raises ResultFileError for an unknown case; SuppleError as when the case is built.
     """
     folder = Path(folder).resolve()
     plan = read_plan(folder, allow_code=allow_code)
@@ -93,20 +93,22 @@ def swept_case(folder: Path | str, number: int, *, allow_code: bool = False) -> 
 
 
 def _why_not(group: SweptGroup) -> str:
-    """Why the errors of a group are not estimated; empty where they are."""
+    """Why the errors of a group are not estimated; empty if they are."""
     case: Case = group.like
     elastic = [placed.body.name for placed in case.system.bodies if placed.body.n_coordinates]
     others = [name for name in elastic if name not in group.bodies.reduced]
     named = f"body '{others[0]}'" if others else ""
     reasons = {
         "the error of a basis is not known with a controller": case.tables.control is not None,
-        "a kinematic run integrates nothing, and no body deforms": isinstance(case.run.method, Kinematic),
-        "the error of an explicit march is not estimated": is_explicit(case.system, case.run),
-        "no body is elastic: bases cost nothing, and the integration of rigid machines is not assessed": (
+        "a kinematic run is not integrated, and no body deforms": isinstance(case.run.method, Kinematic),
+        "the error of explicit time integration is not estimated": is_explicit(case.system, case.run),
+        "no body is elastic: there is no basis, and the integration of rigid machines is not assessed": (
             not elastic
         ),
-        f"{named} is not reduced here from elements: its error is stated of single runs": bool(others),
-        "the bases are of a fixed size: [error] with basis = true estimates their errors": (
+        f"{named} is not reduced by the sweep from elements: only a single run estimates its error": bool(
+            others
+        ),
+        "the bases have a fixed size: [error] with basis = true estimates their errors": (
             not group.asks_for_errors
         ),
     }
@@ -114,11 +116,11 @@ def _why_not(group: SweptGroup) -> str:
 
 
 def _certify(folder: Path, group: SweptGroup, number: int, level: int, own: Path) -> None:
-    """Make the certificate of a group and keep it, with bodies that were enriched for it."""
+    """Compute the certificate of a group; store it, with the bodies that were enriched."""
     plan = group.plan
     attempts = Attempts(own, 0)
     if attempts.are_many:
-        ended = Certificate(reason="the processes that simulated its representative cases ended")
+        ended = Certificate(reason="the processes that simulated its representative cases were killed")
         write_certificate(own / _CERTIFICATE, ended)
         return
     cases, worst = np.flatnonzero(plan.group == number).tolist(), None
@@ -129,12 +131,12 @@ def _certify(folder: Path, group: SweptGroup, number: int, level: int, own: Path
     try:
         attempts.begin(cases)
         check_linearised(group.like.system)
-        with warnings.catch_warnings():  # the cases themselves warn when it is their turn
+        with warnings.catch_warnings():  # the runs of the cases give the warnings
             warnings.simplefilter("ignore", SuppleWarning)
             first = training_cases(plan, cases)
             fewer = in_leading_columns(group, first) if level == 0 and len(cases) >= MANY else group
             found, certificate = certify(fewer, first, worst)
-    except SuppleError as error:  # the cases run as well without it
+    except SuppleError as error:  # the cases run without it
         if isinstance(error, NOT_OF_A_CASE):
             attempts.withdraw()
             raise

@@ -1,4 +1,4 @@
-"""Statistics of channels over a run, a number each."""
+"""Statistics of channels over a run."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ __all__ = ["STATISTICS", "channel_statistics"]
 Array = NDArray[np.float64]
 
 STATISTICS = ("mean", "minimum", "maximum", "standard deviation", "time of minimum", "time of maximum")
-"""In the order of `channel_statistics`; the last two are instants, in the unit of time."""
+"""Names in the order of `channel_statistics`; the last two are times, in the unit of time."""
 
 
 def channel_statistics(times: Array, values: Array) -> Array:
-    """Statistics (6, c) of channels over the span of a run.
+    """Statistics (6, c) of channels over the duration of a run.
 
         mean = 1/T integral y dt,   deviation^2 = 1/T integral (y - mean)^2 dt     (trapezoidal rule)
 

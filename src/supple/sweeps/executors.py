@@ -1,4 +1,4 @@
-"""Where the tasks of a sweep run: any `concurrent.futures.Executor`, made by one of these."""
+"""Executors of the tasks of a sweep, as `concurrent.futures.Executor`."""
 
 from __future__ import annotations
 
@@ -19,36 +19,36 @@ from supple.other_processes import available_cores
 __all__ = ["Cluster", "Executors", "Given", "LocalProcesses", "MpiProcesses"]
 
 MEMORY = 2**30
-"""Bytes that a process is counted with, its cases included."""
+"""Memory assumed per process, with its cases, bytes."""
 
 
 class Executors(Protocol):
-    """Makes an executor, and once more where it has broken."""
+    """Source of executors; a new one is opened after the last one has broken."""
 
     def opened(self) -> AbstractContextManager[Executor]:
-        """An executor, ready; closed with the block."""
+        """Context manager of an executor, which is closed at the end of the block."""
         ...
 
 
 @dataclass(frozen=True)
 class LocalProcesses:
-    """Processes of this machine; as many as it has cores, and memory for.
+    """Processes of this computer.
 
-    number : of them
+    number : number of processes; by default one per core, as far as memory allows
     """
 
     number: int | None = None
 
     @contextmanager
     def opened(self) -> Iterator[Executor]:
-        """A pool of processes that are started afresh: JAX does not survive a fork."""
+        """Context manager of a pool of spawned processes, because JAX does not work in forked ones."""
         number = self.number or _by_memory(available_cores())
         others = multiprocessing.active_children()
         pool = ProcessPoolExecutor(number, multiprocessing.get_context("spawn"), _end_with_parent)
         try:
             yield pool
         except Exception:
-            raise  # what has begun comes to its end
+            raise  # running tasks are finished
         except BaseException:
             for process in set(multiprocessing.active_children()).difference(others):
                 process.terminate()
@@ -59,22 +59,22 @@ class LocalProcesses:
 
 @dataclass(frozen=True)
 class Cluster:
-    """Workers of a Dask cluster, which see the folder of the sweep under the same path.
+    """Workers of a Dask cluster; the folder of the sweep must have the same path on all of them.
 
-    address : of its scheduler, such as tcp://10.0.0.1:8786
+    address : address of the scheduler, such as tcp://10.0.0.1:8786
     """
 
     address: str
 
     @contextmanager
     def opened(self) -> Iterator[Executor]:
-        """The cluster as an executor; MissingPackageError without Dask, SuppleError without a scheduler."""
+        """Context manager of the cluster; MissingPackageError without Dask, SuppleError without scheduler."""
         distributed = optional_package("distributed", "a sweep on a Dask cluster", "cluster")
         try:
             client = distributed.Client(self.address)
         except OSError as error:
             raise SuppleError(
-                f"no scheduler of Dask answers at {self.address} ({error}): check the address, or start one"
+                f"no Dask scheduler responds at {self.address} ({error}): check the address, or start one"
             ) from error
         with client:
             yield client.get_executor(pure=False)
@@ -82,11 +82,11 @@ class Cluster:
 
 @dataclass(frozen=True)
 class MpiProcesses:
-    """Processes of MPI: the command runs under `mpiexec -n N python -m mpi4py.futures -m supple`."""
+    """MPI processes, of a command that runs under `mpiexec -n N python -m mpi4py.futures -m supple`."""
 
     @contextmanager
     def opened(self) -> Iterator[Executor]:
-        """The processes as an executor; MissingPackageError without mpi4py."""
+        """Context manager of the MPI processes; MissingPackageError without mpi4py."""
         futures = optional_package("mpi4py.futures", "a sweep by MPI", "mpi")
         with futures.MPIPoolExecutor() as pool:
             yield pool
@@ -100,12 +100,12 @@ class Given:
 
     @contextmanager
     def opened(self) -> Iterator[Executor]:
-        """That one."""
+        """Context manager of the given executor."""
         yield self.executor
 
 
 def _end_with_parent() -> None:
-    """End this process with the one that started it, however that ends: nobody would take its results."""
+    """Make this process end when its parent ends, because no one would collect its results."""
     parent = multiprocessing.parent_process()
     if parent is None:
         return

@@ -1,4 +1,4 @@
-"""Damage-equivalent loads of the channels of a case, and the spectrum of their cycles."""
+"""Damage-equivalent loads of the channels of a case, and their rainflow spectra."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ __all__ = ["FatigueLoads", "class_of", "range_of", "summed_spectra"]
 Array = NDArray[np.float64]
 
 CLASSES = 20
-"""Of the ranges of a spectrum, in each decade."""
+"""Number of range classes of a spectrum per decade."""
 DAMAGE = "damage"
-"""The statistic of hot spots: Miner's sum of a case, failure at 1."""
+"""Statistic of hot spots: Miner's sum of a case, failure at 1."""
 _SMALLEST = 1e-3
-"""Of the largest range of a channel: smaller ones do no damage that is seen."""
+"""Smallest range in a spectrum, as a fraction of the largest; the damage of smaller ones is negligible."""
 
 
 class FatigueLoads(CheckedTable):
-    """Which damage-equivalent loads are kept of the cases: `[output.fatigue]`."""
+    """Table `[output.fatigue]`: damage-equivalent loads and hot spots of the cases."""
 
     exponents: Annotated[tuple[Positive, ...], Field(strict=False)] = Field(
-        (), description="slopes of S-N curves, such as [4, 10], with a statistic each"
+        (), description="exponents of S-N curves, such as [4, 10]; each gives a statistic"
     )
     reference_frequency: Positive = Field(
-        1.0, description="reference cycles in a unit of time: N_eq is this times the duration of the run"
+        1.0, description="reference cycles per unit of time; N_eq is this times the duration of the run"
     )
     residue: Residue = Field(
         Residue.HALF_CYCLES, strict=False, description='"half cycles" (ASTM E1049-85), or "closed"'
@@ -46,14 +46,14 @@ class FatigueLoads(CheckedTable):
     channels: Annotated[tuple[str, ...], Field(strict=False)] = Field(
         ("*",),
         min_length=1,
-        description='names of channels; * stands for any letters: ["joint root.*"]',
+        description='names of channels; * matches any text: ["joint root.*"]',
     )
 
     hot_spot: Annotated[tuple[HotSpot, ...], Field(strict=False)] = Field(
-        (), description="nodes whose damage is found, a channel each"
+        (), description="nodes whose damage is computed, each a channel"
     )
     lifetime: LifetimeOfCases | None = Field(
-        None, description="how often the cases occur, by their wind speed"
+        None, description="frequency of the cases over a lifetime, by their wind speed"
     )
 
     @model_validator(mode="after")
@@ -66,30 +66,30 @@ class FatigueLoads(CheckedTable):
     @classmethod
     def _differ(cls, exponents: tuple[float, ...]) -> tuple[float, ...]:
         if len({f"{exponent:g}" for exponent in exponents}) < len(exponents):
-            raise ValueError("an exponent stands twice; name each once")
+            raise ValueError("an exponent is given twice; give each once")
         return exponents
 
     @property
     def statistics(self) -> tuple[str, ...]:
-        """Names of the loads, one for each exponent, and of the damage of hot spots."""
+        """Names of the statistics: a load for each exponent, and the damage of hot spots."""
         loads = tuple(f"damage-equivalent range, m = {exponent:g}" for exponent in self.exponents)
         return (*loads, DAMAGE) if self.hot_spot else loads
 
     @property
     def conventions(self) -> str:
-        """What the loads depend on, in words."""
+        """Description of the conventions of the loads."""
         correction = {spot.name: spot.ultimate for spot in self.hot_spot if spot.ultimate is not None}
         goodman = ", ".join(f"Goodman's of {name} (ultimate {own:g})" for name, own in correction.items())
         return (
-            f"damage-equivalent ranges peak to peak, {self.reference_frequency:g} reference cycles a unit of "
-            f"time, rainflow by ASTM E1049-85, residue as {self.residue.value}, "
+            f"damage-equivalent ranges peak to peak, {self.reference_frequency:g} reference cycles per unit "
+            f"of time, rainflow by ASTM E1049-85, residue as {self.residue.value}, "
             + (f"mean correction: {goodman}" if goodman else "no mean correction")
         )
 
     def check(self, case: Case, table: CaseTable) -> None:
-        """CaseError for a name of no channel, a hot spot that is not there, a speed that does not vary.
+        """CaseError for an unknown channel or hot spot, and for a wind speed that does not vary.
 
-        Meshes of the case are read where channels or nodes are named.
+        The meshes of the case are read if channels or nodes are named.
         """
         check_hot_spots(self.hot_spot, case)
         if self.lifetime is not None:
@@ -103,14 +103,14 @@ class FatigueLoads(CheckedTable):
             raise CaseError(f"fatigue: no channel is named {name!r}{did_you_mean(name, known)}")
 
     def _matches(self, names: Sequence[str]) -> NDArray[np.bool_]:
-        """(c, p) of names and entries of `channels`."""
+        """Whether each name (c) matches each entry (p) of `channels`, (c, p)."""
         found = np.array([[fnmatchcase(name, own) for own in self.channels] for name in names], dtype=bool)
         return found.reshape(len(names), len(self.channels))
 
     def of(self, names: Sequence[str], times: Array, values: Array) -> tuple[Array, Array]:
-        """Loads (e, c) of channels, NaN of those not asked for, and the rows (m, 3) of their spectra.
+        """Loads (e, c) of channels, NaN for those not selected, and the rows (m, 3) of their spectra.
 
-        A row: number of the channel, number of the class of ranges, cycles.
+        A row has the index of the channel, the number of the range class, and the cycles.
 
         names : (c,)    times : (t,)    values : (t, c)
         """
@@ -131,17 +131,17 @@ class FatigueLoads(CheckedTable):
 
 
 def class_of(ranges: Array) -> NDArray[np.int64]:
-    """Numbers of the classes of ranges, which are positive."""
+    """Numbers of the classes of positive ranges, floor(20 log10(range))."""
     return np.floor(CLASSES * np.log10(ranges)).astype(np.int64)
 
 
 def range_of(classes: Array) -> Array:
-    """The middle of classes of ranges, on a logarithmic scale."""
+    """Ranges in the middle of classes, on a logarithmic scale."""
     return 10 ** ((np.asarray(classes) + 0.5) / CLASSES)
 
 
 def summed_spectra(parts: Sequence[Array]) -> Array:
-    """Rows (m, 3) of spectra as one, with a row for each class of each channel that has cycles."""
+    """Sum of spectra: rows (m, 3), one for each class of each channel that has cycles."""
     rows = np.concatenate([np.zeros((0, 3)), *parts])
     places, own = np.unique(rows[:, :2], axis=0, return_inverse=True)
     cycles = np.bincount(own.ravel(), rows[:, 2], minlength=len(places))

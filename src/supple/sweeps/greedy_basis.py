@@ -1,9 +1,9 @@
-"""Bases for the cases of a sweep, and their certificate: statements of representative cases, chosen greedily.
+"""Bases for the cases of a sweep, and their certificate, from full estimates of greedily chosen cases.
 
-Some cases of a group are simulated first. The error of the one that moves most is stated; where it is larger
-than the accuracy allows, the bases are enriched there, and all begins again. Else the motion that it misses
-makes the columns of an indicator, and the case whose estimate is largest is next, until that is one whose
-error is stated (docs/theory/greedy_certification.md).
+Some cases of a group are simulated first. The error of the case with the largest motion is estimated in full.
+If it exceeds the accuracy, the bases are enriched for this case, and the search starts again. Otherwise the
+motion that the bases lack gives columns of an indicator, and the case with the largest estimate is the next;
+the search ends when that case already has a full estimate (docs/theory/greedy_certification.md).
 """
 
 from __future__ import annotations
@@ -45,19 +45,19 @@ from supple.sweeps.training_runs import training_runs
 __all__ = ["certify", "indicated", "training_cases"]
 
 FEWEST, MOST = 2, 3
-"""Representative cases of a group."""
+"""Smallest and largest number of representative cases of a group."""
 MOST_ENRICHED = 3
-"""Times that bases are enriched at a representative case."""
+"""Largest number of enrichments of the bases at representative cases."""
 
 
 def certify(
     group: SweptGroup, cases: Sequence[int], worst: int | None = None
 ) -> tuple[SweptGroup, Certificate]:
-    """The group with bases enriched where representative cases need it, and what is known of its errors.
+    """The group with bases that are enriched as representative cases require, and its certificate.
 
-    cases : some of the group, which are simulated first
-    worst : a case whose bases are known to cost too much: they are enriched there before anything else
-    Raises SuppleError for machines whose errors are not estimated, and whatever their runs find wrong.
+    cases : some cases of the group, which are simulated first
+    worst : a case whose basis error is known to be too large; the bases are enriched for it first
+    Raises SuppleError for machines whose errors cannot be estimated, and errors of their runs.
     """
     if worst is not None:
         group = _enriched(group, group.case(worst), richer=True)
@@ -73,7 +73,7 @@ def certify(
 
 
 def training_cases(plan: SweepPlan, cases: Sequence[int]) -> list[int]:
-    """Those of a group that are simulated first: the extremes of its numbers, and others evenly between."""
+    """The cases of a group to simulate first: those with extreme parameters, and others evenly spaced."""
     if len(cases) <= MARCHED_AT_ONCE:
         return list(cases)
     extremes = dict.fromkeys(
@@ -93,7 +93,7 @@ def indicated(
     solutions: Sequence[Solution],
     bodies: Mapping[str, IndicatorBody],
 ) -> list[dict[str, Indicated]]:
-    """The indicators of runs of a group, by body."""
+    """Error indicators of the runs of some cases of a group, by body."""
     return case_indicators(
         [own.system for own in cases],
         cases[0].run,
@@ -105,7 +105,7 @@ def indicated(
 
 
 class _Search:
-    """Statements of cases of a group, one after the other, and what they show of the others."""
+    """Search for the representative cases of a group, with their full estimates and the certificate."""
 
     def __init__(self, group: SweptGroup, numbers: Sequence[int]) -> None:
         self._group = group
@@ -116,9 +116,9 @@ class _Search:
         self.certificate = Certificate(targets=targets)
 
     def run(self, *, may_enrich: bool) -> SweptCase | None:
-        """Fill the certificate; a case whose bases are to be enriched ends that, and is returned."""
+        """Fill the certificate; stops at a case for which the bases must be enriched, and returns it."""
         if not self._cases:
-            self.certificate = replace(self.certificate, reason="no representative case came to its end")
+            self.certificate = replace(self.certificate, reason="no representative case ran to its end")
         place = self._moving_most() if self._cases else None
         known: dict[str, Indicated] = {}
         while place is not None:
@@ -139,7 +139,7 @@ class _Search:
         return None
 
     def _moving_most(self) -> int:
-        """Of all cases, by the bodies' sizes in parts of the largest of each."""
+        """Index of the case with the largest motion, relative to the largest motion of each body."""
         sizes = np.array(
             [
                 [
@@ -158,9 +158,9 @@ class _Search:
     def _stated(
         self, place: int, known: Mapping[str, Indicated]
     ) -> tuple[list[Representative], dict[str, np.ndarray]]:
-        """The error of a case as of a single run, and the motion that its bases miss, by body.
+        """The full estimate of a case, as for a single run, and the motion that its bases lack, by body.
 
-        known : its indicators so far
+        known : indicators of the case, so far
         """
         own, solution = self._cases[place], self._solutions[place]
         fulls = self._group.fulls(own.case)
@@ -193,7 +193,7 @@ class _Search:
         return rows, dict(estimate.missed)
 
     def _columns(self) -> dict[str, IndicatorBody]:
-        """Of the indicators, with the motion that all representatives miss."""
+        """Columns of the indicators by body, with the motion that the bases lack in all representatives."""
         first = self._cases[0]
         fulls = self._group.fulls(first.case)
         bases = stored_bases(first.system, fulls)
@@ -212,7 +212,7 @@ class _Search:
         }
 
     def _next(self, found: Sequence[Mapping[str, Indicated]]) -> int | None:
-        """The case to be stated next: that of the largest estimate, or of the smallest to see the spread."""
+        """Index of the next representative: largest estimate, or smallest to find the spread."""
         stated = {each.case for each in self.certificate.representatives}
         if len(stated) >= min(MOST, len(self._numbers)):
             return None
@@ -229,7 +229,7 @@ class _Search:
 def _with_locking(
     system: System, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]
 ) -> System:
-    """The machine with bodies that know how much they lock: a body that was read from its file does not."""
+    """The machine with the locking of its bodies computed, which bodies read from files lack."""
     bodies = []
     for each in system.bodies:
         placed, body = each, cast("Any", each.body)
@@ -244,19 +244,19 @@ def _with_locking(
 
 
 class _LastBases(InMemoryArchive):
-    """Keeps the last bases of the rounds: those after the last run, enriched by what that missed."""
+    """Archive of the last bases of the rounds: those enriched with the motion that the last run lacked."""
 
     bases: Mapping[str, ReductionBasis]
 
     def keep_bases(self, number: int, bases: RoundBases) -> None:  # noqa: ARG002
-        """The last ones."""
+        """Store the bases of a round in place of earlier ones."""
         self.bases = bases.bases
 
 
 def _enriched(group: SweptGroup, own: SweptCase, *, richer: bool = False) -> SweptGroup:
-    """The group with bases that meet the accuracy in a case, found from those that it has.
+    """The group with bases enriched until a case meets its accuracy.
 
-    richer : with what the last round misses as well. So are those that do not meet it, however large.
+    richer : enrich also with the motion that the last round lacked, as is done if the accuracy is not met
     """
     case, starts = own.case, group.fresh.starts
     fulls = group.fulls(case)

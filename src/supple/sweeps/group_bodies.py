@@ -1,4 +1,4 @@
-"""The bodies of a group of cases, reduced once and kept by what they depend on."""
+"""The bodies of a group of cases, reduced once and stored under a digest of their inputs."""
 
 from __future__ import annotations
 
@@ -33,17 +33,17 @@ from supple.sweeps.body_numbers import PLACING
 __all__ = ["GroupBodies", "bodies_of_group"]
 
 FORMAT = 1
-"""Of what is kept of reductions: another one is not read."""
+"""Version of stored reductions; other versions are not read."""
 _RECORD = "reductions.json"
 
 
 @dataclass(frozen=True, eq=False)
 class GroupBodies:
-    """What the cases of a group share.
+    """The reduced bodies of a group of cases.
 
-    reduced : by name, damped as the representative case asks
-    rayleigh : alpha and beta of ratio damping, by body: they follow from the modes of its mesh
-    tables : of these bodies in the representative case
+    reduced : bodies by name, with the damping of the representative case
+    rayleigh : alpha and beta of ratio damping, by body, computed from the modes of its mesh
+    tables : tables of these bodies in the representative case
     """
 
     reduced: Mapping[str, ReducedBody]
@@ -51,7 +51,7 @@ class GroupBodies:
     tables: Mapping[str, Body]
 
     def damped(self, name: str, table: Body) -> ReducedBody:
-        """A body with the damping of a case."""
+        """A reduced body with the damping of a case."""
         body, like = self.reduced[name], self.tables[name]
         if table.damping == like.damping:
             return body
@@ -61,7 +61,7 @@ class GroupBodies:
         return redamped(body, before, after)
 
     def damping(self, name: str, table: Body) -> Damping | None:
-        """That of a case."""
+        """The damping of a body in a case; None without."""
         given: Any = table.damping
         if not isinstance(given, RayleighRatio | LinearRayleighRatio):
             return None if given is None else given.build()
@@ -73,12 +73,12 @@ class GroupBodies:
 
 
 def bodies_of_group(case: Case, folder: Path) -> GroupBodies:
-    """The reduced bodies of a case, from the folder where they are kept, or reduced now and kept there.
+    """The reduced bodies of a case, read from the folder of the sweep, or reduced and stored there.
 
-    A process that finds another one at it waits for that.
+    If another process is reducing them, this one waits.
 
-    folder : of the sweep
-    Raises errors of reductions; SelfCorrectionError where an accuracy is not met.
+    folder : folder of the sweep
+    Raises errors of reductions; SelfCorrectionError if an accuracy is not met.
     """
     tables = {table.name: table for table in case.parts.body if is_reduced_here(table)}
     if not tables:
@@ -96,6 +96,7 @@ def bodies_of_group(case: Case, folder: Path) -> GroupBodies:
 
 
 def is_reduced_here(table: Body) -> bool:
+    """Whether the sweep reduces a body from its elements."""
     return (
         table.elastic is not None
         and table.condense is None
@@ -105,7 +106,7 @@ def is_reduced_here(table: Body) -> bool:
 
 
 def _digest(case: Case, tables: Mapping[str, Body]) -> str:
-    """Of all that the reductions depend on; of bodies that correct themselves the whole case."""
+    """Digest of all inputs of the reductions; with self-correction, of the whole case."""
     if case.starts:
         content: Any = {key: str(value) for key, value in case.inputs.items()}
     else:
@@ -117,7 +118,7 @@ def _digest(case: Case, tables: Mapping[str, Body]) -> str:
 
 
 def _files(table: Body) -> list[str]:
-    """Of a body: names of the files that it is made of."""
+    """Names of the files of a body."""
     given = named_in(Body, table.model_dump(mode="json"))
     return [name for _, name, what in given if what == "file" and isinstance(name, str)]
 
@@ -127,7 +128,7 @@ def _are_kept(folder: Path, tables: Mapping[str, Body]) -> bool:
 
 
 def _reduce(case: Case, tables: Mapping[str, Body], folder: Path) -> None:
-    """Reduce the bodies of a case and keep them; the record comes last."""
+    """Reduce the bodies of a case and store them; the record is written last."""
     rounds: list[Any] = []
     system: System = case.system
     if case.starts:

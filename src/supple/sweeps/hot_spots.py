@@ -1,4 +1,4 @@
-"""Fatigue damage at nodes of a reduced body, a channel for each node: `[[output.fatigue.hot_spot]]`."""
+"""Fatigue damage at nodes of a reduced body, a channel per node: `[[output.fatigue.hot_spot]]`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from supple.sweeps.group_bodies import is_reduced_here
 __all__ = ["HotSpot", "check_hot_spots", "damage_of_hot_spots"]
 
 MOST_NODES = 1000
-"""Of a hot spot: each is a channel of every case."""
+"""Largest number of nodes of a hot spot; each is a channel of every case."""
 
 Array = NDArray[np.float64]
 
@@ -37,14 +37,14 @@ Signed = table_of(SignedVonMises, "signed-von-mises")
 
 
 class HotSpotCurve(table_of(SNCurve, thickness=_THICKNESS)):
-    """An S-N curve."""
+    """Table of an S-N curve."""
 
 
 class HotSpot(CheckedTable):
-    """Nodes whose damage is found from the stress modes of their body."""
+    """Table of nodes whose damage is computed from the stress modes of their body."""
 
-    name: str = Field(min_length=1, description="of its channels, which are NAME.NODE")
-    nodes: str = Field(description="BODY.NODE_SET, of a body that is reduced here")
+    name: str = Field(min_length=1, description="name of the hot spot; its channels are NAME.NODE")
+    nodes: str = Field(description="BODY.NODE_SET of a body that the sweep reduces")
     curve: HotSpotCurve = Field(
         description="{ reference_range, reference_cycles, exponent, .. } in units of stress"
     )
@@ -53,7 +53,7 @@ class HotSpot(CheckedTable):
         description='{ kind = "critical-plane" } or { kind = "signed-von-mises" }',
     )
     ultimate: Positive | None = Field(
-        None, description="stress at failure, of Goodman's correction; left out: no correction"
+        None, description="ultimate stress for Goodman's correction; default: no correction"
     )
 
     @property
@@ -62,12 +62,12 @@ class HotSpot(CheckedTable):
         return self.nodes.partition(".")[0]
 
     def numbers(self, case: Case) -> tuple[int, ...]:
-        """Of its nodes in the mesh of the body."""
+        """Indices of the nodes in the mesh of the body."""
         return tuple(case.meshes[self.body].nodes_of(self.nodes.partition(".")[2]).tolist())
 
 
 class NodalDamage(NamedTuple):
-    """Damage of a case at all nodes of all hot spots, (k,) each."""
+    """Damage of a case at the k nodes of all hot spots."""
 
     names: tuple[str, ...]
     places: tuple[str, ...]
@@ -75,16 +75,16 @@ class NodalDamage(NamedTuple):
 
 
 def check_hot_spots(spots: Sequence[HotSpot], case: Case) -> None:
-    """CaseError for a body or a node set that is not there, a body not reduced here, two of one name."""
+    """CaseError for an unknown body or node set, a body that the sweep does not reduce, or equal names."""
     reduced = [table.name for table in case.parts.body if is_reduced_here(table)]
     names = [spot.name for spot in spots]
     for spot in spots:
         at = f"hot spot '{spot.name}'"
         if names.count(spot.name) > 1:
-            raise CaseError(f"{at} stands twice; names must differ")
+            raise CaseError(f"{at} is given twice; give each its own name")
         if spot.body not in reduced:
             raise CaseError(
-                f"{at}: there is no body {spot.body!r} that is reduced from its elements in this case"
+                f"{at}: this case has no body {spot.body!r} that is reduced from its elements"
                 + did_you_mean(spot.body, reduced)
             )
         try:
@@ -92,13 +92,15 @@ def check_hot_spots(spots: Sequence[HotSpot], case: Case) -> None:
         except SuppleError as error:
             raise CaseError(f"{at}: {error}") from error
         if len(nodes) > MOST_NODES:
-            raise CaseError(f"{at} has {len(nodes)} nodes, each a channel; name at most {MOST_NODES}")
+            raise CaseError(
+                f"{at} has {len(nodes)} nodes, each a channel; choose a set of at most {MOST_NODES}"
+            )
 
 
 def damage_of_hot_spots(
     spots: Sequence[HotSpot], residue: Residue, case: Case, system: System, solution: Solution
 ) -> NodalDamage:
-    """Damage at the nodes of hot spots over a run, by `hot_spot_damage`; errors as there."""
+    """Damage at the nodes of hot spots over a run, by `hot_spot_damage`, with its errors."""
     names, places, damages = list[str](), list[str](), [np.zeros(0)]
     for spot in spots:
         nodes = spot.numbers(case)
@@ -122,5 +124,5 @@ def damage_of_hot_spots(
 
 @lru_cache(maxsize=8)
 def _modes(body: ReducedBody, model: FiniteElementModel, nodes: tuple[int, ...]) -> TensorModes:
-    """Once for the cases of a group, which share the body."""
+    """Stress modes at the nodes, cached because the cases of a group share the body."""
     return stress_modes(body, model, nodes)

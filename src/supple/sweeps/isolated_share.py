@@ -1,4 +1,4 @@
-"""Cases that end the process that runs them: found by processes of their own, and recorded with the cause."""
+"""Search for cases that kill their process, by isolated processes; they are recorded with the cause."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from supple.sweeps.plan import read_plan
 __all__ = ["isolated_share"]
 
 TRIES = 2
-"""Processes that a single case may end before it is recorded as the cause."""
+"""Number of processes that a single case may kill before it is recorded."""
 _REFUSED = 3
-"""Exit code of a process that states an error that is of no case."""
+"""Exit code of a process with an error that no case causes."""
 
 
 def isolated_share(folder: Path, cases: Sequence[int], level: int, *, allow_code: bool = False) -> Part:
-    """What cases come to, run by other processes: by one together, by two halves where it ends, and so on.
+    """The results of some cases, run in a separate process; if it is killed, each half in its own, and so on.
 
-    level, allow_code : as for `run_cases`
-    Raises ResultFileError where a process states an error of the machine or the disk.
+    level, allow_code : as in `run_cases`
+    Raises ResultFileError for errors of the computer or the disk.
     """
     with tempfile.TemporaryDirectory(prefix="supple-sweep-") as place:
         part = _found(folder, cases, [str(level), str(int(allow_code))], Path(place))
@@ -56,7 +56,7 @@ def _found(folder: Path, cases: Sequence[int], options: Sequence[str], place: Pa
 
 
 def _process(folder: Path, cases: Sequence[int], options: Sequence[str], target: Path) -> tuple[int, str]:
-    """Exit code of a process that runs cases into a file, and the end of what it states."""
+    """Run cases in a separate process, which writes a file; returns its exit code and last error line."""
     words = [str(folder), str(target), *options, *map(str, cases)]
     done = subprocess.run(
         python_command("-m", __name__, *words),
@@ -70,15 +70,15 @@ def _process(folder: Path, cases: Sequence[int], options: Sequence[str], target:
 
 
 def _cause(code: int, words: str) -> str:
-    """Why a process ended."""
+    """Why a process ended, as text."""
     if code >= 0:
         return f"its process ended with code {code}: {words}"
     try:
         name = signal.Signals(-code).name
     except ValueError:
         name = "unknown"
-    memory = ", as the system does where memory runs out" if name == "SIGKILL" else ""
-    return f"its process was ended by signal {-code} ({name}){memory}"
+    memory = ", usually because memory ran out" if name == "SIGKILL" else ""
+    return f"its process was killed by signal {-code} ({name}){memory}"
 
 
 def _main(folder: str, target: str, level: str, allow_code: str, *cases: str) -> None:

@@ -1,15 +1,15 @@
-"""Bases in fewer columns: the directions in which the cases of a sweep move.
+"""Smaller bases for a sweep: the principal directions of the motions of its cases.
 
-Rounds of self-correction append columns and remove none. A thousand cases pay for each of them, so that
-the bases are reduced once more, to the principal directions of the motions of some cases in the norm of the
-strain energy,
+Rounds of self-correction append columns to a basis and remove none. Each column costs time in every case of a
+sweep. Therefore the bases are reduced once more, to the principal directions of the motions of some cases in
+the norm of the strain energy,
 
     gamma(t) = S c(t) + rest,   |L^T rest|_F <= a |L^T gamma|_F,   L L^T = V^T K V,
 
 with the fewest columns V S; a is the smallest relative accuracy of these cases, or a tenth or a hundredth of
-it. The energy weighs stiff motion, such as that of a shell's membrane, which is small, and without which the
-others lock. The same cases run again in these columns; the first a is taken with which no case moves by more
-than a tenth of what is allowed.
+it. The energy norm gives weight to stiff motion, such as that of a shell's membrane, which is small and
+without which the other motion locks. The same cases run again with these columns. The largest a is chosen for
+which no case changes by more than a tenth of the allowed error.
 Source: this project's own, a proper orthogonal decomposition of the motions in the energy norm.
 """
 
@@ -35,19 +35,19 @@ __all__ = ["in_leading_columns", "leading_directions"]
 Array = NDArray[np.float64]
 
 SHARE = 0.1
-"""Of the allowed error: by so much a case may move where its bases have fewer columns."""
+"""Largest change of a case by the smaller bases, as a fraction of the allowed error."""
 MISSED = (1.0, 0.1, 0.01)
-"""Of the smallest relative accuracy: part of the motions that the columns may miss, one after the other."""
+"""Values of a that are tried in this order, as fractions of the smallest relative accuracy."""
 SOFTEST = 1e-7
-"""Of the highest frequency of a basis: a lower one is none."""
+"""Smallest frequency that is not zero, as a fraction of the highest frequency of a basis."""
 
 
 def leading_directions(coordinates: Array, stiffness: Array, missed: float) -> Array:
-    """Fewest orthonormal directions S (r, p) of motions, which miss no more than a part of their energy norm.
+    """Fewest orthonormal directions S (r, p) of some motions, for a given error in the energy norm.
 
     coordinates : (t, r)
     stiffness : (r, r)  at rest, positive definite
-    missed : of the norm of all instants together
+    missed : largest energy norm of the motion outside S, as a fraction of that of all instants together
     """
     factor = np.linalg.cholesky((stiffness + stiffness.T) / 2)
     _, lengths, rows = np.linalg.svd(coordinates @ factor, full_matrices=False)
@@ -57,9 +57,9 @@ def leading_directions(coordinates: Array, stiffness: Array, missed: float) -> A
 
 
 def in_leading_columns(group: SweptGroup, numbers: Sequence[int]) -> SweptGroup:
-    """The group with bases of fewer columns; as it is where these would change the motion of its cases.
+    """The group with smaller bases; unchanged if these would change the motion of its cases too much.
 
-    numbers : of the cases that show the directions
+    numbers : numbers of the cases whose motions give the directions
     Raises errors as `training_runs`.
     """
     if not _names(group):
@@ -76,7 +76,7 @@ def in_leading_columns(group: SweptGroup, numbers: Sequence[int]) -> SweptGroup:
 
 
 def _fewer(group: SweptGroup, runs: TrainingRuns, missed: float) -> dict[str, ReducedBody]:
-    """Bodies whose motions take fewer columns than they have; missed : of the accuracy."""
+    """Bodies with smaller bases, for those whose motions allow it; missed : fraction of the accuracy."""
     like = group.like
     fulls = group.fulls(like)
     found = {}
@@ -88,7 +88,7 @@ def _fewer(group: SweptGroup, runs: TrainingRuns, missed: float) -> dict[str, Re
         smallest = min(
             allowed / size if size else np.inf for allowed, size in _allowed_and_sizes(group, runs, name)
         )
-        # A body that rests shows no direction, and one with a mechanism has motion without energy.
+        # A body at rest gives no direction; a body with a mechanism has motion without energy.
         if not smallest < 1 or not body.frequencies.min() > SOFTEST * body.frequencies.max():
             continue
         directions = leading_directions(np.concatenate(coordinates), body.stiffness, missed * smallest)
@@ -105,7 +105,7 @@ def _fewer(group: SweptGroup, runs: TrainingRuns, missed: float) -> dict[str, Re
 
 
 def _agree(group: SweptGroup, before: TrainingRuns, after: TrainingRuns) -> bool:
-    """Whether all cases run, and move as before."""
+    """Whether all cases run, with motions that agree with the earlier ones."""
     if after.numbers != before.numbers:
         return False
     for name in _names(group):
@@ -119,12 +119,12 @@ def _agree(group: SweptGroup, before: TrainingRuns, after: TrainingRuns) -> bool
 
 
 def _names(group: SweptGroup) -> list[str]:
-    """Bodies whose positions have an accuracy; of others the size or another quantity was asked for."""
+    """Bodies with an accuracy of their positions, not of another quantity and not a fixed size."""
     return [name for name, start in group.fresh.starts.items() if start.target.of is None]
 
 
 def _allowed_and_sizes(group: SweptGroup, runs: TrainingRuns, name: str) -> list[tuple[float, float]]:
-    """Of a body in each case: the error that it may have, and its largest displacement."""
+    """Allowed error and largest displacement of a body in each case."""
     target = group.fresh.starts[name].target
     sizes = [
         WholeBody(name).size(case.system, solution)

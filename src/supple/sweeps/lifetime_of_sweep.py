@@ -1,4 +1,4 @@
-"""What the cases of a sweep come to over a lifetime: loads and damage, `[output.fatigue.lifetime]`."""
+"""Lifetime loads and damage from the cases of a sweep: `[output.fatigue.lifetime]`."""
 
 from __future__ import annotations
 
@@ -18,33 +18,37 @@ Array = NDArray[np.float64]
 
 
 class WindSpeeds(table_of(Weibull)):
-    """Weibull's distribution of the wind speeds."""
+    """Table of the Weibull distribution of the wind speeds."""
 
 
 class LifetimeOfCases(CheckedTable):
-    """How often the cases occur, by the wind speed that each stands for."""
+    """Table of the lifetime: frequency of the cases by their wind speeds."""
 
-    speed: str = Field(description="path whose values are the wind speeds of the cases")
-    wind: WindSpeeds = Field(description="{ scale, shape } of Weibull's distribution of the wind speeds")
+    speed: str = Field(description="column with the wind speed of each case")
+    wind: WindSpeeds = Field(description="{ scale, shape } of the Weibull distribution of the wind speeds")
     duration: Positive = Field(description="the lifetime, in the unit of time of the case")
-    cut_in: float | None = Field(None, description="lowest speed; left out: as far below as above")
-    cut_out: float | None = Field(None, description="highest speed; left out: as far above as below")
-    cycles: Positive = Field(1e7, description="reference cycles of damage-equivalent loads of the lifetime")
+    cut_in: float | None = Field(
+        None, description="lower edge of the first bin; default: symmetric about its case"
+    )
+    cut_out: float | None = Field(
+        None, description="upper edge of the last bin; default: symmetric about its case"
+    )
+    cycles: Positive = Field(1e7, description="reference cycles of the lifetime damage-equivalent loads")
 
     def check(self, table: CaseTable) -> None:
-        """CaseError where the speed is no column of numbers; ModelError for cuts between speeds."""
+        """CaseError if the speed is no column of numbers; ModelError for cut-in or cut-out between speeds."""
         if self.speed not in table.columns:
             raise CaseError(
-                f"fatigue: the speed {self.speed!r} does not vary{did_you_mean(self.speed, table.columns)}"
+                f"fatigue: no column is named {self.speed!r}{did_you_mean(self.speed, table.columns)}"
             )
         if not all(isinstance(value, int | float) for value in table.columns[self.speed]):
-            raise CaseError(f"fatigue: {self.speed} holds no numbers that could be wind speeds")
+            raise CaseError(f"fatigue: the column {self.speed} has texts; give wind speeds as numbers")
         self.of(table, 1.0)
 
     def of(self, table: CaseTable, durations: Array | float) -> Lifetime:
-        """How often each case occurs.
+        """The lifetime with the frequency of each case.
 
-        durations : (n,) of the cases, in the unit of time
+        durations : (n,) durations of the cases, in the unit of time
         """
         speeds = np.asarray(table.columns[self.speed], dtype=np.float64)
         return lifetime_of_cases(

@@ -1,4 +1,4 @@
-"""March cases of a group and reduce each motion to what is kept of it; nothing else stays in memory."""
+"""Simulation of cases of a group; each motion is reduced to the results that are stored."""
 
 from __future__ import annotations
 
@@ -31,21 +31,21 @@ from supple.sweeps.swept_group import SweptCase, SweptGroup
 __all__ = ["march_cases"]
 
 MOST_AT_ONCE = 64
-"""Cases whose motions are in memory together."""
+"""Largest number of cases whose motions are in memory at a time."""
 NUMBERS_AT_ONCE = 2**26
-"""Numbers of all of their motions, 512 MiB."""
+"""Largest count of numbers in these motions, 512 MiB."""
 NUMBERS_OF_A_BODY = 40
-"""At an output time, besides its coordinates, their rates and accelerations: its frame, a joint."""
+"""Numbers per body and output time for its frame and a joint, in addition to its coordinates and rates."""
 
 Array = NDArray[np.float64]
 Began = Callable[[Sequence[int]], None]
-"""Called with the numbers of the cases that march from now on."""
+"""Callback with the numbers of the cases whose simulation begins."""
 
 
 def march_cases(certified: CertifiedGroup, cases: Sequence[int], began: Began) -> Iterator[CaseRecord]:
-    """What cases of a group come to, in their order.
+    """The results of cases of a group, in their order.
 
-    Cases that march together are one compiled program; where it does not take them, each marches alone.
+    The cases run in batches of one compiled program. If a batch fails, its cases run one at a time.
     """
     group = certified.group
     size = _at_once(group)
@@ -58,7 +58,7 @@ def march_cases(certified: CertifiedGroup, cases: Sequence[int], began: Began) -
 
 
 def _at_once(group: SweptGroup) -> int:
-    """Cases that fit in memory together: of the group alone, so that digits do not depend on the machine."""
+    """Number of cases of a batch, by the group only: the digits must not depend on the computer."""
     bodies = [placed.body for placed in group.like.system.bodies]
     numbers = sum(NUMBERS_OF_A_BODY + 3 * body.n_coordinates for body in bodies) * len(group.like.run.times)
     fitting = min(NUMBERS_AT_ONCE // numbers, MOST_AT_ONCE)
@@ -66,7 +66,7 @@ def _at_once(group: SweptGroup) -> int:
 
 
 def _made(group: SweptGroup, cases: Sequence[int]) -> tuple[dict[int, SweptCase], dict[int, CaseRecord]]:
-    """The machines of cases, and what is wrong with those that make none."""
+    """The machines of cases, and records of the cases whose machine cannot be built."""
     made, failed = dict[int, SweptCase](), dict[int, CaseRecord]()
     for number in cases:
         try:
@@ -91,7 +91,7 @@ def _marched(certified: CertifiedGroup, made: dict[int, SweptCase]) -> dict[int,
         except NOT_OF_A_CASE:
             raise
         except SuppleError:
-            pass  # perhaps of one case: each says for itself what is wrong
+            pass  # perhaps of one case: single runs find which one
     return {number: _alone(certified, number, own) for number, own in made.items()}
 
 
@@ -111,7 +111,7 @@ def _together(certified: CertifiedGroup, made: dict[int, SweptCase]) -> dict[int
 def _errors(
     certified: CertifiedGroup, cases: Sequence[SweptCase], solutions: Sequence[Solution]
 ) -> list[EstimatedError]:
-    """What is estimated of the errors of runs; of those that broke off nothing."""
+    """Estimated errors of runs; NaN for runs that stopped early."""
     bodies = certified.certificate.bodies
     none = [EstimatedError()] * len(cases)
     if not bodies:
@@ -132,7 +132,9 @@ def _errors(
 def _alone(certified: CertifiedGroup, number: int, own: SweptCase) -> CaseRecord:
     began = clock.process_time()
     try:
-        solution = simulate(own.system, own.run, check=False, progress=silent)  # the command has a bar
+        solution = simulate(
+            own.system, own.run, check=False, progress=silent
+        )  # the command shows a progress bar
     except NOT_OF_A_CASE:
         raise
     except SuppleError as error:
@@ -145,7 +147,7 @@ def _alone(certified: CertifiedGroup, number: int, own: SweptCase) -> CaseRecord
 def _result(
     group: SweptGroup, number: int, own: SweptCase, solution: Solution, seconds: float, error: EstimatedError
 ) -> CaseRecord:
-    """A motion in numbers; of one that broke off its extremes would be those of a part, so there are none."""
+    """The record of a case. A run that stopped early has no statistics: they would cover a part only."""
     result = CaseRecord(
         number,
         CaseStatus.RAN if solution.stopped is None else CaseStatus.FAILED,
@@ -189,7 +191,7 @@ def _result(
 def _with_damage(
     group: SweptGroup, own: SweptCase, solution: Solution, channels: Channels, statistics: Array
 ) -> tuple[Channels, Array]:
-    """A channel for each node of the hot spots, of which nothing but the damage is known."""
+    """Channels and statistics with a channel for each node of the hot spots, which has the damage only."""
     fatigue = group.plan.output.fatigue
     assert fatigue is not None
     found = damage_of_hot_spots(fatigue.hot_spot, fatigue.residue, group.like, own.system, solution)

@@ -1,4 +1,4 @@
-"""Statistics over seeds: cases that differ in their realisation alone are one condition."""
+"""Statistics over seeds: cases that differ only in their realisation form a condition."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ IntArray = NDArray[np.int64]
 
 
 class OverSeeds(NamedTuple):
-    """Statistics of a number over the cases of each condition that have it, (k, ...) each.
+    """Statistics (k, ...) of a value over the cases of k conditions, without cases where it is missing.
 
-    number : of these cases;   deviation : of a sample, over n - 1: NaN of a single case
+    number : number of these cases;   deviation : sample standard deviation, with n - 1; NaN for a single case
     """
 
     number: IntArray
@@ -33,9 +33,9 @@ class OverSeeds(NamedTuple):
 
 
 def conditions_of(table: CaseTable, seeds: Sequence[str]) -> tuple[IntArray, CaseTable]:
-    """Numbers (n,) of the condition of each case, from 0 as they first appear, and the table of conditions.
+    """Condition (n,) of each case, numbered from 0 in order of appearance, and the table of conditions.
 
-    Cases are of one condition where all columns but the seeds agree. CaseError for a seed that is no column.
+    Cases belong to one condition if all columns but the seeds agree. CaseError for a seed that is no column.
     """
     for name in seeds:
         if name not in table.columns:
@@ -52,7 +52,7 @@ def over_conditions(values: Array, numbers: IntArray) -> OverSeeds:
 
         mean = sum x / n,    deviation = sqrt(sum (x - mean)^2 / (n - 1))
 
-    values : (n, ...), NaN of cases without results;   numbers : (n,) of their conditions
+    values : (n, ...), NaN for cases without results;   numbers : (n,) condition of each case
     """
     order = np.argsort(numbers, kind="stable")
     begins = np.flatnonzero(np.diff(numbers[order], prepend=-1))
@@ -65,7 +65,7 @@ def over_conditions(values: Array, numbers: IntArray) -> OverSeeds:
 
 
 def _over(sums: Array, number: IntArray) -> Array:
-    """Quotients; NaN where there is nothing to divide by."""
+    """Quotients; NaN where the number is not positive."""
     return np.where(number > 0, sums / np.maximum(number, 1), np.nan)
 
 
@@ -76,14 +76,14 @@ def statistics_over_seeds(dataset: Any, seeds: Sequence[str] = ()) -> Any:
         over = statistics_over_seeds(ds, ["load[1].law.file"])
         over["mean"].sel(channel="joint root.My", statistic="maximum")     # means of the maxima, (condition,)
 
-    mean, deviation, minimum, maximum and number (condition, channel, statistic); the columns that make the
-    conditions are coordinates by their paths. Cases without results are left out.
+    Variables are mean, deviation, minimum, maximum and number (condition, channel, statistic). The columns
+    that distinguish the conditions are coordinates by their paths. Cases without results are left out.
 
-    seeds : columns whose values are realisations; left out: `seeds` of the file of the sweep
+    seeds : columns whose values are realisations; default: `seeds` of the sweep file
 
     Raises
     ------
-    CaseError           a seed that is no column, or none
+    CaseError               a seed that is no column, or no seed
     MissingPackageError     without xarray
     """
     xarray = optional_package("xarray", "a data set", "xarray")

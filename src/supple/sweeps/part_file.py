@@ -1,16 +1,17 @@
-"""Parts of a sweep on disk: what the cases of a share came to, one sealed HDF5 file a share.
+"""Parts of a sweep on disk: the results of the cases of a share, one sealed HDF5 file per share.
 
-attributes      format, version, share; statistics: names, of the axis of that name
-cases           (k,) numbers
-status          (k,) of `CaseStatus`;  cause (k,) words, "" where it ran
-seconds         (k,) of its processor;  end_time (k,) that it reached
-no_estimate     (k,) words: why there is no estimate of the error, "" where there is one
-estimated_error (k,) by all parts;  basis_error (k,) by the bases alone;  allowed_error (k,): NaN if unknown
+attributes      format, version
+cases           (k,) numbers of the cases
+status          (k,) `CaseStatus`;  cause (k,) text, "" for a case that ran
+seconds         (k,) processor time;  end_time (k,) last time of the run
+no_estimate     (k,) text: why there is no error estimate, "" if there is one
+estimated_error (k,) total;  basis_error (k,) of the bases;  allowed_error (k,); NaN if unknown
 steps, iterations (k,)
-statistics      (s, c, k): a statistic of a channel lies together
-spectrum        (m, 3): channel, class of ranges, cycles of cases that run no more; of `FatigueLoads`
+statistic       (s,) names of the statistics
+statistics      (s, c, k): the values of all cases for one statistic of one channel are contiguous
+spectrum        (m, 3) channel, range class, cycles (`FatigueLoads`); without cases that run again
 channels/       name, unit, quantity, axes, place: (c,) each
-motions/N/      of kept cases: channels (t, c), and the arrays of its motion by path
+motions/N/      of cases with a stored motion: channels (t, c), and the arrays of the motion by path
 warnings        of the runs, each once
 """
 
@@ -36,18 +37,18 @@ Array = NDArray[np.float64]
 
 
 class CaseStatus(IntEnum):
-    """What became of a case."""
+    """Status of a case that was run."""
 
     RAN = 0
     FAILED = 1
-    """Its run broke off, or its values describe no machine."""
+    """The run stopped early, or the machine could not be built from the values."""
     KILLED = 2
-    """It ended the process that ran it, twice."""
+    """The case killed its process twice."""
 
 
 @dataclass(frozen=True)
 class Channels:
-    """What the columns of a case's readings are, (c,) each."""
+    """Descriptions (c,) of the channels of a case."""
 
     name: tuple[str, ...] = ()
     unit: tuple[str, ...] = ()
@@ -58,12 +59,12 @@ class Channels:
 
 @dataclass(frozen=True, eq=False)
 class CaseRecord:
-    """What a case came to.
+    """The results of a case.
 
-    no_estimate : why there is no estimate of its error; "" where there is one
-    statistics : (s, c); None of a case that did not run to its end
-    spectrum : (m, 3) of its cycles; of a case read back it is within that of the part
-    motion : of a kept case, arrays by path
+    no_estimate : why there is no error estimate; "" if there is one
+    statistics : (s, c); None for a case that did not run to its end
+    spectrum : (m, 3) of its cycles; empty when read from a file, which stores the sum over the part
+    motion : stored motion, arrays by path; empty if not stored
     """
 
     case: int
@@ -84,20 +85,20 @@ class CaseRecord:
 
     @property
     def lacks_estimate(self) -> bool:
-        """Whether it ran, and its error is not estimated."""
+        """Whether the case ran without an error estimate."""
         return self.status is CaseStatus.RAN and bool(np.isnan(self.estimated_error))
 
     @property
     def needs_richer(self) -> bool:
-        """Whether it ran, and its bases cost more than is allowed."""
+        """Whether the case ran, with a basis error above the allowed error."""
         return self.status is CaseStatus.RAN and bool(self.basis_error > self.allowed_error)
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """The cases of a share.
+    """The results of a share.
 
-    statistic : names of the statistics;   spectrum : (m, 3) of all cases
+    statistic : names of the statistics;   spectrum : (m, 3), sum over the cases that do not run again
     """
 
     results: Sequence[CaseRecord]
@@ -107,10 +108,10 @@ class Part:
 
 
 CHANNEL_KINDS = tuple(each.name for each in fields(Channels))
-"""Data sets below `channels/`."""
+"""Names of the data sets below `channels/`."""
 
 WORDS = ("cause", "no_estimate")
-"""Data sets with words for each case."""
+"""Data sets with a text for each case."""
 _NUMBERS = {
     "cases": ("case", np.int64),
     "status": ("status", np.int8),
@@ -122,16 +123,16 @@ _NUMBERS = {
     "steps": ("steps", np.int64),
     "iterations": ("iterations", np.int64),
 }
-"""Data sets with a number for each case: field and type."""
+"""Data sets with a number for each case: field of `CaseRecord`, and type."""
 
 
 def part_path(folder: Path, share: int) -> Path:
-    """The file of a share."""
+    """Path of the part of a share."""
     return folder / "parts" / f"{share:05}.h5"
 
 
 def write_part(path: Path, part: Part) -> None:
-    """Write a part whole; ResultFileError where it cannot be written."""
+    """Write a part completely; ResultFileError if it cannot be written."""
     results = part.results
     channels = next((each.channels for each in results if each.statistics is not None), Channels())
     numbers = [_statistics_of(each, channels, len(part.statistic)) for each in results]
@@ -153,7 +154,7 @@ def write_part(path: Path, part: Part) -> None:
 
 
 def _statistics_of(result: CaseRecord, channels: Channels, number: int) -> Array:
-    """(s, c), NaN where there are none, or of other channels than those of the part."""
+    """Statistics (s, c) of a case; NaN if it has none, or if its channels are not those of the part."""
     if result.statistics is None or result.channels != channels:
         return np.full((number, len(channels.name)), np.nan)
     return result.statistics
@@ -164,10 +165,12 @@ def _store_words(file: h5py.File, name: str, words: Sequence[str]) -> None:
 
 
 def read_part(path: Path) -> Part:
-    """All of a part but its motions; ResultFileError where it is missing or damaged."""
+    """Read a part; ResultFileError if it is missing or damaged."""
     with open_sealed(path) as file:
         if file.attrs.get("format") != FORMAT or int(file.attrs["version"]) > VERSION:
-            raise ResultFileError(f"{path} is no part of a sweep that this supple reads")
+            raise ResultFileError(
+                f"{path} is no part of a sweep, or of a newer version: update supple, or run the sweep again"
+            )
         channels = Channels(**{name: tuple(file[f"channels/{name}"].asstr()[()]) for name in CHANNEL_KINDS})
         columns = {own: file[name][()] for name, (own, _) in _NUMBERS.items()}
         words, statistics = {name: file[name].asstr()[()] for name in WORDS}, file["statistics"][()]
@@ -186,7 +189,7 @@ def read_part(path: Path) -> Part:
 
 
 def motion_in(file: h5py.File, case: int) -> dict[str, Array]:
-    """The arrays of a kept motion by path; empty where it was not kept."""
+    """The arrays of a stored motion by path; empty if none is stored."""
     found: dict[str, Array] = {}
     group = file.get(f"motions/{case}")
     if isinstance(group, h5py.Group):
@@ -197,5 +200,5 @@ def motion_in(file: h5py.File, case: int) -> dict[str, Array]:
 
 
 def whole_parts(folder: Path, n_shares: int) -> list[int]:
-    """Numbers of the shares whose parts are there and whole."""
+    """Numbers of the shares whose parts exist and are complete."""
     return [share for share in range(n_shares) if is_whole(part_path(folder, share))]

@@ -1,8 +1,8 @@
-"""The plan of a sweep: its cases, which of them march together, and the shares that tasks take.
+"""The plan of a sweep: its cases, their groups, and the shares that are the tasks.
 
-A folder holds one plan, `plan.h5`, written once. Every process reads it: a task is the folder and the number
-of a share. Shares follow from the table alone, not from the number of cores: the digits do not depend on
-where a sweep runs.
+The plan is stored once, in `plan.h5` in the folder of the sweep. Every process reads it: a task is the folder
+and the number of a share. Shares depend on the table only, not on the number of cores, so that the digits of
+the results do not depend on where a sweep runs.
 """
 
 from __future__ import annotations
@@ -38,25 +38,25 @@ __all__ = ["SweepPlan", "make_plan", "plan_path", "read_plan", "write_plan"]
 FORMAT, VERSION = "supple-sweep-plan", 1
 LARGEST_SHARE = 512
 FEWEST_SHARES = 64
-"""So that many cores have work; where the cases suffice."""
+"""Smallest number of shares, if there are enough cases: work for many cores."""
 MARCHED_AT_ONCE = 16
-"""Cases of one call of the compiled program; of the smallest share."""
+"""Number of cases in a call of the compiled program, and in the smallest share."""
 
 IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
 class SweepPlan:
-    """What is to be done.
+    """The plan of a sweep.
 
-    case_file : its path, in the folder's plan as seen from there;  case_text : what stood in it
-    table : of the cases;  places : where its columns lead in the tables of the case, but for labels
-    group : (n,) of each case: cases of one group have the same bodies, run and program
-    share : (n,) of each case: those of one share are of one group
-    output : what is kept
-    inputs : what the sweep depends on, by name
-    units : of the case
-    allow_code : whether controllers that the case names may run; given with each task, never read of a folder
+    case_file : path of the case file (`plan.h5` has it relative to its folder);  case_text : its text
+    table : table of the cases;  places : keys in the case file by column, without labels
+    group : (n,) group of each case; cases of one group have the same bodies, run and program
+    share : (n,) share of each case; a share is a part of one group
+    output : results to store
+    inputs : digests of all inputs, by name
+    units : units of the case
+    allow_code : whether controllers of the case may run; given with each task, never read from a folder
     """
 
     case_file: Path
@@ -85,20 +85,20 @@ class SweepPlan:
         return np.flatnonzero(self.share == share)
 
     def values(self, case: int) -> dict[KeyPath, Any]:
-        """What a case has in place of the values of its file, by place."""
+        """The values of a case that replace those of the case file, by place."""
         row = self.table.row(case)
         return {place: row[path] for path, place in self.places.items()}
 
     @property
     def start_time(self) -> float:
-        """Instant at which the cases begin: 0, or that of the state from which they go on."""
+        """Start time of the cases: 0, or the time of the state that they continue."""
         start = tomllib.loads(self.case_text)["simulation"].get("start")
         return float(start["time"]) if isinstance(start, Mapping) else 0.0
 
     def representative(self, group: int) -> int:
-        """The case of a group whose bodies are reduced for all: the first of those with the most damping.
+        """The case of a group whose bodies are reduced for all cases: the first with the most damping.
 
-        The damping of the others is scaled from its own, which must not be zero then.
+        The damping of the other cases is scaled from its damping, which is zero only if theirs is.
         """
         cases = np.flatnonzero(self.group == group)
         damping = [
@@ -112,7 +112,7 @@ class SweepPlan:
         return int(cases[most[0]])
 
     def keeps(self, case: int) -> bool:
-        """Whether the motion of a case is kept."""
+        """Whether the motion of a case is stored."""
         keep = self.output.keep
         return keep == "all" or (keep != "none" and case in self._kept)
 
@@ -122,7 +122,7 @@ class SweepPlan:
 
     @cached_property
     def family(self) -> CaseFamily:
-        """The case file, as it is now; CaseError where it is another than it was."""
+        """The case file; CaseError if it was changed since the sweep was planned."""
         family = case_family(self.case_file)
         if family.text != self.case_text:
             raise CaseError(
@@ -132,7 +132,7 @@ class SweepPlan:
 
 
 def plan_path(folder: Path) -> Path:
-    """The file of the plan."""
+    """Path of the plan in a folder."""
     return folder / "plan.h5"
 
 
@@ -144,22 +144,22 @@ def make_plan(
     *,
     allow_code: bool = False,
 ) -> SweepPlan:
-    """The plan of a table of cases; the same for the same inputs.
+    """The plan of a table of cases; equal inputs give equal plans.
 
-    texts : of other files that were read for it, by name
+    texts : texts of other input files, by name
     allow_code : run the Python file of `control`, if the case names one
 
     Raises
     ------
-    CaseError   a path that leads nowhere; a controller without `allow_code`, or beside an accuracy; a number
-                to keep that is no case; channels, nodes or a speed of `output.fatigue` that are not there
+    CaseError   a path that does not exist; a controller without `allow_code`, or with an accuracy; an unknown
+                case in `keep`; unknown channels, nodes or wind speed in `output.fatigue`
     """
     family = case_family(case_file)
     family.case.check_control(allow_code=allow_code)
     if not len(table):
-        raise CaseError("a sweep needs at least one case")
+        raise CaseError("a sweep needs at least one case: give values in the table")
     if isinstance(output.keep, tuple) and (beyond := [each for each in output.keep if each >= len(table)]):
-        raise CaseError(f"keep names case {beyond[0]}, and the last of {len(table)} is {len(table) - 1}")
+        raise CaseError(f"keep names case {beyond[0]}, and the cases are 0 to {len(table) - 1}")
     if output.fatigue is not None:
         output.fatigue.check(family.case, table)
     _check_columns(table, output, family.raw)
@@ -185,10 +185,12 @@ def make_plan(
 
 
 def _check_columns(table: CaseTable, output: SweepOutput, raw: Raw) -> None:
-    """CaseError for labels and seeds that are no columns, and for labels that stand in the case file."""
+    """CaseError for labels and seeds that are no columns, and for labels that are paths of the case file."""
     for name in output.labels:
         if _stands(name, raw):
-            raise CaseError(f"labels: {name!r} is a path of the case file, which varies it: no label")
+            raise CaseError(
+                f"labels: {name!r} is a path of the case file, so that the column varies it: remove the label"
+            )
     for what, names in (("labels", output.labels), ("seeds", output.seeds)):
         for name in names:
             if name not in table.columns:
@@ -196,7 +198,7 @@ def _check_columns(table: CaseTable, output: SweepOutput, raw: Raw) -> None:
 
 
 def _stands(path: str, raw: Raw) -> bool:
-    """Whether a path leads to a value that the case file has."""
+    """Whether the case file has a value at a path."""
     try:
         place = parameter_path(path, raw)
     except CaseError:
@@ -209,14 +211,14 @@ def _stands(path: str, raw: Raw) -> bool:
 
 
 def numbered(keys: Sequence[Any], n: int) -> IntArray:
-    """Numbers from 0 in the order of first appearance; all 0 without keys."""
+    """Numbers (n,) of keys, from 0 in order of appearance; all 0 without keys."""
     numbers: dict[Any, int] = {}
     found = [numbers.setdefault(key, len(numbers)) for key in keys]
     return np.array(found, dtype=np.int64) if found else np.zeros(n, dtype=np.int64)
 
 
 def _shares(group: IntArray, size: int | None) -> IntArray:
-    """Of each case: groups cut into shares of nearly one size, a multiple of what is marched at once."""
+    """Share of each case; the default size is a multiple of `MARCHED_AT_ONCE`."""
     if size is None:
         even = -(-len(group) // FEWEST_SHARES)
         size = min(-(-even // MARCHED_AT_ONCE) * MARCHED_AT_ONCE, LARGEST_SHARE)
@@ -229,7 +231,7 @@ def _shares(group: IntArray, size: int | None) -> IntArray:
 
 
 def _inputs(family: CaseFamily, table: CaseTable, places: Mapping[str, KeyPath]) -> dict[str, str]:
-    """What the results depend on: the text of the case, the table, and all files that any case reads."""
+    """Digests of all inputs by name: the text of the case, the table, and all files that any case reads."""
     naming = [path for path in places if isinstance(table.columns[path][0], str)]
     files = set(family.files({}))
     for path in naming:
@@ -244,7 +246,7 @@ def _table_text(table: CaseTable) -> str:
 
 
 def write_plan(folder: Path, plan: SweepPlan) -> None:
-    """Write the plan, whole; ResultFileError where it cannot be written."""
+    """Write the plan completely; ResultFileError if it cannot be written."""
     with writing_sealed(plan_path(folder)) as file:
         file.attrs.update(
             {
@@ -266,7 +268,7 @@ def write_plan(folder: Path, plan: SweepPlan) -> None:
 
 
 def _store_column(file: h5py.File, name: str, column: Sequence[Any]) -> None:
-    """Numbers as they are, all else as JSON."""
+    """Store a column: numbers as an array, other values as JSON."""
     numbers = {type(value) for value in column}
     if numbers <= {float} or numbers <= {int}:
         file.create_dataset(name, data=np.array(column))
@@ -281,25 +283,25 @@ def _read_column(dataset: h5py.Dataset) -> Sequence[Any]:
 
 
 def read_plan(folder: Path, *, allow_code: bool = False) -> SweepPlan:
-    """The plan in a folder; ResultFileError where there is none.
+    """The plan in a folder; ResultFileError if there is none.
 
-    allow_code : whether controllers that its case names may run
+    allow_code : whether controllers of its case may run
     """
     path = plan_path(folder)
     if not path.is_file():
-        raise ResultFileError(f"{folder} holds no sweep (no plan.h5); check the folder")
+        raise ResultFileError(f"{folder} has no sweep (no plan.h5); check the path")
     return _plan(path, seal_of(path), allow_code)
 
 
 @lru_cache(maxsize=4)
 def _plan(path: Path, _: bytes, allow_code: bool) -> SweepPlan:
-    """The plan in a file with a seal: another one in its place has another."""
+    """The plan in a file, cached by the seal of the file, so that a new plan is read again."""
     folder = path.parent
     with open_sealed(path) as file:
         known = file.attrs
         if known.get("format") != FORMAT or int(known["version"]) > VERSION:
             raise ResultFileError(
-                f"{path} is no plan of a sweep that this supple reads: use the one that wrote it"
+                f"{path} is no plan of a sweep, or of a newer version: use the version that wrote it"
             )
         paths = json.loads(known["paths"])
         columns = {name: _read_column(file[f"parameters/{i}"]) for i, name in enumerate(paths)}
@@ -323,5 +325,5 @@ def _plan(path: Path, _: bytes, allow_code: bool) -> SweepPlan:
 
 
 def changed_inputs(there: SweepPlan, here: SweepPlan) -> str:
-    """What differs between the inputs of two plans, in words; empty where nothing does."""
+    """Differences between the inputs of two plans, as text; empty if there are none."""
     return changes(there.inputs, here.inputs)

@@ -1,4 +1,4 @@
-"""Names of the channels of a case, known before its bodies are reduced."""
+"""Names of the channels of a case, before its bodies are reduced."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ __all__ = ["planned_channels"]
 
 
 def planned_channels(case: Case) -> tuple[str, ...]:
-    """Names of all that is read off a case, such as "joint root.Fx", in their order.
+    """Names of all channels of a case, such as "joint root.Fx", in their order.
 
-    Bodies to be reduced stand in it with all coordinates: their meshes are read, nothing is factored.
-    Raises SuppleError for what is wrong with meshes, bodies, joints or sensors.
+    Bodies to be reduced are replaced by full bodies: their meshes are read, but no matrix is factored.
+    Raises SuppleError for errors of meshes, bodies, joints or sensors.
     """
     full = {
         table.name: FullBody(case.flexible[table.name], table.frame.build())

@@ -1,4 +1,4 @@
-"""The results of a sweep as a data set, read by the column."""
+"""The results of a sweep as a data set, read column by column."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ _OF_CASES = (
     "iterations",
 )
 _MISSING = {"cause": "not run yet", "no_estimate": "", "status": -1, "steps": 0, "iterations": 0}
-"""Of cases that have not run; NaN of all else"""
+"""Values for cases that have not run; NaN for all other data"""
 _IN_CASE_UNITS = ("estimated_error", "basis_error", "allowed_error")
 
 
 class SweepColumns:
-    """The results of a sweep on disk, a column at a time; cases without results are NaN.
+    """Reader of the results of a sweep, one column at a time; cases without results are NaN.
 
-    folder : of the sweep
+    folder : folder of the sweep
 
     Raises
     ------
-    ResultFileError     no sweep; a part that is damaged
+    ResultFileError     no sweep; a damaged part
     """
 
     def __init__(self, folder: Path | str) -> None:
@@ -50,10 +50,10 @@ class SweepColumns:
         self.plan: SweepPlan = read_plan(self.folder)
         known = sweep_shares(self.folder, self.plan)
         self.shares = list(known.whole)
-        """Those that run again come after what they replace"""
+        """Complete shares; repeated runs follow the runs that they replace"""
         self._cases = {share: known.cases[share] for share in self.shares}
         self.runs = np.zeros(self.plan.n_cases, dtype=np.int64)
-        """(n,) how often each case has run"""
+        """Number of runs of each case, (n,)"""
         for share in self.shares:
             self.runs[self._cases[share]] = known.level[share] + 1
         self.channels = self._channels()
@@ -69,7 +69,7 @@ class SweepColumns:
         return self.plan.table
 
     def statistic(self, statistic: int, channels: NDArray[np.intp] | slice | int = slice(None)) -> Array:
-        """A statistic of some channels, (n, c), or of one, (n,)."""
+        """Values of a statistic for some channels, (n, c), or for one, (n,)."""
         numbers = np.arange(len(self.channels["name"]))[channels]
         found = np.full((self.plan.n_cases, *numbers.shape), np.nan)
         for share in self.shares:
@@ -83,7 +83,7 @@ class SweepColumns:
         return found
 
     def _by_name(self, data: Array, names: list[str], numbers: Any) -> Array:
-        """Of a part with other channels: those it has."""
+        """Columns of a part with other channels, by name; NaN for channels that it lacks."""
         wanted = np.atleast_1d(self.channels["name"][numbers])
         found = np.full((data.shape[1], len(wanted)), np.nan)
         for place, name in enumerate(wanted):
@@ -92,7 +92,7 @@ class SweepColumns:
         return found if np.ndim(numbers) else found[:, 0]
 
     def spectra(self) -> dict[str, tuple[Array, Array]]:
-        """Rainflow cycles of all cases by channel: middle of the classes of ranges (b,), cycles (b,)."""
+        """Rainflow spectra of all cases by channel: ranges in the middle of classes (b,), and cycles (b,)."""
         places = {name: number for number, name in enumerate(self.channels["name"])}
         parts = []
         for share in self.shares:
@@ -108,14 +108,16 @@ class SweepColumns:
         }
 
     def lifetime(self) -> tuple[Array, float]:
-        """Of the statistics of fatigue over the lifetime: (f, c), and the share of it that the cases cover.
+        """Fatigue statistics over the lifetime, (f, c), and the fraction of it that the cases cover.
 
-        Damage-equivalent ranges of its reference cycles, damage of hot spots; NaN where a case lacks them.
-        ResultFileError where the sweep asks for no lifetime.
+        They are damage-equivalent ranges for the reference cycles, and the damage of hot spots; NaN if a case
+        has no result. ResultFileError if the sweep file has no lifetime.
         """
         fatigue = self.plan.output.fatigue
         if fatigue is None or fatigue.lifetime is None:
-            raise ResultFileError(f"{self.folder} has no lifetime: give [output.fatigue.lifetime]")
+            raise ResultFileError(
+                f"{self.folder} has no lifetime: give [output.fatigue.lifetime] and run it again"
+            )
         durations = self.of_cases("end_time") - self.plan.start_time
         whole = np.isfinite(durations) & (durations > 0)
         life = fatigue.lifetime.of(self.table, np.where(whole, durations, 1.0))
@@ -133,7 +135,7 @@ class SweepColumns:
         return found, life.covered
 
     def of_cases(self, name: str) -> NDArray[Any]:
-        """A number or word of each case, by the name of its data set in a part."""
+        """A number or text of each case, (n,), by the name of the data set in a part."""
         words = name in WORDS
         missing: Any = _MISSING.get(name, np.nan)
         found = np.full(self.plan.n_cases, missing, dtype=object if words else None)
@@ -143,9 +145,9 @@ class SweepColumns:
         return found
 
     def motion(self, case: int) -> dict[str, Array]:
-        """The arrays of a kept motion by path (`supple.storage.solution_arrays`), and its channels (t, c).
+        """The arrays of a stored motion by path (`supple.storage.solution_arrays`), and its channels (t, c).
 
-        Raises ResultFileError where the motion of the case was not kept.
+        Raises ResultFileError if the motion of the case was not stored.
         """
         found: dict[str, Array] = {}
         for share in self.shares:
@@ -154,12 +156,12 @@ class SweepColumns:
                     found = motion_in(file, case)
         if not found:
             raise ResultFileError(
-                f"{self.folder} keeps no motion of case {case}: name it in keep, or simulate `swept_case`"
+                f"{self.folder} has no motion of case {case}: name it in keep, or simulate `swept_case`"
             )
         return found
 
     def _channels(self) -> dict[str, NDArray[Any]]:
-        """Of all parts by name, in the order of the first with any."""
+        """Channels of all parts, in order of appearance, by kind of description."""
         rows: dict[str, tuple[str, ...]] = {}
         for share in self.shares:
             with open_sealed(part_path(self.folder, share), verify=False) as file:
@@ -177,16 +179,16 @@ class SweepColumns:
 
 
 def read_sweep(folder: Path | str) -> Any:
-    """The results of a sweep as an `xarray.Dataset`; its statistics are read when they are used.
+    """The results of a sweep as an `xarray.Dataset`; statistics are read on use.
 
         ds = sp.read_sweep("results/speeds")
         tip = ds.statistics.sel(channel="deflection blade.TIP.x", statistic="maximum")
 
-    statistics (case, channel, statistic), with unit, quantity, axes and place of each channel; per case
-    status (0 ran, 1 failed, 2 killed, -1 missing), cause, no_estimate (the reason), seconds, end_time,
-    estimated_error, basis_error, allowed_error, runs, steps and iterations; parameters are coordinates by
-    their paths. Cases without results are NaN. With a lifetime in `output.fatigue` its loads and damage are
-    lifetime (fatigue, channel).
+    The variable statistics (case, channel, statistic) has unit, quantity, axes and place of each channel as
+    coordinates. Variables per case are status (0 ran, 1 failed, 2 killed, -1 not run yet), cause, no_estimate
+    (the reason), seconds, end_time, estimated_error, basis_error, allowed_error, runs, steps and iterations.
+    Parameters are coordinates by their paths. Cases without results are NaN. With a lifetime in
+    `output.fatigue`, the variable lifetime (fatigue, channel) has its loads and damage.
 
     Raises
     ------
@@ -212,7 +214,11 @@ def read_sweep(folder: Path | str) -> Any:
     for name in _OF_CASES:
         own = units.get(name, {})
         variables[name] = ("case", columns.of_cases(name), own)
-    variables["runs"] = ("case", columns.runs, {"meaning": "times run, with richer bases each"})
+    variables["runs"] = (
+        "case",
+        columns.runs,
+        {"meaning": "number of runs; each repeated run has enriched bases"},
+    )
     coordinates: dict[str, Any] = {
         "case": np.arange(columns.plan.n_cases),
         "statistic": list(columns.statistics),
@@ -242,7 +248,7 @@ def _as_array(column: Any) -> NDArray[Any]:
 
 
 def _lazy_statistics(columns: SweepColumns) -> Any:
-    """Of the columns, what xarray asks for parts of."""
+    """Backend array from which xarray reads parts of the statistics."""
     backends = optional_package("xarray.backends", "a data set", "xarray")
     indexing = optional_package("xarray.core.indexing", "a data set", "xarray")
 
@@ -266,9 +272,9 @@ def _lazy_statistics(columns: SweepColumns) -> Any:
 
 
 def write_parquet(dataset: Any, path: Path | str) -> None:
-    """Write the data set of a sweep as a Parquet file: a row a case, a column a parameter or a statistic.
+    """Write the data set of a sweep as a Parquet file: a row per case, a column per parameter and statistic.
 
-    Raises MissingPackageError where pyarrow is not installed.
+    Raises MissingPackageError if pyarrow is not installed.
     """
     pyarrow = optional_package("pyarrow", "a Parquet file", "parquet")
     parquet = optional_package("pyarrow.parquet", "a Parquet file", "parquet")

@@ -1,4 +1,4 @@
-"""A task of a sweep: one share of its cases, by one process, into one file."""
+"""The task of a sweep: one process runs a share of the cases and writes one file."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ __all__ = ["run_cases", "run_share"]
 
 
 def run_share(folder: str, share: int, allow_code: bool = False) -> None:
-    """Simulate the cases of a share and write their part; nothing where it is there already.
+    """Simulate the cases of a share and write their part, unless it exists already.
 
-    Any process that sees the folder can do it: what it needs is there. Words and numbers go in, and nothing
-    comes back. A share whose process ended twice is run by processes of its own, until the case at fault is
-    found (`isolated_share`).
+    Any process with access to the folder can run it: all inputs are there, and all results are written there.
+    If two processes of a share were killed, isolated processes run its cases to find the cause
+    (`isolated_share`).
 
     allow_code : run the Python file of `control`, if the case names one
 
     Raises
     ------
-    ResultFileError     the part cannot be written; the inputs of the sweep were changed
-    MemoryShortageError     not enough is left
+    ResultFileError         the part cannot be written; the inputs of the sweep were changed
+    MemoryShortageError     not enough memory is left
     """
     where = Path(folder).resolve()
     target = part_path(where, share)
@@ -55,20 +55,20 @@ def run_share(folder: str, share: int, allow_code: bool = False) -> None:
 
 
 def _cases_of(folder: Path, share: int) -> tuple[list[int], int]:
-    """The cases of a share, and how often they have run before."""
+    """The cases of a share, and the number of their earlier runs."""
     plan = read_plan(folder)
     if share < plan.n_shares:
         return plan.cases_of(share).tolist(), 0
     shares = sweep_shares(folder, plan)
     if share >= len(shares.cases):
         raise ResultFileError(
-            f"{folder} has no share {share} yet: those before it are missing; run the sweep again"
+            f"{folder} has no share {share} yet, because earlier shares are missing: run the sweep again"
         )
     return shares.cases[share].tolist(), shares.level[share]
 
 
 def _unmarked(_: Sequence[int]) -> None:
-    """No mark: whoever started this process sees how it ends."""
+    """No mark, because the parent process sees the exit code."""
 
 
 def run_cases(
@@ -79,9 +79,9 @@ def run_cases(
     *,
     allow_code: bool = False,
 ) -> Part:
-    """What cases of one group come to, found by this process alone.
+    """The results of cases of one group, simulated in this process.
 
-    level : times that they have run before, with poorer bases
+    level : number of their earlier runs; each repeated run has enriched bases
     """
     plan = read_plan(folder, allow_code=allow_code)
     words: dict[str, None] = {}
@@ -96,19 +96,19 @@ def run_cases(
                     SuppleWarning,
                     stacklevel=1,
                 )
-            reason = group.certificate.reason or "the indicator of its error was not found"
+            reason = group.certificate.reason or "the error indicator could not be computed"
             results = [
                 replace(each, no_estimate=reason) if each.lacks_estimate else each
                 for each in march_cases(group, cases, began)
             ]
         except NOT_OF_A_CASE:
             raise
-        except SuppleError as error:  # of the bodies of all of them
+        except SuppleError as error:  # of the bodies, hence of all cases
             results = [CaseRecord(number, CaseStatus.FAILED, str(error)) for number in cases]
     for each in caught:
         if issubclass(each.category, SuppleWarning):
             words[str(each.message)] = None
-    # Cycles of cases that run again are counted then.
+    # Cycles of cases that run again are counted after the last run.
     last = [each.spectrum for each in results if level == MOST_LEVELS or not each.needs_richer]
     spectrum = summed_spectra(last)
     return Part(results, tuple(words), plan.output.statistics, spectrum)

@@ -1,4 +1,4 @@
-"""Sobol indices: which parameters the variance of an output comes from."""
+"""Sobol indices: contributions of parameters to the variance of an output."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ _RESAMPLES = 200
 
 @dataclass(frozen=True, eq=False)
 class SobolIndices:
-    """Shares of the variance of outputs, by parameter.
+    """Fractions of the variance of outputs, by parameter.
 
     parameters : d paths
-    first : (d, ...) of a parameter alone;   total : (d, ...) with all that it shares with others
-    first_interval, total_interval : (2, d, ...) 95 % confidence, by the bootstrap
+    first : (d, ...) first-order indices;   total : (d, ...) total indices, with all interactions
+    first_interval, total_interval : (2, d, ...) 95 % confidence intervals, by the bootstrap
     """
 
     parameters: tuple[str, ...]
@@ -39,10 +39,10 @@ class SobolIndices:
 
 @dataclass(frozen=True, eq=False)
 class SaltelliDesign:
-    """Cases from which Sobol indices are estimated: n (d + 2) of d parameters.
+    """Saltelli's design: n (d + 2) cases from which Sobol indices of d parameters are estimated.
 
-    Two samples A and B of n points each from one scrambled Sobol sequence; then A with one column of B, for
-    each parameter.
+    Two samples A and B of n points each come from one scrambled Sobol sequence; then follows, for each
+    parameter, A with one column of B.
 
         design = SaltelliDesign({"load[0].law.amplitude": Uniform(1e3, 5e3), ...}, 256)
         sp.sweep("blade.toml", design.table, "results/sobol")
@@ -71,7 +71,7 @@ class SaltelliDesign:
 
     @cached_property
     def table(self) -> CaseTable:
-        """The cases: A, B, then A with the column of B of each parameter."""
+        """The table of cases: A, B, then for each parameter A with its column of B."""
         d, n = len(self.of), self.number
         points = qmc.Sobol(2 * d, rng=self.seed).random(n)
         shares = np.tile(points[:, :d], (d + 2, 1)).reshape(d + 2, n, d)
@@ -82,11 +82,11 @@ class SaltelliDesign:
         return CaseTable({path: own.quantiles(column).tolist() for (path, own), column in columns})
 
     def indices(self, values: ArrayLike) -> SobolIndices:
-        """Indices of outputs (n (d + 2), ...) of the cases, in the order of the table.
+        """Sobol indices of outputs (n (d + 2), ...) of the cases, in the order of the table.
 
             S_i = V(E(y | x_i)) / V(y),    S_Ti = E(V(y | x_others)) / V(y)
 
-        Raises ModelError for outputs of other cases, not finite, or of no variance.
+        Raises ModelError for outputs of another number of cases, not finite, or without variance.
         """
         outputs = np.asarray(values, dtype=np.float64)
         if outputs.shape[:1] != (self.n_cases,):
@@ -102,7 +102,9 @@ class SaltelliDesign:
                 "or narrow the distributions"
             )
         if (np.ptp(rows, axis=0) == 0).any():
-            raise ModelError("Sobol indices: an output is the same in all cases; its variance has no shares")
+            raise ModelError(
+                "Sobol indices: an output is the same in all cases and has no variance; leave it out"
+            )
         d = len(self.of)
         blocks = rows.reshape(d + 2, self.number, -1).transpose(0, 2, 1)
         known = {"f_A": blocks[0], "f_B": blocks[1], "f_AB": blocks[2:]}
@@ -111,7 +113,7 @@ class SaltelliDesign:
         intervals = (spread.first_order.confidence_interval, spread.total_order.confidence_interval)
 
         def shaped(indices: Array) -> Array:
-            """(d, ...) of (s, d), or of (d,) of one output."""
+            """Indices (d, ...) from an array (s, d), or (d,) for one output."""
             return np.atleast_2d(indices).T.reshape(d, *outputs.shape[1:])
 
         return SobolIndices(

@@ -1,4 +1,4 @@
-"""Run a sweep: plan it once, then do what is missing of it, wherever its tasks run."""
+"""Run of a sweep: plan it once, then run the missing shares on any executor."""
 
 from __future__ import annotations
 
@@ -43,35 +43,35 @@ def sweep(
     allow_code: bool = False,
     progress: Progress | None = None,
 ) -> SweepStatus:
-    """Simulate a case file with many values; the same call does what an earlier one has left undone.
+    """Simulate a case file with many values; repeating the call runs the cases that are still missing.
 
         sp.sweep("blade.toml", {"joint.shaft.law.speed": [1.0, 1.2, 1.4]}, "results/speeds")
         ds = sp.read_sweep("results/speeds")
 
     Parameters
     ----------
-    case : of its file
-    table : a column of values for each path of the case file, a row for each case
+    case : path of the case file
+    table : a column of values for each path in the case file, a row for each case
     folder : for the plan, the reduced bodies and the parts of the sweep
-    executor : where its tasks run; None: processes of this machine, a core each
-    keep : cases whose motion is kept besides their statistics: "none", "all" or their numbers from 0
+    executor : runs the tasks; default: processes of this computer, one per core
+    keep : cases whose motion is stored besides their statistics: "none", "all" or their numbers from 0
     fatigue : damage-equivalent loads and hot spots of the cases, and their lifetime
     labels : columns of the table that are no paths and change nothing, such as a wind speed
-    seeds : columns whose values are realisations, over which the page has statistics
-    force : begin anew, whatever the folder holds
+    seeds : columns whose values are realisations; the page shows statistics over them
+    force : discard the results in the folder and start again
     allow_code : run the Python file of `control`, if the case names one
     progress : called with the finished fraction of the cases
 
     Returns
     -------
-    SweepStatus     cases that fail do not stop the others; they are recorded with their cause
+    SweepStatus     a case that fails is recorded with its cause; the others continue
 
     Raises
     ------
-    CaseError           a path that leads nowhere, columns of different lengths; channels, nodes, labels or
-                        seeds that are not there
-    ResultFileError     the folder holds another sweep, or one of other inputs; it cannot be written
-    SuppleError         processes that end before they begin: of a script, put what it does under
+    CaseError           a path that does not exist, columns of different lengths; unknown channels, nodes,
+                        labels or seeds
+    ResultFileError     the folder has a sweep with other inputs, or cannot be written
+    SuppleError         processes that end before they run a task: a script must call `sweep` under
                         `if __name__ == "__main__":`; a cluster that loses its scheduler
     """
     folder = Path(folder)
@@ -86,9 +86,10 @@ def sweep(
 
 
 def plan_sweep(plan: SweepPlan, folder: Path, *, force: bool = False) -> None:
-    """Write the plan of a sweep where there is none; another one that is there is refused, or replaced.
+    """Write the plan of a sweep, unless the folder has the same plan already.
 
-    Raises ResultFileError where the sweep in the folder has other inputs, unless by `force`.
+    force : replace an existing plan, and delete its results
+    Raises ResultFileError if the folder has a sweep with other inputs, without `force`.
     """
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
@@ -97,8 +98,8 @@ def plan_sweep(plan: SweepPlan, folder: Path, *, force: bool = False) -> None:
             changed = changed_inputs(read_plan(folder), plan)
             if changed:
                 raise ResultFileError(
-                    f"{folder} holds a sweep of other inputs ({changed}): --force begins anew, -o FOLDER "
-                    "elsewhere"
+                    f"{folder} holds a sweep with other inputs ({changed}): replace it with --force, or "
+                    "choose another folder with -o FOLDER"
                 )
             return
         for name in ("parts", "attempts", "cases", "certificates"):
@@ -109,9 +110,9 @@ def plan_sweep(plan: SweepPlan, folder: Path, *, force: bool = False) -> None:
 def run_sweep(
     folder: Path, executors: Executors, progress: Progress | None = None, *, allow_code: bool = False
 ) -> SweepStatus:
-    """Do what is missing of the sweep in a folder.
+    """Run the missing shares of the sweep in a folder.
 
-    Parameters, results and errors as for `sweep`.
+    Parameters, results and errors as in `sweep`.
     """
     plan = read_plan(folder)
     shares = sweep_shares(folder, plan)
@@ -137,26 +138,26 @@ def run_sweep(
                     errors.append(error)
                 elif isinstance(error, CancelledError):
                     raise SuppleError(
-                        "the tasks of the sweep were given up, as a cluster does that loses its scheduler: "
-                        f"{folder} keeps what is done, and the same command does the rest"
+                        "the tasks of the sweep were cancelled, usually because the cluster lost its "
+                        f"scheduler; finished cases are in {folder}: the same command runs the rest"
                     ) from error
                 else:
                     raise error
-        shares = sweep_shares(folder, plan)  # and those of cases that run again
+        shares = sweep_shares(folder, plan)  # with those of cases that run again
         done, missing = set(shares.whole), shares.missing
-        # Processes that end leave a mark, until their share is run by processes of its own.
+        # A killed process leaves a mark, until isolated processes run its share.
         breaks = 0 if len(done) > before or _marks(folder, missing) > marks else breaks + 1
         if missing and breaks >= MOST_BREAKS_WITHOUT_PROGRESS:
             raise SuppleError(
-                f"the processes of the sweep end before they begin ({errors[-1]}): of a script, put what it "
-                'does under if __name__ == "__main__":'
+                f"the processes of the sweep end before they run a task ({errors[-1]}): in a script, call "
+                'sweep under if __name__ == "__main__":'
             ) from errors[-1]
     report()
     return sweep_status(folder)
 
 
 def _is_death(error: BaseException) -> bool:
-    """Whether a process ended, rather than its task with an error."""
+    """Whether an error means that a process was killed, not that its task raised it."""
     return isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker"  # of Dask
 
 
@@ -167,12 +168,12 @@ def _marks(folder: Path, shares: Iterable[int]) -> int:
 def _shares_run(
     executor: Executor, folder: Path, shares: Sequence[int], *, allow_code: bool
 ) -> Iterable[tuple[int, BaseException | None]]:
-    """Shares as they are finished, each with the error that ended it."""
+    """Run shares; yields each when it ends, with its error or None."""
     tasks: dict[Future[None], int] = {}
     try:
         for share in shares:
             tasks[executor.submit(run_share, str(folder.resolve()), share, allow_code)] = share
-    except BrokenExecutor as error:  # while they were handed out
+    except BrokenExecutor as error:  # while tasks were submitted
         if not tasks:
             yield shares[0], error
     for task in as_completed(tasks):
@@ -182,11 +183,11 @@ def _shares_run(
 def run_part_of_sweep(
     folder: Path, number: int, of: int, progress: Progress | None = None, *, allow_code: bool = False
 ) -> None:
-    """Do what one of several jobs has to do of the sweep in a folder, in this process: shares k, k + n, ...
+    """Run, in this process, the shares of job k of n jobs of a sweep: k, k + n, ...
 
-    The job that ends last does what is to run again as well.
+    The job that ends last also runs the cases that run again.
 
-    number : k, from 1;  of : n;  allow_code : as for `sweep`
+    number : k, from 1;  of : n;  allow_code : as in `sweep`
     Raises ResultFileError as `run_share`.
     """
     plan = read_plan(folder)

@@ -1,4 +1,4 @@
-"""The file of a sweep (TOML): the case file it varies, the table of its cases, and what is kept of them."""
+"""The sweep file (TOML): case file, table of the cases, and results to store."""
 
 from __future__ import annotations
 
@@ -37,24 +37,24 @@ MOST_CASES = 10_000_000
 
 
 class SweepOutput(CheckedTable):
-    """What is kept of the cases besides the statistics of their channels."""
+    """Table `[output]`: results that are stored besides the statistics of the channels."""
 
     keep: Literal["none", "all"] | Annotated[tuple[Annotated[int, Field(ge=0)], ...], Field(strict=False)] = (
-        Field("none", description="cases whose motion is kept: all, none, or their numbers from 0")
+        Field("none", description="cases whose motion is stored: all, none, or their numbers from 0")
     )
     cases_per_share: int | None = Field(
         None,
         ge=1,
         le=1000,
-        description="cases that one task simulates and one file holds; left out: by their number",
+        description="number of cases per task and result file; default: by the number of cases",
     )
     labels: Annotated[tuple[str, ...], Field(strict=False)] = Field(
         (), description="columns of the table that are no paths and change nothing, such as a wind speed"
     )
     seeds: Annotated[tuple[str, ...], Field(strict=False)] = Field(
-        (), description="columns whose values are realisations: statistics over them, for all other columns"
+        (), description="columns whose values are realisations; statistics over them are computed"
     )
-    fatigue: FatigueLoads | None = Field(None, description="damage-equivalent loads of channels")
+    fatigue: FatigueLoads | None = Field(None, description="damage-equivalent loads and hot spots")
 
     @property
     def statistics(self) -> tuple[str, ...]:
@@ -63,26 +63,28 @@ class SweepOutput(CheckedTable):
 
 
 class _Sample(CheckedTable):
-    """Parameters that are drawn together."""
+    """Table `[sample]`: parameters that are sampled together."""
 
     method: Literal["latin-hypercube", "sobol"]
-    number: int = Field(ge=1, le=MOST_CASES, description="of points")
+    number: int = Field(ge=1, le=MOST_CASES, description="number of points")
     seed: int = Field(0, ge=0)
     of: dict[str, Any] = Field(min_length=1, description="a range or distribution for each path")
 
 
 class _SweepTables(CheckedTable):
-    """The whole file."""
+    """All tables of a sweep file."""
 
     case: str = Field(description="case file, beside this one")
-    table: str | None = Field(None, description="CSV file beside this one: a column a path, a row a case")
-    vary: dict[str, Any] = Field(default_factory=dict, description="values of each path, all combined")
+    table: str | None = Field(None, description="CSV file beside this one: a column per path, a row per case")
+    vary: dict[str, Any] = Field(
+        default_factory=dict, description="values of each path; all combinations are run"
+    )
     sample: _Sample | None = None
     output: SweepOutput = Field(default_factory=lambda: SweepOutput.model_validate({}))
 
 
 class _Range(CheckedTable):
-    """Evenly spaced values."""
+    """Table of evenly spaced values."""
 
     first: int | float = Field(alias="from")
     last: int | float = Field(alias="to")
@@ -90,7 +92,7 @@ class _Range(CheckedTable):
     step: int | float | None = Field(None, gt=0)
 
     def values(self) -> list[float] | list[int]:
-        """Whole numbers where the range is one of whole numbers, as of the size of a basis."""
+        """The values; integers if all of them are, and both ends are written as integers."""
         if self.number is not None:
             values = np.linspace(self.first, self.last, self.number)
         else:
@@ -104,9 +106,9 @@ class _Range(CheckedTable):
 
 
 class _Pattern(CheckedTable):
-    """Numbered names, such as those of files of wind seeds."""
+    """Table of numbered names, such as those of files of wind seeds."""
 
-    pattern: str = Field(description="a text with {} where the number stands, such as wind-{:03}.csv")
+    pattern: str = Field(description="text with {} in place of the number, such as wind-{:03}.csv")
     first: int = Field(1, alias="from")
     last: int = Field(alias="to", description="last number")
 
@@ -140,10 +142,10 @@ class _Weibull(CheckedTable):
 
 @dataclass(frozen=True)
 class SweepFile:
-    """A checked file of a sweep.
+    """A checked sweep file.
 
-    path, text : of the file;  case : path of the case file
-    files : those that it reads besides
+    path, text : path and text of the file;  case : path of the case file
+    files : further files that it reads
     """
 
     path: Path
@@ -155,11 +157,11 @@ class SweepFile:
 
 
 def read_sweep_file(path: str | Path) -> SweepFile:
-    """Read the file of a sweep; its table is not yet compared with the case.
+    """Read a sweep file; its table is not yet checked against the case.
 
     Raises
     ------
-    CaseError           mistakes, one line each with line number and remedy
+    CaseError           mistakes, each on a line with line number and remedy
     ImportFormatError   a CSV file that cannot be read
     """
     path = Path(path)
@@ -185,7 +187,7 @@ def read_sweep_file(path: str | Path) -> SweepFile:
 
 def _names_something(raw: Raw, folder: Path) -> Mistakes:
     if not {"table", "sample", "vary"} & raw.keys():
-        yield (), "a sweep varies something: give [vary], [sample] or table = FILE.csv"
+        yield (), "nothing is varied: give [vary], [sample] or table = FILE.csv"
     for key in ("case", "table"):
         name = raw.get(key)
         if isinstance(name, str) and not (folder / name).is_file():
@@ -206,7 +208,7 @@ def _mistakes_of_list(given: Any) -> Iterator[tuple[KeyPath, str]]:
         if not given:
             yield (), "the list is empty; give at least one value"
         elif len(kinds := {_kind(value) for value in given}) > 1:
-            yield (), f"values of one kind are needed, got {' and '.join(sorted(kinds))}"
+            yield (), f"give values of one kind, not {' and '.join(sorted(kinds))}"
         return
     if not isinstance(given, Mapping):
         yield (), "give a list of values, or {from = .., to = .., number = ..}"
@@ -217,15 +219,18 @@ def _mistakes_of_list(given: Any) -> Iterator[tuple[KeyPath, str]]:
         if (made.number is None) == (made.step is None):
             yield (), "give either number or step"
         elif made.step is not None and made.last < made.first:
-            yield ("to",), f"{made.last} is before {made.first}"
+            yield ("to",), f"{made.last} is less than from = {made.first}; exchange them"
     elif isinstance(made, _Pattern):
         try:
             values = made.values()
         except (ValueError, IndexError, KeyError) as error:
-            yield ("pattern",), f"numbers cannot stand in it ({error}); such as wind-{{:03}}.csv"
+            yield (
+                ("pattern",),
+                f"a number cannot be inserted ({error}); write a pattern such as wind-{{:03}}.csv",
+            )
         else:
             if len(set(values)) < max(len(values), 1):
-                yield ("pattern",), "it has no {} for the number, or from is after to"
+                yield ("pattern",), "it has no {} for the number, or from is greater than to; correct it"
 
 
 def _table_of_values(given: Mapping[str, Any]) -> tuple[Any, Sequence[tuple[KeyPath, str]]]:
@@ -242,7 +247,7 @@ def _table_of_draws(given: Any) -> tuple[Any, Sequence[tuple[KeyPath, str]]]:
 
 
 def _kind(value: Any) -> str:
-    """In words; whole numbers may stand among others."""
+    """Kind of a value, as text; integers and other numbers are of one kind."""
     if isinstance(value, bool):
         return "true or false"
     if isinstance(value, int | float):
@@ -264,7 +269,7 @@ def _of_sample(table: _Sample) -> CaseTable:
 
 
 def _of_csv(path: Path) -> CaseTable:
-    """Columns of numbers where all words of a column are, else of words."""
+    """The table in a CSV file; a column has numbers if all its entries are numbers, otherwise texts."""
     head = next((line for line in file_lines(path) if line.strip() and not line.startswith("#")), "")
     names = [word.strip().strip('"') for word in head.split(",")]
     read = read_csv_table(path, required=names)

@@ -1,4 +1,4 @@
-"""The page of a sweep, and the reports of the cases with the most extremes."""
+"""The page of a sweep, and reports of the cases with the most extremes."""
 
 from __future__ import annotations
 
@@ -43,9 +43,9 @@ _STATES = {CaseStatus.RAN: "ran", CaseStatus.FAILED: "failed", CaseStatus.KILLED
 _NOT_RUN = "not run yet"
 _MOST_FAILURES = 20
 _REPORTS = "cases"
-"""Folder of the reports of single cases; a sweep that begins anew removes it."""
+"""Folder of the reports of single cases; a sweep that starts again deletes it."""
 _FIRST = ("maximum", "minimum")
-"""Statistics that the table of cases begins with."""
+"""Statistics in the first columns of the table of cases."""
 
 
 class Extreme(NamedTuple):
@@ -62,12 +62,12 @@ class Extreme(NamedTuple):
 
 
 def sweep_extremes(folder: Path | str) -> list[Extreme]:
-    """The smallest and the largest value of each channel over all cases of a sweep, with case and instant.
+    """The smallest and the largest value of each channel over all cases of a sweep, with case and time.
 
-    Channels that have one value throughout but for round-off, such as forces across the plane of a
-    mechanism, have none. Of cases that reach the same value it is the first.
+    Channels that are constant up to rounding errors, such as forces normal to a planar mechanism, are left
+    out. If several cases have the same value, the first is returned.
 
-    Raises ResultFileError where the folder holds no sweep.
+    Raises ResultFileError if the folder has no sweep.
     """
     return list(_extremes(SweepColumns(folder)))
 
@@ -87,7 +87,7 @@ def _extremes(columns: SweepColumns) -> Iterator[Extreme]:
 
 
 def _moves(units: NDArray[Any], low: Array, high: Array) -> NDArray[np.bool_]:
-    """Which channels (c,) differ over all cases (n, c) by more than the round-off of those of their unit."""
+    """Whether channels (c,) vary over all cases (n, c) by more than the rounding errors of their unit."""
     known = ~np.isnan(low)
     least, most = np.where(known, low, np.inf).min(axis=0), np.where(known, high, -np.inf).max(axis=0)
     moves = np.asarray(known.any(axis=0))
@@ -103,20 +103,20 @@ def write_sweep_report(
 ) -> Path:
     """Write `sweep.html` into the folder of a sweep: its cases with plots, extremes and spectra.
 
-    Where the file of the sweep names seeds, `conditions.html` holds the statistics over them.
+    If the sweep file has seeds, `conditions.html` shows the statistics over them.
 
-    The cases with the most extremes are simulated again, and their reports written beside it, in `cases/`,
-    unless they are there: the extremes lead to all that are.
+    The cases with the most extremes are simulated again, and their reports written to `cases/`, unless they
+    exist. The page links the extremes to all reports in that folder. Returns the path of the page.
 
     Parameters
     ----------
-    n_reports : cases to be simulated again
-    allow_code : run for them the Python file of `control`, if the case names one
-    progress : called with the finished fraction of them
+    n_reports : number of cases to simulate again
+    allow_code : run the Python file of `control` for them, if the case names one
+    progress : called with the finished fraction of these cases
 
     Raises
     ------
-    ResultFileError     no sweep in the folder, files that changed, a page that cannot be written
+    ResultFileError     no sweep in the folder, input files that changed, a page that cannot be written
     """
     folder = Path(folder)
     columns = SweepColumns(folder)
@@ -136,12 +136,12 @@ def write_sweep_report(
         write_sweep_page(folder / "conditions.html", _page_of_conditions(columns))
     else:
         with file_errors("remove", folder):
-            (folder / "conditions.html").unlink(missing_ok=True)  # of a sweep before
+            (folder / "conditions.html").unlink(missing_ok=True)  # of an earlier sweep
     return write_sweep_page(folder / "sweep.html", _page(columns, reports))
 
 
 def _write_case_report(folder: Path, number: int, target: Path, varied: str, *, allow_code: bool) -> None:
-    """Simulate a case again, and write its report."""
+    """Simulate a case again and write its report."""
     swept = swept_case(folder, number, allow_code=allow_code)
     case, system = swept.case, swept.system
     solution = simulate(system, swept.run, check=False)
@@ -201,7 +201,7 @@ def _page(columns: SweepColumns, reports: dict[int, str]) -> SweepPage:
 
 
 def _columns_of_errors(columns: SweepColumns, errors: Array) -> dict[str, Any]:
-    """Estimates with their ratio to what is allowed, and why others have none: those that differ."""
+    """Columns of estimated errors, of their ratios to allowed errors, and of reasons if these differ."""
     allowed, reasons = columns.of_cases("allowed_error"), columns.of_cases("no_estimate")
     unit = columns.plan.units.length or ""
     found: dict[str, Any] = {}
@@ -209,18 +209,18 @@ def _columns_of_errors(columns: SweepColumns, errors: Array) -> dict[str, Any]:
         found = {labelled("estimated error", unit): errors, "runs": columns.runs.astype(float)}
     if not np.isnan(ratios := _ratios(errors, allowed)).all():
         found |= {labelled("allowed error", unit): allowed, "estimated / allowed": ratios}
-    # One reason for all cases stands above the table.
+    # A reason common to all cases is shown above the table.
     return found | ({"why no estimate": reasons.tolist()} if len(set(reasons)) > 1 else {})
 
 
 def _of_channel(numbers: dict[str, Array], place: int) -> dict[str, Array]:
-    """Statistics of a channel but those of fatigue or of hot spots that it has in no case."""
+    """Statistics of a channel, without those of fatigue or hot spots that no case has."""
     known = {name: own[:, place] for name, own in numbers.items() if not np.isnan(own[:, place]).all()}
     return known or {name: numbers[name][:, place] for name in STATISTICS}
 
 
 def _page_of_conditions(columns: SweepColumns) -> SweepPage:
-    """A row for each condition: means, deviations and largest values over its seeds."""
+    """The page of conditions, a row each: means, deviations and extremes over their seeds."""
     plan = columns.plan
     numbers, conditions = conditions_of(plan.table, plan.output.seeds)
     names = [name for name in columns.statistics if not name.startswith("time of")]
@@ -241,7 +241,7 @@ def _page_of_conditions(columns: SweepColumns) -> SweepPage:
     each = f"{least}" if least == most else f"{least} to {most}"
     lines = [
         f"{n_conditions} conditions of {plan.n_cases} cases, which differ in {', '.join(plan.output.seeds)} "
-        f"alone: {each} cases each. Deviations are those of samples (n - 1)."
+        f"alone: {each} cases each. Deviations are sample standard deviations (n - 1)."
     ]
     channels = zip(columns.channels["name"][kept], columns.channels["unit"][kept], by_channel, strict=True)
     return SweepPage(
@@ -256,15 +256,16 @@ def _page_of_conditions(columns: SweepColumns) -> SweepPage:
 
 
 def _lifetime(columns: SweepColumns) -> Iterator[PageSection]:
-    """Loads and damage of the lifetime, where the sweep asks for them."""
+    """Section with loads and damage of the lifetime, if the sweep file requests them."""
     fatigue = columns.plan.output.fatigue
     if fatigue is None or fatigue.lifetime is None:
         return
     values, covered = columns.lifetime()
     asked = fatigue.lifetime
     lines = [
-        f"Lifetime of {asked.duration:g} {columns.plan.units.time}, of which the wind speeds of the cases "
-        f"({asked.speed}) cover {100 * covered:.3g} %; ranges of {asked.cycles:g} cycles, failure at 1."
+        f"Lifetime of {asked.duration:g} {columns.plan.units.time}; the wind speeds of the cases "
+        f"({asked.speed}) cover {100 * covered:.3g} % of it. Ranges are for {asked.cycles:g} cycles; failure "
+        "is at damage 1."
     ]
     rows = [
         (name, unit, *(f"{value:.4g}" if np.isfinite(value) else "" for value in own))
@@ -272,7 +273,7 @@ def _lifetime(columns: SweepColumns) -> Iterator[PageSection]:
         if (own > 0).any()
     ]
     if not rows:
-        lines.append("Cases without results, so that there are no numbers of the lifetime.")
+        lines.append("Some cases have no results: loads and damage of the lifetime need all cases.")
     yield PageSection("Lifetime", lines, [TextTable("", ("channel", "unit", *fatigue.statistics), rows)])
 
 
@@ -308,7 +309,7 @@ def _summary(columns: SweepColumns, status: NDArray[np.int8], errors: Array, n_c
         lines.append(f"Fatigue: {columns.plan.output.fatigue.conventions}.")
     left_out = len(columns.channels["name"]) - n_channels
     if left_out > 0:
-        lines.append(f"{left_out} channels are not on the page: read_sweep reads all of them.")
+        lines.append(f"{left_out} channels are not shown on this page; read_sweep reads all channels.")
     failed = np.flatnonzero(status > 0)[:_MOST_FAILURES]
     causes = columns.of_cases("cause") if len(failed) else ()
     rows = [(str(case), _STATES[CaseStatus(status[case])], causes[case]) for case in failed.tolist()]

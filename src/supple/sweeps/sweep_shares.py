@@ -1,7 +1,7 @@
-"""The shares of a sweep: those of its plan, and those of cases that run again with richer bases.
+"""The shares of a sweep: those of its plan, and those of cases that run again with enriched bases.
 
-Which cases run again follows from the parts of those that have run, and from nothing else: whoever asks
-finds the same, after whatever was killed.
+The cases that run again are determined from the stored parts only, so that every process determines the same
+ones, also after an interruption.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from supple.sweeps.plan import SweepPlan
 __all__ = ["MOST_LEVELS", "SweepShares", "largest_ratio", "sweep_shares"]
 
 MOST_LEVELS = 2
-"""Times that a case may run again."""
+"""Largest number of repeated runs of a case."""
 
 IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
 class SweepShares:
-    """All shares that are known.
+    """All shares that are known so far.
 
-    plan : of the sweep
-    cases : of each share, ascending
-    level : of each share: times that its cases have run before
-    whole : shares whose parts are there
+    plan : plan of the sweep
+    cases : cases of each share, ascending
+    level : number of earlier runs of the cases of each share
+    whole : shares whose parts are complete
     """
 
     plan: SweepPlan
@@ -42,28 +42,28 @@ class SweepShares:
 
     @property
     def missing(self) -> list[int]:
-        """Shares that are to be done."""
+        """Shares without a complete part."""
         return sorted(set(range(len(self.cases))) - set(self.whole))
 
     @property
     def run_again(self) -> IntArray:
-        """Cases that have run more than once, or are to."""
+        """Cases that have run again, or must run again."""
         own = [cases for cases, level in zip(self.cases, self.level, strict=True) if level]
         return np.unique(np.concatenate(own)) if own else np.zeros(0, dtype=np.int64)
 
     def level_of(self, case: int) -> int:
-        """The last level at which a case has run."""
+        """Level of the last run of a case."""
         return max((self.level[share] for share in self.whole if case in self.cases[share]), default=0)
 
     def cases_of_level(self, level: int, group: int) -> list[int]:
-        """Cases of a group at a level."""
+        """Cases of a group that run at a level."""
         own = [cases for cases, each in zip(self.cases, self.level, strict=True) if each == level]
         found = np.concatenate([np.zeros(0, dtype=np.int64), *own])
         return sorted(found[self.plan.group[found] == group].tolist())
 
 
 def sweep_shares(folder: Path, plan: SweepPlan) -> SweepShares:
-    """The shares of the sweep in a folder, as far as they follow from what has run."""
+    """The shares of the sweep in a folder, as far as the existing parts determine them."""
     cases = [plan.cases_of(share) for share in range(plan.n_shares)]
     levels = [0] * len(cases)
     whole = whole_parts(folder, len(cases))
@@ -86,7 +86,7 @@ def sweep_shares(folder: Path, plan: SweepPlan) -> SweepShares:
 
 
 def largest_ratio(folder: Path, shares: SweepShares, cases: Sequence[int], level: int) -> int:
-    """Of some cases that with the largest error beside what it is allowed, as they ran at a level."""
+    """The case with the largest ratio of basis error to allowed error in the runs of a level."""
     ratios = dict.fromkeys(cases, 0.0)
     for share, own in enumerate(shares.level):
         if own == level:
@@ -101,7 +101,7 @@ def largest_ratio(folder: Path, shares: SweepShares, cases: Sequence[int], level
 
 
 def _exceeding(folder: Path, shares: range) -> IntArray:
-    """Cases of some shares whose bases cost more than is allowed, ascending."""
+    """Cases of some shares whose basis error exceeds the allowed error, ascending."""
     found = [np.zeros(0, dtype=np.int64)]
     for share in shares:
         with open_sealed(part_path(folder, share), verify=False) as file:

@@ -1,4 +1,4 @@
-"""How far a sweep has come: from its folder alone, whoever runs it."""
+"""Progress of a sweep, determined from its folder alone."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _ERRORS = ("estimated_error", "allowed_error")
 
 @dataclass(frozen=True)
 class FailedCase:
-    """A case without results, and why."""
+    """A case without results, with the cause."""
 
     case: int
     status: CaseStatus
@@ -35,12 +35,12 @@ class FailedCase:
 
 @dataclass(frozen=True)
 class CaseErrors:
-    """What is estimated of the errors of the cases, lengths.
+    """Summary of the estimated errors of the cases, lengths.
 
-    n_estimated : cases that have an estimate
-    largest : of all estimates; NaN without any
-    n_above : cases whose estimate is above their accuracy
-    reasons : why others have none, with the number of cases of each
+    n_estimated : number of cases with an estimate
+    largest : largest estimate; NaN without estimates
+    n_above : number of cases whose estimate exceeds their accuracy
+    reasons : why other cases have no estimate, with the number of cases of each reason
     """
 
     n_estimated: int = 0
@@ -53,11 +53,11 @@ class CaseErrors:
 class SweepStatus:
     """Counts of cases and shares.
 
-    n_again : cases that ran again with richer bases, or are to
-    missing : numbers of the shares without a whole part
-    begun : of those, the ones that a process is at, or ended with
-    failed : cases that were recorded without results
-    warnings : of the runs, each once, with the number of shares that had it
+    n_again : number of cases that ran again with enriched bases, or must run again
+    missing : numbers of the shares without a complete part
+    begun : missing shares that a process runs, or that killed a process
+    failed : cases that are recorded without results
+    warnings : warnings of the runs, each once, with the number of shares that had it
     """
 
     n_cases: int
@@ -72,19 +72,19 @@ class SweepStatus:
 
     @property
     def n_recorded(self) -> int:
-        """Cases that are done, with results or a cause."""
+        """Number of finished cases, with results or a cause."""
         return self.n_ran + len(self.failed)
 
     @property
     def exit_code(self) -> int:
-        """0 where all cases ran, 3 where all are recorded and some failed, 4 where some are missing."""
+        """0 if all cases ran, 3 if all are finished and some failed, 4 if some are missing."""
         if self.missing:
             return 4
         return 3 if self.failed else 0
 
 
 def sweep_status(folder: Path | str) -> SweepStatus:
-    """How far the sweep in a folder has come; ResultFileError where there is none."""
+    """The progress of the sweep in a folder; ResultFileError if there is none."""
     folder = Path(folder)
     plan = read_plan(folder)
     shares = sweep_shares(folder, plan)
@@ -121,9 +121,9 @@ def sweep_status(folder: Path | str) -> SweepStatus:
 
 
 def case_errors(estimated: Array, allowed: Array, reasons: NDArray[Any]) -> CaseErrors:
-    """Of the estimates of all cases, what they are allowed, and why there is none, (n,) each.
+    """Summary of estimated errors, allowed errors and reasons without estimate, (n,) each.
 
-    NaN where not known, "" where there is no reason.
+    NaN if not known; "" without a reason.
     """
     known = ~np.isnan(estimated)
     above = estimated > allowed

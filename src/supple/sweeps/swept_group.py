@@ -1,4 +1,4 @@
-"""A group of cases as machines: made of the same bodies, in milliseconds each."""
+"""A group of cases as machines, each built in milliseconds from shared bodies."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ __all__ = ["SweptCase", "SweptGroup", "swept_group"]
 
 @dataclass(frozen=True, eq=False)
 class SweptCase:
-    """A case of a sweep as it is simulated.
+    """A case of a sweep, ready for simulation.
 
-    case : with its own numbers, its bodies made
-    system : as its run starts
+    case : case with its own numbers, and its bodies
+    system : machine at the start of its run
     """
 
     case: Case
@@ -44,21 +44,21 @@ class SweptCase:
 
     @property
     def run(self) -> Run:
-        """Span of time and steps."""
+        """Duration and steps of the run."""
         return self.case.run
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """What is read off it: sensors, forces of joints, tracked places, energies."""
+        """All recorded quantities: sensors, joint forces, tracked points, energies."""
         return recorded_quantities(self.case, self.system)
 
 
 @dataclass(frozen=True, eq=False)
 class SweptGroup:
-    """Cases that differ in numbers of their runs.
+    """Cases that differ only in numbers of their runs.
 
-    like : the representative case, with its bodies made
-    fresh : the same, which makes its bodies itself
+    like : the representative case, with the reduced bodies
+    fresh : the representative case, which builds its bodies itself
     """
 
     plan: SweepPlan
@@ -68,36 +68,36 @@ class SweptGroup:
     _damped: dict[tuple[str, str], ReducedBody] = field(default_factory=dict)
 
     def case(self, number: int) -> SweptCase:
-        """A case of the group.
+        """A case of the group, by its number.
 
-        Raises CaseError for values that the case file could not have; errors of building and starting it.
+        Raises CaseError for values that are invalid in the case file; errors of building and starting it.
         """
         return self.with_values(self.plan.values(number))
 
     def with_values(self, values: Mapping[KeyPath, Any]) -> SweptCase:
-        """A case with numbers of its run, by place, that the table need not have; errors as for `case`."""
+        """A case with other numbers of its run, by place, also beyond the table; errors as in `case`."""
         case = self.plan.family.variant(values, self.like, self._made)
         made = dict(self._made)
         for table in case.parts.body:
             if table.name in self.bodies.reduced:
-                # One object for all cases of the same damping: what cases share is found once.
+                # One object for all cases with equal damping, so that shared data are computed once.
                 key = table.name, repr(table.damping)
                 if key not in self._damped:
                     self._damped[key] = self.bodies.damped(table.name, table)
                 made[table.name] = self._damped[key]
             elif table.name in self._rigid and _content(table) == self._rigid[table.name][0]:
-                # The same object again: cases that start alike are started together (`batch_start`).
+                # The same object, so that cases with equal starts are started together (`batch_start`).
                 made[table.name] = self._rigid[table.name][1]
         case = self.like.varied(case.tables, made)
         return SweptCase(case, self._started(case))
 
     @property
     def asks_for_errors(self) -> bool:
-        """Whether the case file asks for errors of bases."""
+        """Whether the case file requests basis errors."""
         return bool(self.fresh.starts) or self.like.study.basis
 
     def fulls(self, case: Case) -> dict[str, FullBody]:
-        """The reduced bodies of a case with all their coordinates."""
+        """The full bodies of a case from which its bodies are reduced."""
         found = {}
         for name, damping in self.dampings(case).items():
             body = self.bodies.reduced[name]
@@ -105,12 +105,12 @@ class SweptGroup:
         return found
 
     def dampings(self, case: Case) -> dict[str, Damping | None]:
-        """Of the reduced bodies in a case."""
+        """Damping of the reduced bodies in a case."""
         tables = {table.name: table for table in case.parts.body}
         return {name: self.bodies.damping(name, tables[name]) for name in self.bodies.reduced}
 
     def in_full(self, case: Case, fulls: Mapping[str, FullBody]) -> System:
-        """The machine of a case as its run starts, some bodies with all their coordinates."""
+        """The machine of a case at the start of its run, with some full bodies."""
         return self._started(case.varied(case.tables, {**self._made, **case.made, **fulls}))
 
     def with_bodies(self, reduced: Mapping[str, ReducedBody]) -> SweptGroup:
@@ -123,17 +123,17 @@ class SweptGroup:
 
     @cached_property
     def _rigid(self) -> Mapping[str, tuple[str, BodyForm]]:
-        """Rigid bodies of the representative case, with what they are made of."""
+        """Rigid bodies of the representative case, with their contents as text."""
         tables = {table.name: table for table in self.like.parts.body}
         forms = [placed.body for placed in self.like.system.bodies if placed.body.kind == "rigid"]
         return {form.name: (_content(tables[form.name]), form) for form in forms}
 
     @cached_property
     def _made(self) -> Mapping[str, BodyForm]:
-        """All bodies but the rigid ones, whose numbers are the cases' own."""
+        """All bodies except rigid ones, whose numbers may differ between cases."""
         case = self.like
         placed = case.system.bodies
-        # What is read of meshes for the places and sensors of one case serves all (`Case.varied`).
+        # Mesh data for the points and sensors of one case serve all cases (`Case.varied`).
         recorded_quantities(case, case.system)
         condensed = {body.name: body.condense for body in case.tables.body if body.condense is not None}
         if condensed:
@@ -142,25 +142,25 @@ class SweptGroup:
 
 
 def _content(table: Body) -> str:
-    """What a body is made of, wherever it is placed."""
+    """The table of a body without its placement, as text."""
     return table.model_dump_json(exclude=set(PLACING))
 
 
 @lru_cache(maxsize=2)
 def swept_group(folder: Path, plan: SweepPlan, number: int) -> SweptGroup:
-    """A group of a sweep; its bodies reduced now where nobody has yet.
+    """A group of a sweep; its bodies are reduced now if they are not stored yet.
 
     Raises
     ------
-    ResultFileError     a file that is not as it was when the sweep was planned
-    CaseError           controllers that may not run, or whose functions are made anew for every case
-    SuppleError         whatever its bodies and reductions find wrong
+    ResultFileError     an input file that was changed since the sweep was planned
+    CaseError           controllers that may not run, or whose functions are created for every case
+    SuppleError         errors of its bodies and reductions
     """
     values = plan.values(plan.representative(number))
     files = digests_of_files(plan.family.files(values), plan.case_file.parent)
     if changed := changes({name: plan.inputs.get(name, "") for name in files}, files):
         raise ResultFileError(
-            f"{folder} was planned with other files ({changed}): put them back, or run the sweep again with "
+            f"{folder} was planned with other files ({changed}): restore them, or run the sweep again with "
             "--force"
         )
     fresh = plan.family.variant(values)
@@ -171,7 +171,7 @@ def swept_group(folder: Path, plan: SweepPlan, number: int) -> SweptGroup:
 
 
 def _check_functions(case: Case, *, allow_code: bool) -> None:
-    """CaseError for controllers whose functions are made anew for every case, each a program of its own."""
+    """CaseError for controllers whose functions are created anew for every case."""
     first, second = (
         [
             (own.outputs, own.rates)
@@ -182,7 +182,7 @@ def _check_functions(case: Case, *, allow_code: bool) -> None:
     )
     if first != second:
         raise CaseError(
-            f'{case.path}: control = "{case.tables.control}" makes new functions at every call, so that each '
-            "case would be compiled by itself: write `outputs` and `rates` as functions of the file itself, "
-            "not within another function"
+            f'{case.path}: control = "{case.tables.control}" creates new functions at every call, so '
+            "that each case would be compiled separately: define `outputs` and `rates` at the top level of "
+            "the file, not within another function"
         )

@@ -1,4 +1,4 @@
-"""Runs of some cases of a group, before anything is known of the others."""
+"""Training runs: simulations of some cases of a group, before the others run."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["TrainingRuns", "training_runs"]
 
 @dataclass(frozen=True, eq=False)
 class TrainingRuns:
-    """Cases that came to their end, by their numbers, with their solutions."""
+    """Numbers, machines and solutions of the cases that ran to their end."""
 
     numbers: Sequence[int]
     cases: Sequence[SweptCase]
@@ -25,9 +25,9 @@ class TrainingRuns:
 
 
 def training_runs(group: SweptGroup, numbers: Sequence[int]) -> TrainingRuns:
-    """Simulate cases of a group together; those that fail are left out, and recorded when it is their turn.
+    """Simulate cases of a group in one batch; cases that fail are left out, and recorded in their own run.
 
-    Raises CaseError where no case makes a machine; errors of `simulate_batch`.
+    Raises CaseError if no machine can be built; errors of `simulate_batch`.
     """
     known, made = list[int](), list[SweptCase]()
     for number in numbers:
@@ -35,7 +35,7 @@ def training_runs(group: SweptGroup, numbers: Sequence[int]) -> TrainingRuns:
             made.append(group.case(number))
             known.append(number)
     if not made:
-        raise CaseError("no case of the group makes a machine")
+        raise CaseError("no machine of the group can be built: check the values of the table")
     found = simulate_batch([own.system for own in made], made[0].run, progress=silent)
     ran = [place for place in range(len(made)) if place not in found.failures]
     return TrainingRuns(
