@@ -59,7 +59,9 @@ class Representative:
 
 
 class EstimatedError(NamedTuple):
-    """Estimated error of a case, a length, of the body with the largest ratio of error to allowed error.
+    """Estimated error of a case, a length, of its worst body.
+
+    Bodies whose basis error exceeds the allowed error come first, then those with larger estimates.
 
     estimated : total error;  basis : error of the basis;  allowed : NaN without a requested accuracy
     """

@@ -111,7 +111,7 @@ static const char *const NO_MEMORY = "out of memory";
 static const char *const NO_START = "friction and joint forces do not converge at the start: check parameters and inputs";
 static const char *const NO_CONVERGENCE = "Newton's iteration failed with the smallest step: check for excessive "
                                           "loads, or jumps of a prescribed motion";
-static const char *const OTHER_TIME = "a step must begin at the current time of the machine and have a positive size";
+static const char *const OTHER_TIME = "a step must begin at the current time of the machine, and not go backward";
 static const char *const OTHER_START = "the start time must be that of the case";
 
 #endif
