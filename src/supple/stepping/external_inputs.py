@@ -28,7 +28,7 @@ class _External(UnboundedLaw):
     places: Any
     start: Any
 
-    def __call__(self, time: Any) -> Any:  # noqa: ARG002 - a law is called with the time, needed or not
+    def __call__(self, time: Any) -> Any:  # noqa: ARG002 - the interface of laws
         return self.start
 
     def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002
@@ -42,7 +42,7 @@ class _External(UnboundedLaw):
 class ExternalInputs:
     """A machine with inputs in place of some laws of time.
 
-    system : the machine, with placeholders for the inputs that have their initial values
+    system : the machine; a placeholder with the initial value replaces the law of each input
     variables : the inputs in the order of the input vector
     """
 

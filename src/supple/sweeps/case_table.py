@@ -134,7 +134,10 @@ def full_factorial(values: Mapping[str, Sequence[Any]]) -> CaseTable:
 
 
 def sampled(of: Mapping[str, Distribution], sampling: Sampling) -> CaseTable:
-    """The table of sampled points, with the distribution of each parameter by its path."""
+    """The table of sampled cases.
+
+    of : distribution of each parameter, by its path;   sampling : design of the points
+    """
     points = sampling.points(len(of))
     columns = zip(of.items(), points.T, strict=True)
     return CaseTable({path: own.quantiles(column).tolist() for (path, own), column in columns})

@@ -55,5 +55,5 @@ def test_vtk_reads_the_fields(machine, meshes, elements, tmp_path):
 def test_one_instant_alone(machine, tmp_path):
     with pytest.raises(ModelError, match="holds one output time and 5 are given"):
         write_vtu(tmp_path / "a.vtu", *machine)
-    with pytest.raises(ModelError, match=r"VTU files end in \.vtu"):
+    with pytest.raises(ModelError, match=r"must end in \.vtu"):
         write_vtu(tmp_path / "a.vtk", *at(machine, 0))

@@ -50,7 +50,7 @@ def write_fmu(
     ResultFileError     the file cannot be written
     """
     _check_version(fmi)
-    compilers = compilers_of(platforms, fmi)  # before the sources: printing them takes longer
+    compilers = compilers_of(platforms, fmi)  # first, because generating the sources takes longer
     made = machine_sources(step, title)
     # Equal machines have equal tokens: an importer may cache data by token.
     token = _token((made["machine.c"] + made["machine.h"]).encode())
@@ -72,11 +72,11 @@ def write_linear_fmu(
 ) -> Path:
     """Write a linear machine as an FMU for co-simulation; returns the path.
 
-    Arguments and errors as in `write_fmu`. The libraries are those built with the package, for all platforms
-    if none is given; without them they are compiled now. They read the matrices from `resources/linear.bin`.
-    That file holds the token and little-endian doubles: the version 1; the numbers of states, inputs and
-    outputs; start time and time step of the run; inputs at rest; outputs at rest; states at the start; A, B,
-    C, D by rows.
+    Arguments and errors as in `write_fmu`. The libraries are those that were built with the package, for all
+    platforms if none is given. If the package has none, they are compiled as in `write_fmu`. They read the
+    matrices from `resources/linear.bin`. That file has the token and little-endian doubles: the version 1; the
+    numbers of states, inputs and outputs; start time and time step of the run; inputs at rest; outputs at rest;
+    states at the start; A, B, C, D by rows.
     """
     _check_version(fmi)
     head = [1, len(form.state), len(form.inputs), len(form.outputs), form.time, form.size]

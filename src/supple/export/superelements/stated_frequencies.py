@@ -13,7 +13,7 @@ __all__ = ["StatedFrequencies", "floating_frequencies"]
 Array = NDArray[np.float64]
 
 StatedFrequencies = list[tuple[str, Array]]
-"""Pairs of a support, in words, and the lowest frequencies."""
+"""Pairs of a support, as text, and its lowest frequencies."""
 
 N_STATED = 6
 N_RIGID = 6
@@ -28,7 +28,7 @@ def floating_frequencies(body: ReducedBody) -> StatedFrequencies:
 
 
 def free_matrices(body: ReducedBody) -> tuple[Array, Array, Array]:
-    """Stiffness, mass and damping (6 + r, 6 + r) of rigid motion of the mesh axes and the coordinates."""
+    """Stiffness, mass and damping (6 + r, 6 + r), for rigid motion of the mesh axes and the r coordinates."""
     own = np.r_[:N_RIGID, N_RIGID + 3 * body.r : len(body.gram)]
     mass = np.array(body.gram[np.ix_(own, own)])
     still = np.zeros((N_RIGID, N_RIGID))
@@ -50,4 +50,4 @@ def frequency_lines(stated: StatedFrequencies) -> list[str]:
     lines = [
         f"  {words}: {', '.join(f'{value:.6g}' for value in values) or 'none'}" for words, values in stated
     ]
-    return ["frequencies to find, cycles per unit of time", *lines]
+    return ["reference frequencies, cycles per unit of time", *lines]

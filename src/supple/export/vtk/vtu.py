@@ -54,7 +54,7 @@ def write_vtu(
     """
     path = Path(path)
     if path.suffix.lower() != ".vtu":
-        raise ModelError(f"cannot write {path}: VTU files end in .vtu; end the path so")
+        raise ModelError(f"cannot write {path}: the name of a VTU file must end in .vtu; change the path")
     if len(instant.times) != 1:
         raise ModelError(
             f"cannot write {path}: a .vtu file holds one output time and {len(instant.times)} are given; "
