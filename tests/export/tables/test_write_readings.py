@@ -154,6 +154,6 @@ def test_names_differ_and_suffixes_are_known(tmp_path):
         write_readings(tmp_path / "a.csv", same)
     with pytest.raises(ModelError, match="named 'Time'"):
         write_readings(tmp_path / "a.csv", [reading("Time", np.zeros((41, 1)), ("",))])
-    with pytest.raises(ModelError, match=r"no table ends in '.xls'.*\.csv, \.h5"):
+    with pytest.raises(ModelError, match=r"no table format has the suffix '.xls'.*\.csv, \.h5"):
         write_readings(tmp_path / "a.xls", same)
     assert not list(tmp_path.iterdir())

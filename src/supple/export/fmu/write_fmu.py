@@ -74,9 +74,9 @@ def write_linear_fmu(
 
     Arguments and errors as in `write_fmu`. The libraries are those that were built with the package, for all
     platforms if none is given. If the package has none, they are compiled as in `write_fmu`. They read the
-    matrices from `resources/linear.bin`. That file has the token and little-endian doubles: the version 1; the
-    numbers of states, inputs and outputs; start time and time step of the run; inputs at rest; outputs at rest;
-    states at the start; A, B, C, D by rows.
+    matrices from `resources/linear.bin`. That file has the token and little-endian doubles: the version 1;
+    the numbers of states, inputs and outputs; start time and time step of the run; inputs at rest; outputs
+    at rest; states at the start; A, B, C, D by rows.
     """
     _check_version(fmi)
     head = [1, len(form.state), len(form.inputs), len(form.outputs), form.time, form.size]

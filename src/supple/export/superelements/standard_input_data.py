@@ -86,7 +86,7 @@ def standard_input_data(body: ReducedBody) -> StandardInputData:
     t, w, k, v = slice(0, 3), slice(3, 6), slice(6, 6 + 3 * r), slice(6 + 3 * r, None)
     turned = gram[k].reshape(r, 3, -1)
     by_origin = gram[w, k].reshape(3, r, 3)  # - int x~ phi_k~
-    rates = turned[:, :, v]  # of q_k and w_i, then q_l'
+    rates = turned[:, :, v]  # (k, i, l), for q_k, w_i and q_l'
     among = turned[:, :, k].reshape(r, 3, r, 3)
     centre = body.centre_of_mass * body.mass
     gyroscopic = rates.transpose(2, 1, 0) - rates
