@@ -46,7 +46,7 @@ def write_readings(path: Path | str, readings: Sequence[Reading], *, units: Unit
     if write is None:
         near, known = did_you_mean(path.suffix, TABLE_SUFFIXES), ", ".join(TABLE_SUFFIXES)
         raise ModelError(
-            f"cannot write {path}: no table format has the suffix '{path.suffix}'{near}; choose one of {known}"
+            f"cannot write {path}: no table format has the suffix '{path.suffix}'{near}; use {known}"
         )
     with replacing(path) as temporary:
         write(temporary, Readings(readings), units)
