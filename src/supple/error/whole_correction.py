@@ -216,8 +216,9 @@ def _check_model(unmet: Mapping[str, ErrorStatement], rounds: Mapping[str, tuple
         if each.model is not None and each.allowed is not None and each.model.value > ROOM * each.allowed:
             raise SelfCorrectionError(
                 f"self-correction of body '{name}': the error of its kinematics alone is "
-                f"{each.model.value:.2g}, and the allowed sum of errors is {each.allowed:.2g}; no basis or step "
-                f"reduces it: {each.model.remedy}, or allow a larger error. The error object holds the rounds",
+                f"{each.model.value:.2g}, and the allowed sum of errors is {each.allowed:.2g}; no basis or "
+                f"step reduces it: {each.model.remedy}, or allow a larger error. The error object holds the "
+                "rounds",
                 tuple(one for own in rounds.values() for one in own),
             )
 
