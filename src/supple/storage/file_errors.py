@@ -1,4 +1,4 @@
-"""What went wrong with a file, said so that the reader knows what to do."""
+"""File errors as ResultFileError, with cause and remedy."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ DAMAGE = (
     TypeError,
     ValueError,
 )
-"""What reading a damaged file can raise, in whichever library first meets the damage."""
+"""Exceptions that reading a damaged file can raise, in any of the libraries involved."""
 
 _REMEDIES = {
     errno.ENOSPC: "the disk is full: free some space or choose another disk",
@@ -39,9 +39,9 @@ _REMEDIES = {
 
 @contextmanager
 def file_errors(action: str, path: Path, note: str = "") -> Iterator[None]:
-    """Turn an error of the file system into a ResultFileError 'cannot <action> <path>: why and what to do'.
+    """Convert an error of the file system to a ResultFileError 'cannot <action> <path>: cause and remedy'.
 
-    HDF5 reports the operating system's error number only in its message, at times that of a RuntimeError.
+    HDF5 reports the error number of the operating system in its message only, sometimes in a RuntimeError.
     """
     try:
         yield
