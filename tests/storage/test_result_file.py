@@ -210,7 +210,9 @@ def test_full_disk_keeps_the_run_and_names_the_remedy(tmp_path, make, monkeypatc
     with ResultFile.create(path, case=CASE) as file:
         file.append(make(0.0))
         monkeypatch.setattr(os, "posix_fallocate", failing(errno.ENOSPC))
-        with pytest.raises(ResultFileError, match=r"disk is full: free some space .*up to t = 0\.6 is stored"):
+        with pytest.raises(
+            ResultFileError, match=r"disk is full: free some space .*up to t = 0\.6 is stored"
+        ):
             file.append(make(1.0))
     monkeypatch.undo()
     assert_bit_equal(read_solution(path), make(0.0))
