@@ -25,7 +25,7 @@ from supple.reduction import ReductionBasis
 __all__ = ["assessed_basis", "basis_parts", "distances", "in_full", "stated_of"]
 
 NEGLIGIBLE = 1e-3
-"""Over the largest displacement: smaller motion outside the basis at rest is ignored."""
+"""Ratio to the largest displacement below which motion outside the basis at rest is ignored."""
 
 
 def basis_parts(

@@ -56,9 +56,9 @@ __all__ = ["ErrorEstimate", "ErrorEstimator", "estimate_error"]
 
 INSTANTS = 50
 FRESH = 16
-"""Number of these times that are not used to build the error space: they show what lies outside it."""
+"""Number of the `INSTANTS` that are not used to build the error space: they show what is outside it."""
 WILD = 10.0
-"""Over the deformation: a larger error is a numerical instability."""
+"""Ratio of error to deformation above which the error is a numerical instability."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,7 @@ class ErrorEstimate:
 
     error : BasisError
     histories : ErrorHistory, by body       the error at every step of the run
-    missed : (n, m), by body                displacement fields outside the basis, by their size in the run
+    missed : (n, m), by body                displacement fields outside the basis, scaled as in the run
     corrections : ResidualCorrections, by body      the quasi-static ones among them
     corrected : the system in the columns of the error, and the estimate of its true motion, from
                 which the error of any quantity of interest follows; None without an estimate
@@ -309,7 +309,7 @@ def check_linearised(system: System) -> None:
 
 
 def is_smooth(system: System) -> bool:
-    """Whether a machine has no force elements; these may have contact, friction or limits.
+    """Whether a machine has no force elements, hence no contacts, friction or limits.
 
     Even a small error may exceed a contact depth or the distance to a limit.
     """
@@ -432,7 +432,7 @@ def no_estimate(solution: Solution) -> BodyError:
 
 
 def _rest(history: ErrorHistory, fresh: np.ndarray) -> float:
-    """Largest RMS over the nodes of corrections outside the error space."""
+    """Largest RMS over the nodes of the part of `fresh` corrections outside the error space."""
     full, Z = history.body.full, history.body.space.vectors
     outside = fresh - Z @ (Z.T @ (full.body.mass @ fresh))
     moved = full.expand(outside.T)

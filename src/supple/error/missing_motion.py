@@ -40,7 +40,7 @@ CONVERGED = 1e-3
 FOLLOWED = 0.1
 """The same at intermediate times."""
 IRRELEVANT = 1e-7
-"""Over the deformation: a correction this small is always the last."""
+"""Ratio of correction to deformation below which a correction is always the last."""
 FAST, SLOW = 0.3, 0.8
 """Largest ratio of successive corrections with a frozen tangent, and with a new one."""
 MOST_CORRECTIONS = 12
@@ -50,7 +50,7 @@ MOST_STEPS_DOWNHILL = 16
 HEAVIER = 1e4
 """Factor of the inertia in the first downhill step."""
 LARGEST_MOVE = 0.02
-"""Of a downhill step, over the deformation."""
+"""Largest ratio of a downhill step to the deformation."""
 
 
 @dataclass(frozen=True, eq=False)

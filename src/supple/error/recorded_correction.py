@@ -56,7 +56,7 @@ def correct_recorded(
     Parameters
     ----------
     system, run, starts, announce, accepted, progress, study : as for `self_correct`; the validity limits of
-        the run apply to the accepted run only, because the run of a too small basis may violate them
+        the run apply to the accepted run only, because a run with too small a basis may violate them
     path : result file to write; `self_correction/` and `NAME-reduced.h5` are written beside it
     case, metadata : stored in the file
     inputs : what the motion depends on, stored for a later continuation, as for `CorrectionFolder.create`

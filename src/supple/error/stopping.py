@@ -2,7 +2,7 @@
 
 A useless round has no smaller error than the round before. The next round is then not accepted either,
 because its columns are of the same kind. Otherwise a loop that ends with the first small estimate would
-prefer estimates that are too small by chance.
+accept estimates that are too small by chance.
 
 A doubtful estimate (`BodyError.is_doubtful`) is accepted once two runs confirm it: their distance must agree
 with the estimated error of the first.

@@ -16,7 +16,7 @@ KEY = "columns"
 """Key of the fingerprint in the metadata of a result file."""
 
 SAME = 1e-5
-"""Over the largest value: round-off changes it by far less, another sign or order by far more."""
+"""Relative tolerance of equal fingerprints: round-off is far smaller, another sign or order far larger."""
 
 
 def probe(size: int, seed: int = 0) -> NDArray[np.float64]:

@@ -32,7 +32,7 @@ _REMEDIES = {
     errno.EISDIR: "this is a folder: give the path of a file",
     errno.EEXIST: "a file of that name stands where a folder should be: remove it, or choose another folder",
     errno.ENOTDIR: "a file stands where a folder should be: choose another folder",
-    errno.ENAMETOOLONG: "the name is longer than this file system takes: choose a shorter one",
+    errno.ENAMETOOLONG: "the name is longer than this file system allows: choose a shorter one",
     errno.EAGAIN: "another process holds the file: wait for it to finish",
 }
 

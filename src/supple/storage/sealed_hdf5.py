@@ -54,7 +54,8 @@ def open_sealed(path: Path, *, verify: bool = True) -> Iterator[h5py.File]:
             raise ResultFileError(f"cannot read {path}: no such file; check the path")
     if verify and not is_whole(path):
         raise ResultFileError(
-            f"{path} is damaged: its bytes have changed since it was written; delete it to have it made again"
+            f"{path} is damaged: its bytes have changed since it was written; copy it again, or "
+            "repeat the command that wrote it"
         )
     try:
         with h5py.File(path, "r", locking=False) as file:

@@ -35,18 +35,18 @@ __all__ = [
 Array = NDArray[np.float64]
 
 SMALLEST_MONOMIAL = 1e-6
-"""Over the largest change of the monomials along the run: smaller remainders are neglected. For strips with
-large bending, a limit ten times as large changes estimates by 0.2 %; with one a thousand times as large, the
+"""Ratio to the largest change of the monomials below which a remainder is neglected. For strips with large
+bending, a limit ten times as large changes estimates by 0.2 %; with one a thousand times as large, the
 neglected part of a membrane's stiffness locks their bending."""
 SMALLEST_RATE = 3e-3
 """The same for the strain-rate part of damping, which is a few per cent of stiffness; a limit ten times as
 large changes estimates by less than 0.1 %."""
 MOST_SAMPLES = 120
 AT_ONCE = 4
-"""Number of sample times that test whether the matrices before are sufficient."""
+"""Number of further sample times in each test whether the matrices so far are sufficient."""
 PROVEN = 3e-4
-"""Over the stiffness at rest, in any direction: largest part of the next matrices that the previous ones may
-not represent; the error of a run changes in its energy by the same ratio."""
+"""Allowed error of tangents combined from earlier ones, over the stiffness at rest, in any direction; it
+changes the estimated error of a run by the same ratio, in energy."""
 FACTOR_ROWS = 256
 
 
@@ -161,8 +161,8 @@ def tangent_history(
     """Tangents along q = X g(t), combined from the tangents at a few sample times.
 
     The monomials (g, g g) of the run are factored with column pivoting. The pivots are the sample times,
-    those that differ most from the previous ones first. Selection stops as soon as the previous tangents give
-    the next ones.
+    in the order of their difference from the previous ones. Selection stops as soon as the previous tangents
+    reproduce the next ones.
 
     motion : (n, s) X;  coordinates : (t, s);  onto : (n, k) Z
     material : bool     whether the part through the strains is needed as well (by strain-rate damping)

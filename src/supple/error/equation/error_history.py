@@ -46,7 +46,7 @@ Array = NDArray[np.float64]
 
 MORE_DIRECTIONS = 8
 SMALLEST_DIRECTION = 0.02
-"""Over the largest direction of the error: smaller ones are no columns of the corrected motion."""
+"""Ratio to the largest error direction below which a direction is no column of the corrected motion."""
 FEWEST_SAMPLES = 32
 """Smallest number of tangents along a run for which a march of the error is compiled."""
 

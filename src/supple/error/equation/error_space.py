@@ -21,10 +21,10 @@ N_COUPLINGS = 30
 N_COMBINATIONS = 48
 """Number of random combinations of the couplings: their static responses contain the leading directions."""
 SMALLEST_REMAINDER = 1e-6
-"""Over the largest column of a block: a smaller remainder outside the other columns is round-off."""
+"""Ratio to the largest column of a block below which a remainder outside the other columns is round-off."""
 
 HALF = 0.5
-"""Over the unit length of a scaled remainder: shorter ones outside the other columns are round-off."""
+"""Length of a remainder scaled to unit length, after a second projection, below which it is round-off."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ __all__ = ["FewMatrices", "few_matrices"]
 Array = NDArray[np.float64]
 
 ROUND_OFF = 1e-14
-"""Over the largest eigenvalue of the Gram matrix of the weighted matrices: less is round-off."""
+"""Ratio to the largest eigenvalue of the Gram matrix below which an eigenvalue is round-off."""
 
 
 class FewMatrices(NamedTuple):
