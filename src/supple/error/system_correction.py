@@ -368,9 +368,7 @@ def _check_prospects(
         idle = f"Round {', '.join(useless)} did not reduce the error. " if useless else ""
         last = past[name][-1].round
         if last.unconfirmed and last.estimated_error <= last.allowed:
-            idle += (
-                f"The last error is not confirmed by a second run, and {doubt(last.body, last.indicator)}. "
-            )
+            idle += f"No second run confirms the last error, and {doubt(last.body, last.indicator)}. "
         part = missed_part(problem.fulls[name], after.bases[name], past[name][-1].round.size)
         reasons.append(
             f"self-correction of body '{name}' did not reach the error {problem.target(name).wanted}: "
