@@ -33,7 +33,7 @@ class Published(CheckedTable):
 
     kind: Literal["published"]
     links: Literal["exact", "predicted"] = Field(
-        "exact", description="predicted: as in the open-source implementation; they slow a rotation down"
+        "exact", description="predicted: as in the open implementation; they slow a rotation"
     )
     gyroscopic: Literal["lagged", "none"] = Field(
         "lagged", description="lagged: gyroscopic force of the previous half step"

@@ -38,7 +38,7 @@ _MOST_AT_HAND = 16
 
 
 class KeptProgram:
-    """A function of arrays, compiled once for all arguments that differ in numbers only.
+    """A function of arrays, compiled once for all arguments that differ in numbers alone.
 
     function : of pytrees, by position; its result contains arrays in tuples and named tuples
     options : compiler options

@@ -130,7 +130,7 @@ def _stacked(trees: Sequence[Any]) -> Any:
 
 @lru_cache(maxsize=16)
 def _mapped_march(model_structure: Any, axes: Axes) -> KeptProgram:
-    """The compiled march over cases, for one pattern of shared and differing arguments."""
+    """The compiled march over cases, for one pattern of shared and differing numbers."""
 
     def over_cases(leaves: list[Any], gains: Any, coefficients: Any, states: Any, blocks: Any) -> Any:
         def one_case(own: list[Any], state: Any, block: Any) -> Any:
