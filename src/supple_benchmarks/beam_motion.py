@@ -92,16 +92,16 @@ def spin_up_beam(
 ) -> BeamMotion:
     """Motion of the beam whose root rotates by a prescribed angle about a fixed point.
 
-    The root section is clamped to a hub at the origin that turns by theta(t); the rest starts straight and in
-    rigid rotation with it. No floating frame appears: an independent reference for the methods that use one.
+    The root section is clamped to a hub at the origin that rotates by theta(t); the beam starts straight and
+    in rigid rotation with it. No floating frame is used: an independent reference for methods that use one.
 
     Parameters
     ----------
-    angle : callable          scalar time -> theta, written with jax.numpy, e.g. SpinUp
-    duration, step : float    s; the step is changed a little if it does not divide the duration
-    rho_inf : float           spectral radius at infinity of generalized-alpha, in [0, 1]; at one, axial waves
+    angle : callable          scalar time -> theta, written with jax.numpy, for example SpinUp
+    duration, step : float    s; the step is adjusted slightly if it does not divide the duration
+    rho_inf : float           spectral radius at infinity of generalized-alpha, in [0, 1]; for 1, axial waves
                               that no practical step resolves grow until Newton's method fails
-    tolerance : float         Newton's, on the residual relative to the internal force
+    tolerance : float         of Newton's iteration, on the residual relative to the internal force
 
     Raises
     ------
@@ -129,8 +129,8 @@ def fly_beam(
 ) -> BeamMotion:
     """Free flight of the beam from a given configuration and velocity, each (N, 3).
 
-    Energy and momentum are then conserved, which is how the integration is tested. Options and errors as for
-    spin_up_beam; ModelError also where the start is not of shape (N, 3).
+    Energy and momentum are conserved, which tests the integration. Options and errors as for spin_up_beam;
+    ModelError also where the start does not have shape (N, 3).
     """
     expected = (elements.n_nodes, NODE_SIZE)
     for name, array in (("configuration", configuration), ("velocity", velocity)):
@@ -142,12 +142,12 @@ def fly_beam(
 
 @dataclass(frozen=True)
 class _Free:
-    """The root moves as the beam does."""
+    """A free root: none of its degrees of freedom is prescribed."""
 
     n_fixed = 0
 
     def configuration(self, i: int) -> Array:
-        """None of its freedoms is prescribed."""
+        """No prescribed degrees of freedom."""
         del i
         return np.empty(0)
 
@@ -156,13 +156,13 @@ class _Free:
 
 @dataclass(frozen=True)
 class _Clamp:
-    """The root's three freedoms follow a hub turning about the origin."""
+    """A root whose three degrees of freedom follow a hub that rotates about the origin."""
 
     drive: AngleHistory
     n_fixed = NODE_SIZE
 
     def configuration(self, i: int) -> Array:
-        """x, y and angle of the root at instant i."""
+        """x, y and angle of the root at time i."""
         return np.array([0.0, 0.0, self.drive.angle[i]])
 
     def rate(self, i: int) -> Array:
@@ -193,7 +193,7 @@ def _integrate(
 
     M dv/dt + f(q) = 0,   (1 - alpha_m) a' + alpha_m a = (1 - alpha_f) dv'/dt + alpha_f dv/dt
 
-    Equilibrium at the step's end lets the root's acceleration enter as the law gives it.
+    Equilibrium at the end of the step allows the prescribed acceleration of the root to enter unchanged.
     """
     if not 0.0 <= rho_inf <= 1.0:
         raise ModelError(f"planar beam: rho_inf is {rho_inf}; give a spectral radius in [0, 1]")
@@ -212,13 +212,13 @@ def _integrate(
     a = v_dot.copy()
     configurations, velocities = np.empty((len(times), *shape)), np.empty((len(times), *shape))
     configurations[0], velocities[0] = q.reshape(shape), v.reshape(shape)
-    # Round-off of the strains times the axial stiffness: no residual can be asked to be smaller.
+    # Round-off of the strains times the axial stiffness: the smallest residual that can be reached.
     floor = 1e-13 * elements.beam.axial_stiffness
     iterations = 0
     error = force = np.inf
 
     for i in range(1, len(times)):
-        # First guess: the acceleration stays as it is.
+        # First guess: the previous acceleration.
         a_next = (v_dot - alpha_m * a) / (1.0 - alpha_m)
         q = q + h * v + h**2 * ((0.5 - beta) * a + beta * a_next)
         v = v + h * ((1.0 - gamma) * a + gamma * a_next)
@@ -231,7 +231,7 @@ def _integrate(
             error, force = float(np.linalg.norm(residual[fixed:])), float(np.linalg.norm(internal))
             if error <= tolerance * force + floor:
                 break
-            # Leading freedoms drop out of a banded matrix with their columns: their rows leave the band.
+            # Leading degrees of freedom are removed from a banded matrix with their columns and rows.
             correction = solve_banded((BANDWIDTH, BANDWIDTH), tangent[:, fixed:], -residual[fixed:])
             q[fixed:] += correction
             v[fixed:] += rate_factor * correction

@@ -1,6 +1,6 @@
 """The commands `supple benchmark NAME` of all benchmarks with the shared options alone."""
 
-# Without postponed annotations: Typer reads those of each command, which hold the benchmark's own help.
+# No postponed annotations: Typer reads the annotations of each command, which contain its help texts.
 import importlib
 from collections.abc import Callable
 from pathlib import Path
@@ -42,7 +42,7 @@ def _command(
         output: Annotated[Path, typer.Option("-o", "--output", help=output)] = Path("results") / name,
         debug: Debug = False,
     ) -> None:
-        # Imported here: the solvers take seconds to load, which the help need not wait for.
+        # Imported here: the solvers take seconds to load, which the help does not need.
         from supple.algebra.jax_settings import keep_compiled_programs
 
         perform = importlib.import_module(f"supple_benchmarks.{package}.perform").perform

@@ -20,7 +20,7 @@ from supple.reduction import (
 __all__ = ["TENSORS", "reduce_to_compare"]
 
 TENSORS: dict[str, QuarticChoice] = {"condensed": CondensedQuartic(), "plain": PlainQuartic()}
-"""Those of `reduce` by default; and of a body that moves in its columns alone, as in [Wu2019]."""
+"""Condensed: the default of `reduce`; plain: a body that moves in its columns only, as in [Wu2019]."""
 
 
 def reduce_to_compare(
@@ -32,7 +32,7 @@ def reduce_to_compare(
     tensors: str,
     damping: RayleighDamping | None = None,
 ) -> ReducedBody:
-    """Reduce with tensors named in TENSORS; their locking is compared, so that warnings are suppressed."""
+    """Reduce with tensors named in TENSORS; no warnings of locking, because locking is compared."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", LockingWarning)
         quartic = TENSORS[tensors]

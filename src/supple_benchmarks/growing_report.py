@@ -1,4 +1,4 @@
-"""A benchmark of several studies: its report is rewritten after each, and printed in the end."""
+"""Report of a benchmark with several studies: rewritten after each study, printed at the end."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Report", "StudyBar", "keep_report"]
 
 Report = Mapping[str, Any]
 StudyBar = Callable[[str], Any]
-"""Makes the progress of a study from its name."""
+"""Creates the progress display of a study from its name."""
 
 
 def keep_report(
@@ -26,7 +26,7 @@ def keep_report(
 ) -> Report:
     """Write the report after each study, so that an interruption loses one study at most.
 
-    target : of the report;   tables, draw : of the last one, which is whole and returned
+    target : path of the report;   tables, draw : of the complete report, which is returned
     """
     target.parent.mkdir(parents=True, exist_ok=True)
     report: Report = {}

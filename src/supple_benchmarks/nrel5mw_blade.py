@@ -1,9 +1,10 @@
 """The 61.5 m blade of [Wu2019] section 6.2, with a public definition: body, wind loads, machine.
 
-Wu2019 fixes the size of the mesh, the damping, the step and the tolerance; its thickness, material and wind
-stand in a figure that cannot be read. Here the blade is the NREL 5 MW one of a constant thickness that meets
-its mass and its first flap frequency, and the loads are those of a blade-element computation in a turbulent
-wind of 12 m/s. They are prescribed: computed once at the rated rotor speed, in axes that turn with the root.
+[Wu2019] gives the size of the mesh, the damping, the step and the tolerance; thickness, material and wind are
+in a figure that cannot be read. Here the blade is that of the NREL 5 MW turbine with a constant thickness
+that gives its mass and its first flap frequency. The loads are those of a blade-element computation in a
+turbulent wind of 12 m/s. They are prescribed: computed once at the rated rotor speed, in axes that rotate
+with the root.
 
 Axes: x downwind (flap), y towards the trailing edge, z along the span; the rotor turns about x.
 """
@@ -86,10 +87,10 @@ FRAMES: dict[str, Frame] = {"nodal-fixed": NodalFixedFrame(ROOT), "mean-axis": M
 KINEMATICS: dict[str, ShellKinematics] = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
 
 SECTION = HomogeneousSection(Isotropic(61.13e9, 0.3, 1474.9), 0.02)
-"""Meets 17 740 kg and, within 0.7 %, 0.675 Hz; a thin wall's frequencies hang on E / rho alone."""
+"""Gives 17 740 kg and, within 0.7 %, 0.675 Hz; the frequencies of a thin wall depend on E / rho only."""
 DAMPING_RATIO = 0.02
 RATED_SPEED = 1.267
-"""rad/s, 12.1 rpm; the loads belong to it."""
+"""rad/s, 12.1 rpm; the speed to which the loads belong."""
 OPERATION = Operation(angular_speed=RATED_SPEED, pitch=float(np.radians(3.4)))
 MEAN_WIND = 12.0
 SHEAR = PowerLawShear(hub_height=HUB_HEIGHT)
@@ -107,13 +108,14 @@ _MEAN_OVER = 100.0
 class BladeCase:
     """A rotor speed, rad/s. The loads are the same in both cases, for any speed of the structure.
 
-    At 8 rad/s the tip would fly at Mach 1.5, where no blade-element theory holds: that case tests stiffening.
+    At 8 rad/s the tip speed would be Mach 1.5, where no blade-element theory holds: that case tests
+    stiffening.
     """
 
     name: str
     speed: float
     start: float = 10.0
-    """s, in which the rotor runs up and the loads set in"""
+    """s, rise time of the rotor speed and of the loads"""
 
     @property
     def spin(self) -> SpinUp:
@@ -123,7 +125,7 @@ class BladeCase:
 
 RATED = BladeCase("rated", RATED_SPEED)
 PAPER_SPEED = BladeCase("paper speed", 8.0, start=20.0)
-"""Run up in ten seconds the blade bends 1.4 m edgewise and its skin buckles: a test of the start alone."""
+"""With a start of ten seconds the blade bends 1.4 m edgewise and its skin buckles: tests the start only."""
 CASES = (RATED, PAPER_SPEED)
 
 
@@ -234,7 +236,7 @@ def tip_motion(blade: Blade, case: BladeCase, body: FullBody | ReducedBody, solu
 
 
 def _root_axes(case: BladeCase, times: Array) -> Array:
-    """Axes (t, 3, 3) that turn with the root, as columns."""
+    """Axes (t, 3, 3) that rotate with the root, as columns."""
     angle = np.asarray(case.spin(times))
     cosine, sine, zero, one = np.cos(angle), np.sin(angle), 0 * angle, 1 + 0 * angle
     rows = [[one, zero, zero], [zero, cosine, -sine], [zero, sine, cosine]]

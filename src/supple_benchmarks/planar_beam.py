@@ -14,7 +14,7 @@ from supple.errors import ModelError
 
 Array = NDArray[np.float64]
 
-# A node carries x, y and the section's rotation; an element has three nodes and shares its ends.
+# A node has x, y and the section's rotation; an element has three nodes and shares those at its ends.
 NODE_SIZE = 3
 ELEMENT_SIZE = 9
 BANDWIDTH = ELEMENT_SIZE - 1
@@ -56,7 +56,7 @@ ROTATING_BEAM = PlanarBeam(
 
 @dataclass(frozen=True)
 class BeamElements:
-    """A beam cut into equal three-node Simo-Reissner elements.
+    """A beam divided into equal three-node Simo-Reissner elements.
 
     With the section axes t1 = (cos theta, sin theta), t2 = (-sin theta, cos theta) and ' = d/ds:
 
@@ -64,7 +64,7 @@ class BeamElements:
         U = 1/2 int (EA eps^2 + GA gamma^2 + EI kappa^2) ds
         T = 1/2 int (rho A |dr/dt|^2 + rho I (dtheta/dt)^2) ds
 
-    Two Gauss points integrate U, one fewer than full, which frees the element of shear and membrane locking.
+    Two Gauss points integrate U, one fewer than full integration, which avoids shear and membrane locking.
     In a plane the mass matrix is constant. Configurations are arrays (..., N, 3) of x, y, theta at the
     N = 2 n_elements + 1 nodes; forces and velocities have the same layout.
 
@@ -102,7 +102,7 @@ class BeamElements:
         return 2 * np.arange(self.n_elements)[:, None] + np.arange(3)
 
     def straight(self, angle: float) -> Array:
-        """Undeformed configuration (N, 3), turned about its root, which lies at the origin."""
+        """Undeformed configuration (N, 3), rotated about its root at the origin."""
         s = self.arc_length
         return np.stack([s * math.cos(angle), s * math.sin(angle), np.full_like(s, angle)], axis=-1)
 
@@ -138,7 +138,7 @@ class BeamElements:
         Returns
         -------
         residual, internal force : (3N,)
-        tangent : (2 BANDWIDTH + 1, 3N)   as scipy.linalg.solve_banded wants it
+        tangent : (2 BANDWIDTH + 1, 3N)   in the layout of scipy.linalg.solve_banded
         """
         strain, section_axes = self._strain(configuration[self.element_nodes])
         internal = self._scatter(self._element_force(strain, section_axes))
@@ -191,7 +191,7 @@ class BeamElements:
 
     @cached_property
     def _gradient_operator(self) -> Array:
-        """G (2, 4, 9): element freedoms to (x', y', theta, theta') at the Gauss points."""
+        """G (2, 4, 9): element degrees of freedom to (x', y', theta, theta') at the Gauss points."""
         values, slopes = self._shapes
         G = np.zeros((2, 4, 3, 3))
         G[:, 0, :, 0] = slopes

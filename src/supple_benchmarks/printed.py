@@ -17,7 +17,7 @@ _WORDS = {
     *("model", "columns", "basis", "one", "other", "body", "element", "motion", "interfaces"),
     *("case", "quantity", "failure"),
 }
-"""Heads of columns that hold words, which stand on the left; numbers stand on the right."""
+"""Heads of text columns, which are aligned left; numbers are aligned right."""
 
 
 def print_tables(tables: Iterable[Table]) -> None:

@@ -7,6 +7,6 @@ from collections.abc import Callable
 __all__ = ["Announce", "Progress"]
 
 Progress = Callable[[float], None]
-"""Called with the share of a run that is done."""
+"""Called with the completed fraction of a run."""
 Announce = Callable[[str], Progress]
-"""Called with the name of a run about to start; gives the callback for its progress."""
+"""Called with the name of the next run; returns the callback for its progress."""

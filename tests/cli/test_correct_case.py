@@ -91,9 +91,11 @@ def test_an_error_that_is_not_met_keeps_the_rounds_and_names_the_best(case):
     )
     out = case.parent / "out"
     output = call("run", case, "-o", out, code=2)
-    assert "did not reach the error 1e-12: 1 rounds are over. Estimated errors:" in output
+    assert (
+        "did not reach the error 1e-12: all rounds are used up (max_rounds = 1). Estimated errors:" in output
+    )
     archive = CorrectionFolder(out / "self_correction", case=case.read_text())
-    assert f"and on disk: the best is {archive.motion(1)}" in output
+    assert f"the best round is in {archive.motion(1)}" in output
     assert read_header(archive.motion(1)).complete
     assert len(json.loads((out / "strip.json").read_text())["self_correction"]) == 2
     assert not (out / "strip.h5").exists()

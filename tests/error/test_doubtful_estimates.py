@@ -92,7 +92,7 @@ def test_where_rounds_are_over_the_error_says_why_it_accepts_none(strip_that_tip
     """The second run is thirty times as far from the first as was estimated, and confirms nothing."""
     full, _ = strip_that_tips
     with pytest.raises(
-        SelfCorrectionError, match=r"is confirmed by no second run, and body 'beam' locks: it"
+        SelfCorrectionError, match="No second run confirms the last error, and body 'beam' locks"
     ):
         self_correct(pushed(full), RUN, start(max_rounds=1))
 

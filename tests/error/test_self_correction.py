@@ -142,7 +142,7 @@ def test_a_relative_error_is_that_over_the_largest_displacement(beam):
 
 @pytest.mark.slow
 def test_gives_up_after_the_rounds_allowed_and_keeps_them(beam):
-    with pytest.raises(SelfCorrectionError, match="error 1e-12: 1 rounds are over") as caught:
+    with pytest.raises(SelfCorrectionError, match="error 1e-12: all rounds are used up") as caught:
         corrected(beam, FRAMES["nodal-fixed"], absolute=1e-12, max_rounds=1)
     assert isinstance(caught.value, AccuracyError)
     assert [each.size for each in caught.value.rounds] == [8, 11]

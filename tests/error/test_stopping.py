@@ -31,4 +31,4 @@ def test_a_missing_mode_is_told_by_its_frequency_and_where_it_moves_most():
     expected = lowest_modes(body.stiffness, body.mass, 3, constraint=frame.constraint(body)).values[2]
     assert part.frequency == pytest.approx(np.sqrt(expected), rel=1e-6)
     assert part.place[0] == pytest.approx(1.0)
-    assert "start with all modes up to there" in part.words
+    assert "start with all modes up to this frequency" in part.words

@@ -210,7 +210,7 @@ def test_a_model_that_costs_more_than_is_allowed_is_named(beam):
         SelfCorrection(relative=3e-4, directions=5, max_rounds=10), CraigBampton(5), CompressedDerivatives(5)
     )
     run = Run(0.8, 0.02, step=FixedStep(0.01))
-    with pytest.raises(SelfCorrectionError, match="kinematics of its model alone cost"):
+    with pytest.raises(SelfCorrectionError, match="error of its kinematics alone"):
         self_correct(pushed(full, 15.0, 0.6), run, start, study=ErrorStudy())
 
 
@@ -279,8 +279,8 @@ def test_many_more_steps_are_announced_before_they_are_taken(beam):
     )
     eight, eleven = (replace(problem, run=with_shorter_steps(run, 1 / n)) for n in (8, 11))
     _announce_steps(run, problem, eight)
-    assert words == ["the step costs too much: 240 steps of at most 0.0025 instead of 30"]
-    with pytest.warns(StepCutWarning, match="takes 330 steps .* where 30 were asked for"):
+    assert words == ["the error of the time step is too large: 240 steps of at most 0.0025 instead of 30"]
+    with pytest.warns(StepCutWarning, match="needs 330 steps .* instead of 30"):
         _announce_steps(run, eight, eleven)
     _announce_steps(run, eleven, eleven)
     assert len(words) == 2

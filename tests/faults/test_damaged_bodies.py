@@ -75,7 +75,7 @@ def test_numbers_that_no_body_has_are_refused_with_and_without_a_seal(tmp_path, 
     if again:
         seal_again(path)
     what = name.rpartition("/")[2]
-    expected = "complex128, which are no real numbers" if value == 1j else "NaN or infinity"
+    expected = "complex128 instead of real numbers" if value == 1j else "NaN or infinity"
     with pytest.raises(ResultFileError, match=rf"body\.h5 is damaged \(.*{what} .*{expected}"):
         read_reduced_body(path)
 
@@ -88,7 +88,9 @@ def test_shapes_that_a_file_cannot_hold_are_refused_before_memory_is_taken(tmp_p
         del file[name]
         file.create_dataset(name, shape=(2_000_000_000, 3), dtype=kind, chunks=(1, 3))
     seal_again(path)
-    with pytest.raises(ResultFileError, match=r"is damaged \(.* claims \d+ bytes, and the file has \d+"):
+    with pytest.raises(
+        ResultFileError, match=r"is damaged \(.* has \d+ bytes, more than the \d+ bytes of the file"
+    ):
         read_reduced_body(path)
 
 

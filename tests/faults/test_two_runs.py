@@ -69,7 +69,7 @@ def test_a_file_that_is_taken_away_is_noticed(tmp_path, make):
     with ResultFile.create(path, case="a") as file:
         file.append(make(0.0))
         write_solution(tmp_path / "other.h5", make(5.0), case="b").replace(path)
-        with pytest.raises(ResultFileError, match="was removed or replaced while the run"):
+        with pytest.raises(ResultFileError, match="was removed or replaced during the run"):
             file.append(make(1.0))
         assert file.solution().times[0] == 0.0
     assert read_header(path).case == "b"
@@ -125,7 +125,7 @@ def test_what_is_no_result_is_not_overwritten_either(tmp_path, case):
     (tmp_path / "bar.h5").write_text("the thesis")
     with pytest.raises(ResultFileError, match=r"a result that cannot be read .*not an HDF5 file"):
         run_case(case, tmp_path)
-    with pytest.raises(ResultFileError, match="say overwrite=True to replace it"):
+    with pytest.raises(ResultFileError, match="give overwrite=True to replace it"):
         ResultFile.create(tmp_path / "bar.h5", case="a")
     assert (tmp_path / "bar.h5").read_text() == "the thesis"
 
@@ -155,7 +155,7 @@ def test_a_file_system_without_locks_earns_a_warning(tmp_path, make, monkeypatch
         raise OSError(errno.ENOLCK, "No locks available")
 
     monkeypatch.setattr(exclusive_lock, "_lock", no_locks)
-    with pytest.warns(UnlockedWarning, match=r"run\.h5 knows no locks: make sure yourself"):
+    with pytest.warns(UnlockedWarning, match=r"run\.h5 has no locks: make sure"):
         write_solution(tmp_path / "run.h5", make(), case="a")
     assert read_header(tmp_path / "run.h5").complete
 

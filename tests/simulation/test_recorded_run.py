@@ -76,7 +76,9 @@ def test_a_run_begun_anew_replaces_the_one_that_is_there(tmp_path, pendulum):
     path = tmp_path / "run.h5"
     begin_recorded(pendulum, RUN, path, case="long")
     shorter = Run(duration=0.2, output_step=0.1)
-    with pytest.raises(ResultFileError, match="it holds a finished run; say overwrite=True to replace it"):
+    with pytest.raises(
+        ResultFileError, match="it contains a finished run; give overwrite=True to replace it"
+    ):
         begin_recorded(pendulum, shorter, path, case="short")
     assert read_header(path).case == "long"
     short = begin_recorded(pendulum, shorter, path, case="short", metadata={"title": "b"}, overwrite=True)

@@ -72,12 +72,12 @@ def test_files_that_hold_no_reduced_body(tmp_path):
     with pytest.raises(ResultFileError, match="no such file; check the path"):
         read_reduced_body(tmp_path / "a.h5")
     (tmp_path / "a.h5").write_text("a,b\n1,2\n")
-    with pytest.raises(ResultFileError, match="not an HDF5 file, so no reduced body"):
+    with pytest.raises(ResultFileError, match="not an HDF5 file, so not a reduced body"):
         read_interface_names(tmp_path / "a.h5")
     assert not holds_reduced_body(tmp_path / "a.h5")
     with h5py.File(tmp_path / "b.h5", "w") as file:
         file.attrs["format"] = "supple-result"
-    with pytest.raises(ResultFileError, match="holds no reduced body of supple"):
+    with pytest.raises(ResultFileError, match="not a reduced body of supple"):
         read_reduced_body(tmp_path / "b.h5")
     assert not holds_reduced_body(tmp_path / "b.h5")
 
@@ -86,7 +86,9 @@ def test_a_newer_version_is_refused(tmp_path, linear):
     path = write_reduced_body(tmp_path / "body.h5", linear)
     with h5py.File(path, "r+") as file:
         file.attrs["version"] = 3
-    with pytest.raises(ResultFileError, match="format version 3, and this supple reads up to 2: use the"):
+    with pytest.raises(
+        ResultFileError, match="format version 3, and this version of supple reads up to 2: use the"
+    ):
         read_reduced_body(path)
 
 
@@ -120,7 +122,7 @@ def test_a_damaged_file_is_still_known_for_what_it_is(tmp_path, linear):
 
 
 @pytest.mark.parametrize(
-    ("version", "message"), [(0, "format version 0 never was"), ("x", "invalid literal")]
+    ("version", "message"), [(0, "there is no format version 0"), ("x", "invalid literal")]
 )
 def test_a_version_that_never_was(tmp_path, linear, version, message):
     path = write_reduced_body(tmp_path / "body.h5", linear)
@@ -156,7 +158,7 @@ def test_parts_that_do_not_fit_are_damage(tmp_path, linear):
         read_reduced_body(path)
     with h5py.File(path, "r+") as file:
         file.attrs["frame"] = "rolling"
-    with pytest.raises(ResultFileError, match="frame 'rolling' is not known"):
+    with pytest.raises(ResultFileError, match="frame 'rolling' is unknown"):
         read_reduced_body(path)
 
 
@@ -167,7 +169,7 @@ class OwnFrame(Frame):
 
 
 def test_a_frame_without_a_name_cannot_be_written(tmp_path, linear):
-    with pytest.raises(ModelError, match="its frame is OwnFrame, and a file knows MeanAxisFrame"):
+    with pytest.raises(ModelError, match="its frame is OwnFrame; a file holds MeanAxisFrame"):
         write_reduced_body(tmp_path / "a.h5", replace(linear, frame=OwnFrame()))
     assert not list(tmp_path.iterdir())
 

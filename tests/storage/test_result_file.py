@@ -170,7 +170,7 @@ def test_only_the_same_unfinished_case_is_continued(tmp_path, make):
     with ResultFile.create(path, case=CASE) as file:
         file.append(make())
     with pytest.raises(
-        ResultFileError, match=r"another case \(line 2: 'speed = 6.0' there, 'speed = 8.0' here\)"
+        ResultFileError, match=r"another case \(line 2: 'speed = 6.0' in the file, 'speed = 8.0' now\)"
     ):
         ResultFile.resume(path, case=CASE.replace("6.0", "8.0"))
     with pytest.raises(ResultFileError, match="they differ in line ends"):
@@ -184,7 +184,7 @@ def test_chunks_must_follow_one_another(tmp_path, make):
     with ResultFile.create(tmp_path / "run.h5", case=CASE) as file:
         file.append(make(0.0))
         with pytest.raises(
-            ResultFileError, match=r"times end at 0\.6 and the new ones \(0\.6 to 1\.2\) do not rise"
+            ResultFileError, match=r"times end at 0\.6 and the new ones \(0\.6 to 1\.2\) do not increase"
         ):
             file.append(make(0.6))
         with pytest.raises(ResultFileError, match=r"the new ones \(none\)"):
@@ -210,7 +210,9 @@ def test_full_disk_keeps_the_run_and_names_the_remedy(tmp_path, make, monkeypatc
     with ResultFile.create(path, case=CASE) as file:
         file.append(make(0.0))
         monkeypatch.setattr(os, "posix_fallocate", failing(errno.ENOSPC))
-        with pytest.raises(ResultFileError, match=r"disk is full: free some space .*up to t = 0\.6 is kept"):
+        with pytest.raises(
+            ResultFileError, match=r"disk is full: free some space .*up to t = 0\.6 is stored"
+        ):
             file.append(make(1.0))
     monkeypatch.undo()
     assert_bit_equal(read_solution(path), make(0.0))
@@ -303,7 +305,7 @@ def test_another_version_is_refused(tmp_path, solution):
     path = write_solution(tmp_path / "run.h5", solution, case=CASE)
     with h5py.File(path, "r+") as file:
         file.attrs["version"] = 1
-    with pytest.raises(ResultFileError, match="format version 1, and this supple reads version 4"):
+    with pytest.raises(ResultFileError, match="format version 1, and this version of supple reads 4"):
         read_solution(path)
 
 

@@ -55,5 +55,5 @@ def test_a_damaged_chunk_is_found_before_it_is_given_out(path, monkeypatch):
 
 def test_a_run_without_output_times_is_named(tmp_path):
     ResultFile.create(tmp_path / "run.h5", case="made up").close()
-    with pytest.raises(ResultFileError, match="holds no output times"):
+    with pytest.raises(ResultFileError, match="contains no output times"):
         ResultParts(tmp_path / "run.h5")

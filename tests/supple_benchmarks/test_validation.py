@@ -61,7 +61,7 @@ def test_cases_within_what_they_allow_end_well(run):
 def test_a_case_outside_of_what_it_allows_is_an_error(run):
     outcome, report = run(right, wrong)
     assert outcome.exit_code != 0
-    assert "1 of 3 rows are outside of what they allow: wrong: length, m" in outcome.output
+    assert "1 of 3 rows exceed their allowed errors or failed: wrong: length, m" in outcome.output
     assert report["cases"][-1]["error"] == pytest.approx(0.1)
 
 

@@ -121,11 +121,11 @@ class Body(CheckedTable):
     rotation: Vector = Field(ZERO, description="initial orientation as a rotation vector, global axes, rad")
     velocity: Vector | None = Field(
         None,
-        description="initial, of the mesh origin, global axes, a velocity; default: that of joints and laws",
+        description="initial velocity of the mesh origin, global axes; default: from joints and laws",
     )
     centre_velocity: Vector | None = Field(
         None,
-        description="instead of velocity: initial, of the centre of mass, global axes, a velocity",
+        description="instead of velocity: initial velocity of the centre of mass, global axes",
     )
     angular_velocity: Vector | None = Field(
         None,

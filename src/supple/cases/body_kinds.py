@@ -175,13 +175,13 @@ class Matrices(ElasticKind):
         description="DMIG .pch, OUTPUT4 .op4, OUTPUT2 .op2, HDF5 .h5, Abaqus .mtx or CalculiX .sti, beside "
         "the case file; rows that no node has (QSET, SPOINT) are modal coordinates"
     )
-    mass: FileName = Field(description="likewise, or CalculiX .mas; may be the same file")
+    mass: FileName = Field(description="as for stiffness, or CalculiX .mas; may be the same file")
     stiffness_name: str | None = Field(
         None, description="matrix of a DMIG or OUTPUT4 file; default: the one with K.."
     )
-    mass_name: str | None = Field(None, description="likewise; default: the one with M..")
-    damping: FileName | None = Field(None, description="likewise, where there is one")
-    damping_name: str | None = Field(None, description="likewise; default: the one with B..")
+    mass_name: str | None = Field(None, description="as stiffness_name; default: the one with M..")
+    damping: FileName | None = Field(None, description="as for stiffness; default: no damping matrix")
+    damping_name: str | None = Field(None, description="as stiffness_name; default: the one with B..")
     recovery: FileName | None = Field(
         None, description="HDF5 or OUTPUT4 file of displacements of inner points by the rows of the matrices"
     )

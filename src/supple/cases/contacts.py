@@ -128,7 +128,7 @@ class SupportTable(CheckedTable):
 
     nodes: PlaceOf = Field(description="BODY.NODE_SET of an explicit part")
     axes: str = Field("xyz", pattern="^[xyz]{1,3}$", description="fixed directions, global axes")
-    rotations: bool = Field(False, description="true fixes rotations about these axes, too: of shells")
+    rotations: bool = Field(False, description="true also fixes rotations of shells about these axes")
 
     def build(self) -> Support:
         """The support."""

@@ -50,11 +50,11 @@ class ExplicitMethod(CheckedTable):
     """Steps of modal parts and of explicit elements."""
 
     safety: float = Field(0.9, gt=0.0, le=1.0, description="ratio of the step to its limit")
-    largest_ratio: int = Field(50, ge=1, description="explicit steps in one step of the modal parts, at most")
+    largest_ratio: int = Field(50, ge=1, description="largest number of explicit steps per modal step")
     interface_loss: Positive = Field(
         2e-4,
-        description="of the energy, lost or won between modal and explicit parts from one output time to the "
-        "next: above it the ratio is halved, and the way repeated",
+        description="largest change of energy at the coupling of modal and explicit parts in one output "
+        "step, over the energy; above it the ratio is halved and the output step repeated",
     )
     scheme: Annotated[Projected | Published, Field(discriminator="kind")] = Projected(kind="projected")
 

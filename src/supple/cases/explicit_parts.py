@@ -40,8 +40,8 @@ class ModalPart(CheckedTable):
     spin_stiffness: bool = Field(False, description="true adds the geometric stiffness of free rotation")
     yield_stress: Positive | None = Field(
         None,
-        description="limit of a warning, force per area; default: the lowest of the explicit parts of its "
-        "material",
+        description="stress limit for a warning, force per area; default: the lowest of the explicit parts "
+        "of its material",
     )
 
     def build(self, body: FlexibleBody, damping: LinearRayleighDamping | None) -> ModalSubdomain:

@@ -74,7 +74,9 @@ class Joint(CheckedTable):
     axis: Vector | None = Field(None, description="direction at the start, global axes, of any length")
     second_axis: Vector | None = Field(None, description="universal: the other cross-pin axis, global axes")
     law: Law | None = Field(None, description="prescribed joints: angle or distance over time, rad or length")
-    friction: Friction | None = Field(None, description="revolute and prismatic: under the joint's own force")
+    friction: Friction | None = Field(
+        None, description="revolute and prismatic: friction under the joint's own force"
+    )
 
     @property
     def label(self) -> str:

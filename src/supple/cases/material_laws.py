@@ -43,7 +43,9 @@ class J2Law(CheckedTable):
 
     kind: Literal["j2"]
     yield_stress: Positive = Field(description="initial yield stress, force per area")
-    modulus: NonNegative | None = Field(None, description="of linear hardening, force per area; default 0")
+    modulus: NonNegative | None = Field(
+        None, description="modulus of linear hardening, force per area; default 0"
+    )
     factor: NonNegative | None = Field(None, description="factor of power hardening, force per area")
     exponent: float | None = Field(None, gt=0.0, le=1.0, description="exponent of power hardening")
 

@@ -15,9 +15,9 @@ __all__ = ["RULES", "ParameterTable"]
 class ParameterTable(CheckedTable):
     """A named number of the case."""
 
-    name: str = Field(description="of the variable in the FMU")
+    name: str = Field(description="name of the variable in the FMU")
     path: str = Field(description="key that has the number, such as load[0].law.amplitude")
-    unit: str = Field("", description="of the number, as the FMU states it")
+    unit: str = Field("", description="unit of the number in the FMU")
 
 
 def _lead_to_numbers(raw: Raw) -> Mistakes:

@@ -47,7 +47,7 @@ class Split(CheckedTable):
     )
     tie: Literal["rigid", "averaging", "nodes"] = Field(
         "rigid",
-        description="sections between parts are rigid, or may warp, or each shared node is tied alone",
+        description="sections between parts are rigid, or may warp, or each shared node is tied individually",
     )
 
     def division(self) -> Division:

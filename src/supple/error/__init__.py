@@ -1,4 +1,4 @@
-"""Self-correcting reduction: rounds, missing motion, the error estimate."""
+"""Self-correcting reduction, and error estimates of finished runs."""
 
 from supple.error.basis_error import *
 from supple.error.batch_estimate import *

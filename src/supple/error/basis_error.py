@@ -1,4 +1,4 @@
-"""The error that the basis of a reduced run costs, body by body."""
+"""Error of a reduced run caused by its bases (reduction error), body by body."""
 
 from __future__ import annotations
 
@@ -13,30 +13,30 @@ from supple.reduction.locking import TOLERATED
 __all__ = ["BasisError", "BodyError"]
 
 FIRST_ORDER = 1 / 3
-"""Size of a second correction over the first above which the first is an order of magnitude only."""
+"""Second correction over the first; above it the estimate is good to an order of magnitude only."""
 
 ENRICH = "keep more modes, or let the reduction correct itself (accuracy = { relative = 1e-3 })"
-"""The remedy of a basis that costs too much."""
+"""Remedy for a basis whose error is too large."""
 
 ASK_FOR_LESS = "ask for a smaller error, or start with more modes"
-"""The remedy where the reduction corrects itself."""
+"""Remedy where the reduction is self-corrected."""
 
 
 @dataclass(frozen=True, eq=False)
 class BodyError:
-    """The error by the basis of one body, by the error equation.
+    """Error of one body caused by its basis, by the error equation.
 
     rms : float             largest over time of the RMS over the nodes of their error, unit of length
     worst : float           largest error of a node over the run, unit of length
-    worst_node : int        that node
-    worst_time : float      when it has that error
-    rest : float            RMS of what the space of the error itself lacks, seen at instants of its own
+    worst_node : int        the node with that error
+    worst_time : float      time of that error
+    rest : float            RMS of the corrections outside the error space, at times not used to build it
     second : float | None   size of a second correction over the first at the worst instants; above a third
                             the error is an order of magnitude only; None: not estimated
     history : (t,)          RMS over the nodes at the output times
     indicator : float       largest RMS over the nodes of the motion outside the basis at rest; infinite
                             where no equilibrium was found; 0: not estimated
-    withheld : float        share of a static answer that the body withholds because it locks
+    withheld : float        relative loss of a static deflection by locking
     """
 
     rms: float
@@ -54,27 +54,27 @@ class BodyError:
 
     @property
     def estimate(self) -> float:
-        """Error stated, RMS over the nodes, largest over the run: what was found and what cannot be."""
+        """Estimated error: largest RMS over the nodes in the run, plus that outside the error space."""
         return self.rms + self.rest
 
     @property
     def is_converged(self) -> bool:
-        """Whether the estimate is more than an order of magnitude: finite, its second correction small."""
+        """Whether the estimate is quantitative: finite, with a small second correction."""
         return bool(np.isfinite(self.estimate)) and (self.second is None or self.second <= FIRST_ORDER)
 
     def is_doubtful(self, limit: float) -> bool:
-        """Whether the estimate may be far too small: the body locks, or lacks more than estimate and limit.
+        """Whether the estimate may be far too small: the body locks, or lacks more motion than estimated.
 
-        The equation is linearised about the run. Where a strip that should tip sideways locks and stands
-        straight, that is nearly in balance, and the error found small.
+        The equation is linearised about the run. Example: a strip should buckle sideways, but locks and stays
+        straight. This state is almost in equilibrium, so the estimated error is small.
 
-        limit : RMS over the nodes below which a missing motion raises no doubt
+        limit : RMS over the nodes below which motion outside the basis is ignored
         """
         return self.withheld > TOLERATED or not self.indicator <= max(self.estimate, limit)
 
 
 @dataclass(frozen=True, eq=False)
 class BasisError:
-    """The error that the bases of a reduced run cost, of every reduced body by name."""
+    """Error of a reduced run caused by the bases, by name of the reduced body."""
 
     bodies: Mapping[str, BodyError]

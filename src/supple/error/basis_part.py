@@ -1,8 +1,9 @@
-"""The part of the bases in the error of a finished run: by the error equation, or by a run with richer bases.
+"""Error of a finished run caused by its bases: by the error equation, or by a run with richer bases.
 
-The error equation estimates the true motion, to first order, and shows where that is not enough
-(`BodyError.second` above a third). There a run with much richer bases is made instead. So it is where the
-estimate is doubtful (`BodyError.is_doubtful`): about a run that locks the equation can find too little.
+The error equation estimates the true motion to first order, and detects where first order is not enough
+(`BodyError.second` above a third). In that case a run with much richer bases is made instead. The same is
+done where the estimate is doubtful (`BodyError.is_doubtful`): for a run that locks, the equation can
+underestimate the error.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from supple.reduction import ReductionBasis
 __all__ = ["assessed_basis", "basis_parts", "distances", "in_full", "stated_of"]
 
 NEGLIGIBLE = 1e-3
-"""Of the largest displacement: motion missed at rest that is less raises no doubt."""
+"""Ratio to the largest displacement below which motion outside the basis at rest is ignored."""
 
 
 def basis_parts(
@@ -37,11 +38,11 @@ def basis_parts(
     *,
     progress: StepProgress | None = None,
 ) -> dict[str, ErrorPart]:
-    """The part of the bases in some quantities of a finished run, by their names.
+    """Error of a finished run caused by its bases, by name of the quantity of interest.
 
     fulls, bases : of the reduced bodies whose bases are assessed, by name
     """
-    if system.controllers:  # they have no part in the error equation
+    if system.controllers:  # the error equation does not contain them
         asked = stated_of(system, bases, quantities)
         return check_run(system, run, solution, fulls, bases, asked, progress=progress)
     whole = in_full(system, fulls, bases)
@@ -59,9 +60,9 @@ def assessed_basis(
     instants: int = INSTANTS,
     progress: StepProgress | None = None,
 ) -> tuple[dict[str, ErrorPart], ErrorEstimate]:
-    """The same, and the estimate by the error equation, whatever it is worth.
+    """The same as `basis_parts`, and the estimate by the error equation, even where it is not accepted.
 
-    whole : the machine with all coordinates of the bodies that are assessed, as it should start
+    whole : the machine with all coordinates of the assessed bodies, in its start configuration
     instants : as for `ErrorEstimator.assess`
     """
     asked = stated_of(system, bases, quantities)
@@ -85,9 +86,9 @@ def assessed_basis(
 def stated_of(
     system: System, names: Collection[str], quantities: Sequence[QuantityOfInterest]
 ) -> list[QuantityOfInterest]:
-    """Those quantities of which the bases of some bodies are all that is missing.
+    """The quantities whose reduction error is known completely from the bases of some bodies.
 
-    names : of the bodies whose bases are assessed; what moves with others as well is not known from these
+    names : bodies whose bases are assessed; quantities that depend on other elastic bodies are left out
     """
     elastic = {each.body.name for each in system.bodies if each.body.n_coordinates}
     is_whole = elastic <= set(names)
@@ -97,10 +98,10 @@ def stated_of(
 def distances(
     system: System, solution: Solution, estimate: ErrorEstimate, quantities: Sequence[QuantityOfInterest]
 ) -> dict[str, float]:
-    """Error of a run in some quantities, by their names; infinite where the equation has no solution."""
+    """Error of a run by name of the quantity; infinite where the equation has no solution."""
     if estimate.corrected is None:
         return {each.name: np.inf for each in quantities}
-    # What the space of the error lacks is known of whole bodies: of others in the same proportion.
+    # The part outside the error space is known per body. Quantities are scaled in the same proportion.
     bodies = estimate.error.bodies.values()
     lack = max(each.estimate / each.rms if each.rms else 1.0 for each in bodies)
     return {
@@ -115,7 +116,7 @@ def _negligible(system: System, solution: Solution, name: str) -> float:
 
 
 def in_full(system: System, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]) -> System:
-    """The machine with its reduced bodies in full, as deformed at the start as they were."""
+    """The machine with its reduced bodies in full, with the same initial deformation."""
     bodies = [
         placed.in_form(fulls[name], bases[name].vectors) if (name := placed.body.name) in bases else placed
         for placed in system.bodies

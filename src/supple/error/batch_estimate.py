@@ -1,9 +1,9 @@
-"""What the bases of many runs of one machine cost, by the error equation, all marched together.
+"""Errors of many runs of one machine caused by the bases: the error equation of all runs in one march.
 
-The runs share their bodies and bases, and so they can share what is dear: one space of errors, made of
-corrections at instants of all runs together, and the matrices of the deformed bodies. Each run has its own
-residual and its own march, over which the compiled program is mapped. Where an error is not small, its run is
-assessed once more by itself.
+The runs share their bodies and bases. They therefore share the expensive parts: one error space, built from
+corrections at sample times of all runs, and the matrices of the deformed bodies. Each run has its own
+residual and its own march; the compiled program is mapped over the runs. A run whose error is not small is
+assessed again separately.
 """
 
 from __future__ import annotations
@@ -56,9 +56,10 @@ __all__ = ["estimate_batch_errors", "state_batch_errors"]
 def state_batch_errors(
     cases: Sequence[System], run: Run, solutions: Sequence[Solution], fulls: Mapping[str, FullBody]
 ) -> tuple[Solution, ...]:
-    """The solutions of a batch with what their bases cost, and the floor of the integration.
+    """The solutions of a batch with their reduction errors and the floor of the integration error.
 
-    Parameters as for `estimate_batch_errors`. Step and model are estimated of single runs (`state_errors`).
+    Parameters as for `estimate_batch_errors`. The parts of the time step and of the model need single runs
+    (`state_errors`).
     """
     bases = stored_bases(cases[0], fulls)
     quantities = [WholeBody(name) for name in bases]
@@ -89,22 +90,22 @@ def state_batch_errors(
 def estimate_batch_errors(
     cases: Sequence[System], run: Run, solutions: Sequence[Solution], fulls: Mapping[str, FullBody]
 ) -> tuple[BasisError, ...]:
-    """Errors by the bases of reduced bodies in each run of a batch, as `estimate_error` of one.
+    """Errors caused by the bases of reduced bodies in each run of a batch, as `estimate_error` for one run.
 
-    Sixty factorisations serve all runs; each costs its march besides, in one compiled call with the others.
+    About sixty factorisations serve all runs. In addition each run has its march, in one compiled call.
 
     Parameters
     ----------
-    cases, run, solutions : as they were simulated, all with the same bodies
+    cases, run, solutions : as simulated, all with the same bodies
     fulls : the bodies to assess, with all their coordinates, by name
 
     Returns
     -------
-    BasisError      of every run; infinite where it broke off or the equation has no finite solution
+    BasisError      of every run; infinite where the run stopped early or the equation has no finite solution
 
     Raises
     ------
-    ModelError      bodies that differ from case to case, or are not made of those in full; nothing to assess
+    ModelError      bodies that differ between cases or from the full ones given; no body to assess
     """
     check_linearised(cases[0])
     bases = stored_bases(cases[0], fulls)
@@ -114,7 +115,8 @@ def estimate_batch_errors(
         for one, other in zip(cases[0].bodies, system.bodies, strict=True):
             if one.body is not other.body:
                 raise ModelError(
-                    f"batch estimate: body '{one.body.name}' is not the same object in all cases"
+                    f"batch estimate: body '{one.body.name}' is not the same object in all cases: build the "
+                    "body once and place it in every case"
                 )
     whole = [number for number, solution in enumerate(solutions) if solution.stopped is None]
     found = {
@@ -129,7 +131,7 @@ def estimate_batch_errors(
 
 
 class _Batch:
-    """Runs that came to their end."""
+    """Runs of a batch that reached their last output time."""
 
     def __init__(
         self,
@@ -147,11 +149,11 @@ class _Batch:
         self.estimators = [ErrorEstimator(in_full(system, fulls, bases), run) for system in cases]
 
     def errors(self) -> list[BasisError]:
-        """Of every run."""
+        """Reduction errors of every run."""
         looked, fresh = self._corrections(INSTANTS - FRESH, 0), self._corrections(FRESH, 1)
         bodies = {name: self._assessed(name, looked[name]) for name in self.bases}
         equations = [self._equation(number, bodies) for number in range(len(self.cases))]
-        # A compiled march goes over as many steps in all its runs.
+        # In one compiled march all runs have the same number of steps.
         found = {}
         for n_steps in {len(each.solution.times) for each in self.steps}:
             rows = [i for i, each in enumerate(self.steps) if len(each.solution.times) == n_steps]
@@ -161,9 +163,9 @@ class _Batch:
         ]
 
     def _corrections(self, number: int, seed: int) -> dict[str, np.ndarray]:
-        """Motion that the runs miss at instants of all of them together, (n, number) by body."""
+        """Motion outside the bases at sample times of all runs, (n, number) by body."""
         n_cases, lengths = len(self.cases), [len(each.solution.times) for each in self.steps]
-        # A run has its share of the instants; of many runs some have none.
+        # The sample times are distributed over the runs; with many runs some have none.
         chosen = (np.arange(number) * n_cases) // number if n_cases > 1 else np.zeros(number, dtype=int)
         fields: dict[str, list[np.ndarray]] = {name: [] for name in self.bases}
         for case in np.unique(chosen):
@@ -180,11 +182,11 @@ class _Batch:
         return {name: np.hstack(each) for name, each in fields.items()}
 
     def _body(self, name: str) -> ReducedBody:
-        """The same in all runs."""
+        """The reduced body, which is the same in all runs."""
         return reduced_form(self.cases[0], name)
 
     def _assessed(self, name: str, corrections: np.ndarray) -> AssessedBody:
-        """A body along all runs, one after the other."""
+        """The assessed body, with its motion in all runs one after the other."""
         full, body = self.fulls[name], self._body(name)
         motions = [each.solution.bodies[name] for each in self.steps]
         together = FloatingMotion(

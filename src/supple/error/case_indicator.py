@@ -1,9 +1,10 @@
-"""An indicator of what the bases cost many runs of one machine: the error equation in few columns.
+"""Indicator of the reduction error in many runs of one machine: the error equation in few columns.
 
-The statement of a run takes a hundred columns, found by factorisations of its own. Here some thirty columns
-serve all runs of a group: those of their bases, the motion that statements of representative runs have found
-outside them, and the lowest vibrations. The elasticity in these is one polynomial (`ElasticPolynomial`), so
-that a run costs one linear march besides its own, mapped over the cases in one compiled program.
+The estimate for a single run takes about a hundred columns, found by factorisations of its own. Here about
+thirty columns serve all runs of a group: the columns of their bases, the motion outside the bases that
+estimates of representative runs have found, and the lowest modes. The elasticity in these columns is one
+polynomial (`ElasticPolynomial`). Each run therefore takes one additional linear march, mapped over the cases
+in one compiled program.
 """
 
 from __future__ import annotations
@@ -45,23 +46,24 @@ __all__ = ["Indicated", "IndicatorBody", "case_indicators", "indicator_body", "s
 Array = NDArray[np.float64]
 
 MORE = 12
-"""Columns of the error besides those of the motion, at least; half of them of the fields that are known."""
+"""Smallest number of error columns besides those of the motion; half of them for the given fields."""
 SLOWNESS = 1e2
-"""How many times slower than its lowest vibration a body comes to rest."""
+"""Ratio of the time for a body to come to rest to its longest vibration period."""
 AT_ONCE = 16
-"""Runs that march together: 0.2 GB of 5000 steps in 14 coordinates."""
+"""Runs marched together: 0.2 GB for 5000 steps in 14 coordinates."""
 MOST_INSTANTS = 1250
-"""Steps of the error in a run, at most; statements take all steps, and their ratio holds the difference."""
+"""Largest number of steps of the error in a run; estimates take all steps, and their ratio corrects it."""
 MANY_STEPS = np.inf
-"""Of all runs of a sweep: a column more costs time in each, and one program serves them all."""
+"""Number of steps assumed in all runs of a sweep: a further column costs time in each run, and one program
+serves all of them."""
 LOOKED = 200
-"""Instants at which the size of a motion is taken."""
+"""Number of times at which the size of a motion is evaluated."""
 
 
 class Indicated(NamedTuple):
-    """The indicator of a body in a run: largest RMS error of its nodes, and its largest displacement.
+    """Indicator of a body in a run: largest RMS error of its nodes, and its largest displacement.
 
-    error : infinite where the run broke off, or where it grows beyond the displacement
+    error : infinite where the run stopped early, or where the error exceeds the displacement
     """
 
     error: float
@@ -70,10 +72,10 @@ class Indicated(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class IndicatorBody:
-    """A body of many runs, with the columns of their motion and of their error.
+    """A body that many runs share, with the columns of their motion and of their error.
 
-    full : as any of them has it, but for its damping
-    columns : of the motion;  space : of the error, which holds them
+    full : the full body as in any of the runs, except for its damping
+    columns : of the motion;  space : of the error, contains these columns
     """
 
     full: FullBody
@@ -82,7 +84,7 @@ class IndicatorBody:
     _damped: dict[str, AssessedBody] = field(default_factory=dict)
 
     def along(self, motion: FloatingMotion, damping: Damping | None, reduced: ReducedBody) -> AssessedBody:
-        """The body along a run, with the damping that it has there."""
+        """The body in one run, with the damping of that run."""
         run = self.columns.along(motion)
         key = repr(damping)
         if key not in self._damped:
@@ -96,7 +98,7 @@ class IndicatorBody:
         k, undamped = self.space.size, self._undamped
         matrix = damping_matrix(own, full.body, self.space.vectors, undamped.stiffness[:k, :k])
         padded = np.pad(matrix, (0, undamped.r - k))
-        # Of all dampings the inertia, and the gram matrix of the nodes, is the same.
+        # The inertia and the Gram matrix of the nodes do not depend on the damping.
         object.__setattr__(made, "columns", replace(undamped, damping=padded))
         for other in list(self._damped.values())[:1]:
             object.__setattr__(made, "squares", other.squares)
@@ -115,10 +117,10 @@ class IndicatorBody:
 def indicator_body(
     full: FullBody, reduced: ReducedBody, basis: ReductionBasis, coordinates: Array, fields: Array
 ) -> IndicatorBody:
-    """A body of many runs.
+    """The columns of a body that many runs share.
 
-    coordinates : (t, r)    of some of them, where condensed tensors let motion follow
-    fields : (n, m)         that statements of some of them have found outside the basis
+    coordinates : (t, r)    of some of the runs, where condensed tensors add motion outside the basis
+    fields : (n, m)         motion outside the basis, found by estimates of some of the runs
     """
     columns = motion_columns(full.body, reduced, basis, coordinates)
     moving = columns.vectors.shape[1]
@@ -136,16 +138,16 @@ def case_indicators(
     *,
     at_rest: bool,
 ) -> list[dict[str, Indicated]]:
-    """What the bases cost each of many runs, by body, as far as few columns show it: to first order.
+    """Reduction error of each of many runs, by body, to first order and in few columns.
 
     Parameters
     ----------
-    cases, run, solutions : as they were simulated
-    bodies : whose bases are assessed, by name
-    dampings : of these bodies in each case
+    cases, run, solutions : as simulated
+    bodies : bodies whose bases are assessed, by name
+    dampings : damping of these bodies in each case
     at_rest : whether the runs start at rest, in equilibrium
 
-    Raises ModelError for machines whose equations are not linearised here.
+    Raises ModelError for machines with intrinsic bodies or controllers, which are not linearised here.
     """
     found = [
         {
@@ -180,11 +182,11 @@ def case_indicators(
             for i, each in zip(rows, steps, strict=True)
         ]
         rest = _long(cases[rows[0]], bodies) if at_rest else 0.0
-        # A compiled march goes over as many steps in all its runs.
+        # In one compiled march all runs have the same number of steps.
         lengths = [len(each.times) for each in steps]
         for length in sorted(set(lengths)):
             own = [place for place, each in enumerate(lengths) if each == length]
-            at_once = 1 << (len(own) - 1).bit_length()  # few sizes, each of which is compiled
+            at_once = 1 << (len(own) - 1).bit_length()  # powers of two: few sizes to compile
             states = first_together([equations[place] for place in own], rest=rest, at_once=at_once)
             for place, state in zip(own, states, strict=True):
                 histories = equations[place].histories(state)
@@ -201,7 +203,7 @@ def size_of_motion(body: ReducedBody, motion: FloatingMotion) -> float:
 
 
 def _seen_instants(system: System, run: Run, solution: Solution) -> Solution:
-    """The run at every step; of a long one at fewer instants, between which the error takes longer steps."""
+    """The run at every step; a long run at fewer times, between which the error takes longer steps."""
     seen = solution if len(solution.times) > MOST_INSTANTS else every_step(system, run, solution).solution
     return seen.at(slice(None, None, -(-(len(seen.times) - 1) // MOST_INSTANTS)))
 
@@ -212,5 +214,5 @@ def _bounded(history: ErrorHistory, size: float) -> Indicated:
 
 
 def _long(system: System, bodies: Mapping[str, IndicatorBody]) -> float:
-    """A time long against the vibrations of all bodies."""
+    """A time much longer than the vibration periods of all bodies."""
     return SLOWNESS / min(reduced_form(system, name).lowest_frequency() for name in bodies)

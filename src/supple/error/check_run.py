@@ -1,10 +1,10 @@
-"""What the bases of a finished run cost, by one more run with much richer ones.
+"""Error of a finished run caused by its bases, by one more run with much richer bases.
 
-The richer bases hold the old one, the lowest vibrations in the frame and the leading directions of the motion
-outside its basis (`system_corrections`): 24 and 12. Beside controllers, whose forces at an instant are
-known to the run alone, that motion is not known: there the richer bases hold the static shapes of the
-interfaces and compressed derivatives instead. On accepted runs whose own statement was 0.2 to 0.6 of
-the truth, the distance to such a run was 0.75 to 1.0 of it.
+The richer bases contain the old basis, the 24 lowest modes in the frame and 12 leading directions of the
+motion outside the basis (`system_corrections`). With controllers that motion is unknown, because the
+controller forces are known during the run only. Then the richer bases contain the static shapes of the
+interfaces and compressed derivatives instead. On accepted runs whose own estimate was 0.2 to 0.6 of the true
+error, the distance to such a run was 0.75 to 1.0 of it.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ __all__ = ["check_run"]
 
 MODES, DIRECTIONS = 24, 12
 INSTANTS = 50
-SHORTER_STEPS = "take shorter steps, or softer stops and springs, so that richer bases come to the end"
-"""The remedy where the run with richer bases breaks off."""
+SHORTER_STEPS = "take shorter steps, or softer stops and springs, so that the richer bases reach the end"
+"""Remedy where the run with richer bases stops early."""
 
 
 def check_run(
@@ -57,13 +57,13 @@ def check_run(
     missed: Mapping[str, np.ndarray] | None = None,
     progress: StepProgress | None = None,
 ) -> dict[str, ErrorPart]:
-    """The part of the bases in some quantities of a finished run, by their names.
+    """Error of a finished run caused by its bases, by name of the quantity of interest.
 
     fulls, bases : of the reduced bodies whose bases are assessed, by name
     missed : (n, m) displacement fields outside each basis; None: found here at `INSTANTS` times
     """
     report = progress or (lambda _step, _share: None)
-    step = "what the bases miss"
+    step = "motion outside the bases"
     report(step, 0.0)
     added = missed or {}
     if missed is None and not system.controllers:
@@ -86,9 +86,9 @@ def check_run(
             finer, replace(run, validity=Validity()), progress=lambda x: report(step, x), check=False
         )
     besides = "static shapes with derivatives" if system.controllers else "corrections"
-    how = f"a run with {MODES} modes and {DIRECTIONS} {besides} more"
+    how = f"a run with {MODES} more modes and {DIRECTIONS} more {besides}"
     if check.stopped is not None:
-        unknown = ErrorPart(np.inf, f"no estimate: {how} broke off: {check.stopped}", SHORTER_STEPS)
+        unknown = ErrorPart(np.inf, f"no estimate: {how} stopped early: {check.stopped}", SHORTER_STEPS)
         return {each.name: unknown for each in quantities}
     return {
         each.name: ErrorPart(quantity_distance(each, system, solution, finer, check), how, ENRICH)
@@ -97,7 +97,7 @@ def check_run(
 
 
 def _richer(full: FullBody, basis: ReductionBasis, missed: np.ndarray | None) -> ReductionBasis:
-    """The basis with modes and the motion outside it; where unknown, with the columns of another start."""
+    """The basis with modes and the motion outside it; where that is unknown, with another start basis."""
     n_modes = min(MODES, max(full.n_coordinates - 8, 1))
     modes = reduction_basis(full.body, full.frame, NormalModes(n_modes), derivatives=NoDerivatives())
     more = enrich(full.body, basis, modes.vectors, n_modes).basis

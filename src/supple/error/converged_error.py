@@ -1,4 +1,4 @@
-"""Errors that are not small: the error equation once more about what it found, until that converges."""
+"""Errors that are not small: Newton iterations of the error equation about the corrected motion."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ __all__ = [
 ]
 
 SMALL_SECOND = 0.02
-"""A second correction below it is not made: the first is right to as much."""
+"""A smaller second correction is not computed: the first is accurate to this ratio."""
 CLEAR_SECOND = 0.1
-"""A second correction below it is not made of an error that is `CLEARLY` larger than what is allowed."""
+"""The same for an error that is `CLEARLY` larger than the allowed error."""
 CLEARLY = 2.0
 SWEEPS = 3
-"""About the corrected motion, at most."""
+"""Largest number of iterations about the corrected motion."""
 SMALL_TURN = 0.02
-"""Error of a frame's turn, rad, below which it counts as small."""
+"""Error of a frame's rotation, rad, that counts as small."""
 DEFORMED = 8
 
 Differences = tuple[ErrorState, Mapping[str, ErrorHistory], dict[str, float]]
-"""Differences of the true motion and a run's; what they are of each body; their last change, by body."""
+"""True motion less the run's motion; the errors and their last relative change, both by body."""
 
 
 def converged(
@@ -44,12 +44,12 @@ def converged(
     *,
     smooth: bool = True,
 ) -> Differences:
-    """The differences about the corrected motion, once more until they change no more, and the last change.
+    """Iterate the error equation about the corrected motion until the differences converge.
 
-    Each time is a step of Newton's method for the motion itself. Where it does not converge, the first is as
-    good a guess as any, and no more than that. Where forces have kinks, a small change may be that of a
-    sweep between them, and errors of the size of the deformation are far from the run: there more sweeps are
-    made, until the change is small.
+    Each iteration is a Newton step for the motion itself. Without convergence the first differences are
+    returned, as an order of magnitude. Where forces have kinks, a small change can be an oscillation between
+    two sides of a kink; errors of the size of the deformation are far from the run. In both cases the
+    iteration continues to a smaller change.
     """
     found, own, changes = first, histories, dict.fromkeys(histories, np.inf)
     if not is_finite(histories):
@@ -70,12 +70,12 @@ def converged(
 
 
 def is_finite(histories: Mapping[str, ErrorHistory]) -> bool:
-    """Whether errors are numbers at every step."""
+    """Whether the errors are finite at every step."""
     return all(bool(np.isfinite(history.rms).all()) for history in histories.values())
 
 
 def is_small(histories: Mapping[str, ErrorHistory], second: Mapping[str, float]) -> bool:
-    """Whether errors are small, by their second corrections, the turns of the frames and the deformation."""
+    """Whether errors are small: second corrections, frame rotations, and size relative to the deformation."""
     small = max(second.values()) <= SMALL_SECOND and _largest_turn(histories) <= SMALL_TURN
     return small and not any(map(is_large, histories.values()))
 
@@ -83,9 +83,9 @@ def is_small(histories: Mapping[str, ErrorHistory], second: Mapping[str, float])
 def is_clearly_larger(
     histories: Mapping[str, ErrorHistory], second: Mapping[str, float], allowed: Mapping[str, float]
 ) -> bool:
-    """Whether an error is so much larger than what is allowed to its body that its first order suffices.
+    """Whether an error exceeds the allowed error so clearly that its first order suffices.
 
-    Rounds of a self-correction that cannot be the last take a sweep less, which is a third of their cost.
+    Such a round of a self-correction is not the last one. It needs one iteration less, a third of its cost.
     """
     small = max(second.values()) <= CLEAR_SECOND and _largest_turn(histories) <= CLEAR_SECOND
     larger = any(
@@ -100,7 +100,7 @@ def deformed_rows(n_steps: int) -> np.ndarray:
 
 
 def deflection(history: ErrorHistory) -> float:
-    """Largest RMS over the nodes of the deformation of the run itself."""
+    """Largest RMS over the nodes of the run's own deformation."""
     motion = history.body.motion
     rows = deformed_rows(len(motion.coordinates))
     fields = history.body.full.expand(motion.vectors.T)
@@ -109,21 +109,21 @@ def deflection(history: ErrorHistory) -> float:
 
 
 def is_large(history: ErrorHistory) -> bool:
-    """Whether an error has the size of the deformation.
+    """Whether an error is as large as the deformation.
 
-    A small second correction does not show then that it is right, as the linearised march may have grown
-    without bound; sweeps that converge do, in columns that have the motion outside the basis.
+    Then a small second correction is no proof of accuracy, because the linearised march may have diverged.
+    Converged iterations are a proof, in columns that contain the motion outside the basis.
     """
     return bool(history.rms.max() > FIRST_ORDER * deflection(history))
 
 
 def _largest_turn(histories: Mapping[str, ErrorHistory]) -> float:
-    """Of the frames' errors, rad."""
+    """Largest error of the frames' rotations, rad."""
     return max(float(np.abs(history.turn).max()) for history in histories.values())
 
 
 def _change(first: ErrorHistory, again: ErrorHistory) -> float:
-    """Largest distance of two estimates of an error, over the first."""
+    """Largest difference of two estimates of an error, over the first."""
     if not np.isfinite(again.rms).all():
         return np.inf
     rows = np.unique([int(np.argmax(first.rms)), int(np.argmax(again.rms))])

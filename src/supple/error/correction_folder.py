@@ -1,9 +1,9 @@
-"""A self-correcting reduction that lives on disk: the bases and the motion of every round, as they come.
+"""A self-correcting reduction on disk: the bases and the motion of every round, written as they are computed.
 
 round-<k>.h5        the motion of run k, a result file (see `storage`)
-round-<k>.stopped   why run k ended before its last output time, where it did
-round-<k>.npz       written before run k starts: per body its basis V and where the columns come from, and
-                    the motion found outside the bases of the run before; with a seal behind its last byte
+round-<k>.stopped   the reason why run k ended before its last output time, if it did
+round-<k>.npz       written before run k starts: per body its basis V, the origin of its columns, and the
+                    motion found outside the bases of run k - 1; the file ends in a seal
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ __all__ = ["CorrectionFolder"]
 
 
 class CorrectionFolder:
-    """Keeps the rounds of a self-correction (a `RoundArchive`); the next one reads what the last one kept.
+    """Stores the rounds of a self-correction in a folder (a `RoundArchive`), from which it can be resumed.
 
-    A round that was finished is read, and a run that was cut off goes on, to the same last digit. Computed
-    again are the projections of the bodies on their bases and the distances between the runs.
+    Finished rounds are read from the folder. An interrupted run is continued with bit-identical results. The
+    projections of the bodies on their bases and the distances between the runs are computed again.
 
         self_correct(..., archive=CorrectionFolder.create(folder, case=text))
     """
@@ -51,9 +51,9 @@ class CorrectionFolder:
 
     @classmethod
     def create(cls, folder: Path | str, *, case: str, inputs: Inputs | None = None) -> Self:
-        """Begin anew, without the rounds that are there.
+        """Start a new archive, and delete the rounds in the folder.
 
-        inputs : what the rounds depend on, kept with each; by default those of its system, run and case
+        inputs : what the rounds depend on, stored with each; by default those of its system, run and case
 
         Raises
         ------
@@ -70,11 +70,11 @@ class CorrectionFolder:
 
     @classmethod
     def resume(cls, folder: Path | str, *, case: str, inputs: Inputs | None = None) -> Self:
-        """Go on with the rounds that are there; inputs as for `create`.
+        """Continue with the rounds in the folder; inputs as for `create`.
 
         Raises
         ------
-        ResultFileError     they belong to another case, or to other inputs, or cannot be read
+        ResultFileError     the rounds belong to another case, or to other inputs, or cannot be read
         """
         archive = cls(folder, case=case, inputs=inputs)
         first = archive.motion(0)
@@ -94,18 +94,18 @@ class CorrectionFolder:
 
     @property
     def is_begun(self) -> bool:
-        """Whether there are rounds."""
+        """Whether the folder contains rounds."""
         return any(self.folder.glob("round-*.npz"))
 
     def motion(self, number: int) -> Path:
-        """Result file of a run."""
+        """Path of the result file of run `number`."""
         return self.folder / f"round-{number}.h5"
 
     def _bases(self, number: int) -> Path:
         return self.folder / f"round-{number}.npz"
 
     def read_bases(self, number: int, fulls: Mapping[str, FullBody]) -> RoundBases | None:
-        """Bases kept for a run; ResultFileError where they are damaged or of another mesh."""
+        """Bases stored for a run; ResultFileError where they are damaged or belong to another mesh."""
         path = self._bases(number)
         if not path.exists():
             return None
@@ -136,7 +136,7 @@ class CorrectionFolder:
         return RoundBases(bases, missed, seconds, besides)
 
     def keep_bases(self, number: int, bases: RoundBases) -> None:
-        """Write the bases of a run, unless they were read."""
+        """Write the bases of a run, unless its file exists."""
         path = self._bases(number)
         if path.exists():
             return
@@ -155,7 +155,7 @@ class CorrectionFolder:
             temporary.write_bytes(sealed(image.getvalue()))
 
     def simulate(self, number: int, system: System, run: Run, *, progress: Progress) -> Solution:
-        """Run a round, or what is left of it; read it where it is complete, or stopped by itself."""
+        """Simulate a run or its remainder; read it from its file where it is complete or stopped early."""
         path = self.motion(number)
         stopped = self._stopped(number)
         if stopped.exists():
@@ -171,7 +171,7 @@ class CorrectionFolder:
         return solution
 
     def _stopped(self, number: int) -> Path:
-        """Why a run ended before its last output time, where it did."""
+        """Path of the file with the reason why a run ended before its last output time."""
         return self.folder / f"round-{number}.stopped"
 
 
@@ -184,7 +184,7 @@ def _basis(kept: Mapping[str, np.ndarray], name: str, full: FullBody) -> Reducti
 
 
 def _plain_report(report: ReductionReport) -> dict[str, Any]:
-    """The labels and seconds of a report."""
+    """The mappings and tuples of a report as JSON takes them."""
     every = {item.name: getattr(report, item.name) for item in fields(report)}
     return {
         name: dict(value) if isinstance(value, Mapping) else value

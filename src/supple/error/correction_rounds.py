@@ -1,4 +1,4 @@
-"""The error that a self-correcting reduction is to reach, its rounds, and what comes out."""
+"""Target error, rounds and results of a self-correcting reduction."""
 
 from __future__ import annotations
 
@@ -36,18 +36,18 @@ __all__ = [
 
 @dataclass(frozen=True)
 class SelfCorrection:
-    """The error to reach, and how to get there.
+    """The target error of a self-correction, and its limits.
 
     absolute : float        largest RMS error of the nodal positions over the run, unit of length; or
-    relative : float        the same over the largest displacement of a node, seen from the body's first
-                            interface (in its floating frame where it has none)
-    instants : int          steps of a run at which its residual is balanced, at random in equal intervals;
-                            besides those where loads peak or kink
-    directions : int        columns added a round; fewer save a column here and there, but one stiff
-                            direction left out locks the others, and costs a round
-    largest_size : int      of the basis
-    max_rounds : int        enrichments before giving up
-    of : QuantityOfInterest     what the error is of; by default the positions of all nodes of the body
+    relative : float        the same over the largest displacement of a node, relative to the body's first
+                            interface (to its floating frame where it has none)
+    instants : int          number of stratified samples of the run at which the residual is balanced, in
+                            addition to the times of load peaks and kinks
+    directions : int        columns added per round; fewer may save single columns, but a stiff direction that
+                            is left out locks the others and takes a further round
+    largest_size : int      largest number of coordinates of the basis
+    max_rounds : int        largest number of enrichments
+    of : QuantityOfInterest     whose error is limited; by default the positions of all nodes of the body
     Raises ModelError when both or none of absolute and relative are given, or a number is not positive.
     """
 
@@ -62,13 +62,13 @@ class SelfCorrection:
     def __post_init__(self) -> None:
         check_fields(self)
         if (self.absolute is None) == (self.relative is None):
-            raise ModelError("self-correction: give the error to reach either as absolute or as relative")
+            raise ModelError("self-correction: give the target error either as absolute or as relative")
         for name, value in vars(self).items():
             if name != "of" and value is not None and not (np.isfinite(value) and value > 0):
                 raise ModelError(f"self-correction: {name} must be a positive number, not {value}")
 
     def allowed(self, size: float) -> float:
-        """The error to reach in a quantity of a size: of the whole body, its largest displacement."""
+        """The target error of a quantity; size : for the whole body, its largest displacement."""
         return self.absolute or (self.relative or 0.0) * size
 
     def quantity(self, body: str) -> QuantityOfInterest:
@@ -77,7 +77,7 @@ class SelfCorrection:
 
     @property
     def wanted(self) -> str:
-        """The error to reach, in words."""
+        """The target error as text."""
         if self.relative is None:
             return f"{self.absolute:g}" if self.of is None else f"{self.absolute:g} in {self.of.words}"
         return f"{self.relative:g} of " + ("the displacement" if self.of is None else self.of.words)
@@ -85,11 +85,11 @@ class SelfCorrection:
 
 @dataclass(frozen=True)
 class ReductionStart:
-    """Where the reduction of a body starts, and the error at which it may stop.
+    """Start of the reduction of one body, and its target error.
 
     target : SelfCorrection
-    basis, derivatives, quartic : as for `reduce`; plain tensors, as the rounds add the directions that bodies
-        lack, and those of the run are then all that may move: loads act on every motion that takes part
+    basis, derivatives, quartic : as for `reduce`; the default is plain (not condensed) tensors, because the
+        rounds add the missing directions themselves: all motion is then in the basis, where loads act on it
     """
 
     target: SelfCorrection = field(default_factory=lambda: SelfCorrection(relative=1e-3))
@@ -103,23 +103,23 @@ class ReductionStart:
 
 @dataclass(frozen=True, eq=False)
 class Round:
-    """One run and the error found of the basis of one body.
+    """One run of a self-correction and the estimated error of the basis of one body.
 
     body : ReducedBody
-    solution : Solution             up to where the run broke off, if it did
+    solution : Solution             up to the time at which the run stopped
     estimated_error : float         largest RMS error of the nodal positions over the run, by the error
-                                    equation; infinite where the run broke off, or where the error is too
-                                    large for it
+                                    equation; infinite where the run stopped early or the error is too large
+                                    for the equation
     indicator : float               largest RMS of the motion outside the basis, at the sample times
-    singular_values : (k,)          of that motion outside the basis, in the M-norm, descending; none of a
-                                    body that is enriched no more
+    singular_values : (k,)          of that motion outside the basis, in the M-norm, descending; empty for a
+                                    body that is not enriched further
     seconds : float                 wall time of the reduction, the run and its correction, of all bodies
-    allowed : float                 the error to reach, unit of length
-    useless : bool                  no better than the round before
-    unconfirmed : bool              the body locks, or lacks more motion at rest than the error estimated,
-                                    and no second run has confirmed that error
-    number : int | None             of its run, as it is archived; that of the round where it is left out
-    run : Run | None                how it was stepped
+    allowed : float                 the target error, unit of length
+    useless : bool                  no improvement over the previous round
+    unconfirmed : bool              the body locks, or the motion outside the basis at rest exceeds the
+                                    estimated error, and no second run has confirmed that error
+    number : int | None             number of its run in the archive; None: the number of the round
+    run : Run | None                the settings of the run as it was stepped
     """
 
     body: ReducedBody
@@ -145,9 +145,9 @@ class Round:
 
 @dataclass(frozen=True, eq=False)
 class SelfCorrected:
-    """A reduced body that meets a tolerance on a run, and the rounds that led to it.
+    """A reduced body that meets its target error on a run, and the rounds of its self-correction.
 
-    rounds : Round              the last one meets the tolerance
+    rounds : Round              the last one meets the target
     basis : ReductionBasis      of the last round
     """
 
@@ -156,12 +156,12 @@ class SelfCorrected:
 
     @property
     def body(self) -> ReducedBody:
-        """The smallest body that meets the tolerance."""
+        """The reduced body of the last round."""
         return self.rounds[-1].body
 
     @property
     def solution(self) -> Solution:
-        """Its run."""
+        """The run of the last round."""
         return self.rounds[-1].solution
 
     @property
@@ -172,12 +172,12 @@ class SelfCorrected:
 
 @dataclass(frozen=True, eq=False)
 class CorrectedSystem:
-    """A system whose reduced bodies all meet their tolerances on one run.
+    """A system whose reduced bodies all meet their target errors on one run.
 
     system : System                     with the reduced bodies
-    bodies : SelfCorrected, by name     their rounds, which are the same runs
-    run : Run                           as it was stepped; None where that is the run that was asked for
-    of_basis : ErrorPart, by quantity   what the bases cost in the quantities of a study besides the targets
+    bodies : SelfCorrected, by name     their rounds, with shared runs
+    run : Run                           settings of the accepted run; None: unchanged from the given ones
+    of_basis : ErrorPart, by quantity   reduction error of the further quantities of interest of a study
     """
 
     system: System
@@ -187,12 +187,12 @@ class CorrectedSystem:
 
     @property
     def solution(self) -> Solution:
-        """The run."""
+        """The accepted run."""
         return next(iter(self.bodies.values())).solution
 
 
 class SelfCorrectionError(AccuracyError):
-    """The tolerance was not met; `rounds` keeps every run that was made and measured."""
+    """The target error was not met; `rounds` holds every run that was made and assessed."""
 
     def __init__(self, message: str, rounds: tuple[Round, ...]) -> None:
         super().__init__(message)

@@ -1,7 +1,7 @@
-"""Self-correction at rest: find an equilibrium or modes, enrich by what the bases miss of them.
+"""Self-correction at rest: find an equilibrium or modes, and enrich the bases by the motion outside them.
 
-No run is needed: an equilibrium with all coordinates is one factorisation away from the reduced one, and what
-it finds missing holds that very equilibrium. So a round or two suffice.
+No time integration is needed. The equilibrium in all coordinates is one factorisation away from the reduced
+one, and the enriched basis contains it. One or two rounds therefore suffice.
 """
 
 from __future__ import annotations
@@ -45,21 +45,21 @@ class MotionOutsideBasis(NamedTuple):
 
     @property
     def is_met(self) -> bool:
-        """Whether the error is allowed; never of one that is not known."""
+        """Whether the error is known and allowed."""
         return self.error <= self.allowed
 
 
 Look = Callable[[System, Mapping[str, FullBody]], Mapping[str, MotionOutsideBasis]]
-"""Finds what is asked of a reduced machine, and what its bases miss of it, by name of the body."""
+"""Solves a reduced machine; returns the motion outside its bases, by name of the body."""
 
 
 @dataclass(frozen=True, eq=False)
 class StaticallyCorrected:
-    """A machine whose bases keep to the error.
+    """A machine whose bases meet their target errors at rest.
 
-    system : System         with its bodies reduced, placed as they were
+    system : System         with its bodies reduced, in their given placements
     bases : ReductionBasis  by name
-    missed : by name, of each round the motion outside the basis
+    missed : by name, the motion outside the basis in each round
     """
 
     system: System
@@ -75,16 +75,16 @@ def correct_at_rest(
     spin: Spin | None = None,
     search: StaticSearch | None = None,
 ) -> tuple[Equilibrium, StaticallyCorrected]:
-    """Reduce bodies of a system together, as far as the error allows that they have in an equilibrium.
+    """Reduce bodies of a system together until their error in an equilibrium is allowed.
 
-    system : System     each body to reduce is in it as a FullBody, which holds its frame and damping
-    target : the error to reach, of every full body (SelfCorrection); with the basis to start from
-        (ReductionStart); or such a start for each body that is named, the others staying as they are
-    time, spin, search : of the `equilibrium`
+    system : System     contains each body to reduce as a FullBody, with its frame and damping
+    target : the target error of every full body (SelfCorrection); with the start basis (ReductionStart); or
+        such a start for each named body, while the others stay as they are
+    time, spin, search : as for `equilibrium`
 
     Raises
     ------
-    SelfCorrectionError     the error is not met in the rounds or coordinates allowed
+    SelfCorrectionError     the error is not met with the allowed rounds or coordinates
     ModelError              nothing to reduce, a body that is not full; errors of `equilibrium` and `reduce`
     ConvergenceError        no equilibrium
     """
@@ -101,7 +101,7 @@ def correct_at_rest(
 
 
 def missed_at_rest(found: Equilibrium, starts: Mapping[str, ReductionStart]) -> dict[str, MotionOutsideBasis]:
-    """What the bases miss of an equilibrium, in the quantities that their targets name."""
+    """Motion outside the bases in an equilibrium, in the quantities of interest of their targets."""
     missed = {}
     for name, start in starts.items():
         quantity = start.target.quantity(name)
@@ -117,7 +117,7 @@ def missed_at_rest(found: Equilibrium, starts: Mapping[str, ReductionStart]) -> 
 def correct_statically(
     system: System, starts: Mapping[str, ReductionStart], look: Look
 ) -> StaticallyCorrected:
-    """Rounds of `look` and enrichment until every body meets its target; errors as above."""
+    """Repeat `look` and enrichment until every body meets its target; errors as for `correct_at_rest`."""
     fulls = system.bodies_of(FullBody)
     if not starts or not starts.keys() <= fulls.keys():
         other = next((name for name in starts if name not in fulls), None)
@@ -151,13 +151,13 @@ def correct_statically(
 
 
 def _check_prospects(name: str, target: SelfCorrection, rounds: list[MotionOutsideBasis], size: int) -> None:
-    """SelfCorrectionError where the next round would be one too many, or too large."""
+    """Raise SelfCorrectionError where the rounds or the allowed coordinates are used up."""
     if not np.isfinite(rounds[-1].error):
         reason = "no equilibrium was found with all its coordinates, to compare with"
     elif size > target.largest_size:
         reason = f"the next basis would have {size} coordinates, more than {target.largest_size} allowed"
     elif len(rounds) > target.max_rounds:
-        reason = f"{target.max_rounds} rounds are over"
+        reason = f"all rounds are used up (max_rounds = {target.max_rounds})"
     else:
         return
     errors = ", ".join(f"{each.error:.2g}" for each in rounds)
@@ -174,9 +174,9 @@ def _reduced(
     starts: Mapping[str, ReductionStart],
     bases: Mapping[str, ReductionBasis],
 ) -> System:
-    """The machine with its bodies on the bases, as deformed at the start as these allow."""
+    """The machine with its bodies on the bases; their initial deformation is projected on these."""
     with warnings.catch_warnings():
-        # Stiff motion that the columns lack is missed like any other.
+        # Locking is caused by motion outside the basis, which the rounds find and report.
         warnings.simplefilter("ignore", LockingWarning)
         bodies: dict[str, ReducedBody] = {
             name: project(full.body, bases[name], damping=full.damping, quartic=starts[name].quartic)

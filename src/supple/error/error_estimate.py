@@ -1,4 +1,4 @@
-"""What the bases of a finished reduced run cost, by the error equation, and the motion outside them."""
+"""Error of a finished reduced run caused by its bases, by the error equation; and the motion outside them."""
 
 from __future__ import annotations
 
@@ -56,21 +56,21 @@ __all__ = ["ErrorEstimate", "ErrorEstimator", "estimate_error"]
 
 INSTANTS = 50
 FRESH = 16
-"""Of the instants: those that the space of the error does not know, to see what it lacks."""
+"""Number of the `INSTANTS` that are not used to build the error space: they show what is outside it."""
 WILD = 10.0
-"""Times the deformation: an error larger than that has grown by instability."""
+"""Ratio of error to deformation above which the error is a numerical instability."""
 
 
 @dataclass(frozen=True, eq=False)
 class ErrorEstimate:
-    """What a run's bases cost, and the motion outside them.
+    """Error of a run caused by its bases, and the motion outside them.
 
     error : BasisError
     histories : ErrorHistory, by body       the error at every step of the run
-    missed : (n, m), by body                displacement fields outside the basis, by their size along the run
-    corrections : ResidualCorrections, by body      the static ones among them
-    corrected : the system in the columns of the error and the estimate of its true motion, from
-                which any quantity of the run differs; None without an estimate
+    missed : (n, m), by body                displacement fields outside the basis, scaled as in the run
+    corrections : ResidualCorrections, by body      the quasi-static ones among them
+    corrected : the system in the columns of the error, and the estimate of its true motion, from
+                which the error of any quantity of interest follows; None without an estimate
     factorizations : int    of matrices of the whole system or a body in full
     """
 
@@ -91,38 +91,38 @@ def estimate_error(
     *,
     progress: Progress | None = None,
 ) -> BasisError:
-    """What the bases of a reduced run cost, without a full run: for self-corrected and plain runs alike.
+    """Error of a reduced run caused by its bases, without a full run; for self-corrected and plain runs.
 
-    The error of a run obeys, to first order, the full equations of the system linearised about it, driven by
-    the run's own residual. They are solved for some hundred coordinates a body (`error_equation`), by the
-    run's own integrator with the run's own steps, and once more about the corrected motion where it is not
-    small.
+    To first order the error obeys the full equations of the system, linearised about the run and driven by
+    the run's own residual. They are solved in about a hundred coordinates per body (`ErrorEquation`), with
+    the run's own integrator and steps. Where the error is not small, they are solved again about the
+    corrected motion.
 
     Parameters
     ----------
     system : System         with the bodies to assess as FullBody
-    reduced : System        as it was simulated, with these bodies reduced
+    reduced : System        as simulated, with these bodies reduced
     bases : ReductionBasis  by body
-    run, solution : of the reduced system
+    run, solution : settings and result of the run of the reduced system
     progress : function     called with the completed fraction of the work
 
     Returns
     -------
-    BasisError      by body; infinite where the run broke off or the equation has no finite solution
+    BasisError      by body; infinite where the run stopped early or the equation has no finite solution
 
     Raises
     ------
-    ModelError      bodies that are not full in the one system and reduced in the other
+    ModelError      bodies that are not full in `system`, or not reduced in `reduced`
     AccuracyError   a tangent is singular, as for `system_corrections`
     """
     return ErrorEstimator(system, run).assess(reduced, bases, solution, progress=progress).error
 
 
 class ErrorEstimator:
-    """Assesses the runs of one system, whose full bodies it factors once.
+    """Estimates the errors of runs of one system; its full bodies are factored once.
 
     system : System     with the bodies to assess as FullBody
-    run : Run           of every reduced system
+    run : Run           settings of all these runs
     """
 
     def __init__(self, system: System, run: Run) -> None:
@@ -143,14 +143,14 @@ class ErrorEstimator:
         proven: float = PROVEN,
         progress: Progress | None = None,
     ) -> ErrorEstimate:
-        """What the bases of one run cost; parameters as for `estimate_error`.
+        """Error of one run caused by its bases; parameters as for `estimate_error`.
 
-        instants : at which the residual is balanced, beside those where loads peak or kink
-        allowed : RMS over the nodes, by body: errors that are clearly larger are estimated to first order
-        proven : of the stiffness at rest: what tangents along the run may miss, and an error in its energy
+        instants : number of times at which the residual is balanced, in addition to load peaks and kinks
+        allowed : RMS over the nodes, by body; clearly larger errors are estimated to first order
+        proven : largest error of the tangents along the run, over the stiffness at rest
         """
         fulls = self._to_assess(bases)
-        # Of a run that broke off the motion outside its bases is known, but not what that costs.
+        # For a run that stopped early only the motion outside its bases is known, not the error.
         whole = solution.stopped is None
         steps = every_step(reduced, self._run, solution) if whole else as_outputs(solution)
         looked, fresh = self._instants(steps.solution.times, instants)
@@ -210,7 +210,7 @@ class ErrorEstimator:
         }
         missing = {name: _missing(history, second[name], fields[name]) for name, history in histories.items()}
         corrected = equation.corrected(found, steps.outputs)
-        # Of the corrections; that of the modes and that of the couplings, of each body.
+        # Factorisations: of the corrections; and per body one of the modes and one of the couplings.
         factorizations = max(own.factorizations for own in missed.values()) + 2 * len(fulls)
         return ErrorEstimate(BasisError(errors), histories, missing, missed, corrected, factorizations)
 
@@ -219,7 +219,7 @@ class ErrorEstimator:
         for name in bases:
             if name not in fulls:
                 raise ModelError(
-                    f"error estimate: the system has no full body '{name}' to estimate the error of a basis"
+                    f"error estimate: the system has no full body '{name}': give it as a FullBody"
                 )
         return {name: fulls[name] for name in bases}
 
@@ -253,7 +253,7 @@ class ErrorEstimator:
         return AssessedBody(full, motion, space, full.damping or modal_damping(body))
 
     def start_errors(self, steps: Solution, bases: Mapping[str, ReductionBasis]) -> dict[str, StartError]:
-        """How the full system would start, less how the run did; nothing where both start as placed."""
+        """True start less the start of the run, by body; empty where both start as placed."""
         placed = {each.body.name: each for each in self._system.bodies}
         as_given = all(
             np.array_equal(np.asarray(given), motion[0])
@@ -283,39 +283,41 @@ class ErrorEstimator:
 
 
 def reduced_form(system: System, name: str) -> ReducedBody:
-    """A body of a run as it was reduced; ModelError for another form."""
+    """A body of a run in its reduced form; ModelError for another form."""
     body, reduced = system.placed(name, "error estimate").body, system.bodies_of(ReducedBody)
     if name not in reduced:
-        raise ModelError(f"error estimate: body '{name}' ran as a {type(body).__name__}, not reduced")
+        raise ModelError(
+            f"error estimate: body '{name}' is a {type(body).__name__}: name reduced bodies only"
+        )
     return reduced[name]
 
 
 def check_linearised(system: System) -> None:
-    """ModelError for a machine with intrinsic bodies or controllers, which are not linearised here."""
+    """Raise ModelError for a machine with intrinsic bodies or controllers, which are not linearised here."""
     if system.controllers:
         raise ModelError(
-            "error estimate: the error of a basis is not estimated beside controllers: give the bodies "
+            "error estimate: not available for a machine with controllers: give the bodies "
             "reductions of fixed size and compare with richer ones, or leave the controllers out, "
             "replace(system, controllers=())"
         )
     if intrinsic := system.bodies_of(IntrinsicBody):
         raise ModelError(
-            f"error estimate: beside the intrinsic body '{next(iter(intrinsic))}' the error of a "
-            "basis is not estimated: give the other bodies reductions of fixed size, and compare with "
+            f"error estimate: not available for a machine with intrinsic bodies ('{next(iter(intrinsic))}'): "
+            "give the other bodies reductions of fixed size, and compare with "
             "richer ones"
         )
 
 
 def is_smooth(system: System) -> bool:
-    """Whether a machine has no force elements, which touch, slip and clip.
+    """Whether a machine has no force elements, hence no contacts, friction or limits.
 
-    However small an error is, it may be larger than a depth of contact or what is left to a limit.
+    Even a small error may exceed a contact depth or the distance to a limit.
     """
     return not any(isinstance(load, ForceElement) for load in system.loads)
 
 
 def modal_damping(body: ReducedBody) -> ModalDamping | None:
-    """The ratios of a reduced body whose full one knows no damping; modes beyond its own take the last."""
+    """Modal damping of a reduced body whose full body has none; higher modes take the last ratio."""
     if not body.damping.any():
         return None
     squares, modes = np.linalg.eigh(body.stiffness)
@@ -353,12 +355,12 @@ def _differences(
     allowed: Mapping[str, float],
     smooth: bool,
 ) -> Differences | None:
-    """The differences of the true motion and the run's, and by body what the last sweep changed.
+    """True motion less the run's, the errors by body, and their last relative change by body.
 
-    None where they grow far beyond the deformation itself: not even their order of magnitude is known then.
-    missed_along : motion outside the bases at rest, at many instants
+    None where the differences grow far beyond the deformation: then not even the order of magnitude is known.
+    missed_along : motion outside the bases at rest, at many times
     allowed : as for `ErrorEstimator.assess`
-    smooth : bool   whether elastic second corrections suffice to show how small an error is
+    smooth : bool   whether elastic second corrections suffice to show that an error is small
     """
     found = equation.first()
     histories = equation.histories(found)
@@ -370,8 +372,8 @@ def _differences(
         first = (found, histories, second) if known else converged(equation, found, histories, smooth=smooth)
     nonlinear = not all(history.body.full.is_linear for history in histories.values())
     if nonlinear and max(first[2].values()) > FIRST_ORDER:
-        # The run may be no place to take tangents at: walls that should have buckled, and in the run have
-        # not, let any difference grow. With the motion outside the bases at rest they do not.
+        # Tangents at the run's own state can be unstable: where walls should have buckled but have not in
+        # the run, any difference grows. With the motion outside the bases at rest added, they are stable.
         tangents = equation.with_missed({name: _known(own) for name, own in missed_along().items()})
         about = equation.first(tangents)
         other = converged(equation, about, equation.histories(about), tangents, smooth=smooth)
@@ -387,7 +389,7 @@ def _are_bounded(histories: Mapping[str, ErrorHistory]) -> bool:
 
 
 def _known(missed: ResidualCorrections) -> MissedAtRest:
-    """Where it was found."""
+    """Motion outside the basis at the times where an equilibrium was found."""
     known = np.isfinite(missed.rms)
     return MissedAtRest(missed.times[known], missed.deformation[:, known])
 
@@ -401,9 +403,10 @@ def body_error(
     indicator: float = 0.0,
     withheld: float = 0.0,
 ) -> BodyError:
-    """What a body's error comes to; fresh (n, m) are corrections that its space does not know.
+    """Error of a body from its history.
 
-    indicator, withheld : as of BodyError
+    fresh : (n, m)          corrections that were not used to build the error space
+    indicator, withheld :   as of BodyError
     """
     rms = history.rms[outputs]
     row = int(outputs[np.argmax(rms)])
@@ -414,7 +417,7 @@ def body_error(
         worst_node=int(np.argmax(sizes)),
         worst_time=float(history.times[row]),
         rest=_rest(history, fresh),
-        # Without the motion outside the basis at rest, columns of so large an error may lock.
+        # Without the motion outside the basis at rest, the columns of such a large error may lock.
         second=np.inf if is_large(history) and not np.isfinite(indicator) else second,
         history=rms,
         indicator=indicator,
@@ -423,13 +426,13 @@ def body_error(
 
 
 def no_estimate(solution: Solution) -> BodyError:
-    """Of a run that broke off, or whose error equation grows out of bounds."""
+    """The error of a run that stopped early, or whose error equation diverges: infinite."""
     times = solution.times
     return BodyError(np.inf, np.inf, 0, float(times[-1]), np.inf, None, np.full(len(times), np.inf))
 
 
 def _rest(history: ErrorHistory, fresh: np.ndarray) -> float:
-    """Largest RMS over the nodes of what the space of the error lacks of corrections it does not know."""
+    """Largest RMS over the nodes of the part of `fresh` corrections outside the error space."""
     full, Z = history.body.full, history.body.space.vectors
     outside = fresh - Z @ (Z.T @ (full.body.mass @ fresh))
     moved = full.expand(outside.T)
@@ -437,10 +440,10 @@ def _rest(history: ErrorHistory, fresh: np.ndarray) -> float:
 
 
 def _missing(history: ErrorHistory, second: float, corrections: np.ndarray) -> np.ndarray:
-    """Fields (n, m) that new columns are made of: the corrections, and the error where it is known.
+    """Fields (n, m) for new columns: the corrections, and the error where it is known.
 
-    Where the error's own march has not tolerance, its shapes are those of its instability: of the blade whose
-    walls buckle they take the place of columns that the corrections have found.
+    Where the march of the error has diverged, its shapes are those of the instability. For a blade whose
+    walls buckle they would displace columns found by the corrections.
     """
     if second > FIRST_ORDER and not history.body.full.is_linear:
         return corrections
@@ -448,7 +451,7 @@ def _missing(history: ErrorHistory, second: float, corrections: np.ndarray) -> n
 
 
 def _leading_fields(history: ErrorHistory, number: int) -> np.ndarray:
-    """The error at all steps by its leading directions (n, m), weighing as much as `number` fields."""
+    """Leading directions (n, m) of the error at all steps, weighted as `number` fields."""
     _, sizes, rows = np.linalg.svd(history.coordinates, full_matrices=False)
     weights = sizes * np.sqrt(number / len(history.coordinates))
     return history.deformation @ (rows.T * weights)

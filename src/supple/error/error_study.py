@@ -1,4 +1,4 @@
-"""How wrong is a finished run? Its statement, part by part, for every elastic body and other quantities."""
+"""Error statements of a finished run, part by part, for every elastic body and other quantities."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ __all__ = ["ErrorStudy", "state_errors"]
 
 @dataclass(frozen=True)
 class ErrorStudy:
-    """Which parts of the error of a run are estimated, and in which quantities.
+    """The parts of the error that are estimated, and the quantities of interest.
 
-    basis : bool        the error equation, or one more run with richer bases, for bodies of which all
-                        coordinates are known
-    integration : bool  two more runs: a tighter tolerance, and half the step besides; otherwise the floor of
-                        the integration is all that is stated
-    model : bool        at six instants the forces of all elements, and one solution of the whole system
-    quantities : of interest besides the positions of every elastic body
+    basis : bool        by the error equation, or by one more run with richer bases; for bodies whose full
+                        coordinates are given
+    integration : bool  by two more runs: a tighter tolerance, and in addition half the step; False: only the
+                        floor of the integration error
+    model : bool        at six times: forces of all elements, and one solution of the whole system
+    quantities : of interest, in addition to the positions of every elastic body
     """
 
     basis: bool = True
@@ -59,38 +59,38 @@ def state_errors(
     fulls: Mapping[str, FullBody] | Sequence[FullBody] = (),
     progress: StepProgress | None = None,
 ) -> Solution:
-    """The solution with what is known of its error: `solution.errors`, and `motion.error` of its bodies.
+    """The solution with its error estimates: `solution.errors`, and `motion.error` of its bodies.
 
-    The parts are those of the basis, of the time step, of Newton's tolerance and of the model; `ErrorStudy`
-    states what each costs. A kinematic run has none of them.
+    The parts are those of the basis, the time step, Newton's tolerance and the model; `ErrorStudy` describes
+    how each is found. A kinematic run has none of them.
 
     Parameters
     ----------
-    system, run, solution : the machine as it was simulated, how, and what came out
+    system, run, solution : the machine as simulated, the settings of the run, and its result
     study : ErrorStudy      by default all parts, of every elastic body
-    fulls : the bodies with all their coordinates, which reduced ones were made of: without them the basis is
-        not assessed, and the model by its limit of rotation alone
-    progress : called with the step at work, in words, and the completed fraction of it
+    fulls : the full bodies of the reduced ones; without them the basis is not assessed, and the model by its
+        limit of rotation only
+    progress : called with the name of the current step and its completed fraction
 
     Raises
     ------
-    ModelError      a quantity of a body or joint that is not there, a full body that is not of this machine,
-        a part of an explicit march
+    ModelError      a quantity of an unknown body or joint, a full body that does not belong to this machine,
+        an explicit run
     """
-    if isinstance(run.method, Kinematic):  # nothing was integrated, and no body has deformed
+    if isinstance(run.method, Kinematic):  # no integration, and no body deforms
         return solution
     refuse_explicit(system, run, "an error estimate")
     study, run = study or ErrorStudy(), with_chosen_step(system, run)
     if not isinstance(fulls, Mapping):
         fulls = {full.name: full for full in fulls}
-    # What is found from equations of floating bodies alone is not found beside an intrinsic one.
+    # The equations of floating bodies give no estimates in a machine with an intrinsic body.
     known = {} if system.bodies_of(IntrinsicBody) else _of_machine(system, fulls)
     quantities = quantities_of_interest(system, study)
     bases = stored_bases(system, known)
     of_basis: Mapping[str, ErrorPart] = {}
     if study.basis and bases and solution.stopped is None:
         of_basis = basis_parts(system, run, solution, known, bases, quantities, progress=progress)
-    of_basis = {**of_basis, **line_parts(system, solution)}  # which costs next to nothing
+    of_basis = {**of_basis, **line_parts(system, solution)}  # at negligible cost
     return solution.with_errors(
         statements(system, run, solution, study, known, bases, of_basis, progress=progress)
     )
@@ -117,10 +117,10 @@ def statements(
     quantities: Sequence[QuantityOfInterest] | None = None,
     progress: StepProgress | None = None,
 ) -> dict[str, ErrorStatement]:
-    """The statements of a run whose part of the basis is known, by the names of the quantities.
+    """The error statements of a run, by name of the quantity; the part of the basis is given.
 
     of_basis : by quantity; a full body has no basis and no such part
-    allowed : what the sums are to keep to
+    allowed : limits of the sums
     """
     quantities = quantities_of_interest(system, study) if quantities is None else quantities
     integration = integration_errors(
@@ -128,7 +128,7 @@ def statements(
     )
     model: Mapping[str, ErrorPart] = {}
     if study.model:
-        step = "elements and ties at the widest turns"
+        step = "elements and ties at the largest rotations"
         share = None if progress is None else lambda fraction: progress(step, fraction)
         model = model_errors(system, fulls, bases, solution, quantities, progress=share)
     full_order = system.bodies_of(FullBody)
@@ -150,12 +150,12 @@ def statements(
 
 
 def _of_machine(system: System, fulls: Mapping[str, FullBody]) -> dict[str, FullBody]:
-    """The full bodies that the machine has reduced."""
+    """The full bodies of the reduced bodies of the machine."""
     for name, full in fulls.items():
         body = system.placed(name, "stated error").body
         if len(body.nodes) != len(full.nodes):
             raise ModelError(
-                f"stated error: body '{name}' has {len(full.nodes)} nodes in full and {len(body.nodes)} in "
+                f"error study: body '{name}' has {len(full.nodes)} nodes in full and {len(body.nodes)} in "
                 "the machine; give the body that was reduced"
             )
     in_full = system.bodies_of(FullBody)

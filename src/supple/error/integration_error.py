@@ -1,16 +1,16 @@
-"""What the time integration costs a run: its step, and the tolerance of Newton's iteration.
+"""Error of a run caused by the time integration: its step, and the tolerance of Newton's iteration.
 
-Two more runs of the same machine show it, one with a hundredth of the tolerance, one besides with half the
-step. With q(h) their motions and an integrator of second order, q(h) = q + c h^2 + ..,
+Two more runs of the same machine measure it, the first with a hundredth of the tolerance, the second in
+addition with half the step. With q(h) their motions and an integrator of second order, q(h) = q + c h^2 + ..,
 
     step = 4/3 |q(h) - q(h/2)|,        newton = max( |q_run - q(h)|, 10 tol |u| ),
 
-both in the norm of the quantity of interest. Where a load jumps, a fixed step sees the jump up to half a
-step too early or too late, an error of first order, q(h) = q + c h + .., which falls by 2 instead of 4: there
-the step costs 2 |q(h) - q(h/2)| at most, and so much is stated. Adaptive steps of a local error tol have a
-global one of about tol^(2/3): an eighth of the tolerance, and half the largest step, stand for half the step.
-The tolerance is relative to the forces in balance, so what it leaves is no smaller than some parts of the
-displacement |u| times it: the floor of the integration, below which nothing is stated.
+both in the norm of the quantity of interest. Where a load jumps, a fixed step meets the jump up to half a
+step too early or too late. This error is of first order, q(h) = q + c h + .., and halves with the step. The
+error of the step is then at most 2 |q(h) - q(h/2)|, which is stated. Adaptive steps with local error tol have
+a global error of about tol^(2/3). For these, an eighth of the tolerance and half the largest step replace
+half the step. The tolerance is relative to the forces in balance. The remaining error is therefore at least
+about ten times tol |u|, u the displacement: the floor of the integration error, the smallest value stated.
 """
 
 from __future__ import annotations
@@ -41,20 +41,20 @@ __all__ = ["IntegrationError", "floor_of", "integration_errors", "with_shorter_s
 
 HALF = 0.5
 TIGHTER = 1e-2
-"""Of the tolerance of the run: that of the runs it is compared with."""
+"""Tolerance of the two runs over that of the assessed run."""
 RICHARDSON = 4 / 3
-"""1 / (1 - HALF^2): the whole of an error of second order over its change from h to h/2."""
+"""1 / (1 - HALF^2): error of second order over its change from h to h/2."""
 AT_JUMPS = 2.0
-"""The same of an error of first order."""
+"""The same for an error of first order."""
 FLOOR = 10.0
-"""Displacements times tolerances below which nothing is stated."""
+"""Floor of the error, over displacement times tolerance."""
 TIGHTEST = 1e-12
-"""Relative residual that rounding still allows to ask for."""
+"""Smallest relative residual above round-off."""
 
 
 @dataclass(frozen=True)
 class IntegrationError:
-    """The two parts of one quantity; None where not estimated."""
+    """The two parts for one quantity; None where not estimated."""
 
     step: ErrorPart | None
     newton: ErrorPart
@@ -69,12 +69,12 @@ def integration_errors(
     measured: bool = True,
     progress: StepProgress | None = None,
 ) -> Mapping[str, IntegrationError]:
-    """Error of the step and of the tolerance of a finished run in some quantities, by their names.
+    """Errors of a finished run caused by the step and by the tolerance, by name of the quantity.
 
     Parameters
     ----------
-    system, run, solution : whose error is stated
-    measured : bool     make the two runs; otherwise the floor of the integration is all that is stated
+    system, run, solution : machine, settings and result of the assessed run
+    measured : bool     make the two runs; False: only the floor of the integration error
     """
     floors = {each.name: floor_of(run.tolerances, each.size(system, solution)) for each in quantities}
     if not measured:
@@ -106,17 +106,17 @@ def integration_errors(
 
 
 def floor_of(tolerances: Tolerances, size: float) -> float:
-    """What an integration with these tolerances may leave of a quantity of a size, whatever was measured."""
+    """Floor of the integration error with these tolerances, in a quantity of the given size."""
     return FLOOR * tolerances.residual * size
 
 
 def with_tolerance(run: Run, residual: float) -> Run:
-    """The run with another tolerance of Newton's iteration."""
+    """The run with another relative residual as tolerance of Newton's iteration."""
     return replace(run, tolerances=replace(run.tolerances, residual=residual))
 
 
 def with_shorter_steps(run: Run, factor: float) -> Run:
-    """The run with steps shorter by a factor below one, or local errors smaller by its third power."""
+    """The run with steps multiplied by a factor below one, and local errors by its third power."""
     step = run.step_control
     if isinstance(step, AdaptiveStep):
         shorter = AdaptiveStep(
@@ -133,12 +133,12 @@ def with_shorter_steps(run: Run, factor: float) -> Run:
 
 
 def _below(step: StepControl, first: float) -> float | None:
-    """The smallest step of a run that begins with another first one."""
+    """The smallest step for a run with another first step."""
     return None if step.smallest is None else min(step.smallest, first)
 
 
 def _quiet(system: System, run: Run, words: str, progress: StepProgress | None) -> Solution:
-    """A run that is only measured: the run that is assessed has given its warnings."""
+    """A comparison run without warnings: the assessed run has reported them already."""
     share = None if progress is None else lambda fraction: progress(words, fraction)
     if progress is not None:
         progress(words, 0.0)

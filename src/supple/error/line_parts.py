@@ -1,4 +1,4 @@
-"""The part of the modes in the error of intrinsic bodies: what all modes would make of their motion."""
+"""Error of intrinsic bodies caused by the number of modes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["line_parts"]
 
 
 def line_parts(system: System, solution: Solution) -> dict[str, ErrorPart]:
-    """By name of every intrinsic body whose part is known."""
+    """Error caused by the number of modes, by name of every intrinsic body for which it is known."""
     found = {
         name: ErrorPart(0.0, "no basis: all modes")
         for name, body in system.bodies_of(IntrinsicBody).items()

@@ -1,22 +1,22 @@
-"""The motion that balances the full equations at an instant of a reduced run: modified Newton's method.
+"""Equilibrium of the full equations at a time of a reduced run, by modified Newton's method.
 
-Of the residual r at the run's expanded state (`residual_correction`), the missing motion delta is that which
+With the residual r at the run's expanded state (`residual_correction`), the missing motion delta satisfies
 
     r( q + delta, accelerations + delta / p ) = 0,      D delta = 0,      g( q + delta ) = 0
 
-with the run's velocities and time. One Newton step is enough where the body answers linearly. Where it does
-not, as the wall of a shell that is pulled straight or about to buckle, one step can be wrong by its own size
-and even point the other way; a basis enriched by such directions does not get better.
+with the run's velocities and time. One Newton step is enough where the body responds linearly. Elsewhere one
+step can be wrong by 100 % and even have the wrong sign, for example for the wall of a shell that is pulled
+straight or about to buckle. A basis enriched by such directions does not improve.
 
-The answer at one instant is where the search at the next begins: missing motion grows from nothing, and is
-followed as it grows. A shell whose walls buckle has several equilibria close together, of which the motion
-takes one; instants far apart lose it (on the 61.5 m blade at 8 rad/s those 0.6 s apart do, 0.2 s do not).
-Where it is only followed, a tenth is near enough: the next search begins from there and ends as strictly.
-Tangents are kept from instant to instant while a correction with them leaves less than a third.
+The solution at one time is the start value at the next: missing motion grows from zero and is followed as it
+grows. A shell whose walls buckle has several equilibria close together, and the motion follows one of them.
+Sample times far apart lose it (on the 61.5 m blade at 8 rad/s: 0.6 s apart lost, 0.2 s apart followed). At
+intermediate times a relative correction of a tenth is accurate enough, because the next search has the strict
+tolerance again. A tangent is frozen over several times while it reduces corrections to less than a third.
 
-Not all instants need the others between. Where every correction from the last answer on, by one tangent, is
-less than a third of the one before, the iteration contracts all the way, and the answer is the only one in
-reach: the one that following would have led to. Otherwise the motion is followed from there.
+Not all sample times need intermediate times. Where every correction from the last solution on, with one
+tangent, is less than a third of the previous one, the iteration is a contraction. The solution is then the
+only one nearby, the one that following would have found. Otherwise the motion is followed from there.
 Source: this project's own.
 """
 
@@ -36,29 +36,29 @@ from supple.methods.floating.full.full_system import FullSystem
 __all__ = ["CONVERGED", "FOLLOWED", "MissingMotion", "MissingMotionSearch"]
 
 CONVERGED = 1e-3
-"""A correction over the motion found, below which it is the last."""
+"""Last correction over the motion found: convergence tolerance."""
 FOLLOWED = 0.1
-"""The same at instants that are only on the way to others."""
+"""The same at intermediate times."""
 IRRELEVANT = 1e-7
-"""Of the deformation itself: a correction as small is the last, whatever the motion found."""
+"""Ratio of correction to deformation below which a correction is always the last."""
 FAST, SLOW = 0.3, 0.8
-"""What a correction may be over the one before, with a frozen tangent and with a new one."""
+"""Largest ratio of successive corrections with a frozen tangent, and with a new one."""
 MOST_CORRECTIONS = 12
 MOST_RELAXATIONS = 4
-"""Of one run: they take many factors, and a run that needs more is far off."""
+"""Largest number in one run: they take many factorisations, and a run that needs more is far off."""
 MOST_STEPS_DOWNHILL = 16
 HEAVIER = 1e4
-"""How much more inertia the first step downhill has."""
+"""Factor of the inertia in the first downhill step."""
 LARGEST_MOVE = 0.02
-"""Of a step downhill, over the deformation."""
+"""Largest ratio of a downhill step to the deformation."""
 
 
 @dataclass(frozen=True, eq=False)
 class MissingMotion:
-    """What balances a state.
+    """Change of the state to equilibrium.
 
-    displacement : (n,)                     of all freedoms of the machine, in each body its frame's first
-    multipliers, frame_multipliers :        changes of the forces of joints and of full bodies' frames
+    displacement : (n,)                     of all degrees of freedom of the machine, per body the frame first
+    multipliers, frame_multipliers :        changes of the joint forces and of the frame forces of full bodies
     """
 
     displacement: np.ndarray
@@ -66,7 +66,7 @@ class MissingMotion:
     frame_multipliers: tuple[np.ndarray, ...]
 
     def __add__(self, more: MissingMotion) -> MissingMotion:
-        """Both together."""
+        """The sum of two changes."""
         frames = zip(self.frame_multipliers, more.frame_multipliers, strict=True)
         return MissingMotion(
             self.displacement + more.displacement,
@@ -79,10 +79,10 @@ Search = Callable[[FullState, MissingMotion, float], MissingMotion | None]
 
 
 class MissingMotionSearch:
-    """Finds the missing motion at instant after instant, ascending; keeps the last answer and tangent.
+    """Finds the missing motion at ascending times; keeps the last solution and the tangent.
 
     machine : FullSystem
-    by_position : float     p: accelerations times it are displacements slow against any vibration
+    by_position : float     p; acceleration times p is displacement, for motion slow against all vibrations
     """
 
     def __init__(self, machine: FullSystem, by_position: float) -> None:
@@ -93,12 +93,12 @@ class MissingMotionSearch:
         self._relaxations = 0
         self.factorizations = 0
         self.singular: AccuracyError | None = None
-        """What the last tangent that could not be factored was refused for."""
+        """Why the last tangent could not be factored."""
 
     def at(self, state: FullState, tolerance: float = CONVERGED) -> MissingMotion | None:
-        """What balances a state; None where no search converges, or the tangents are singular.
+        """Missing motion at a state; None where no search converges, or the tangents are singular.
 
-        tolerance : float     part of the motion found that the last correction may have
+        tolerance : float     largest last correction, relative to the motion found
         """
         for search, begin in self._searches(state):
             try:
@@ -112,13 +112,13 @@ class MissingMotionSearch:
         return None
 
     def directly(self, state: FullState, tolerance: float = CONVERGED) -> MissingMotion | None:
-        """The same where the iteration contracts all the way from the last answer; None where it does not."""
+        """The same by the iteration from the last solution; None where it is no contraction."""
         begin = self._beginning(state)
         for _ in range(2 if self._tangent is not None else 1):
             try:
                 found = self._contracted(state, begin, tolerance)
             except AccuracyError:
-                # The search that follows the loads finds whether the tangent is singular on the way, too.
+                # A singular tangent is then reported by the search at the intermediate times.
                 found = None
             if found is not None:
                 self._last = found
@@ -127,9 +127,9 @@ class MissingMotionSearch:
         return None
 
     def response(self, state: FullState, forces: Mapping[str, np.ndarray]) -> MissingMotion:
-        """What further forces (n,) on full bodies, by name, do to first order; joints and frames are held.
+        """Linear response to forces (n,) on full bodies, by name; joint and frame constraints hold.
 
-        What is out of balance besides is left so.
+        The existing residual of the state is not included.
         """
         evaluation = self._evaluated(state, self._none(state))
         tangent = self._factored(evaluation, self._by_position)
@@ -157,7 +157,7 @@ class MissingMotionSearch:
         )
 
     def _beginning(self, state: FullState) -> MissingMotion:
-        """The last deformation alone: frames have moved on since, and the directions of forces with them."""
+        """The last deformation without frame motion: frames and force directions have moved since."""
         none = self._none(state)
         if self._last is None:
             return none
@@ -167,7 +167,7 @@ class MissingMotionSearch:
         return replace(none, displacement=deformation)
 
     def _contracted(self, state: FullState, begin: MissingMotion, tolerance: float) -> MissingMotion | None:
-        """Modified Newton's method with one tangent; None where corrections do not shrink fast at once."""
+        """Modified Newton's method with one tangent; None where corrections shrink too slowly."""
         at, before = begin, np.inf
         for _ in range(MOST_CORRECTIONS):
             more = self._by_frozen_tangent(self._evaluated(state, at))
@@ -176,7 +176,7 @@ class MissingMotionSearch:
             if not rate <= FAST:
                 return None
             at = at + more
-            # The next correction is smaller by the same rate; of the first none is known.
+            # The next correction is smaller by the same ratio; of the first correction no ratio is known.
             if (rate or FAST) * size <= self._last_correction(state, at, tolerance):
                 return at
         return None
@@ -197,19 +197,19 @@ class MissingMotionSearch:
                 if strikes > 1:
                     return None
                 if not new and rate > SLOW:
-                    # The old tangent led astray: the same place once more with its own.
+                    # The frozen tangent is too old: repeat from the same state with a new one.
                     before = np.inf
                     continue
             at = at + more
-            # Where corrections shrink fast, the next one would be smaller by the same rate; of the first, no
-            # rate is known.
+            # Where corrections shrink fast, the next one would be smaller by the same ratio; of the first
+            # correction no ratio is known.
             left = rate * size if 0.0 < rate < FAST else size
             if left <= self._last_correction(state, at, tolerance):
                 return at
         return None
 
     def _relaxed(self, state: FullState, begin: MissingMotion, tolerance: float) -> MissingMotion | None:
-        """Downhill, by implicit steps that grow into Newton's: into an equilibrium that is stable."""
+        """Implicit steps of falling energy that grow into Newton steps: they end in a stable equilibrium."""
         limit = LARGEST_MOVE * self._deformation(state)
         at, by_position = begin, self._by_position / HEAVIER
         self._tangent = None
@@ -229,7 +229,7 @@ class MissingMotionSearch:
         return None
 
     def moved(self, state: FullState, by: MissingMotion) -> FullState:
-        """A state with missing motion added, and the accelerations of that."""
+        """A state with missing motion added, and the corresponding accelerations."""
         frame_multipliers = tuple(
             own + more for own, more in zip(state.frame_multipliers, by.frame_multipliers, strict=True)
         )
@@ -244,7 +244,7 @@ class MissingMotionSearch:
         return self._machine.evaluate(self.moved(state, by), 0.0)
 
     def _by_frozen_tangent(self, evaluation: Evaluation) -> MissingMotion:
-        """A correction by the tangent that is kept, or by that of this place, which is kept from then on."""
+        """A correction with the frozen tangent, or with a new one at this state, which is then frozen."""
         if self._tangent is None:
             self._tangent = self._factored(evaluation, self._by_position)
         return self._more(evaluation, self._tangent)
@@ -262,11 +262,11 @@ class MissingMotionSearch:
         return float(np.linalg.norm(motion.displacement / self._machine.position_scale))
 
     def _last_correction(self, state: FullState, found: MissingMotion, tolerance: float) -> float:
-        """Size of a correction that is the last."""
+        """Largest size of a correction that counts as converged."""
         return max(tolerance * self._size(found), IRRELEVANT * self._deformation(state))
 
     def _factored(self, at: Evaluation, by_position: float) -> FrozenTangent:
-        """The symmetric part, all but the whole at rest; that, where it has no factor without pivots."""
+        """Symmetric part, nearly all of the tangent at rest; all where the factorisation needs pivots."""
         factors = StepFactors(by_position=by_position, by_velocity=0.0)
         still = np.zeros((len(self._machine.interiors), 3))
         self.factorizations += 1

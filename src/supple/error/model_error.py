@@ -1,27 +1,29 @@
-"""What the kinematics of the model cost a run, at the motion that it found.
+"""Error of a run caused by the kinematics of the model, at the motion of the run.
 
-Elements that turn against their body's frame, and rigid interfaces that turn with them, keep strains of third
-order in the turn. At the instants at which a body turns most, the force f of its elements is compared with
-that of the same elements seen each from axes of its own (`turned_force`), and one Newton step of the whole
-system gives by how much the motion would give way,
+Elements that rotate relative to their body's frame, and rigid interfaces that rotate with them, have spurious
+strains of third order in the rotation. At the times of the largest rotations, the force f of the elements is
+compared with that of the same elements in axes of their own (`turned_force`). One Newton step of the whole
+system gives the resulting change of the motion,
 
     K_t delta = - ( f_turned(q) - f(q) ),
 
-joints and frames held as for the motion outside a basis. q is the run's with the motion outside its basis at
-rest (`missing_motion`): the run itself may be compressed along its elements by what its basis cannot relax,
-and K_t nearly singular there. Of a strip of 1 m, bent by a quarter, it made 5 mm of what is 0.1 mm at q.
-Quasi-static: a stiffness that is off moves frequencies too, which a long vibration shows by its phase. What
-is not in it is the mesh.
+with joints and frames constrained as for the motion outside a basis. q is the run's motion plus the motion
+outside its basis at rest (`missing_motion`). The run itself may be compressed along its elements, because its
+basis cannot relax the compression; K_t would be nearly singular there. For a strip of 1 m, bent by a quarter
+of its length, this gave 5 mm instead of 0.1 mm. The estimate is quasi-static: an error of the stiffness also
+changes frequencies, which shows in the phase of long vibrations. The discretisation error of the mesh is not
+included.
 
-A body whose elements are not at hand, or any in a machine with controllers, is assessed by its limit: a
-deflection is off by some 2e-3 at its `rotation_limit` (strips of h/t = 10), by the third power of the turn.
+A body without elements, and any body of a machine with controllers, is assessed by its rotation limit: the
+relative error of a deflection is about 2e-3 at the `rotation_limit` (strips of h/t = 10) and grows with the
+third power of the rotation.
 
-A body that was linearised is compared with the one before, whose quadratic strains shorten it by bending and
-stiffen its membrane. Bent by more than its thickness, its linear motion is out of balance by stretch alone
-(a plate of 4 mm, its nodes displaced by 14: 0.3 m instead of 0.14 mm). It is corrected to second order first;
-Newton's method goes on from there (`MissingMotionSearch`). The error of a linear body without elements is
-theta^2 / 2 of its length, theta its widest turn; where rotations are unknown, that of a cantilever with its
-displacement, 3 u / 2 L.
+A linear body is compared with the original body, whose quadratic strains shorten it by bending and stiffen
+its membrane. If it bends by more than its thickness, its linear motion has a large residual from stretching
+alone (a plate of 4 mm, its nodes displaced by 14 mm: 0.3 m instead of 0.14 mm). It is therefore corrected to
+second order first, and Newton's method continues from there (`MissingMotionSearch`). The error of a linear
+body without elements is theta^2 / 2 of its length, theta its largest rotation. Where rotations are unknown,
+theta is that of a cantilever with the same displacement, 3 u / 2 L.
 """
 
 from __future__ import annotations
@@ -51,11 +53,11 @@ from supple.reduction import ReductionBasis
 __all__ = ["model_errors", "model_errors_by_limit", "widest_instants"]
 
 INSTANTS = 6
-"""At which forces are compared: the widest turn of so many parts of the run."""
+"""Number of times at which forces are compared: the largest rotation in each of as many parts of the run."""
 CANTILEVER = 1.5
-"""Turn of a cantilever's end under a force, over its deflection in parts of its length."""
+"""Rotation of a cantilever's end under a force, over its deflection divided by its length."""
 AT_LIMIT = 2e-3
-"""Relative error of the deflection at the largest rotation that the kinematics describe."""
+"""Relative error of the deflection at the rotation limit of the kinematics."""
 
 
 def model_errors(
@@ -67,18 +69,18 @@ def model_errors(
     *,
     progress: Progress | None = None,
 ) -> dict[str, ErrorPart]:
-    """What kinematics cost a finished run in some quantities, by their names.
+    """Errors of a finished run caused by the kinematics of the model, by name of the quantity.
 
     Parameters
     ----------
-    system, solution : the run, with its bodies reduced
+    system, solution : the machine as simulated, with its bodies reduced, and the result
     fulls : the same bodies with all coordinates, by name; those without elements are assessed by their limit
     bases : of the reduced bodies, by name
-    quantities : positions of bodies among these are assessed by their own motion, all else by that of the
-        body that is worst, in parts of its displacement
+    quantities : positions of one of these bodies are assessed by its own motion; every other quantity by the
+        largest relative error of a body
     """
     seen_bodies = [full for name, full in fulls.items() if full.body.model is not None and name in bases]
-    if system.controllers:  # what they do at an instant is known to the run alone
+    if system.controllers:  # their forces are known during the run only
         seen_bodies = []
     missed: dict[str, ResidualCorrections] = {}
     if seen_bodies:
@@ -94,7 +96,7 @@ def _turned_exactly(
     solution: Solution,
     progress: Progress | None,
 ) -> dict[str, ResidualCorrections]:
-    """By how much the motion would give way, at rest, at the instants of the widest turns; by body."""
+    """Quasi-static change of the motion by exactly rotated elements, at the largest rotations; by body."""
     instants = widest_instants(system, solution)
     seen = expanded_states(system, fulls, bases, solution, instants)
     search = MissingMotionSearch(seen.prepared, seen.by_position)
@@ -133,29 +135,29 @@ def _turned_exactly(
 
 
 def _spurious(body: FlexibleBody, q: np.ndarray) -> np.ndarray:
-    """Forces (n,) of elements and ties that turn exactly, less those of the body."""
+    """Forces (n,) of elements and ties that rotate exactly, less the forces of the body's own kinematics."""
     return turned_force(body, q) - body.force.internal_force(q)
 
 
 def _second_order(body: FlexibleBody, q: np.ndarray) -> np.ndarray:
-    """Forces (f(q) + f(-q)) / 2 (n,): to them linear motion gives way, as it shortens where it is bent.
+    """Even part (f(q) + f(-q)) / 2 (n,) of the internal forces: a bent body shortens under it.
 
-    The linear motion itself is stretched as it bends: Newton's method may go anywhere from there.
+    Linear motion stretches the body as it bends; Newton's method started there may diverge.
     """
     return (body.force.internal_force(q) + body.force.internal_force(-q)) / 2
 
 
 def _with_quadratic_strains(full: FullBody) -> FullBody:
-    """The body as it was before it was linearised; any other as it is."""
+    """The body before it was linearised; any other body unchanged."""
     return replace(full, body=full.body.linearized_from or full.body)
 
 
 def model_errors_by_limit(
     system: System, solution: Solution, *, but: Container[str] = ()
 ) -> dict[str, float]:
-    """RMS error of the nodes of every elastic body, by its widest turn against its limit of rotation.
+    """RMS error of the nodes of every elastic body, from its largest rotation and its rotation limit.
 
-    but : names of bodies that are assessed otherwise
+    but : names of bodies to leave out
     """
     found = {}
     for placed in system.bodies:
@@ -178,7 +180,7 @@ def model_errors_by_limit(
 
 
 def widest_instants(system: System, solution: Solution) -> np.ndarray:
-    """Numbers of the output times, one in each of some parts of the run, at which a body turns most."""
+    """Indices of the output times of largest rotation, one in each of several parts of the run."""
     turns = np.zeros(len(solution.times))
     for placed in system.bodies:
         if placed.body.n_coordinates:
@@ -189,7 +191,7 @@ def widest_instants(system: System, solution: Solution) -> np.ndarray:
 
 
 def _widest_turn(body: BodyForm, motion: FramedMotion) -> np.ndarray:
-    """Largest rotation of material against the frame, (t,), rad; where unknown, the motion's own size."""
+    """Largest rotation of material relative to the frame, (t,), rad; where unknown, from the displacement."""
     rows = body.rotation_rows
     if rows is None:
         return np.linalg.norm(motion.coordinates, axis=1)
@@ -217,7 +219,7 @@ def _part(
             nodes = list(full.interface(at).node_ids if isinstance(at, str) else at)
             moved = _moved(full, missed[quantity.body])[:, nodes]
             value = float(np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1)).max())
-        return ErrorPart(value, "elements and ties turned exactly", remedy)
+        return ErrorPart(value, "elements and ties rotated exactly", remedy)
     shares = [0.0]
     errors = {**limits, **{body: float(own.rms.max()) for body, own in missed.items()}}
     for body, own in errors.items():
@@ -227,11 +229,11 @@ def _part(
         size = largest_displacement(system.placed(body).body, motion.coordinates)
         if size > 0:
             shares.append(own / size)
-    return ErrorPart(max(shares) * quantity.size(system, solution), "in parts of the body's motion", remedy)
+    return ErrorPart(max(shares) * quantity.size(system, solution), "relative to the body's motion", remedy)
 
 
 def _remedy(system: System, name: str | None) -> str:
-    """For one elastic body, or for any of the machine: one that is not in mean axes yet can be."""
+    """Remedy for one elastic body, or for the machine: mean axes where they are not used yet."""
     bodies = [placed.body for placed in system.bodies if placed.body.n_coordinates]
     frames = [getattr(body, "frame", None) for body in bodies if name in (None, body.name)]
     others = [frame for frame in frames if not isinstance(frame, MeanAxisFrame)]
@@ -239,7 +241,7 @@ def _remedy(system: System, name: str | None) -> str:
 
 
 def _moved(full: FullBody, missed: ResidualCorrections) -> np.ndarray:
-    """Missing displacement of the nodes (k, N, 3), in the axes of the body; small turns of the frame."""
+    """Missing displacement of the nodes (k, N, 3), in the axes of the body; small rotations of the frame."""
     if not np.any(missed.origin) and not np.any(missed.rotation):
         return full.expand(frame_projector(full.body, MeanAxisFrame())(missed.deformation).T)
     turned = np.cross(missed.rotation[:, None], full.nodes)

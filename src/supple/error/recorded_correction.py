@@ -1,4 +1,4 @@
-"""A self-correction that lives on disk: its rounds, the motion that is accepted, and the bodies it means."""
+"""Self-correction with its files: the rounds, the accepted run and its reduced bodies."""
 
 from __future__ import annotations
 
@@ -51,24 +51,24 @@ def correct_recorded(
     progress: StepProgress | None = None,
     study: ErrorStudy | None = None,
 ) -> CorrectedSystem:
-    """`self_correct`, keeping the rounds as they are computed, then the accepted run and its bodies.
+    """`self_correct` that writes the rounds as they are computed, then the accepted run and its bodies.
 
     Parameters
     ----------
-    system, run, starts, announce, accepted, progress, study : as for `self_correct`; the validity of the run
-        is that of the run that is accepted alone, for a basis that is too small may well leave it
-    path : result file to write; `self_correction/` and `NAME-reduced.h5` lie beside it
-    case, metadata  kept in the file, for the record
-    inputs : what the motion depends on, kept to continue it, as for `CorrectionFolder.create`
-    resume : go on with the rounds that a run left behind which was cut off
-    overwrite : begin anew, whatever is there
+    system, run, starts, announce, accepted, progress, study : as for `self_correct`; the validity limits of
+        the run apply to the accepted run only, because a run with too small a basis may violate them
+    path : result file to write; `self_correction/` and `NAME-reduced.h5` are written beside it
+    case, metadata : stored in the file
+    inputs : what the motion depends on, stored for a later continuation, as for `CorrectionFolder.create`
+    resume : continue with the rounds of an interrupted run
+    overwrite : start anew and replace existing files
 
     Raises
     ------
-    SelfCorrectionError     an error was not met: what was reached, and the file of the best round; the
-                            rounds in the order in which they were finished
-    ResultFileError         rounds or a result that would be lost; that cannot be written or continued; that
-                            another run is writing; a run that is complete
+    SelfCorrectionError     a target error was not met; its message names the error reached and the file of
+                            the best round, its `rounds` are in the order of completion
+    ResultFileError         existing rounds or results would be lost; files that cannot be written or
+                            continued, or that another run is writing; a run that is complete
     errors of `self_correct`
     """
     path, folder = Path(path), Path(path).parent / ROUNDS_FOLDER
@@ -102,11 +102,11 @@ def _opened(
 ) -> CorrectionFolder:
     if resume:
         if path.exists():
-            # Its error names what has changed, or that there is nothing to continue.
+            # The error names what has changed, or that there is nothing to continue.
             ResultFile.resume(path, case=case, inputs=inputs or {"the case": case}).close()
         return CorrectionFolder.resume(folder, case=case, inputs=inputs)
     if overwrite:
-        # Before its rounds and its bodies: a motion is never seen with bodies that are not its own.
+        # Deleted before the rounds and bodies are replaced: a motion never appears beside other bodies.
         with ExclusiveLock(path):
             path.unlink(missing_ok=True)
     else:
@@ -114,7 +114,7 @@ def _opened(
         if CorrectionFolder(folder, case=case).is_begun:
             raise ResultFileError(
                 f"cannot write {folder}: it holds the rounds of an interrupted run; give resume=True to "
-                "go on with them or overwrite=True to replace them, or write elsewhere"
+                "continue it or overwrite=True to replace it, or choose another path"
             )
     return CorrectionFolder.create(folder, case=case, inputs=inputs)
 
@@ -129,7 +129,7 @@ def _corrected(
     progress: StepProgress | None,
     study: ErrorStudy | None,
 ) -> tuple[CorrectedSystem, list[Round]]:
-    """The self-correction, and its rounds in the order in which they were finished."""
+    """The self-correction, and its rounds in the order of completion."""
     rounds: list[Round] = []
 
     def finished(each: Round) -> None:
@@ -155,5 +155,5 @@ def _corrected(
             )
     except SelfCorrectionError as error:
         best = archive.motion(best_round(correction_numbers(rounds)))
-        raise SelfCorrectionError(f"{error}, and on disk: the best is {best}", tuple(rounds)) from error
+        raise SelfCorrectionError(f"{error}; the best round is in {best}", tuple(rounds)) from error
     return corrected, rounds

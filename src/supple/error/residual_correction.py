@@ -1,20 +1,20 @@
 """Motion outside a basis: the full-order residual along a reduced run, and the motion that balances it.
 
-At an instant of the run the motion is expanded to all coordinates of the body, `q = V gamma + z(gamma)` with
-its rates and accelerations, z the motion that condensed tensors let follow the columns, and the full-order
-equations are evaluated with the run's joint forces. Along V the residual r vanishes; what is left is answered
+At a time of the run the motion is expanded to all coordinates of the body, `q = V gamma + z(gamma)`, with its
+rates and accelerations; z is the motion that condensed tensors add to the columns. The full-order equations
+are evaluated with the run's joint forces. Along V the residual r vanishes. The remaining residual is balanced
 by Newton's method for the whole system (`missing_motion`), with corrections
 
     [ K_t(q) + M / p   D^T   G^T ] [ delta  ]     [ r ]
     [ D                          ] [ mu     ] = - [ 0 ]
     [ G                          ] [ lambda ]     [ 0 ]
 
-K_t is the tangent of the deformed body and of the inertia forces at given accelerations (the centrifugal part
-softens, the tension it raises stiffens). The frame rows D and the joint rows G hold, while the frame, the
-other bodies and the joint forces are free to follow: one clamped interface, closed loops and free flight are
-all of one kind. The inertia M / p gives what a static equilibrium lacks: resistance of rigid motion. delta
-is the missing motion, quasi-statically. Displacements of the run have z at rest at the first interface, these
-equations have it in the body's frame: the rigid motion between the two is taken off delta.
+K_t is the tangent of the deformed body and of the inertia forces at given accelerations (the centrifugal term
+softens, the tension it causes stiffens). The frame rows D and the joint rows G are constraints; the frame,
+the other bodies and the joint forces follow freely. One clamped interface, closed loops and free flight are
+therefore the same case. The inertia M / p resists rigid motion, which a static equilibrium would leave free.
+delta is the missing motion, quasi-static. In displacements of the run, z is zero at the first interface; in
+these equations it is relative to the body's frame. The rigid motion between the two is subtracted from delta.
 """
 
 from __future__ import annotations
@@ -44,27 +44,28 @@ from supple.simulation.full_rest import holds_all
 __all__ = ["ResidualCorrections", "active_constraints", "residual_corrections", "system_corrections"]
 
 _SLOWNESS = 100.0
-"""How many times slower than the body's lowest vibration the missing motion is taken to be: slow enough that
-M / p changes no deflection by a per cent, fast enough that a free body's tangent is regular."""
+"""Factor by which the missing motion is slower than the body's lowest vibration: slow enough that M / p
+changes no deflection by a per cent, fast enough that a free body's tangent is regular."""
 _SLOWNESS_IN_FLIGHT = (3.0, 30.0)
-"""The same where joints leave rigid motion free; less of bodies that spin. Nothing but M / p resists rigid
-motion there: slower, what the run's tolerance leaves out of balance turned a spinning beam by a radian."""
+"""The same where joints leave rigid motion free; the smaller value for rotating bodies. Only M / p resists
+rigid motion there: with slower motion, the residual of the run's tolerance rotated a spinning beam by a
+radian."""
 _SLOWER_THAN_SPIN = 3.0
-"""How many times: where spin is fast, its forces would be more than what M / p resists."""
+"""Ratio to the period of rotation: in fast rotation the inertia forces would exceed what M / p resists."""
 
 
 @dataclass(frozen=True, eq=False)
 class ResidualCorrections:
-    """Missing motion of one body at k instants.
+    """Missing motion of one body at k times.
 
     times : (k,)
     deformation : (n, k)    delta, on the body's coordinates, relative to its frame
     origin : (k, 3)         displacement of the frame's origin, global
     rotation : (k, 3)       of the frame, rad, body components
-    rms : (k,)              root-mean-square displacement of the nodes: in space where the joints determine
-                            all rigid motion; of the deformation alone where the system can move freely,
-                            where no static equilibrium states it; infinite where no equilibrium was
-            found, and the deformation is zero
+    rms : (k,)              root-mean-square displacement of the nodes: in space where the joints fix all
+                            rigid motion; of the deformation alone where the system can move freely, since no
+                            static equilibrium determines its position; infinite where no equilibrium was
+                            found (there the deformation is zero)
     factorizations : int    of tangents of the whole system
     """
 
@@ -80,7 +81,7 @@ class ResidualCorrections:
             object.__setattr__(self, item, read_only(getattr(self, item)))
 
     def at(self, rows: np.ndarray) -> ResidualCorrections:
-        """Those of some of the instants, by their numbers among these."""
+        """The corrections at some of the times, by their indices."""
         return ResidualCorrections(
             self.times[rows],
             self.deformation[:, rows],
@@ -94,7 +95,7 @@ class ResidualCorrections:
 def residual_corrections(
     system: System, full: FullBody, basis: ReductionBasis, solution: Solution, instants: np.ndarray
 ) -> ResidualCorrections:
-    """Motion outside the basis of a finished run at some of its output times; of one body, see below."""
+    """Motion of one body outside its basis at some output times of a run; see `system_corrections`."""
     return system_corrections(system, (full,), {full.name: basis}, solution, instants)[full.name]
 
 
@@ -109,28 +110,28 @@ def system_corrections(
     tolerance: float = CONVERGED,
     progress: Progress | None = None,
 ) -> dict[str, ResidualCorrections]:
-    """Motion that the bases of a finished run miss at some of its output times, by body.
+    """Motion outside the bases of a finished run at some of its output times, by body.
 
-    All bodies are corrected together: the missing motion of one loads the others.
+    All bodies are corrected together, because the missing motion of one body loads the others.
 
     Parameters
     ----------
-    system : System             as it was simulated, with the reduced bodies
-    fulls : FullBody            those to correct, with all their coordinates
+    system : System             as simulated, with the reduced bodies
+    fulls : FullBody            bodies to correct, with all their coordinates
     bases : ReductionBasis      of the reduced bodies, by name
     solution : Solution         of the run
-    instants : int array (k,)   output times to look at, by their number; the motion missed at one is where
-                                the search at the next begins (`MissingMotionSearch`)
-    between : int array         others, along which it is followed from one of the instants to the next where
-                                the search does not lead there directly; none: the search goes on regardless
-    tolerance : float             part of the motion found that its last correction may have
-    progress : function         called with the completed fraction of the instants
+    instants : int array (k,)   indices of output times; the missing motion at one of them is the start value
+                                at the next (`MissingMotionSearch`)
+    between : int array         indices of intermediate times, along which the motion is followed where the
+                                search does not converge directly; None: no intermediate times
+    tolerance : float           largest last correction, relative to the motion found
+    progress : function         called with the completed fraction of the times
 
     Raises
     ------
     ModelError      the system has no such body, or one of another size
-    AccuracyError   tangents are singular at all instants: the body has buckled, or its joints hold a
-                    mechanism in a dead centre
+    AccuracyError   tangents are singular at all times: the body has buckled, or its joints are in a
+                    singular position (dead centre)
     """
     instants = np.asarray(instants)
     others = np.setdiff1d(np.zeros(0, dtype=np.intp) if between is None else between, instants)
@@ -168,7 +169,7 @@ def system_corrections(
 def corrections_of(
     seen: ExpandedStates, fulls: Sequence[FullBody], states: Sequence[FullState], steps: np.ndarray
 ) -> dict[str, ResidualCorrections]:
-    """Steps (k, n) of the whole system from k of its states, body by body."""
+    """Newton steps (k, n) of the whole system from k of its states, body by body."""
     coordinates = np.array([state.configuration.coordinates for state in states])
     rotations = np.array([state.configuration.rotations for state in states])
     times = np.array([state.time for state in states])
@@ -189,11 +190,11 @@ def corrections_of(
 
 @dataclass(frozen=True, eq=False)
 class ExpandedStates:
-    """States of a reduced run with all coordinates of some of its bodies, made one by one.
+    """States of a reduced run with all coordinates of some of its bodies, computed one at a time.
 
     prepared : FullSystem           the machine with these bodies in full
-    indices : of the bodies among those of the machine
-    by_position : float             p: accelerations times it are displacements slow against any vibration
+    indices : indices of these bodies in the machine
+    by_position : float             p; acceleration times p is displacement, for slow motion
     """
 
     prepared: FullSystem
@@ -204,7 +205,7 @@ class ExpandedStates:
     expanded: Mapping[str, _ExpandedMotion]
 
     def state(self, row: int) -> FullState:
-        """At one of the instants, by its number among them."""
+        """The state at one of the times, by its index."""
         return _expanded(self.prepared, self.solution, self.expanded, row, int(self.instants[row]))
 
 
@@ -215,7 +216,7 @@ def expanded_states(
     solution: Solution,
     instants: np.ndarray,
 ) -> ExpandedStates:
-    """The states of a finished reduced run at some of its output times; parameters as above."""
+    """Expanded states of a finished reduced run at some of its output times; parameters as above."""
     indices, reduced = zip(*(_found(system, full, bases[full.name]) for full in fulls), strict=True)
     placed = list(system.bodies)
     for index, full in zip(indices, fulls, strict=True):
@@ -242,31 +243,31 @@ def expanded_states(
 
 
 def active_constraints(system: System, solution: Solution) -> tuple[int, ...]:
-    """The constraint equations that a run kept, by their numbers."""
+    """Indices of the constraint equations of a run without the redundant ones."""
     known = solution.engine_state.get("active")
     if known is not None:
         return tuple(int(index) for index in known)
     with warnings.catch_warnings():
-        # The run has named them already.
+        # The run has reported the redundant ones already.
         warnings.simplefilter("ignore", RedundantConstraintWarning)
         return compiled_start(system, float(solution.times[0])).model.active
 
 
 def _slowness_in_flight(solution: Solution, lowest: float) -> float:
-    """How many times slower than the body's lowest vibration, by how fast the bodies spin."""
+    """Factor by which the motion is slower than the lowest vibration, from the bodies' angular velocities."""
     motions = [solution.motion(name, FramedMotion) for name in solution.bodies]
     spins = [float(np.linalg.norm(own.angular_velocity, axis=1).max()) for own in motions]
     return float(np.clip(lowest / (_SLOWER_THAN_SPIN * max([*spins, 1e-300])), *_SLOWNESS_IN_FLIGHT))
 
 
 def _found(system: System, full: FullBody, basis: ReductionBasis) -> tuple[int, BodyForm]:
-    """Place of a body in the system, and its reduced form there."""
+    """Index of a body in the system, and its reduced form there."""
     index = system.body_index(full.name, "residual correction")
     body = system.bodies[index].body
     if body.n_coordinates != basis.r:
         raise ModelError(
-            f"residual correction: the system holds body '{full.name}' as a {type(body).__name__}, "
-            f"but the run to correct has it reduced to {basis.r} coordinates"
+            f"residual correction: body '{full.name}' is in the system as a {type(body).__name__}; give the "
+            f"simulated system, where it is reduced to {basis.r} coordinates"
         )
     return index, body
 
@@ -290,7 +291,7 @@ def _of_body(
 
 
 class _ExpandedMotion(NamedTuple):
-    """Coordinates (k, n) of one body at the instants; `rigid` (k, 6) as of `RunColumns`."""
+    """Coordinates (k, n) of one body at the times; `rigid` (k, 6) as in `RunColumns`."""
 
     coordinates: np.ndarray
     coordinate_rates: np.ndarray
@@ -325,7 +326,7 @@ def _expanded(
     row: int,
     instant: int,
 ) -> FullState:
-    """State of the run at one output time, with all coordinates of the bodies that were expanded."""
+    """State of the run at one output time, with all coordinates of the expanded bodies."""
 
     def now(item: str, body: str) -> np.ndarray:
         if body in expanded and item.startswith("coordinate"):
@@ -352,7 +353,7 @@ def _expanded(
         acceleration=acceleration,
         auxiliary=acceleration,
         multipliers=multipliers[list(prepared.model.active)],
-        # Frame conditions carry no force: the frame's own six equations balance all nodal forces together.
+        # Frame conditions carry no force: the six frame equations already balance the sum of nodal forces.
         frame_multipliers=tuple(np.zeros(6) for _ in prepared.interiors),
     )
 

@@ -1,4 +1,4 @@
-"""Where the rounds of a self-correction are kept as they are computed, for one that was cut off to go on."""
+"""Archives of the rounds of a self-correction, from which an interrupted one continues."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["MissedMotion", "RoundArchive", "RoundBases"]
 
 
 class MissedMotion(NamedTuple):
-    """What is known of the motion outside a body's basis on a run; see `Round`."""
+    """Motion outside a body's basis on a run; fields as in `Round`."""
 
     indicator: float
     singular_values: np.ndarray
@@ -29,12 +29,12 @@ class MissedMotion(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RoundBases:
-    """What a run starts from.
+    """Bases with which a run starts.
 
     bases : ReductionBasis, by body
-    missed : MissedMotion, by body      of the run before, from which the bases were enriched; empty at first
-    seconds : float                     wall time of the round before
-    besides : float, by quantity        of the run before in quantities of interest (`Problem.besides`)
+    missed : MissedMotion, by body      of the previous run, by which the bases were enriched; empty at first
+    seconds : float                     wall time of the previous round
+    besides : float, by quantity        errors of the previous run in further quantities (`Problem.besides`)
     """
 
     bases: Mapping[str, ReductionBasis]
@@ -44,29 +44,29 @@ class RoundBases:
 
 
 class RoundArchive(Protocol):
-    """Keeps the bases and the motion of every run, numbered from 0; `results.CorrectionFolder` is one."""
+    """Stores the bases and the motion of every run, numbered from 0; example: `CorrectionFolder`."""
 
     def read_bases(self, number: int, fulls: Mapping[str, FullBody]) -> RoundBases | None:
-        """Those kept for a run by a self-correction that was cut off; None where it did not get so far.
+        """The bases stored for a run by an interrupted self-correction; None where there are none.
 
         fulls : the bodies, by name, with their frames
         """
         ...
 
     def keep_bases(self, number: int, bases: RoundBases) -> None:
-        """Called before the run starts."""
+        """Store the bases of a run; called before the run starts."""
         ...
 
     def simulate(self, number: int, system: System, run: Run, *, progress: Progress) -> Solution:
-        """The motion from its start, as far as it goes: `Solution.stopped` is the reason of an early end."""
+        """Simulate from the start or the stored part; `Solution.stopped` is the reason of an early end."""
         ...
 
 
 class InMemoryArchive:
-    """Keeps nothing: all there is of the rounds is in memory."""
+    """An archive without storage: each run is simulated, no bases are read."""
 
     def read_bases(self, number: int, fulls: Mapping[str, FullBody]) -> RoundBases | None:  # noqa: ARG002
-        """None."""
+        """No stored bases: None."""
         return None
 
     def keep_bases(self, number: int, bases: RoundBases) -> None:
@@ -80,5 +80,5 @@ class InMemoryArchive:
         *,
         progress: Progress,
     ) -> Solution:
-        """Just that."""
+        """Simulate the run."""
         return watched_run(system, run, progress=progress, check=False)

@@ -1,4 +1,4 @@
-"""The rounds of a self-correction in numbers, for a table or a file."""
+"""The rounds of a self-correction as numbers, for a table or a file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["best_round", "correction_numbers"]
 
 
 def correction_numbers(rounds: Sequence[Round]) -> list[dict[str, Any]]:
-    """One record a round and body, in their order; errors that are not finite are None."""
+    """One record per round and body, in their order; errors that are not finite are None."""
     met: dict[str, int] = {}
     numbers = []
     for each in rounds:
@@ -36,9 +36,9 @@ def correction_numbers(rounds: Sequence[Round]) -> list[dict[str, Any]]:
 
 
 def best_round(numbers: Sequence[Mapping[str, Any]]) -> int:
-    """Number of the round whose worst body comes nearest to what is allowed; the last if none is known.
+    """Index of the round whose largest error over the allowed error is smallest; the last if none is known.
 
-    Errors that no second run has confirmed are not known.
+    An unconfirmed error counts as unknown.
     """
     worst: dict[int, float] = {}
     for each in numbers:

@@ -1,4 +1,4 @@
-"""Sample times of a run, at which its residual is evaluated: at random in intervals, and where loads peak."""
+"""Sample times of a run, at which its residual is evaluated: stratified samples and load peaks."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from supple.machine.laws.sampled_law import sampled
 __all__ = ["followed", "load_peaks", "stratified_samples"]
 
 MOST_PEAKS = 8
-"""With 50 others, and what a body's modes take: sixty factorisations."""
+"""With 50 samples and the solutions for a body's modes: sixty factorisations."""
 
 FOLLOWED = 100
-"""Besides those that are asked for."""
+"""Number of intermediate times."""
 
 
 def stratified_samples(n_times: int, number: int, seed: int) -> NDArray[np.intp]:
-    """One of the output times 1 .. n_times - 1 at random in each of `number` equal intervals, ascending.
+    """One output time of 1 .. n_times - 1 at random in each of `number` equal intervals, ascending.
 
-    At evenly spread instants a periodic load would look the same each time.
+    Evenly spaced samples could hit a periodic load always at the same phase.
     """
     edges = np.linspace(1, n_times, number + 1)
     draw = np.random.default_rng(seed).uniform(edges[:-1], edges[1:])
@@ -32,7 +32,7 @@ def stratified_samples(n_times: int, number: int, seed: int) -> NDArray[np.intp]
 
 
 def load_peaks(system: System, times: Sequence[float] | NDArray[np.float64]) -> NDArray[np.intp]:
-    """Output times at which laws are largest, or just after they kink; ascending, the start left out."""
+    """Output times at which laws are largest, or just after a kink; ascending, without the start."""
     times = np.asarray(times)
     found: list[float] = []
     for _, law in laws_of(system):
@@ -46,7 +46,7 @@ def load_peaks(system: System, times: Sequence[float] | NDArray[np.float64]) -> 
 
 
 def followed(instants: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Instants and others between, ascending: at all of them missed motion is sought, one after the other."""
+    """Sample times and intermediate times, ascending, along which the missing motion is followed."""
     return np.union1d(instants, np.linspace(1, np.max(instants), FOLLOWED).round().astype(np.intp))
 
 

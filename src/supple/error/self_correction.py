@@ -1,4 +1,4 @@
-"""Self-correcting reduction: a reduced run finds the motion outside its basis, and estimates its error."""
+"""Self-correcting reduction: enrich the bases by the motion outside them until the error is allowed."""
 
 from __future__ import annotations
 
@@ -33,33 +33,33 @@ def self_correct(
     archive: RoundArchive | None = None,
     study: ErrorStudy | None = None,
 ) -> CorrectedSystem:
-    """Reduce bodies of a system together, as far as an error allows that the reduced runs themselves measure.
+    """Reduce bodies of a system together until the estimated error of their run is allowed.
 
-    Start small, run, estimate the error and the motion outside the basis (`estimate_error`),
-    append the leading directions of that to the bases, run again. No full-order time integration is made, and
-    no finer run to measure by: the run's own residual at every step drives its linearised integrator. The
-    motion that it would take to balance the residual at rest, at some instants (`system_corrections`), is
-    among what is appended; its size (`Round.indicator`) is stated beside. Modes inside the band in which the
-    loads excite the body belong in the basis from the start (`load_spectrum` looks).
+    Start with small bases and run. Estimate the error and the motion outside the bases (`estimate_error`).
+    Append the leading directions of that motion to the bases, and run again. Neither a full-order time
+    integration nor a run with a finer basis is needed: the run's own residual at every step drives its
+    linearised integrator. The appended directions include the motion that balances the residual at rest, at
+    some sample times (`system_corrections`); its size is reported as `Round.indicator`. Modes within the
+    frequency band of the loads belong in the basis from the start (checked by `load_spectrum`).
 
-    Every round runs all bodies reduced and enriches them all, until every body meets its error in the same
-    round: through the joints each body has a share in the errors of the others, which only runs that differ
+    Every round runs all bodies reduced and enriches them all, until every body meets its target in the same
+    round. Through the joints each body contributes to the errors of the others, which only runs that differ
     in all bases can show.
 
     Parameters
     ----------
-    system : System     each body to reduce is in it as a FullBody, which holds its frame and damping
-    run : Run           of every round
-    target : the error to reach, of every full body (SelfCorrection); with the basis to start from
-        (ReductionStart); or such a start for each body that is named, the others staying as they are
+    system : System     contains each body to reduce as a FullBody, with its frame and damping
+    run : Run           settings of every round
+    target : the target error of every full body (SelfCorrection); with the start basis (ReductionStart); or
+        such a start for each named body, while the others stay as they are
     announce : function     called with every round as it is finished
-    accepted : function     called with the run whose basis keeps to the error, in every pass, before the
-        other parts that a study names are stated
-    progress : function     called with the step at work, in words, and the completed fraction of it
-    archive : RoundArchive  keeps what is computed, and is read first; none: all is in memory
-    study : ErrorStudy      the error to reach is that of all parts which it names, added up: steps are cut
-                            and tolerances tightened as well (`correct_wholly`); none: that of the basis
-                            alone, at the steps of the run
+    accepted : function     called with the run whose basis meets the target, in every pass, before the
+        other parts of the error in the study are estimated
+    progress : function     called with the name of the current step and its completed fraction
+    archive : RoundArchive  stores the results, and is read first; None: results are in memory only
+    study : ErrorStudy      the target then limits the sum of all parts in the study: steps are shortened and
+                            tolerances tightened as well (`correct_wholly`); None: the error of the basis
+                            alone, with the steps of the run
 
     Returns
     -------
@@ -67,13 +67,13 @@ def self_correct(
 
     Raises
     ------
-    SelfCorrectionError     (an AccuracyError) an error is not met; its `rounds` keep what was computed
+    SelfCorrectionError     (an AccuracyError) a target is not met; its `rounds` hold the results so far
     ModelError              nothing to reduce, a body that is not full; errors of `reduce`
-    ConvergenceError        a run broke off before its first output time
+    ConvergenceError        a run stopped before its first output time
 
     Warns
     -----
-    LoadSpectrumWarning     the loads excite modes that a start lacks; and warnings of `simulate`
+    LoadSpectrumWarning     the loads excite modes outside a start basis; and warnings of `simulate`
     """
     starts = _starts(system, target)
     if not starts:
@@ -96,7 +96,7 @@ def self_correct(
 
 
 def _without_room(corrected: CorrectedSystem) -> CorrectedSystem:
-    """The bodies as they are used from now on, with no coordinates but their own."""
+    """The reduced bodies without padding coordinates."""
     bodies = corrected.bodies
     placed = tuple(
         replace(each, body=bodies[each.body.name].body) if each.body.name in bodies else each

@@ -1,11 +1,11 @@
-"""Useless and doubtful rounds of a self-correction, and the motion outside a basis where they stall.
+"""Useless and doubtful rounds of a self-correction, and the motion outside a basis where rounds stall.
 
-A round that is no better than the one before found nothing, and neither is the next one accepted, whose
-columns are of the same kind: a loop that ends with the first estimate small enough would end with those that
-are too small by chance.
+A useless round has no smaller error than the round before. The next round is then not accepted either,
+because its columns are of the same kind. Otherwise a loop that ends with the first small estimate would
+accept estimates that are too small by chance.
 
-An estimate that is doubtful (`BodyError.is_doubtful`) is accepted once two runs confirm it: their distance
-must be what was estimated of the first.
+A doubtful estimate (`BodyError.is_doubtful`) is accepted once two runs confirm it: their distance must agree
+with the estimated error of the first.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from supple.reduction.locking import TOLERATED
 __all__ = ["MissedPart", "doubt", "is_confirmed", "is_useless", "missed_part", "withheld"]
 
 AGREES = 2.0
-"""Factor between a distance of runs and the error estimated of the first, within which they agree."""
+"""Largest ratio between the distance of two runs and the estimated error of the first, for agreement."""
 
 
 def is_useless(errors: Sequence[float]) -> bool:
@@ -31,21 +31,21 @@ def is_useless(errors: Sequence[float]) -> bool:
 
 
 def withheld(body: ReducedBody) -> float:
-    """Share of a static answer that a reduced body withholds because it locks: stiff motion is missing."""
+    """Relative loss of a static deflection of a reduced body by locking (stiff motion outside the basis)."""
     return 0.0 if body.report.locking is None else body.report.locking.largest_remaining
 
 
 def doubt(body: ReducedBody, indicator: float) -> str:
-    """Why an estimate is doubtful, in words."""
+    """Reason why an estimate is doubtful, as text."""
     if withheld(body) > TOLERATED:
-        return f"body '{body.name}' locks: it withholds {100 * withheld(body):.2g} % of a static answer"
-    return f"body '{body.name}' lacks {indicator:.2g} at rest"
+        return f"body '{body.name}' locks: static deflections are {100 * withheld(body):.2g} % too small"
+    return f"motion of {indicator:.2g} at rest is outside the basis of body '{body.name}'"
 
 
 def is_confirmed(estimated: float, distance: float, allowed: float) -> bool:
-    """Whether a run with a richer basis confirms the error estimated of the run before.
+    """Whether a run with a richer basis confirms the estimated error of the previous run.
 
-    distance : of the two runs
+    distance : between the two runs
     """
     agrees = estimated / AGREES <= distance <= AGREES * estimated
     return agrees or max(estimated, distance) <= allowed
@@ -55,8 +55,8 @@ def is_confirmed(estimated: float, distance: float, allowed: float) -> bool:
 class MissedPart:
     """The largest motion outside a basis, where rounds stall.
 
-    node, place : where it moves most; place (3,) of the undeformed node
-    frequency : float   rad/s of a vibration of this shape, by Rayleigh's quotient
+    node, place : node with the largest displacement; place (3,) of the undeformed node
+    frequency : float   rad/s; Rayleigh quotient of this shape
     """
 
     body: str
@@ -66,19 +66,19 @@ class MissedPart:
 
     @property
     def words(self) -> str:
-        """Place and frequency, and what to start with."""
+        """Place and frequency as text, with the remedy."""
         x, y, z = self.place
         hertz = self.frequency / (2 * np.pi)
         return (
             f"The motion outside the basis of body '{self.body}' is largest at node {self.node} "
             f"({x:.4g}, {y:.4g}, {z:.4g}), in "
             f"a shape that vibrates at {self.frequency:.3g} rad/s ({hertz:.3g} per unit of time): start with "
-            "all modes up to there, or with an interface at that place"
+            "all modes up to this frequency, or with an interface at this node"
         )
 
 
 def missed_part(full: FullBody, finer: ReductionBasis, size: int) -> MissedPart:
-    """The leading direction that a round added to a basis of a size."""
+    """The leading direction that a round added to a basis with `size` coordinates."""
     shape = finer.vectors[:, min(size, finer.r - 1)]
     moved = np.linalg.norm(full.expand(shape), axis=1)
     node = int(np.argmax(moved))

@@ -37,29 +37,29 @@ from supple.reduction.tensor_memory import require_tensor_memory
 __all__ = ["Accepted", "Announce", "Problem", "correct"]
 
 Announce = Callable[[Round], None]
-"""Called with every round as it is finished; of several bodies one after the other."""
+"""Called with every finished round; with several bodies, once per body."""
 
 Accepted = Callable[[CorrectedSystem], None]
-"""Called with the run whose basis keeps to the error, before the other parts of the error are stated."""
+"""Called with the run whose basis meets the target, before the other parts of the error are estimated."""
 
 PASSING = 1e-2
-"""As `PROVEN`, in a first round that is never the last: its error need be known to a factor of two."""
+"""`PROVEN` of a first round, which is never the last: its error is needed to a factor of two only."""
 MOST_STEPS_WITH_ROOM = 20_000
-"""Of runs whose rounds share compiled programs (`padded`): in longer ones padding coordinates cost more."""
+"""For runs whose rounds share compiled programs (`padded`); in longer runs padding coordinates cost more."""
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """All that stays the same from round to round.
+    """The data of a self-correction that stay the same from round to round.
 
     system : System         with its full bodies
     fulls, starts : by body
-    run : of every round
+    run : settings of every round
     announce, accepted, progress, archive : as for `self_correct`
-    first : bases to begin with, where an earlier pass has found them; its number in the archive
-    spent : of what is allowed to a body, what other parts of the error than the basis take
-    confirmed : bodies whose estimates an earlier pass has confirmed, from whose bases this one begins
-    besides : quantities of interest of the accepted run, as well
+    first : bases to start with, where an earlier pass has found them; with their number in the archive
+    spent : share of the allowed error of a body that other parts than the basis take
+    confirmed : bodies whose estimates an earlier pass has confirmed; this pass starts from their bases
+    besides : further quantities of interest of the accepted run
     """
 
     system: System
@@ -77,18 +77,18 @@ class Problem:
     besides: tuple[QuantityOfInterest, ...] = ()
 
     def report(self, step: str, fraction: float) -> None:
-        """Say how far a step has come."""
+        """Report the completed fraction of a step."""
         if self.progress is not None:
             self.progress(step, fraction)
 
     def target(self, name: str) -> SelfCorrection:
-        """The error to reach for a body."""
+        """The target error of a body."""
         return self.starts[name].target
 
 
 @dataclass(frozen=True, eq=False)
 class _Model:
-    """The system reduced to the bases of one round; in it the bodies have room for more coordinates."""
+    """The system reduced to the bases of one round; its bodies have padding coordinates."""
 
     number: int
     bases: RoundBases
@@ -98,7 +98,7 @@ class _Model:
 
     @property
     def label(self) -> str:
-        """What reports call it."""
+        """Name of the round in progress reports."""
         sizes = " + ".join(str(body.r) for body in self.bodies.values())
         return f"round {self.number}, {sizes} coordinates"
 
@@ -120,7 +120,7 @@ class _Assessed:
 
 
 def correct(problem: Problem) -> CorrectedSystem:
-    """Round by round, until every body meets its target in the same one."""
+    """Repeat rounds until every body meets its target in the same one."""
     for name, full in problem.fulls.items():
         require_tensor_memory(
             full.body,
@@ -157,7 +157,7 @@ def correct(problem: Problem) -> CorrectedSystem:
 def _first_bases(problem: Problem) -> RoundBases:
     bases = {}
     for name, full in problem.fulls.items():
-        step = f"reducing body '{name}' ({full.n_coordinates} freedoms)"
+        step = f"reducing body '{name}' ({full.n_coordinates} degrees of freedom)"
         problem.report(step, 0.0)
         start = problem.starts[name]
         basis = reduction_basis(full.body, full.frame, start.basis, derivatives=start.derivatives)
@@ -170,7 +170,7 @@ def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
     began = perf_counter()
     problem.archive.keep_bases(number, bases)
     with warnings.catch_warnings():
-        # What locks is motion outside the basis like any other: the rounds find it and state what is left.
+        # Locking is caused by motion outside the basis, which the rounds find; the rest is reported.
         warnings.simplefilter("ignore", LockingWarning)
         bodies = {
             name: project(
@@ -191,7 +191,7 @@ def _look_at_loads(problem: Problem, model: _Model) -> None:
 
 
 def _simulated(problem: Problem, model: _Model) -> _Run:
-    """The run; where it breaks off, as that of a start without derivatives may, it shows what it lacks."""
+    """The run; a start basis without derivatives may stop early, which still shows the missing motion."""
     began = perf_counter()
     step = f"{model.label}: simulating"
     problem.report(step, 0.0)
@@ -205,7 +205,7 @@ def _simulated(problem: Problem, model: _Model) -> _Run:
 
 
 def _is_unconfirmed(problem: Problem, model: _Model) -> bool:
-    """Whether a first round cannot be the last, as a body locks."""
+    """Whether a first round cannot be the last, because a body locks."""
     return any(
         name not in problem.confirmed and withheld(body) > TOLERATED for name, body in model.bodies.items()
     )
@@ -214,7 +214,7 @@ def _is_unconfirmed(problem: Problem, model: _Model) -> bool:
 def _enriched(
     problem: Problem, estimator: ErrorEstimator, run: _Run, allowed: Mapping[str, float], proven: float
 ) -> RoundBases:
-    """The bases of the next run, and the errors estimated of this one; proven as for the estimator."""
+    """The bases of the next run, and the estimated errors of this one; `proven` as for the estimator."""
     began = perf_counter()
     model = run.model
     step = f"{model.label}: motion outside their bases"
@@ -239,7 +239,7 @@ def _enriched(
         )
         bases[name] = enriched.basis
         quantity = problem.target(name).quantity(name)
-        # The indicator is a length; in other quantities the limit is the same share of the displacement.
+        # The indicator is a length; for other quantities the limit is the same ratio to the displacement.
         size = quantity.size(model.system, run.solution)
         moved = size
         if not isinstance(quantity, WholeBody):
@@ -251,19 +251,19 @@ def _enriched(
             estimate.error.bodies[name].is_doubtful(allowed[name] / size * moved if size else 0.0),
         )
     besides: Mapping[str, float] = {}
-    if all(found[name].error <= error for name, error in allowed.items()):  # it may be the last
+    if all(found[name].error <= error for name, error in allowed.items()):  # possibly the last round
         asked = stated_of(model.system, problem.fulls, problem.besides)
         besides = distances(model.system, run.solution, estimate, asked)
     next_bases = RoundBases(bases, found, run.seconds + perf_counter() - began, besides)
-    # What the last run found is kept as well, though the next one is never made.
+    # The result of the last run is archived as well, although the next run is never made.
     problem.archive.keep_bases(model.number + 1, next_bases)
     return next_bases
 
 
 def _error(quantity: QuantityOfInterest, name: str, run: _Run, estimate: ErrorEstimate) -> float:
-    """The error of a quantity: to the motion that the error equation finds, and what that cannot know.
+    """Error of a quantity, from the corrected motion and the part outside the error space.
 
-    Infinite where the second correction is over a third of the first: an order of magnitude then.
+    Infinite where the second correction is over a third of the first, an order of magnitude only.
     """
     own = estimate.error.bodies[name]
     if estimate.corrected is None or own.second is None or own.second > FIRST_ORDER:
@@ -275,7 +275,7 @@ def _error(quantity: QuantityOfInterest, name: str, run: _Run, estimate: ErrorEs
 def _confirmed(
     problem: Problem, name: str, past: list[_Assessed], before: _Run | None, run: _Run, allowed: float
 ) -> bool:
-    """Whether a run with fewer coordinates was as far from this one as was estimated of it."""
+    """Whether the distance to a run with fewer coordinates agrees with the error estimated for that run."""
     if before is None:
         return name in problem.confirmed
     distance = quantity_distance(
@@ -297,7 +297,7 @@ def _assess(
     allowed: float,
     confirmed: bool,
 ) -> _Assessed:
-    """What is known of the error of a run, against what is asked."""
+    """The error of a run compared with the target."""
     missed = after.missed[name]
     known = [np.inf if each.round.unconfirmed else each.round.estimated_error for each in before]
     was_met = any(each.met for each in before)
@@ -323,7 +323,7 @@ def _assess(
 
 
 def _allowed(problem: Problem, name: str, run: _Run) -> float:
-    """The error to reach, in the unit of what it is of."""
+    """The allowed error, in the unit of the quantity of interest."""
     target = problem.target(name)
     return target.allowed(target.quantity(name).size(run.model.system, run.solution))
 
@@ -345,7 +345,7 @@ def _result(past: Mapping[str, list[_Assessed]], run: _Run, after: RoundBases) -
 def _check_prospects(
     problem: Problem, past: Mapping[str, list[_Assessed]], number: int, after: RoundBases
 ) -> None:
-    """SelfCorrectionError when the next round would be one too many, or too large."""
+    """Raise SelfCorrectionError where the rounds or the allowed coordinates are used up."""
     allowed_rounds = max(problem.target(name).max_rounds for name in past)
     unmet = [name for name, assessed in past.items() if not assessed[-1].met]
     too_large = [name for name in unmet if after.bases[name].r > problem.target(name).largest_size]
@@ -356,7 +356,7 @@ def _check_prospects(
             f"{problem.target(name).largest_size} allowed"
         )
     elif number - problem.number > allowed_rounds:
-        reason = f"{allowed_rounds} rounds are over"
+        reason = f"all rounds are used up (max_rounds = {allowed_rounds})"
     else:
         return
     reasons = []
@@ -365,10 +365,10 @@ def _check_prospects(
             f"{each.round.estimated_error:.2g} with {each.round.size} coordinates" for each in past[name]
         )
         useless = [str(each.round.number) for each in past[name] if each.round.useless]
-        idle = f"Round {', '.join(useless)} found nothing that helped. " if useless else ""
+        idle = f"Round {', '.join(useless)} did not reduce the error. " if useless else ""
         last = past[name][-1].round
         if last.unconfirmed and last.estimated_error <= last.allowed:
-            idle += f"The last error is confirmed by no second run, and {doubt(last.body, last.indicator)}. "
+            idle += f"No second run confirms the last error, and {doubt(last.body, last.indicator)}. "
         part = missed_part(problem.fulls[name], after.bases[name], past[name][-1].round.size)
         reasons.append(
             f"self-correction of body '{name}' did not reach the error {problem.target(name).wanted}: "
@@ -376,8 +376,8 @@ def _check_prospects(
         )
     raise SelfCorrectionError(
         "".join(reasons)
-        + "Start with more modes (all those in the band of the loads), add more directions a "
-        "round, tighten the tolerances of the time integration, or allow more; the rounds are kept in this "
-        "error",
+        + "Start with more modes (all those in the band of the loads), add more directions per "
+        "round, tighten the tolerances of the time integration, or allow a larger error; the error object "
+        "holds the rounds",
         tuple(each.round for assessed in past.values() for each in assessed),
     )

@@ -1,11 +1,12 @@
-"""Self-correction to a sum of errors: basis, time step, Newton's tolerance and model together.
+"""Self-correction with a target for the sum of errors: basis, time step, Newton's tolerance and model.
 
-The rounds make the basis good for the steps that are taken. Then the accepted bodies are run twice more for
-the other parts, and if the sum is above what is allowed, the parts that are too large are mended, those first
-that cost least: a tighter tolerance costs iterations, a shorter step costs steps, a smaller error of the
-basis costs rounds and coordinates. Each is asked for no more than its share of what the model leaves of the
-error allowed, and one that suffices leaves the next alone. Then the rounds go on from the bases that are
-there. What the model costs no run can mend: where it alone is too large, that is reported.
+The rounds reduce the error of the basis at the given steps. Then the accepted bodies are run twice more to
+measure the other parts. If the sum exceeds the target, the parts that are too large are reduced, the cheapest
+first: a tighter tolerance costs iterations, a shorter step costs steps, a smaller error of the basis costs
+rounds and coordinates. Each part is reduced at most to its share of the allowed error less the error of the
+model. As soon as the sum is small enough, the remaining parts stay unchanged. The rounds then continue from
+the existing bases. The error of the model cannot be reduced by any run; if it alone is too large, this is
+reported.
 """
 
 from __future__ import annotations
@@ -28,33 +29,33 @@ from supple.integrate import ErrorPart, ErrorStatement, Run, Solution
 __all__ = ["correct_wholly"]
 
 SHARES = {"newton": 0.1, "step": 0.4, "basis": 0.5}
-"""Of what the model leaves of what is allowed: what a part is mended to, the cheapest first."""
+"""Shares of the allowed error less that of the model, to which the parts are reduced, the cheapest first."""
 ROOM = 0.8
-"""Of what is left for a part: what it is brought to, so that it is not tried twice."""
+"""Safety factor on the target of a part, so that one reduction is enough."""
 SHORTEST = 1 / 8
-"""By which a step is shortened at once; errors that fall more slowly than h^2 are met in several passes."""
+"""Smallest factor on the step in one pass; errors that fall more slowly than h^2 take several passes."""
 PASSES = 6
 MANY = 10
-"""Times the steps asked for: taking as many is warned of."""
+"""Ratio to the given number of steps from which a warning is issued."""
 
 
 @dataclass(frozen=True)
 class _Mended:
-    """What the next pass does otherwise; 1 where a number stays."""
+    """Changes for the next pass: factors, 1 for no change."""
 
     tolerance: float = 1.0
     step: float = 1.0
     basis: float | None = None
-    """What the other parts will take of what is allowed."""
+    """Share of the allowed error that the other parts will take."""
 
 
 def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
-    """Passes of rounds until the sum of all parts keeps to what is allowed, of every body.
+    """Repeat passes of rounds until the sum of all parts is allowed, for every body.
 
     Raises
     ------
-    SelfCorrectionError     the model alone costs more; the passes do not get there; errors of `correct`. Its
-                            `rounds` are those of all passes
+    SelfCorrectionError     the error of the model alone is too large; too many passes; errors of `correct`.
+                            Its `rounds` are those of all passes
     """
     before: dict[str, tuple[Round, ...]] = {name: () for name in problem.fulls}
     unmet: dict[str, ErrorStatement] = {}
@@ -84,13 +85,13 @@ def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
             f"{each.advice}."
             for name, each in unmet.items()
         )
-        + " The rounds are kept in this error",
+        + " The error object holds the rounds",
         tuple(each for own in before.values() for each in own),
     )
 
 
 def _stated(problem: Problem, corrected: CorrectedSystem, study: ErrorStudy) -> dict[str, ErrorStatement]:
-    """Statements of what the targets are of, of every body, and of what is asked for besides."""
+    """Error statements for the quantities of the targets, for every body and for further quantities."""
     system, solution = corrected.system, corrected.solution
     of_basis: dict[str, ErrorPart] = dict(corrected.of_basis)
     allowed: dict[str, float] = {}
@@ -124,7 +125,7 @@ def _with_rounds(corrected: CorrectedSystem, before: Mapping[str, tuple[Round, .
 
 
 def _with_solution(corrected: CorrectedSystem, solution: Solution, run: Run) -> CorrectedSystem:
-    """The accepted round of every body with the solution that knows its error, and how it was stepped."""
+    """The accepted round of every body with its error statements, and the settings of the run."""
 
     def assessed_rounds(own: SelfCorrected) -> SelfCorrected:
         return replace(own, rounds=(*own.rounds[:-1], replace(own.rounds[-1], solution=solution)))
@@ -134,12 +135,12 @@ def _with_solution(corrected: CorrectedSystem, solution: Solution, run: Run) -> 
 
 
 def _mended(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str, ErrorStatement]) -> Problem:
-    """The next pass: from the bases reached, with what the bodies that are not met need."""
+    """The next pass: from the current bases, with the changes that unmet bodies need."""
     needs = {name: _needed(each) for name, each in unmet.items()}
     run = problem.run
     tolerance = min(each.tolerance for each in needs.values())
     if tolerance < 1:
-        # By decades: a tolerance is no number to be fine with.
+        # In decades: a finer choice of a tolerance has no use.
         decade = np.floor(np.log10(tolerance * run.tolerances.residual) + 1e-9)
         run = with_tolerance(run, max(float(f"1e{decade:.0f}"), TIGHTEST))
     step = min(each.step for each in needs.values())
@@ -153,31 +154,31 @@ def _mended(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str, Er
         run=run,
         spent=spent,
         first=RoundBases(reached),
-        number=last + 2,  # the one between has bases but no run
+        number=last + 2,  # the number between has bases but no run
         confirmed=problem.confirmed
         | {name for name, own in corrected.bodies.items() if not own.rounds[-1].unconfirmed},
     )
 
 
 def _announce_steps(asked: Run, problem: Problem, mended: Problem) -> None:
-    """Say before a pass how many steps it takes; warn where these are many times those asked for."""
+    """Report the number of steps before a pass; warn where it is many times the given one."""
     before, after, wanted = (round(each.n_steps) for each in (problem.run, mended.run, asked))
     if after == before:
         return
     words = f"{after} steps of at most {mended.run.step_control.largest:.3g} instead of {before}"
-    problem.report(f"the step costs too much: {words}", 0.0)
+    problem.report(f"the error of the time step is too large: {words}", 0.0)
     if after >= MANY * wanted > before:
         warnings.warn(
-            f"to keep the error allowed, self-correction takes {after} steps of at most "
-            f"{mended.run.step_control.largest:.3g} where {wanted} were asked for, and as many times "
-            "as long: allow more, or take adaptive steps",
+            f"self-correction needs {after} steps of at most {mended.run.step_control.largest:.3g} instead "
+            f"of {wanted}, which takes as many times longer: "
+            "allow a larger error, or take adaptive steps",
             StepCutWarning,
             stacklevel=4,
         )
 
 
 def _is_same(mended: Problem, problem: Problem) -> bool:
-    """Whether a pass would be the last one again: what its steps and its tolerance leave cannot be less."""
+    """Whether a pass would repeat the last one, because step and tolerance cannot be reduced further."""
     one, other = mended.run, problem.run
     return (
         mended.spent == problem.spent
@@ -187,7 +188,7 @@ def _is_same(mended: Problem, problem: Problem) -> bool:
 
 
 def _needed(stated: ErrorStatement) -> _Mended:
-    """What brings the sum below what is allowed: the cheapest parts first, none below its share."""
+    """Reductions that bring the sum below the allowed error: cheapest parts first, none below its share."""
     allowed = stated.allowed or 0.0
     values = {name: part.value for name, part in stated.parts.items() if name in SHARES}
     left = ROOM * (allowed - (0.0 if stated.model is None else stated.model.value))
@@ -214,9 +215,10 @@ def _check_model(unmet: Mapping[str, ErrorStatement], rounds: Mapping[str, tuple
     for name, each in unmet.items():
         if each.model is not None and each.allowed is not None and each.model.value > ROOM * each.allowed:
             raise SelfCorrectionError(
-                f"self-correction of body '{name}': the kinematics of its model alone cost "
-                f"{each.model.value:.2g}, of {each.allowed:.2g} that are allowed, and no basis or step mends "
-                f"that: {each.model.remedy}, or allow more. The rounds are kept in this error",
+                f"self-correction of body '{name}': the error of its kinematics alone is "
+                f"{each.model.value:.2g}, and the allowed sum of errors is {each.allowed:.2g}; no basis or "
+                f"step reduces it: {each.model.remedy}, or allow a larger error. The error object holds the "
+                "rounds",
                 tuple(one for own in rounds.values() for one in own),
             )
 

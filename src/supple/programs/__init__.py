@@ -1,1 +1,1 @@
-"""Compiled programs kept from run to run, and the processes that compile and call them."""
+"""Cache of compiled programs, and processes that compile and call them."""

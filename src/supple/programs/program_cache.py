@@ -1,8 +1,9 @@
-"""Compiled programs kept by the structure of what they take: later processes neither trace nor compile them.
+"""Cache of compiled programs, found by the structure of their arguments without tracing or compilation.
 
-JAX asks its own folder of programs with a program's text, and writing that takes longer than reading many
-programs. Here the question is what a program depends on (`program_digest`), which is known beforehand. Where
-the sources have changed the text decides, so that programs outlive all changes that do not concern them.
+JAX's own cache is searched by the text of a program, and writing that text takes longer than reading many
+programs. Here the key is the digest of everything a program depends on (`program_digest`), which is known
+before tracing. After a change of the sources the text is the key, so that a program stays valid under all
+changes that do not affect it.
 """
 
 from __future__ import annotations
@@ -33,14 +34,14 @@ from supple.programs.program_worker import program_of_file
 __all__ = ["CachedProgram"]
 
 _MOST_AT_HAND = 16
-"""Programs of one function that a process holds; the one used last stays longest."""
+"""Programs of one function that a process holds; the least recently used is released first."""
 
 
 class CachedProgram:
     """A function of arrays, compiled once for all arguments that differ in numbers alone.
 
-    function : of pytrees, by position; its result holds arrays in tuples and named tuples
-    options : of the compiler
+    function : of pytrees, by position; its result contains arrays in tuples and named tuples
+    options : compiler options
     """
 
     def __init__(
@@ -52,13 +53,13 @@ class CachedProgram:
         on_program_release(self._at_hand.clear)
 
     def __call__(self, *arguments: Any) -> Any:
-        """The function's result; as a part of another program where that is being traced."""
+        """The function's result; within another program that is being traced, the traced function."""
         if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(arguments)):
             return self.function(*arguments)
         return self.compiled(*arguments)(*arguments)
 
     def compiled(self, *arguments: Any) -> Any:
-        """The program for arguments like these."""
+        """The compiled program for arguments of the same structure."""
         key = self.signature(*arguments)
         if key not in self._at_hand:
             with _no_garbage_collected():
@@ -69,13 +70,13 @@ class CachedProgram:
         return self._at_hand[key]
 
     def file(self, *arguments: Any) -> Path | None:
-        """Where the program for arguments like these is kept (`program_of_file`); None where nowhere."""
+        """File of the program for arguments of this structure (`program_of_file`); None without a cache."""
         known = self._known(*self.signature(*arguments))
         return None if known is None else _named_by(known)
 
     @staticmethod
     def signature(*arguments: Any) -> tuple[Any, Any]:
-        """What arguments with a program in common agree about: structure, and shapes of arrays."""
+        """Structure of the arguments, and shapes and types of their arrays: the key of a program."""
         leaves, structure = jax.tree.flatten(arguments)
         return structure, tuple(map(_type_of, leaves))
 
@@ -89,7 +90,7 @@ class CachedProgram:
         return found or self._by_text(arguments, shapes, known, taken)
 
     def _known(self, structure: Any, shapes: Any) -> Path | None:
-        """Where it stands by which text the program is kept; None where it is not kept."""
+        """File that maps this structure to the text of its program; None without a cache."""
         folder = _folder()
         digest = program_digest(self.function, self._options, structure, shapes) if folder else None
         if folder is None or digest is None:
@@ -97,16 +98,16 @@ class CachedProgram:
         return folder / "by-structure" / digest_of_sources()[:16] / digest
 
     def _by_text(self, arguments: Any, shapes: Any, known: Path, taken: Any) -> Any:
-        """The program found by its text, or compiled; from now on it is known by its structure."""
+        """The program found by its text, or compiled; its structure is then a key, too."""
 
         def kept(*arguments: Any) -> Any:
             return self.function(*arguments)
 
-        # By a name of its own: a program that JAX has read from its folder cannot be kept once more.
+        # A name of its own: a program that JAX has read from its cache cannot be serialised again.
         named = self.function.func if isinstance(self.function, partial) else self.function
         kept.__name__ = f"kept_{named.__name__.lstrip('_')}"  # ty: ignore[missing-attribute]
         lowered = jax.jit(kept).lower(*arguments)
-        # The text leaves out arguments that are not used, but a program asks for them all the same.
+        # The text leaves out unused arguments, but the compiled program expects all of them.
         text = text_digest(f"{shapes}\n{lowered.as_text()}", self._options)
         file = _by_its_text(known, text)
         program = _read(file, taken)
@@ -121,8 +122,8 @@ class CachedProgram:
 
 
 def _type_of(leaf: Any) -> tuple[Any, ...]:
-    """Shape and type of an array or number, and whether the type gives way to another."""
-    if isinstance(leaf, np.ndarray):  # a tenth of what JAX takes for its description
+    """Shape and type of an array or number, and whether the type is weak (gives way to another)."""
+    if isinstance(leaf, np.ndarray):  # ten times faster than JAX's own description
         return leaf.shape, _name(leaf.dtype), False
     own = jax.typeof(leaf)
     return own.shape, _name(own.dtype), own.weak_type
@@ -134,14 +135,14 @@ def _name(dtype: Any) -> str:
 
 
 _MOST_KEPT = 2**30
-"""Bytes of a folder of programs: some thousands, of hundreds of machines."""
+"""Bytes of the cache folder: some thousand programs, of hundreds of machines."""
 
 
 @lru_cache
 def _make_room(folder: Path) -> None:
-    """Once a process that adds programs: those go that were not read for longest, where there are too many.
+    """Delete the least recently read programs where the folder is too large; once per process.
 
-    JAX's own are among them. Another process that wanted one of them compiles it anew.
+    JAX's own programs are included. Another process that needs a deleted program compiles it again.
     """
     files = []
     for file in folder.rglob("*"):
@@ -163,7 +164,7 @@ def _by_its_text(known: Path, text: str) -> Path:
 
 
 def _named_by(known: Path) -> Path | None:
-    """The file of a program that is known by its structure; None where it is not there."""
+    """The file of a program with a known structure; None where it does not exist."""
     try:
         file = _by_its_text(known, known.read_text("ascii"))
     except OSError:
@@ -172,7 +173,7 @@ def _named_by(known: Path) -> Path | None:
 
 
 def _folder() -> Path | None:
-    """Where programs are kept; None where they are not."""
+    """The cache folder; None without a cache."""
     folder = getattr(jax.config, "jax_compilation_cache_dir", None)
     enabled = getattr(jax.config, "jax_enable_compilation_cache", True)
     if folder is None or not enabled or jax.default_backend() != "cpu":
@@ -182,7 +183,7 @@ def _folder() -> Path | None:
 
 @contextmanager
 def _no_garbage_collected() -> Iterator[None]:
-    """Tracing makes millions of objects that stay: looking for cycles among them is a tenth of its time."""
+    """Disable garbage collection, a tenth of the time of tracing: its millions of objects are not garbage."""
     was_enabled = gc.isenabled()
     gc.disable()
     try:
@@ -204,7 +205,7 @@ def _not_kept_by_jax() -> Iterator[None]:
 
 
 def _read(file: Path, taken: Any) -> Any:
-    """A kept program that takes arguments of a structure, or None."""
+    """A cached program for arguments of a structure, or None."""
     if not file.exists():
         return None
     try:
@@ -216,7 +217,7 @@ def _read(file: Path, taken: Any) -> Any:
 
 
 def _write(file: Path, program: Any) -> None:
-    """Keep a program, as far as that is possible."""
+    """Write a program to the cache, if possible."""
     try:
         content, _, of_result = serialize_executable.serialize(program)
         result = jax.tree.unflatten(of_result, range(of_result.num_leaves))
@@ -226,7 +227,7 @@ def _write(file: Path, program: Any) -> None:
 
 
 def _replace(file: Path, content: bytes) -> None:
-    """Write a file at once or, where the folder takes none, not at all."""
+    """Write a file atomically; nothing is written where the folder does not allow it."""
     temporary = file.with_name(f"{file.name}.{os.getpid()}-{next(_NUMBER)}")
     try:
         file.parent.mkdir(parents=True, exist_ok=True)

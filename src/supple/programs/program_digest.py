@@ -1,10 +1,10 @@
-"""What a compiled program depends on, as a digest that two processes agree about.
+"""Digest of everything that a compiled program depends on; equal in all processes.
 
-Of the arguments: their structure with all that is fixed in it, shapes and types. Of everything else: the
-sources of this package but for `_ABOVE`, the versions of JAX and of the machine, and the options of the
-compiler. What is fixed in a structure counts if it is this package's own or a plain value. A stranger's
-function counts by its bytecode and by all that this takes from around it, where that is known in the same
-way or belongs to `jax.numpy` or `math`; a program with any other has no digest.
+It contains, of the arguments: their structure with all fixed values, shapes and types; and furthermore: the
+sources of this package except `_ABOVE`, the versions of JAX and of the hardware, and the compiler options.
+Fixed values in a structure must be objects of this package or plain values. A user's function is represented
+by its bytecode and by all values this takes from its surroundings. These must be representable in the same
+way or belong to `jax.numpy` or `math`; a program with any other function has no digest.
 """
 
 from __future__ import annotations
@@ -30,33 +30,33 @@ __all__ = ["digest_of_sources", "program_digest", "text_digest"]
 
 _PACKAGE = __name__.partition(".")[0]
 _ABOVE = ("cases", "cli", "export", "report", "results", "sweeps", "viz")
-"""Parts of it that no program is made of: they stand above all that is traced, as the layers demand."""
+"""Folders of this package that contain no traced code: by the layers they import it, never the reverse."""
 
 
 _Compiled = type(jax.jit(lambda: None))
-"""Of functions that JAX traces once for all their uses."""
+"""Type of functions that JAX traces once for all their calls."""
 
 
 class _StrangerError(Exception):
-    """Something that is not known by its content."""
+    """A value that cannot be represented by its content."""
 
 
 def program_digest(
     function: Callable[..., Any], options: Mapping[str, Any], structure: Any, shapes: Any
 ) -> str | None:
-    """Digest of the program of a function for arguments of a structure (a PyTreeDef); None without one.
+    """Digest of the program of a function for arguments of a structure (a PyTreeDef); None where it has none.
 
     shapes : of the leaves, with their types
     """
     try:
         content = _described(function), sorted(options.items()), _of_structure(structure), shapes
-    except (_StrangerError, RecursionError):  # a function that calls itself among them
+    except (_StrangerError, RecursionError):  # includes a function that calls itself
         return None
     return _digest(content)
 
 
 def text_digest(text: str, options: Mapping[str, Any]) -> str:
-    """Digest of the program of a lowered text."""
+    """Digest of a program from its lowered text."""
     return _digest((text, sorted(options.items())))
 
 
@@ -67,7 +67,7 @@ def _digest(content: Any) -> str:
 
 @lru_cache
 def digest_of_sources() -> str:
-    """Of all modules of this package that programs may be made of."""
+    """Digest of all modules of this package that may contain traced code."""
     digest = hashlib.sha256()
     root = Path(__file__).parents[1]
     for path in sorted(root.rglob("*.py")):
@@ -88,7 +88,7 @@ def _of_structure(structure: Any) -> Any:
 
 
 def _described(value: Any) -> Any:
-    """What a fixed part is, in words that are the same in every process."""
+    """A fixed value in a form that is equal in every process."""
     if value is None or value is ... or isinstance(value, (bool, int, float, complex, str, bytes)):
         return repr(value)
     if isinstance(value, (tuple, list)):
@@ -111,7 +111,7 @@ def _described(value: Any) -> Any:
 
 
 def _found(value: Any) -> Any:
-    """The name of a class or a function; of a stranger's function, or one made by another, what it does."""
+    """The name of a class or a function; for a user's or a locally created function, its content."""
     try:
         return _name(value)
     except _StrangerError:
@@ -121,7 +121,7 @@ def _found(value: Any) -> Any:
 
 
 def _name(value: Any) -> str:
-    """Where a class or a function of this package, or a class of Python, is found."""
+    """Import path of a class or a function of this package, or of a Python class."""
     module, name = value.__module__, value.__qualname__
     if module == "builtins" and isinstance(value, type):
         return name
@@ -131,7 +131,7 @@ def _name(value: Any) -> str:
     found: Any = sys.modules.get(module)
     for part in name.split("."):
         found = getattr(found, part, None)
-    if found is not value:  # made by a function, or replaced
+    if found is not value:  # created locally, or replaced
         raise _StrangerError
     return f"{module}.{name}"
 
@@ -143,13 +143,13 @@ _PURE = {
         *(range, reversed, round, set, sorted, sum, tuple, zip),
     )
 }
-"""Functions of Python whose results depend on their arguments alone."""
+"""Python functions whose results depend on their arguments only."""
 _OUTSIDE = ("IMPORT", "STORE_GLOBAL", "DELETE_GLOBAL", "LOAD_NAME", "LOAD_BUILD_CLASS")
-"""Instructions by which code takes from elsewhere, or leaves there, what is not looked at here."""
+"""Instructions that read from or write to places that are not examined here."""
 
 
 def _content(function: FunctionType) -> Any:
-    """What a function does: its code, and what that takes from its closure, defaults and module."""
+    """Content of a function: its code, and the values this takes from its closure, defaults and module."""
     if function.__dict__:
         raise _StrangerError
     try:
@@ -161,7 +161,7 @@ def _content(function: FunctionType) -> Any:
 
 
 def _code(code: CodeType, around: Mapping[str, Any]) -> Any:
-    """Instructions and constants, those of functions within too, with what they find around them."""
+    """Instructions and constants, also of inner functions, with the values they take from outside."""
     found = []
     steps = [step for step in dis.get_instructions(code) if step.opname != "EXTENDED_ARG"]
     for step, following in zip(steps, [*steps[1:], None], strict=True):
@@ -177,7 +177,7 @@ def _code(code: CodeType, around: Mapping[str, Any]) -> Any:
 
 
 def _taken(name: str, following: Any, around: Mapping[str, Any]) -> Any:
-    """A global of a function; of a module, which it has no use for itself, the attribute that is taken."""
+    """A global of a function; for a module, the attribute that is read from it."""
     if name not in around:
         if name not in _PURE:
             raise _StrangerError
@@ -188,9 +188,9 @@ def _taken(name: str, following: Any, around: Mapping[str, Any]) -> Any:
     if following is None or following.opname not in ("LOAD_ATTR", "LOAD_METHOD"):
         raise _StrangerError
     attribute = following.argval
-    if value.__name__ == "numpy":  # its numbers: its functions do not take what JAX traces
+    if value.__name__ == "numpy":  # constants only: its functions do not accept traced arrays
         return _described(getattr(value, attribute))
-    # Files are no part of a function.
+    # File names are not represented.
     if value.__name__ not in ("jax.numpy", "math") or attribute.startswith(("load", "from")):
         raise _StrangerError
     return value.__name__

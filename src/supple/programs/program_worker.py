@@ -1,9 +1,8 @@
-"""Kept programs read from their files, here and by a process that runs one for this one.
+"""Reads cached programs from their files; run as a script, executes one program for another process.
 
-As a script it is that process (`worker_processes`). It needs JAX and nothing of supple: it is ready in the
-time that JAX takes to be imported. Its input states the file of the program, the numbers of arrays
-that go in and come out, and then arguments; by its output it answers with seconds and results. It ends with
-its input.
+The script is the worker process of `worker_processes`. It imports JAX and nothing of supple, so that it is
+ready as soon as JAX is imported. Its input is the file of the program, the numbers of input and output
+arrays, and then arguments; its output is the time in seconds and the results. It ends with its input.
 """
 
 from __future__ import annotations
@@ -28,31 +27,32 @@ __all__ = ["program_of_file"]
 
 
 def program_of_file(file: Path, taken: Any, given: Any = None) -> Any:
-    """The compiled program that a file holds, for one processor.
+    """The compiled program in a file, for one processor.
 
-    It holds, compressed, two pickled objects: the program as JAX writes it, and a pytree like its result.
+    The file contains, compressed, two pickled objects: the program as serialised by JAX, and a pytree with
+    the structure of its result.
 
     taken : structure of the arguments
-    given : structure of the result; that of the file's second object where left out
+    given : structure of the result; None: that of the second object in the file
     """
     _bind_lapack()
     content = io.BytesIO(zlib.decompress(file.read_bytes()))
     program = pickle.load(content)
     if given is None:
         given = jax.tree.structure(pickle.load(content))
-    # By default for all processors that JAX has.
+    # The default would be all processors that JAX has.
     devices = jax.devices()[:1]
     return serialize_executable.deserialize_and_load(program, taken, given, execution_devices=devices)
 
 
 @lru_cache
 def _bind_lapack() -> None:
-    """Have JAX find the routines of LAPACK, which it does only as it writes a program that calls one."""
+    """Register the LAPACK routines with JAX, which it otherwise does only when lowering a program."""
     prepare_lapack_call("getrf", np.dtype(float))
 
 
 def answer(questions: BinaryIO, answers: BinaryIO) -> None:
-    """Run the program for all that is asked."""
+    """Run the program for all requests."""
     file, n_arguments, n_results = pickle.load(questions)
     taken = jax.tree.structure((tuple(range(n_arguments)), {}))
     program = program_of_file(Path(file), taken, jax.tree.structure(list(range(n_results))))
@@ -73,7 +73,7 @@ def _say(answered: Any, answers: BinaryIO) -> None:
 
 
 if __name__ == "__main__":
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # of the process that asks, which closes the input
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # meant for the parent process, which closes the input
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as own:
-        os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # whatever libraries say
+        os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # output of libraries goes to stderr
         answer(sys.stdin.buffer, own)

@@ -1,15 +1,15 @@
-"""All cores of a processor for many tasks of one kind: processes do what this one has not begun.
+"""Many tasks of one kind on all cores of a processor: worker processes take tasks that are not started yet.
 
-JAX runs the programs of a process one after the other where it has one thread, and with more a program alone
-takes twice the processor for nothing (`jax_settings`). So the other cores have processes of their own. Those
-of a compiled program read it from where it is kept and know nothing else: what it is made of, functions of a
-user among them, need not be sent. They are ready in the time that it takes to import JAX.
+JAX runs the programs of a process one after the other where it has one thread. With more threads, a single
+program uses twice the processor time without benefit (`jax_settings`). The other cores therefore get
+processes of their own. A worker for a compiled program reads it from the cache and needs nothing else: the
+functions in it, also a user's, need not be sent. It is ready as soon as JAX is imported.
 
-`concurrent.futures.ProcessPoolExecutor` does not replace them. Its processes import the script of the caller
-anew (JAX does not survive a fork), which runs it again unless all it does stands under
-`if __name__ == "__main__":`; a batch is called from scripts and notebooks that know nothing of processes.
-`sweep`, whose processes are the caller's business, demands that and takes such an executor. A pool also keeps
-its caller waiting, which here does tasks like the others, and breaks as a whole with one of its processes.
+`concurrent.futures.ProcessPoolExecutor` is not used here. Its processes import the script of the caller again
+(JAX does not survive a fork), which runs it a second time unless everything is below
+`if __name__ == "__main__":`; a batch is also called from scripts and notebooks without this line. (`sweep`,
+where the caller provides the processes, requires the line and accepts such an executor.) A pool also blocks
+its caller, which here computes tasks like the workers, and fails as a whole with one of its processes.
 """
 
 from __future__ import annotations
@@ -36,51 +36,51 @@ from supple.programs.program_cache import CachedProgram
 __all__ = ["Finished", "Task", "Work", "on_all_cores", "shared_out"]
 
 _WORTH = 3.0
-"""Seconds of work left for each process that is started: it takes more than one to be ready."""
+"""Seconds of remaining work per process started: starting one takes more than one second."""
 _MEMORY = 2**29
-"""Bytes of a process, with what it is sent."""
+"""Bytes per process, including the data sent to it."""
 
 Task = Callable[[], tuple[Any, ...]]
-"""The arguments of the program, made when it is their turn."""
+"""Returns the arguments of the program; called when the task starts."""
 
 
 class Finished(NamedTuple):
-    """A task that is done."""
+    """A finished task."""
 
     number: int
     seconds: float
-    """That the program ran."""
+    """Run time of the program"""
     result: Any
 
 
 class Work(Protocol):
-    """What is to be done for many arguments, here or by the script of a process that is fed with them."""
+    """Work for many arguments, done in this process or by a worker script."""
 
     script: str
 
     def prepare(self, arguments: tuple[Any, ...]) -> None:
-        """What the first arguments are needed for, and all others share."""
+        """Prepare what all tasks share, with the first arguments."""
         ...
 
     def here(self, arguments: tuple[Any, ...]) -> Any:
-        """The result, found by this process."""
+        """The result, computed in this process."""
         ...
 
     def greeting(self) -> Any:
-        """What a process is sent first, which it answers; None where there can be none."""
+        """First message to a worker, which confirms it; None where no worker can be used."""
         ...
 
     def question(self, arguments: tuple[Any, ...]) -> Any:
-        """What it is sent for some arguments; it answers with seconds and what `result` takes."""
+        """Message with some arguments; the worker replies with seconds and the input of `result`."""
         ...
 
     def result(self, answer: Any) -> Any:
-        """The result."""
+        """The result from a worker's reply."""
         ...
 
 
 class _ProgramWork:
-    """A compiled program."""
+    """Execution of a compiled program."""
 
     script = program_worker.__file__
 
@@ -88,16 +88,16 @@ class _ProgramWork:
         self._program, self._compiled, self._first = program, None, ()
 
     def prepare(self, arguments: tuple[Any, ...]) -> None:
-        """Compile it."""
+        """Compile the program."""
         self._first, self._compiled = arguments, self._program.compiled(*arguments)
 
     def here(self, arguments: tuple[Any, ...]) -> Any:
-        """Its result."""
+        """The result of the program."""
         assert self._compiled is not None
         return jax.device_get(self._compiled(*arguments))
 
     def greeting(self) -> Any:
-        """Where it is kept, and how many leaves go in and come out."""
+        """File of the program, and numbers of input and output leaves."""
         assert self._compiled is not None
         file = self._program.file(*self._first)
         if file is None:
@@ -105,11 +105,11 @@ class _ProgramWork:
         return str(file), jax.tree.structure(self._first).num_leaves, self._compiled.out_tree.num_leaves
 
     def question(self, arguments: tuple[Any, ...]) -> Any:
-        """Its leaves."""
+        """The leaves of the arguments."""
         return [np.asarray(leaf) for leaf in jax.tree.leaves(arguments)]
 
     def result(self, answer: Any) -> Any:
-        """The tree of the leaves that came out."""
+        """The tree of the output leaves."""
         assert self._compiled is not None
         return jax.tree.unflatten(self._compiled.out_tree, answer)
 
@@ -120,11 +120,11 @@ def on_all_cores(program: CachedProgram, tasks: Sequence[Task]) -> Iterator[Fini
 
 
 def shared_out(work: Work, tasks: Sequence[Task]) -> Iterator[Finished]:
-    """Work for many arguments; what is finished first is given first.
+    """Work for many arguments on all cores; results in order of completion.
 
-    The time of the first one predicts the others, and what number of processes is worth it: none where they
-    are over soon, where no process can do the work, on other devices than a processor. What a process that
-    ends before its time has left undone, this one does.
+    The time of the first task predicts the others and the useful number of processes: none where the
+    remaining time is short, where no worker can do the work, or on devices other than a processor. Tasks that
+    a worker leaves unfinished because it ends early are done by this process.
     """
     waiting = deque(range(len(tasks)))
     number = _next(waiting)
@@ -154,7 +154,7 @@ def shared_out(work: Work, tasks: Sequence[Task]) -> Iterator[Finished]:
                 finished = done.get()
                 if finished is None:
                     at_work -= 1
-                    break  # perhaps it has left something undone
+                    break  # a worker may have left a task unfinished
                 yield finished
     finally:
         for worker in workers:
@@ -169,7 +169,7 @@ def _next(waiting: deque[int]) -> int | None:
 
 
 class _Worker:
-    """A process that does some work, and is asked to by a thread."""
+    """A worker process, and the thread that sends it tasks."""
 
     def __init__(self, work: Work, greeting: Any) -> None:
         self._work, self._greeting = work, greeting
@@ -183,7 +183,7 @@ class _Worker:
         self._thread: Thread | None = None
 
     def begin(self, *work: Any) -> None:
-        """Have it do what waits until nothing does; None at the end, and whatever it fails at waits again."""
+        """Do waiting tasks until none is left, then report None; a failed task is put back in the queue."""
         self._thread = Thread(target=self._feed, args=work, daemon=True)
         self._thread.start()
 
@@ -194,7 +194,7 @@ class _Worker:
             while (number := _next(waiting)) is not None:
                 seconds, answer = self._ask(self._work.question(tasks[number]()))
                 done.put(Finished(number, seconds, self._work.result(answer)))
-        except Exception:  # whatever it is, this process does the task or meets the same
+        except Exception:  # of any kind: this process repeats the task and meets the same error
             if number is not None:
                 waiting.append(number)
         finally:
@@ -209,7 +209,7 @@ class _Worker:
         return pickle.load(response)
 
     def end(self) -> None:
-        """Of the process, at once, and of the thread."""
+        """End the process at once, and the thread."""
         self._process.kill()
         if self._thread is not None:
             self._thread.join()
@@ -217,19 +217,19 @@ class _Worker:
 
 
 def _number_worth(seconds: float, n_tasks: int) -> int:
-    """Of processes beside this one, for so much work in so many tasks."""
+    """Useful number of processes beside this one for a total time and a number of tasks."""
     memory = available_memory()
     most = n_tasks if memory is None else min(n_tasks, memory // _MEMORY)
     return min(available_cores() - 1, most, int(seconds / _WORTH))
 
 
 def _workers(work: Work, number: int) -> list[_Worker]:
-    """As many as can be started."""
+    """Start workers, as many as possible."""
     workers: list[_Worker] = []
     greeting = work.greeting() if number else None
     if greeting is None or not sys.executable:
         return workers
-    with suppress(OSError):  # no more processes are to be had
+    with suppress(OSError):  # no further processes are available
         for _ in range(number):
             workers.append(_Worker(work, greeting))
     return workers

@@ -1,4 +1,4 @@
-"""Files of results and reduced bodies that survive a kill."""
+"""Files of results and reduced bodies that stay readable after an interruption."""
 
 from supple.storage.file_name import *
 from supple.storage.json_report import *

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all."""
+"""Atomic file replacement: a file appears complete or not at all."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from supple.storage.file_errors import file_errors
 
 @contextmanager
 def replacing(path: Path | str) -> Iterator[Path]:
-    """Path of a temporary neighbour that takes the place of `path` when the block succeeds.
+    """Path of a temporary file in the same folder, which replaces `path` when the block succeeds.
 
-    A reader sees the old file or the new one, never half of either; an exception leaves the old file as it
-    was. The folder is created where it is missing.
+    A reader sees the old file or the complete new one. After an exception the old file is unchanged. A
+    missing folder is created.
 
     Raises
     ------
@@ -30,7 +30,7 @@ def replacing(path: Path | str) -> Iterator[Path]:
         temporary = Path(name)
         try:
             yield temporary
-            # mkstemp keeps its file private; a result is as readable as any file its user makes.
+            # mkstemp creates a private file; a result gets the permissions of the user's other files.
             mask = os.umask(0)
             os.umask(mask)
             temporary.chmod(0o666 & ~mask)

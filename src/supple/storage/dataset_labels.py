@@ -1,4 +1,4 @@
-"""What the datasets of a result file are, by attributes: unit, axes, columns, and what is acted on."""
+"""Attributes of the datasets of a result file: unit, axes, columns, and the end that a force acts on."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ _OF_MOTION = {
 
 
 def dataset_labels(path: str, metadata: Mapping[str, object]) -> Labels:
-    """Attributes of the dataset at a path; of what is not named here there are none.
+    """Attributes of the dataset at a path; empty for datasets not listed here.
 
-    metadata : of the run; "units" as a UnitSystem writes itself, "NAME: second end" of each joint. A unit
-        that has no name is "", an end that is not said is "second end"
+    metadata : of the run; "units" as text of a UnitSystem, "NAME: second end" of each joint. A unit without a
+        name is "", an end that is not given is "second end"
     """
     units = UnitSystem.parsed(str(metadata.get("units", "")))
     match path.split("/"):

@@ -1,4 +1,4 @@
-"""Room on the disk, made sure of before it is needed."""
+"""Reservation of disk space before it is needed."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from pathlib import Path
 
 
 def reserve_space(path: Path, size: int) -> None:
-    """Make sure that an existing file can grow to so many bytes; it may look that long from then on.
+    """Reserve space so that an existing file can grow to `size` bytes; its length may be reported as `size`.
 
-    HDF5 does not survive a write that fails: the process crashes when it closes the file. Reserved bytes
-    cannot fail, neither for a full disk nor for a quota, so the operating system is asked first.
+    HDF5 does not survive a failed write: the process crashes when it closes the file. Writing to reserved
+    bytes cannot fail, neither for a full disk nor for a quota, so the space is reserved first.
 
     Raises
     ------

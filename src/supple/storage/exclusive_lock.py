@@ -1,7 +1,7 @@
 """Exclusive lock: one writer at a time for a file, or for a folder.
 
-The lock is the operating system's, on a neighbour `.NAME.lock`. It ends with the process that holds it,
-however that ends, so that a neighbour which a killed run left behind is in nobody's way.
+The lock is one of the operating system, on a file `.NAME.lock` in the same folder. It ends with the process
+that holds it, however that ends, so that a lock file left by a killed run blocks nobody.
 """
 
 from __future__ import annotations
@@ -23,22 +23,22 @@ _BUSY = {errno.EACCES, errno.EAGAIN, errno.EDEADLK}
 _NO_LOCKS_HERE = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL}
 _ATTEMPTS = 100
 _PATIENCE = 0.05
-"""s between two looks at a lock that is waited for."""
+"""Seconds between two attempts at a lock that another process holds."""
 
 
 class ExclusiveLock:
-    """Held from when it is made until `release`, the end of a `with` block, or the end of the process.
+    """A lock from its creation until `release`, the end of a `with` block, or the end of the process.
 
-    path : what is locked, a file that may not be there yet, or a folder that is
-    wait : until whoever holds it lets go
+    path : file to lock, which need not exist, or an existing folder
+    wait : wait until another holder releases it
 
     Raises
     ------
-    ResultFileError     somebody else holds it, in this process or another; the folder cannot be written
+    ResultFileError     another holder, in this process or another; the folder cannot be written
 
     Warns
     -----
-    UnlockedWarning     a file system without locks, such as some that are shared over a network
+    UnlockedWarning     a file system without locks, such as some network file systems
     """
 
     def __init__(self, path: Path, *, wait: bool = False) -> None:
@@ -50,10 +50,10 @@ class ExclusiveLock:
             self._descriptor = descriptor
 
     def release(self) -> None:
-        """Let others in; nothing happens the second time."""
+        """Release the lock; a second call does nothing."""
         if self._descriptor is None:
             return
-        # Removed while it is held: whoever opened it meanwhile sees that it is gone, and makes a new one.
+        # Removed while locked: a process that has opened it meanwhile notices this and creates a new one.
         self._neighbour.unlink(missing_ok=True)
         os.close(self._descriptor)
         self._descriptor = None
@@ -70,7 +70,7 @@ class ExclusiveLock:
         self.release()
 
     def _acquired(self, path: Path, *, wait: bool) -> int | None:
-        """The open file; None where another holds it and is waited for."""
+        """The open file; None where another process holds the lock and `wait` is set."""
         for _ in range(_ATTEMPTS):
             descriptor = os.open(self._neighbour, os.O_RDWR | os.O_CREAT, 0o666)
             try:
@@ -92,12 +92,12 @@ class ExclusiveLock:
                 os.truncate(descriptor, 0)
                 os.write(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode())
                 return descriptor
-            os.close(descriptor)  # its last holder removed it between our opening and our locking it
+            os.close(descriptor)  # removed by its last holder between our opening and our locking it
         raise OSError(errno.EAGAIN, os.strerror(errno.EAGAIN))
 
     def _without_lock(self, path: Path) -> int:
         warnings.warn(
-            f"the file system of {path} knows no locks: make sure yourself that no other run writes there",
+            f"the file system of {path} has no locks: make sure that no other run writes there",
             UnlockedWarning,
             stacklevel=4,
         )
@@ -115,7 +115,7 @@ if sys.platform == "win32":
     import msvcrt
 
     def _lock(descriptor: int) -> None:
-        # A byte beyond the text, which stays readable.
+        # A byte behind the text, so that the text stays readable.
         os.lseek(descriptor, 1 << 20, os.SEEK_SET)
         msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
         os.lseek(descriptor, 0, os.SEEK_SET)

@@ -1,4 +1,4 @@
-"""What went wrong with a file, said so that the reader knows what to do."""
+"""File errors as ResultFileError, with cause and remedy."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ DAMAGE = (
     TypeError,
     ValueError,
 )
-"""What reading a damaged file can raise, in whichever library first meets the damage."""
+"""Exceptions that reading a damaged file can raise, in any of the libraries involved."""
 
 _REMEDIES = {
     errno.ENOSPC: "the disk is full: free some space or choose another disk",
@@ -32,16 +32,16 @@ _REMEDIES = {
     errno.EISDIR: "this is a folder: give the path of a file",
     errno.EEXIST: "a file of that name stands where a folder should be: remove it, or choose another folder",
     errno.ENOTDIR: "a file stands where a folder should be: choose another folder",
-    errno.ENAMETOOLONG: "the name is longer than this file system takes: choose a shorter one",
+    errno.ENAMETOOLONG: "the name is longer than this file system allows: choose a shorter one",
     errno.EAGAIN: "another process holds the file: wait for it to finish",
 }
 
 
 @contextmanager
 def file_errors(action: str, path: Path, note: str = "") -> Iterator[None]:
-    """Turn an error of the file system into a ResultFileError 'cannot <action> <path>: why and what to do'.
+    """Convert an error of the file system to a ResultFileError 'cannot <action> <path>: cause and remedy'.
 
-    HDF5 reports the operating system's error number only in its message, at times that of a RuntimeError.
+    HDF5 reports the error number of the operating system in its message only, sometimes in a RuntimeError.
     """
     try:
         yield

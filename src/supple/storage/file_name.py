@@ -1,4 +1,4 @@
-"""Names of bodies as parts of names of files: whatever a body is called, its files lie in their folder."""
+"""File names made from names of bodies: every name is allowed, and its file stays in its folder."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ import hashlib
 __all__ = ["file_name"]
 
 LONGEST = 150
-"""Bytes; a file system takes 255, of which the rest is for endings and for temporary files."""
+"""Bytes; a file system allows 255, the rest is for suffixes and temporary files."""
 
-# What separates folders or means something to a system that users share files with.
+# Separators of folders, and characters with a special meaning on some operating system.
 _QUOTED = frozenset('%/\\:*?"<>|')
 
 
 def file_name(name: str) -> str:
-    """The name with what no file name may hold as %XX; a longer one ends in a hash of all of it.
+    """The name with forbidden characters as %XX; a longer name is cut and ends in a hash of the whole.
 
-    Different names stay different, and an ordinary one is itself.
+    Different names stay different; a name without such characters is unchanged.
     """
     quoted = "".join(_percent(sign) if sign in _QUOTED or not sign.isprintable() else sign for sign in name)
     if not quoted or quoted[0] == ".":

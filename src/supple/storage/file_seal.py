@@ -1,6 +1,6 @@
-"""File seal: a digest behind the last byte of a file, by which damage is found before anything is parsed.
+"""File seal: a digest behind the last byte of a file, which detects damage before anything is parsed.
 
-HDF5 files may be followed by bytes that are not theirs. A file that another program changes loses its seal.
+HDF5 files may be followed by other bytes. A file that another program changes loses its seal.
 """
 
 from __future__ import annotations
@@ -14,33 +14,33 @@ _BLOCK = 1 << 20
 
 
 def sealed(content: bytes) -> bytes:
-    """The content with its seal behind it."""
+    """The content followed by its seal."""
     return content + _MARK + hashlib.sha256(content).hexdigest().encode()
 
 
 def unsealed(path: Path) -> bytes:
-    """The content of a sealed file; ValueError where the seal is missing or not that of the content."""
+    """The content of a sealed file; ValueError where the seal is missing or does not match."""
     found = path.read_bytes()
     content = found[:-_LENGTH]
     if sealed(content) != found:
-        raise ValueError("its bytes are not those that were written")
+        raise ValueError("its bytes have changed since it was written")
     return content
 
 
 def has_seal(path: Path) -> bool:
-    """Whether a file ends in a seal, be it whole or broken."""
+    """Whether a file ends in a seal, valid or not."""
     return seal_of(path).startswith(_MARK)
 
 
 def seal_of(path: Path) -> bytes:
-    """The last bytes of a file: where it is sealed, two files of one seal have one content."""
+    """The last bytes of a file: sealed files with equal seals have equal contents."""
     with path.open("rb") as file:
         file.seek(max(0, path.stat().st_size - _LENGTH))
         return file.read()
 
 
 def is_seal_broken(path: Path) -> bool:
-    """Whether a file has a seal that is not that of its content; False where it has none."""
+    """Whether a file has a seal that does not match its content; False where it has none."""
     with path.open("rb") as file:
         left = max(0, path.stat().st_size - _LENGTH)
         file.seek(left)

@@ -1,10 +1,10 @@
-"""Frozen dataclasses as HDF5 groups and back: arrays, numbers, texts, names with numbers, other records.
+"""Frozen dataclasses as HDF5 groups and back: arrays, numbers, texts, mappings of numbers, other records.
 
 array                   dataset, with a checksum
 number, text            attribute
 texts                   dataset of texts
 numbers                 attribute
-names with numbers      group of attributes
+names with numbers      group of attributes (a mapping)
 record; records         group; group of groups 0, 1, ...
 None                    nothing
 """
@@ -23,26 +23,26 @@ Record = TypeVar("Record")
 
 
 def store_array(group: h5py.Group, name: str, array: np.ndarray) -> None:
-    """Write an array as it is, with a checksum."""
-    # HDF5 attaches checksums to blocks, and an empty array or a scalar has none.
+    """Write an array with a checksum."""
+    # HDF5 attaches checksums to blocks; empty arrays and scalars have no blocks.
     blocks = {"chunks": True, "fletcher32": True} if array.ndim and array.size else {}
     group.create_dataset(name, data=array, **blocks)
 
 
 def read_array(group: h5py.Group, name: str) -> np.ndarray:
-    """The real numbers of that name.
+    """The array of real numbers with that name.
 
-    KeyError where there are none, TypeError where they are no real numbers, ValueError where they claim more
-    room than the file has, OSError where their checksum disagrees.
+    KeyError where it is missing, TypeError where it has no real numbers, ValueError where its size exceeds
+    the file, OSError where its checksum does not match.
     """
     found = _dataset(group, name)
     if found.dtype.kind not in "fiu":
-        raise TypeError(f"{name} holds {found.dtype}, which are no real numbers")
+        raise TypeError(f"{name} has type {found.dtype} instead of real numbers")
     return np.asarray(found[()])
 
 
 def read_group(group: h5py.Group, name: str) -> h5py.Group:
-    """The group of that name; KeyError where there is none."""
+    """The group with that name; KeyError where there is none."""
     found = group[name]
     if not isinstance(found, h5py.Group):
         raise KeyError(f"{name} is not a group")
@@ -50,24 +50,24 @@ def read_group(group: h5py.Group, name: str) -> h5py.Group:
 
 
 def read_number(group: h5py.Group, name: str) -> float:
-    """The number in an attribute; KeyError where there is none, TypeError where it is no number."""
+    """The number in an attribute; KeyError where there is none, TypeError where it is not a number."""
     return float(np.asarray(group.attrs[name]).item())
 
 
 def _dataset(group: h5py.Group, name: str) -> h5py.Dataset:
-    """The dataset of that name, which fits into the file: nothing is compressed."""
+    """The dataset with that name; its size cannot exceed the file, because nothing is compressed."""
     found = group[name]
     if not isinstance(found, h5py.Dataset):
         raise KeyError(f"{name} is not a dataset")
     size, itemsize = group.file.id.get_filesize(), found.dtype.itemsize
     claimed = max(int(np.prod(shape, dtype=object)) * itemsize for shape in (found.shape, found.chunks or ()))
     if claimed > size:
-        raise ValueError(f"{name} claims {claimed} bytes, and the file has {size}, which is the limit")
+        raise ValueError(f"{name} has {claimed} bytes, more than the {size} bytes of the file")
     return found
 
 
 def store_record(group: h5py.Group, record: Any) -> None:
-    """Write the fields of a frozen dataclass; TypeError where one of them is of no kind named above."""
+    """Write the fields of a frozen dataclass; TypeError for a field of another kind than listed above."""
     for item in fields(record):
         _store(group, item.name, getattr(record, item.name))
 
@@ -75,8 +75,8 @@ def store_record(group: h5py.Group, record: Any) -> None:
 def read_record(group: h5py.Group, kind: type[Record]) -> Record:
     """The record of that kind in a group.
 
-    A field that the group does not have takes its default, as an older program did not know it; a field
-    that the record does not have is left alone. KeyError and TypeError tell of what does not fit.
+    A field that is missing in the group takes its default (files of older versions). Unknown entries of the
+    group are ignored. KeyError or TypeError where an entry does not fit the record.
     """
     hints = get_type_hints(kind)
     found = {}
@@ -128,7 +128,7 @@ def _read(group: h5py.Group, name: str, hint: Any) -> Any:
 def _read_tuple(group: h5py.Group, name: str, kind: Any) -> tuple[Any, ...]:
     found = group.get(name)
     if isinstance(found, h5py.Dataset):
-        # No items look alike, whatever they would have been.
+        # An empty tuple has no type of items.
         return tuple(_dataset(group, name).asstr()[()])
     if is_dataclass(kind):
         inner = read_group(group, name)
@@ -137,6 +137,6 @@ def _read_tuple(group: h5py.Group, name: str, kind: Any) -> tuple[Any, ...]:
 
 
 def _unless_none(hint: Any) -> Any:
-    """The type X of a field annotated X | None, which is there; else its type as it is."""
+    """The type X of a field annotated X | None; any other type unchanged."""
     parts = get_args(hint)
     return next(part for part in parts if part is not NoneType) if NoneType in parts else hint

@@ -1,8 +1,8 @@
-"""Superblock: the first bytes of an HDF5 file, by which it is opened without waiting for anybody.
+"""Superblock: the first bytes of an HDF5 file, changed on reading so that it opens without waiting.
 
-A run that goes on, or was killed, leaves its file marked as being written. HDF5 opens such a file in a mode
-in which it reads what is damaged again and again, for minutes. Here the mark is taken off what HDF5 sees,
-never off the file, and damage is reported at once.
+A run in progress, or a killed one, leaves its file marked as being written. HDF5 opens such a file in a mode
+in which it reads damaged parts repeatedly, for minutes. Here the mark is removed from the bytes passed to
+HDF5, not from the file, and damage is reported at once.
 
 Version 3 (HDF5 File Format Specification, II.A): signature (8), version, sizes of addresses and lengths,
 mark; then base, extension, end of file and root group (8 each), and a checksum (4, Jenkins' lookup3) of all.
@@ -26,27 +26,27 @@ _LENGTH = _FORM.size + 4
 _MASK = 0xFFFFFFFF
 
 
-_MARK, _END = 4, 7  # of the fields
+_MARK, _END = 4, 7  # indices of the fields
 
 
 class DamagedSuperblockError(ValueError):
-    """The first bytes of a file are not those that were written, or the file ends too early."""
+    """The first bytes of a file have changed since it was written, or the file is truncated."""
 
 
 def is_current_hdf5(path: Path) -> bool:
-    """Whether a file begins as an HDF5 file with a superblock of version 3, as result files do."""
+    """Whether a file starts with an HDF5 superblock of version 3, as result files do."""
     with path.open("rb") as file:
         return file.read(9) == _SIGNATURE + bytes([_VERSION])
 
 
 @contextmanager
 def open_settled(path: Path) -> Iterator[h5py.File]:
-    """The file, open to read as if nobody were writing it.
+    """The file, opened for reading as if no process were writing it.
 
     Raises
     ------
-    DamagedSuperblockError     its first bytes are damaged; it is shorter than it says
-    OSError                    whatever HDF5 finds wrong
+    DamagedSuperblockError     its first bytes are damaged, or it is shorter than its superblock states
+    OSError                    other errors of HDF5
     """
     with (
         path.open("rb") as file,
@@ -56,12 +56,12 @@ def open_settled(path: Path) -> Iterator[h5py.File]:
 
 
 def is_marked(path: Path) -> bool:
-    """Whether such a file is marked as being written: a run goes on, or was killed."""
+    """Whether such a file is marked as being written: a run is in progress, or was killed."""
     return _fields(path)[_MARK] != 0
 
 
 def written_size(path: Path) -> int:
-    """Bytes of such a file that HDF5 knows of; more may be reserved behind them."""
+    """Bytes of such a file in use by HDF5; more may be reserved behind them."""
     return _fields(path)[_END]
 
 
@@ -71,34 +71,34 @@ def _fields(path: Path) -> tuple[Any, ...]:
 
 
 class _UnmarkedFile(io.RawIOBase):
-    """A file whose first bytes are replaced; reading beyond its end is an error, never a guess."""
+    """A file whose first bytes are replaced; reading beyond its end is an error."""
 
     def __init__(self, file: BinaryIO, first: bytes) -> None:
         self._file = file
         self._first = first
 
     def seekable(self) -> bool:
-        """Always."""
+        """Always True."""
         return True
 
     def readable(self) -> bool:
-        """Always."""
+        """Always True."""
         return True
 
     def seek(self, offset: int, whence: int = io.SEEK_SET, /) -> int:
-        """As of the file."""
+        """As for the file."""
         return self._file.seek(offset, whence)
 
     def tell(self) -> int:
-        """As of the file."""
+        """As for the file."""
         return self._file.tell()
 
     def readinto(self, buffer: Any, /) -> int:
-        """The file's bytes, but its first ones as they should be; OSError where it ends too early."""
+        """The bytes of the file with the first ones replaced; OSError where it is truncated."""
         begin, wanted = self._file.tell(), len(buffer)
         content = self._file.read(wanted)
         if len(content) < wanted:
-            raise OSError(f"truncated: {wanted} bytes at {begin} are not there")
+            raise OSError(f"truncated: {wanted} bytes at {begin} are missing")
         if begin < len(self._first):
             content = self._first[begin : begin + wanted] + content[max(0, len(self._first) - begin) :]
         buffer[:] = content
@@ -106,16 +106,16 @@ class _UnmarkedFile(io.RawIOBase):
 
 
 def _without_mark(file: BinaryIO) -> bytes:
-    """The first bytes of a file without the mark of a writer, and with its length as it is."""
+    """The first bytes of a file without the writer's mark, and with the actual length."""
     first = file.read(_LENGTH)
     size = file.seek(0, io.SEEK_END)
     if len(first) < _LENGTH:
         raise DamagedSuperblockError("the file is truncated")
     signature, version, offsets, lengths, _, base, extension, end, root = _FORM.unpack(first[: _FORM.size])
     if int.from_bytes(first[_FORM.size :], "little") != lookup3(first[: _FORM.size]):
-        raise DamagedSuperblockError("the checksum of its first bytes disagrees")
+        raise DamagedSuperblockError("the checksum of its first bytes does not match")
     if end > size:
-        raise DamagedSuperblockError(f"the file is truncated: {size} of {end} bytes are there")
+        raise DamagedSuperblockError(f"the file is truncated: {size} of {end} bytes are present")
     plain = _FORM.pack(signature, version, offsets, lengths, 0, base, extension, size, root)
     return plain + lookup3(plain).to_bytes(4, "little")
 
@@ -138,7 +138,7 @@ def lookup3(data: bytes) -> int:
     for shift in (14, 11, 25, 16, 4, 14, 24):
         c = ((c ^ b) - _rotated(b, shift)) & _MASK
         a, b, c = b, c, a
-    # Seven turns of three leave the last one written in b.
+    # Seven rotations of the three numbers leave the last one written in b.
     return b
 
 

@@ -19,7 +19,7 @@ __all__ = ["write_json"]
 def write_json(path: Path | str, data: Any) -> Path:
     """Write nested mappings, sequences, dataclasses, numbers, strings and arrays as a JSON file, atomically.
 
-    A number that is not finite, for which JSON has no word, becomes null.
+    A number that is not finite, which JSON cannot represent, becomes null.
 
     Raises
     ------

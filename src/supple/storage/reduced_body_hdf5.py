@@ -1,4 +1,4 @@
-"""Reduced bodies as HDF5 files: everything a simulation needs of a body, kept without its mesh.
+"""Reduced bodies as HDF5 files: all data of a body for simulations, without its mesh.
 
 Format "supple-reduced-body", version 2 (any HDF5 reader opens it):
 
@@ -15,9 +15,9 @@ Format "supple-reduced-body", version 2 (any HDF5 reader opens it):
                         (12, n2), where the body has them
     report              the fields of ReductionReport, as in hdf5_record
 
-Numbers are stored as they are, so that reading gives back the very bits. Arrays carry a checksum, and the
-file as a whole a seal behind its last byte (file_seal). A file without one, as another program leaves it, is
-copied first (copied_hdf5).
+Numbers are stored unchanged, so that reading reproduces every bit. Arrays have a checksum, and the file as a
+whole a seal behind its last byte (file_seal). A file without a seal, as another program writes it, is copied
+first (copied_hdf5).
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ __all__ = ["holds_reduced_body", "read_interface_names", "read_reduced_body", "w
 
 FORMAT = "supple-reduced-body"
 VERSION = 2
-"""2: the condensed motion has inertia, which files of version 1 do not hold and bodies from them lack."""
+"""2: the condensed motion has inertia, which files of version 1 do not contain."""
 
 _ARRAYS = (
     "gram",
@@ -75,10 +75,10 @@ def write_reduced_body(path: Path | str, body: ReducedBody) -> Path:
 
     Raises
     ------
-    ModelError          a frame of one's own, which the format has no word for
+    ModelError          a user-defined frame, which the format does not include
     ResultFileError     the file cannot be written
     """
-    # Built in memory, because HDF5 does not survive a write that fails: see results.disk_space.
+    # Built in memory, because HDF5 does not survive a failed write: see `disk_space`.
     with h5py.File("image", "w", driver="core", backing_store=False) as file:
         file.attrs.update({"format": FORMAT, "version": VERSION, "name": body.name})
         file.attrs.update(_frame_attributes(body))
@@ -100,11 +100,11 @@ def write_reduced_body(path: Path | str, body: ReducedBody) -> Path:
 
 @checked_arguments
 def read_reduced_body(path: Path | str) -> ReducedBody:
-    """The reduced body in a file, bit by bit as it was written.
+    """The reduced body in a file, identical in every bit.
 
     Raises
     ------
-    ResultFileError     no such file, no reduced body, of a newer version, damaged
+    ResultFileError     a missing file, no reduced body, a newer version, a damaged file
     """
     with _open(Path(path)) as file:
         return ReducedBody(
@@ -135,13 +135,13 @@ def read_interface_names(path: Path | str) -> tuple[str, ...]:
 
 
 def holds_reduced_body(path: Path | str) -> bool:
-    """Whether a file is an HDF5 file that says it holds a reduced body."""
+    """Whether a file is an HDF5 file marked as a reduced body."""
     path = Path(path)
     if not path.is_file() or not h5py.is_hdf5(path):
         return False
     try:
         if is_seal_broken(path):
-            return True  # only such files have a seal; read_reduced_body says what became of it
+            return True  # only such files have a seal; read_reduced_body reports the damage
         with _content(path, ()) as file:
             return file.attrs.get("format") == FORMAT
     except DAMAGE:
@@ -150,49 +150,49 @@ def holds_reduced_body(path: Path | str) -> bool:
 
 @contextmanager
 def _open(path: Path, parts: Collection[str] | None = None) -> Iterator[h5py.File]:
-    """The file, or those parts of it, once its format and version are known to be ours.
+    """The file, or some of its parts, after a check of its format and version.
 
-    ResultFileError otherwise, and where anything is found wrong while it is open.
+    ResultFileError otherwise, and for damage found while it is open.
     """
     with file_errors("read", path):
         if not path.is_file():
             raise ResultFileError(f"cannot read {path}: no such file; check the path")
     if not h5py.is_hdf5(path):
-        raise ResultFileError(f"cannot read {path}: not an HDF5 file, so no reduced body; check the path")
+        raise ResultFileError(f"cannot read {path}: not an HDF5 file, so not a reduced body; check the path")
     with file_errors("read", path, note="; if it was copied, copy it again"):
         is_damaged = is_seal_broken(path)
     try:
         if is_damaged:
-            raise ValueError("its bytes are not those that were written")
+            raise ValueError("its bytes have changed since it was written")
         with _content(path, parts) as file:
             _check_format(path, file.attrs)
             yield file
     except ResultFileError:
         raise
-    # A checksum that does not agree is an OSError of HDF5, a missing part a KeyError, and parts that do not
-    # fit each other, or are not finite, the ModelError of the body itself.
+    # A wrong checksum is an OSError of HDF5, and a missing part a KeyError. Parts that do not fit each other,
+    # or are not finite, raise the ModelError of the body itself.
     except DAMAGE as error:
         raise _damaged(path, error) from error
 
 
 def _content(path: Path, parts: Collection[str] | None) -> AbstractContextManager[h5py.File]:
-    """What a file with a whole seal, or with none, holds: HDF5 itself may hang over one that is damaged."""
+    """The content of a file with a valid seal, or without one; HDF5 itself may hang on a damaged file."""
     return h5py.File(path, "r", locking=False) if has_seal(path) else open_copied(path, parts)
 
 
 def _check_format(path: Path, attributes: h5py.AttributeManager) -> None:
     if attributes.get("format") != FORMAT:
         raise ResultFileError(
-            f"{path} is an HDF5 file but holds no reduced body of supple: check the path; "
-            "`supple reduce` and write_reduced_body make such files"
+            f"{path} is an HDF5 file but not a reduced body of supple: check the path; "
+            "`supple reduce` and write_reduced_body create such files"
         )
     version = int(str(attributes.get("version", 0)))
     if version < 1:
-        raise ValueError(f"format version {version} never was")
+        raise ValueError(f"there is no format version {version}")
     if version > VERSION:
         raise ResultFileError(
-            f"{path} has format version {version}, and this supple reads up to {VERSION}: "
-            "use the supple that wrote it, or a newer one"
+            f"{path} has format version {version}, and this version of supple reads up to {VERSION}: "
+            "use the version that wrote it, or a newer one"
         )
 
 
@@ -236,8 +236,8 @@ def _frame_attributes(body: ReducedBody) -> dict[str, str]:
             return {"frame": "nodal-fixed", "frame_interface": interface}
         case other:
             raise ModelError(
-                f"cannot write body '{body.name}': its frame is {type(other).__name__}, and a file knows "
-                "MeanAxisFrame and NodalFixedFrame; replace the body's frame by one of these"
+                f"cannot write body '{body.name}': its frame is {type(other).__name__}; a file holds "
+                "MeanAxisFrame and NodalFixedFrame only: replace the body's frame by one of these"
             )
 
 
@@ -247,7 +247,7 @@ def _frame(attributes: h5py.AttributeManager) -> Frame:
         return MeanAxisFrame()
     if kind == "nodal-fixed":
         return NodalFixedFrame(_text(attributes["frame_interface"]))
-    raise KeyError(f"frame {kind!r} is not known")
+    raise KeyError(f"frame {kind!r} is unknown")
 
 
 def _text(value: Any) -> str:

@@ -1,4 +1,4 @@
-"""Chunks of a result file: written, sealed, committed, in this order, so that no half of one is ever read."""
+"""Chunks of a result file: written, sealed, then committed, so that an incomplete chunk is never read."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ _INDEX_BYTES = 2**20
 
 @dataclass
 class Ledger:
-    """The seals of what is written.
+    """The seals of the parts of a file as they are written.
 
     header : seal           of the header
     layout : Layout         of the chunks
     rows : list of seals    of the chunks
-    n_times : int           written
+    n_times : int           number of output times written
     datasets : h5py.Dataset     by name, of the open file: looking one up takes as long as writing to it
     """
 
@@ -43,14 +43,14 @@ class Ledger:
     datasets: dict[str, h5py.Dataset] = field(default_factory=dict)
 
     def dataset(self, file: h5py.File, name: str) -> h5py.Dataset:
-        """The dataset of that name in the file that chunks are appended to."""
+        """The dataset with that name in the file that chunks are appended to."""
         if name not in self.datasets:
             self.datasets[name] = dataset(file, name)
         return self.datasets[name]
 
 
 def layout_of_chunk(arrays: Mapping[str, Array], chunk: Solution) -> Layout:
-    """What the rows of a chunk are of."""
+    """The layout of the rows of a chunk: shapes and kinds of motion."""
     return Layout(
         arrays={path: array.shape[1:] for path, array in arrays.items()},
         kinds=motion_kinds(chunk),
@@ -62,16 +62,16 @@ def write_whole(path: Path, header: ResultHeader, solution: Solution | None) -> 
     """Write a file with one chunk, or none, atomically."""
     arrays = {} if solution is None else to_arrays(solution)
     layout = Layout({}, {}, {}) if solution is None else layout_of_chunk(arrays, solution)
-    # Values as JSON gives them back, for what is sealed is read.
+    # Values as JSON returns them, because the seal covers what is read.
     words = (header.case, *map(json.dumps, (dict(header.metadata), dict(header.inputs), asdict(layout))))
     texts: dict[str, str] = dict(zip(TEXTS, words, strict=True))
     ledger = Ledger(header_seal(texts), layout, [])
-    # Built in memory, because HDF5 does not survive a write that fails: see disk_space.
+    # Built in memory, because HDF5 does not survive a failed write: see disk_space.
     with h5py.File("image", "w", driver="core", backing_store=False, libver="latest") as file:
         file.attrs["format"] = np.bytes_(FORMAT)
         file.attrs["version"] = VERSION
         for name, text in texts.items():
-            # Of fixed length: HDF5 keeps others on a heap of its own, whose damage it does not see.
+            # Fixed length: HDF5 stores variable lengths on a heap without checksums.
             content = text.encode()
             file.create_dataset(name, data=np.array(content, dtype=f"S{max(1, len(content))}"))
         file.create_dataset("complete", data=np.int64(0))
@@ -91,7 +91,7 @@ def write_whole(path: Path, header: ResultHeader, solution: Solution | None) -> 
             mark_complete(file, ledger)
         file.flush()
         image = file.id.get_file_image()
-    ledger.datasets.clear()  # those of the image
+    ledger.datasets.clear()  # they belong to the image in memory
     with replacing(path) as temporary:
         temporary.write_bytes(image)
     return ledger
@@ -100,19 +100,19 @@ def write_whole(path: Path, header: ResultHeader, solution: Solution | None) -> 
 def _create_growing(file: h5py.File, name: str, array: np.ndarray) -> None:
     width = array.shape[1:]
     row_bytes = array.itemsize * max(1, int(np.prod(width)))
-    # A block has no side of length zero, not even for a rigid body's zero coordinates.
+    # A block must not have a side of length zero, as for a rigid body's zero coordinates.
     blocks = (max(1, _BLOCK_BYTES // row_bytes), *(max(1, n) for n in width))
     file.create_dataset(name, data=array, maxshape=(None,) * array.ndim, chunks=blocks)
 
 
 def most_growth(arrays: Mapping[str, Array]) -> int:
-    """Bytes by which the file grows at most: the rows, a begun block at either end, and their index."""
+    """Upper limit of the file's growth in bytes: the rows, a partial block at either end, and their index."""
     rows = sum(array.nbytes + 2 * max(_BLOCK_BYTES, array[:1].nbytes) for array in arrays.values())
     return rows + rows // 8 + _INDEX_BYTES
 
 
 def append_chunk(file: h5py.File, ledger: Ledger, arrays: Mapping[str, Array], chunk: Solution) -> None:
-    """Write a chunk behind the others."""
+    """Write a chunk after the existing ones."""
     for name, array in arrays.items():
         target = ledger.dataset(file, name)
         target.resize(ledger.n_times + len(array), axis=0)
@@ -130,7 +130,7 @@ def _commit(file: h5py.File, ledger: Ledger, arrays: Mapping[str, Array], chunk:
     row = np.concatenate([[ledger.n_times, n_times], statistics_row(chunk.statistics)])
     content = content_seal(arrays, state)
     sealed = row_seal(ledger.header, number, row, content)
-    # A chunk counts once its row is there, and is then sealed.
+    # A chunk is valid once its row is written; the row is sealed next.
     _set_row(ledger.dataset(file, "seals/chunks"), number, np.frombuffer(content + sealed, np.uint8))
     file.flush()
     _set_row(ledger.dataset(file, "commits"), number, row)
@@ -146,15 +146,15 @@ def _set_row(rows: h5py.Dataset, number: int, value: Any) -> None:
 
 
 def mark_complete(file: h5py.File, ledger: Ledger) -> None:
-    """Seal the whole run."""
+    """Seal the complete run."""
     dataset(file, "seals/end")[...] = np.frombuffer(end_seal(ledger.header, ledger.rows), np.uint8)
     file.flush()
     dataset(file, "complete")[()] = 1
 
 
 def open_single_writer(path: Path) -> h5py.File:
-    """The file, in the mode in which it can be read at any moment."""
-    # The high-level constructor opens for writing first and switches then; killed in between, it leaves a
+    """The file in single-writer mode, in which it can be read at any time."""
+    # The high-level constructor opens for writing first and then switches; killed in between, it leaves a
     # file that only a repair tool opens. The low-level call enters the mode in one step.
     access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
     access.set_libver_bounds(h5py.h5f.LIBVER_LATEST, h5py.h5f.LIBVER_LATEST)

@@ -1,4 +1,4 @@
-"""What an open result file holds, as far as its seals agree; `result_file` describes the format."""
+"""Content of an open result file with checked seals; `result_file` describes the format."""
 
 from __future__ import annotations
 
@@ -37,19 +37,19 @@ FORMAT = "supple-result"
 VERSION = 4
 
 TEXTS = ("case", "metadata", "inputs", "layout")
-"""Of the header, in the order of its seal."""
+"""Texts of the header, in the order of its seal."""
 
 N_COLUMNS = 2 + len(statistics_row(Statistics()))
-"""Of `commits`: first row, number of times, statistics."""
+"""Columns of `commits`: first row, number of times, statistics."""
 
 Metadata = Mapping[str, str | int | float | bool]
 
 ERRORS = "errors"
-"""Name among the metadata of what is known of the error of the run, as JSON."""
+"""Name of the error statements in the metadata, as JSON."""
 
 
 def errors_metadata(errors: Mapping[str, ErrorStatement]) -> Metadata:
-    """Metadata that keep what is known of the error of a run; none where nobody looked."""
+    """Metadata that contain the error statements of a run; empty without statements."""
     return {ERRORS: json.dumps({name: each.plain() for name, each in errors.items()})} if errors else {}
 
 
@@ -58,15 +58,15 @@ def _errors(text: str) -> dict[str, ErrorStatement]:
 
 
 class DamagedResultError(ResultFileError):
-    """A result file whose bytes are not those that were written."""
+    """A result file whose bytes have changed since it was written."""
 
 
 @dataclass(frozen=True)
 class ResultHeader:
-    """What a result file says about itself: the case, its metadata, and how far the run has come.
+    """Header of a result file: the case, its metadata, and the progress of the run.
 
-    case : str          what is run, for the record
-    inputs : Inputs     all that the motion depends on, by name
+    case : str          text of the case that was run
+    inputs : Inputs     everything the motion depends on, by name
     """
 
     case: str
@@ -79,7 +79,7 @@ class ResultHeader:
 
 @dataclass(frozen=True)
 class Layout:
-    """What the rows of a result file are of: row shapes by path, kinds of motion, the engine's state."""
+    """Layout of the rows of a result file: row shapes by path, kinds of motion, state of the engine."""
 
     arrays: Mapping[str, tuple[int, ...]]
     kinds: Mapping[str, str]
@@ -88,7 +88,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class _RowsOf:
-    """Rows of a dataset from one to before another, read as they are sliced."""
+    """Rows of a dataset from `begin` to before `end`, read when sliced."""
 
     dataset: h5py.Dataset
     begin: int
@@ -104,9 +104,9 @@ class _RowsOf:
 
 
 class ResultContent:
-    """An open result file whose format and header have been checked.
+    """An open result file with checked format and header.
 
-    size : int      of the file, bytes: nothing in it can be longer, for nothing is compressed
+    size : int      of the file in bytes; no dataset can be longer, because nothing is compressed
     """
 
     def __init__(self, path: Path, file: h5py.File, size: int) -> None:
@@ -116,7 +116,7 @@ class ResultContent:
             texts = {name: self._text(name) for name in TEXTS}
             self._seal = header_seal(texts)
             if self._bytes("seals/header").tobytes() != self._seal:
-                raise ValueError("its case, metadata or inputs are not those that were written")
+                raise ValueError("its case, metadata or inputs have changed since it was written")
             self._texts = texts
             self._layout = layout_of(json.loads(texts["layout"]))
             self._rows, self._row_seals = self._read_rows()
@@ -127,18 +127,18 @@ class ResultContent:
 
     @property
     def header(self) -> ResultHeader:
-        """What the file says about itself, once all rows of `commits` are found sound."""
+        """The header, after a check of all rows of `commits`."""
         broken = [number for number in range(len(self._rows)) if not self._is_row_sound(number)]
         if broken:
             raise self._chunks_damaged({number: "its row of commits" for number in broken})
         begins = np.concatenate([[0], np.cumsum(self._rows[:, 1])])
         if (begins[:-1] != self._rows[:, 0]).any():
-            raise damaged(self._path, ValueError("its chunks do not follow one another"))
+            raise damaged(self._path, ValueError("its chunks are not contiguous"))
         complete = self._end != NO_END
         if complete and self._end != end_seal(self._seal, self._row_seals):
-            raise damaged(self._path, ValueError("the seal of its end"))
+            raise damaged(self._path, ValueError("the seal of the complete run does not match"))
         if self._is_marked_complete and not complete:
-            raise damaged(self._path, ValueError("it calls itself complete and has no seal of its end"))
+            raise damaged(self._path, ValueError("it is marked complete but has no seal of its end"))
         return ResultHeader(
             case=self._texts["case"],
             metadata=MappingProxyType(json.loads(self._texts["metadata"])),
@@ -149,11 +149,11 @@ class ResultContent:
         )
 
     def solution(self) -> Solution:
-        """All of it."""
+        """The whole solution."""
         header = self.header
         self._check_not_empty()
         try:
-            # At once where nothing is wrong, for reading chunk by chunk takes long.
+            # Read at once where nothing is damaged, because reading chunk by chunk is slow.
             arrays, states = self._arrays(0, header.n_times), self._states()
             state: dict[str, Array] = {}
             for number, (begin, end) in enumerate(self._spans()):
@@ -169,7 +169,7 @@ class ResultContent:
         return solution if stated is None else solution.with_errors(_errors(str(stated)))
 
     def last_instant(self) -> Solution:
-        """The last output time."""
+        """The solution at the last output time."""
         _ = self.header
         self._check_not_empty()
         try:
@@ -178,9 +178,9 @@ class ResultContent:
             raise self._chunks_damaged({len(self._rows) - 1: str(error)}) from error
 
     def parts(self, rows: NDArray[np.int64], n_rows: int) -> Iterator[Solution]:
-        """Some output times (k,), ascending, in parts of at most n_rows of the file.
+        """The solution at some output times (k,), ascending, in parts of at most n_rows rows of the file.
 
-        Each chunk is checked by its seal, block by block, before the first part that it is in.
+        Each chunk is checked by its seal, block by block, before its first part.
         """
         header = self.header
         self._check_not_empty()
@@ -199,7 +199,7 @@ class ResultContent:
 
     @property
     def row_bytes(self) -> int:
-        """Of an output time."""
+        """Number of bytes per output time."""
         return 8 * sum(int(np.prod(shape)) for shape in self._layout.arrays.values())
 
     @property
@@ -210,7 +210,7 @@ class ResultContent:
         return self._checked("times", np.dtype(np.float64), (), rows=n_times)[:n_times]
 
     def _check_sound(self, number: int, span: tuple[int, int]) -> None:
-        """DamagedResultError where a chunk is not what was written; read block by block."""
+        """Check the seal of a chunk, block by block; DamagedResultError where it does not match."""
         try:
             rows = {
                 path: _RowsOf(self._checked(path, np.dtype(np.float64), shape, rows=span[1]), *span)
@@ -221,7 +221,7 @@ class ResultContent:
             raise self._chunks_damaged({number: str(error)}) from error
 
     def sound_part(self) -> Solution:
-        """The chunks that are sound, in a row."""
+        """The undamaged chunks, one after the other."""
         self._check_not_empty()
         broken = dict(self._broken())
         sound = [self._chunk(number) for number in range(len(self._rows)) if number not in broken]
@@ -240,24 +240,24 @@ class ResultContent:
             raise error if isinstance(error, ResultFileError) else damaged(self._path, error) from error
         if version != VERSION:
             raise ResultFileError(
-                f"{self._path} has format version {version}, and this supple reads version {VERSION}: "
-                "use the supple that wrote it, or run the case again"
+                f"{self._path} has format version {version}, and this version of supple reads {VERSION}: "
+                "use the version that wrote it, or run the case again"
             )
 
     def _check_not_empty(self) -> None:
         if not len(self._rows):
             raise ResultFileError(
-                f"{self._path} holds no output times: its run ended before the first; run it again"
+                f"{self._path} contains no output times: its run ended before the first; run it again"
             )
 
     def _read_rows(self) -> tuple[Array, list[bytes]]:
-        """Rows of `commits` with their seals; the last may be one that was being written, which is zero."""
+        """Rows of `commits` with their seals; an unfinished last row is zero."""
         rows = self._checked("commits", np.dtype(np.float64), (N_COLUMNS,))[()]
         written = np.flatnonzero((rows != 0.0).any(axis=1))
         rows = rows[: written[-1] + 1 if len(written) else 0]
         seals = self._checked("seals/chunks", np.dtype(np.uint8), (2 * SIZE,))[: len(rows)]
         if len(seals) != len(rows):
-            raise ValueError(f"{len(seals)} seals of {len(rows)} chunks")
+            raise ValueError(f"{len(seals)} seals for {len(rows)} chunks")
         self._content_seals = [seal[:SIZE].tobytes() for seal in seals]
         return rows, [seal[SIZE:].tobytes() for seal in seals]
 
@@ -276,7 +276,7 @@ class ResultContent:
             raise ValueError("its numbers")
 
     def _chunk(self, number: int, *, last_only: bool = False) -> Solution:
-        """A chunk; ValueError, or whatever HDF5 raises, where it is damaged."""
+        """A chunk; ValueError, or an exception of HDF5, where it is damaged."""
         if not self._is_row_sound(number):
             raise ValueError("its row of commits")
         begin, n_times = self._rows[number, :2].astype(int)
@@ -306,21 +306,21 @@ class ResultContent:
         )
 
     def _arrays(self, begin: int, end: int) -> dict[str, Array]:
-        """Rows of all arrays, by path."""
+        """A range of rows of all arrays, by path."""
         return {
             path: self._checked(path, np.dtype(np.float64), shape, rows=end)[begin:end]
             for path, shape in self._layout.arrays.items()
         }
 
     def _state(self, number: int) -> dict[str, Array]:
-        """The engine's state at the end of a chunk."""
+        """The state of the engine at the end of a chunk."""
         return {
             key: self._checked(f"engine_state/{key}", np.dtype(np.float64), shape, rows=number + 1)[number]
             for key, shape in self._layout.engine_state.items()
         }
 
     def _states(self) -> dict[str, Array]:
-        """The same at the ends of all chunks, one by row."""
+        """The states of the engine at the ends of all chunks, one per row."""
         n = len(self._rows)
         return {
             key: self._checked(f"engine_state/{key}", np.dtype(np.float64), shape, rows=n)[:n]
@@ -340,31 +340,31 @@ class ResultContent:
     def _checked(
         self, name: str, kind: np.dtype, row_shape: tuple[int, ...], rows: int | None = None
     ) -> h5py.Dataset:
-        """The dataset of that name, whose rows are of the kind and shape wanted, and fit into the file."""
+        """The dataset with that name, with the expected type and shape of rows, not larger than the file."""
         found = dataset(self._file, name)
         shape = found.shape[1:] if found.ndim else ()
         if found.dtype != kind or shape != row_shape:
-            raise TypeError(f"{name} has rows of {found.dtype} {shape}; {kind} {row_shape} are expected")
+            raise TypeError(f"{name} has rows of {found.dtype} {shape} instead of {kind} {row_shape}")
         n_rows = found.shape[0] if found.ndim else 1
         if rows is not None and n_rows < rows:
-            raise ValueError(f"{name} has {n_rows} rows and {rows} are needed")
+            raise ValueError(f"{name} has {n_rows} rows instead of {rows}")
         self._check_room(found, n_rows if rows is None else rows)
         return found
 
     def _check_room(self, found: h5py.Dataset, rows: int) -> None:
-        """Before memory is taken for it: no array, and no block of one, is longer than the file."""
+        """Check sizes before memory is allocated: no array, and no block, is longer than the file."""
         itemsize = found.dtype.itemsize
         claims = [rows * int(np.prod(found.shape[1:], dtype=object)) * itemsize]
         if claims[0] and found.chunks is not None:
             claims.append(int(np.prod(found.chunks, dtype=object)) * itemsize)
         if max(claims) > self._size:
             raise ValueError(
-                f"{found.name} claims {max(claims)} bytes, and the file has {self._size}, which is the limit"
+                f"{found.name} has {max(claims)} bytes, more than the {self._size} bytes of the file"
             )
 
 
 def layout_of(words: Mapping[str, Mapping[str, Any]]) -> Layout:
-    """The layout in the header of a file; nothing before the first chunk."""
+    """The layout in the header of a file; empty before the first chunk."""
     return Layout(
         arrays={path: tuple(shape) for path, shape in words.get("arrays", {}).items()},
         kinds=dict(words.get("kinds", {})),
@@ -373,7 +373,7 @@ def layout_of(words: Mapping[str, Mapping[str, Any]]) -> Layout:
 
 
 def dataset(file: h5py.File, name: str) -> h5py.Dataset:
-    """The dataset of that name; KeyError where there is none."""
+    """The dataset with that name; KeyError where there is none."""
     found = file[name]
     if not isinstance(found, h5py.Dataset):
         raise KeyError(f"{name} is not a dataset")
@@ -385,11 +385,11 @@ def _plain(text: Any) -> Any:
 
 
 def not_ours(path: Path) -> ResultFileError:
-    """The error of an HDF5 file of another program."""
+    """The error for an HDF5 file of another program."""
     return ResultFileError(f"{path} is an HDF5 file but not a result of supple: check the path")
 
 
 def damaged(path: Path, error: Exception) -> DamagedResultError:
-    """The error of a file in which something is wrong."""
+    """The error for a damaged file."""
     remedy = "copy it again, or run the case again" if "truncated" in str(error) else "run the case again"
     return DamagedResultError(f"{path} is damaged ({error}): {remedy}")

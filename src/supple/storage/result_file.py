@@ -1,35 +1,35 @@
-"""Result files: simulations on disk, kept as they run.
+"""Result files: simulations on disk, written while they run.
 
 Format "supple-result", version 4, an HDF5 file (any HDF5 reader opens it):
 
     attributes   format        "supple-result"
                  version       4
-    case         text          of the case that was run, for the record
+    case         text          text of the case that was run
     metadata     text          JSON object of further names and values
     inputs       text          JSON object of all that the motion depends on, by name: values, or digests
-    layout       text          JSON object of what follows: row shapes of the arrays and of the engine's
-                               state, kinds of the bodies' motions
-    complete     scalar        1 once the run has ended, 0 while it runs or where it was cut off
+    layout       text          JSON object: row shapes of the arrays and of the engine's state, kinds of the
+                               bodies' motions
+    complete     scalar        1 after the end of the run, 0 during the run or after an interruption
     times        (t,)          output times
     bodies/<name>/<field>      (t, ...) the arrays of the body's motion: position, rotation, ...
     joint_forces/<name>        (t, 6) force and moment of each joint; its attributes `columns`, `acts_on`,
-                               `axes` and `unit` say which component, on which end, along which axes
+                               `axes` and `unit` give component, end acted on, axes and unit
     multipliers/<name>         (t, m) Lagrange multipliers of each joint, to continue the run
-    series/<name>              (t, c) numbers of the whole machine, of an explicit march its energies, steps,
+    series/<name>              (t, c) numbers of the whole machine; for an explicit run energies, steps,
                                obstacles and contacts
     commits      (k, 11)       one row per chunk written: its first row and its number of times, then its
                                steps, iterations, rejected steps, seconds, seconds of compilation, the
-                               largest local error and turn of a step, factorizations, and decades gained
-    engine_state/<key>         (k, ...) what the engine needs to go on exactly, one row per chunk, or absent
-    seals/header, chunks, end  (32,), (k, 64), (32,) digests of all that is above, see `result_seals`
+                               largest local error and rotation of a step, factorizations, and decades gained
+    engine_state/<key>         (k, ...) engine state for an exact continuation, one row per chunk, or absent
+    seals/header, chunks, end  (32,), (k, 64), (32,) digests of all of the above, see `result_seals`
 
-All numbers are 64-bit floats, stored bit for bit; in names, % and / are written %25 and %2F. The motion
-datasets appear with the first chunk. A chunk counts once its row of `commits` is there: whatever lies beyond
-the committed times was being written when the run ended.
+All numbers are 64-bit floats, stored unchanged; in names, % and / are written %25 and %2F. The motion
+datasets appear with the first chunk. A chunk is valid once its row of `commits` is written. Rows beyond the
+committed times belong to a chunk that was being written when the run ended.
 
-While a run goes on the file is in HDF5's single-writer mode, which orders every write so that the file can be
-read at any moment: by another process during the run, and after the run was killed. One process writes it at
-a time (`exclusive_lock`).
+During a run the file is in HDF5's single-writer mode, which orders every write so that the file can be read
+at any time: by another process during the run, and after the run was killed. One process at a time writes it
+(`exclusive_lock`).
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class ResultFile:
             file.finish()
 
     Leaving the block without `finish` closes the file as an incomplete run, which `resume` continues. Until
-    then nobody else writes it.
+    then no other process can write it.
     """
 
     def __init__(
@@ -106,11 +106,11 @@ class ResultFile:
         """Start a result file.
 
         case, metadata, inputs : see ResultHeader
-        overwrite : replace what is there, whatever it is; otherwise only a run without any output is replaced
+        overwrite : replace an existing file of any kind; otherwise only a run without output is replaced
 
         Raises
         ------
-        ResultFileError     something is there; the file cannot be written; another run is writing it
+        ResultFileError     the path exists; the file cannot be written; another run is writing it
         """
         header = ResultHeader(
             case, dict(metadata), complete=False, n_times=0, statistics=Statistics(), inputs=dict(inputs)
@@ -127,10 +127,10 @@ class ResultFile:
 
     @classmethod
     def resume(cls, path: Path | str, *, case: str, inputs: Inputs = MappingProxyType({})) -> Self:
-        """Continue the file of a run that was cut off; `read_last_instant` gives the state to start from.
+        """Continue the file of an interrupted run; `read_last_instant` gives the state to start from.
 
-        inputs : what the motion depends on, as it is now; where neither the file nor the caller knows any,
-            the text of the case must be the same
+        inputs : the current inputs of the motion; without inputs in the file and in the call, the text of the
+            case must be the same
 
         Raises
         ------
@@ -138,12 +138,14 @@ class ResultFile:
                             the file; it cannot be read or written
         """
         path = Path(path)
-        read_header(path)  # no lock is left beside what is not there
+        read_header(path)  # leaves no lock file beside a missing file
         lock = ExclusiveLock(path)
         try:
             header = read_header(path)
             if header.complete:
-                raise ResultFileError(f"cannot continue {path}: its run is complete; write to another file")
+                raise ResultFileError(
+                    f"cannot continue {path}: its run is complete; give another path for a new run"
+                )
             check_same_run(path, header, case, inputs)
             return cls(path, header, lock, read_solution(path) if header.n_times else None)
         except BaseException:
@@ -157,17 +159,16 @@ class ResultFile:
 
     @property
     def header(self) -> ResultHeader:
-        """What the file said about itself when it was opened."""
+        """The header of the file when it was opened."""
         return self._header
 
     def append(self, chunk: Solution) -> None:
-        """Write the next output times of the run; once this returns, they outlive the process.
+        """Write the next output times of the run; on return they are safely on disk.
 
         Raises
         ------
         ResultFileError     times that do not follow the last ones, other bodies or joints than before, a
-                            closed file, one that was removed, a full disk; what was appended before stays
-                            readable
+                            closed file, a removed file, a full disk; chunks written before stay readable
         """
         if self._closed:
             raise ResultFileError(
@@ -179,18 +180,18 @@ class ResultFile:
             self._start(chunk)
             return
         self._check_in_place()
-        kept = f" (the run up to t = {self._last_time:g} is kept and can be continued)"
+        kept = f" (the run up to t = {self._last_time:g} is stored and can be continued)"
         with file_errors("write", self.path, note=kept):
             reserve_space(self.path, written_size(self.path) + most_growth(arrays))
             append_chunk(self._file, self._ledger, arrays, chunk)
         self._last_time = float(chunk.times[-1])
 
     def solution(self) -> Solution:
-        """The run as far as it is written, read from the open file and checked against its seals.
+        """The run as written so far, read from the open file and checked against its seals.
 
         Raises
         ------
-        ResultFileError     nothing is written yet; what is read is not what was written
+        ResultFileError     no output times are written yet; a seal does not match
         """
         return self._content.solution()
 
@@ -201,7 +202,7 @@ class ResultFile:
     @property
     def _content(self) -> ResultContent:
         if self._file is None:
-            raise ResultFileError(f"{self.path} holds no output times yet")
+            raise ResultFileError(f"{self.path} contains no output times yet; append some first")
         return ResultContent(self.path, self._file, self._file.id.get_filesize())
 
     def finish(self) -> None:
@@ -216,7 +217,7 @@ class ResultFile:
         self.close()
 
     def close(self) -> None:
-        """Close the file as it is, and let others write it."""
+        """Close the file as it is, and release its lock."""
         self._closed = True
         try:
             if self._file is not None:
@@ -224,7 +225,7 @@ class ResultFile:
                     self._file.close()
                     self._file = None
                     if self._is_in_place():
-                        os.truncate(self.path, written_size(self.path))  # what was reserved and not needed
+                        os.truncate(self.path, written_size(self.path))  # release the unused reserved space
         finally:
             self._lock.release()
 
@@ -237,7 +238,7 @@ class ResultFile:
         self.close()
 
     def _start(self, written: Solution) -> None:
-        # The datasets must exist before the single-writer mode begins, so they come with the first chunk.
+        # The datasets must exist before single-writer mode begins: they are created with the first chunk.
         self._ledger = write_whole(self.path, self._header, written)
         with file_errors("open", self.path):
             self._file = open_single_writer(self.path)
@@ -249,11 +250,11 @@ class ResultFile:
         return place is not None and self._place is not None and os.path.samestat(place, self._place)
 
     def _check_in_place(self) -> None:
-        """What nobody finds under its name any more is not worth hours of computing."""
+        """Stop a run whose file was removed or replaced: its results would be lost."""
         if not self._is_in_place():
             raise ResultFileError(
-                f"{self.path} was removed or replaced while the run that writes it went on: run the case "
-                "again, in a folder that is left alone"
+                f"{self.path} was removed or replaced during the run that writes it: run the case "
+                "again, in a folder that no other program changes"
             )
 
     def _check(self, arrays: Mapping[str, Array], chunk: Solution) -> None:
@@ -262,11 +263,11 @@ class ResultFile:
             seen = f"{times[0]:g} to {times[-1]:g}" if len(times) else "none"
             raise ResultFileError(
                 f"cannot append to {self.path}: its times end at {self._last_time:g} and the new ones "
-                f"({seen}) do not rise from there"
+                f"({seen}) do not increase from there: append chunks in order of time"
             )
         if self._ledger is not None:
             begun, given = self._ledger.layout, layout_of_chunk(arrays, chunk)
-            # A run may have begun by an engine that did not keep its state; the other way round it may not.
+            # A file may begin with chunks without engine state; the reverse is not allowed.
             there = dict(begun.arrays) | {
                 f"engine_state/{key}": shape for key, shape in begun.engine_state.items()
             }
@@ -279,7 +280,7 @@ class ResultFile:
             if changed:
                 raise ResultFileError(
                     f"cannot append to {self.path}: {changed[0]} has row shape {here.get(changed[0])}, "
-                    f"{there.get(changed[0])} so far; a file holds one system"
+                    f"{there.get(changed[0])} so far: write each system to its own file"
                 )
         for path, array in arrays.items():
             if len(array) != len(times):
@@ -289,32 +290,30 @@ class ResultFile:
 
 
 def check_nothing_lost(path: Path) -> None:
-    """ResultFileError, saying what would be lost, where a new result would replace something."""
+    """Raise ResultFileError where a new result would replace an existing one; the message names it."""
     if not path.exists():
         return
     try:
         header = read_header(path)
     except ResultFileError as error:
-        seen = f"it holds something that cannot be read as a result ({error})"
+        seen = f"it cannot be read as a result ({error})"
     else:
         if not header.n_times and not header.complete:
             return
-        seen = "it holds a finished run" if header.complete else "it holds a run that was cut off"
-    raise ResultFileError(
-        f"cannot write {path}: {seen}; say overwrite=True to replace it, or write elsewhere"
-    )
+        seen = "it contains a finished run" if header.complete else "it contains an interrupted run"
+    raise ResultFileError(f"cannot write {path}: {seen}; give overwrite=True to replace it, or another path")
 
 
 def check_same_run(path: Path, header: ResultHeader, case: str, inputs: Inputs) -> None:
-    """ResultFileError, naming what changed, unless a file is of the run that is asked for."""
+    """Raise ResultFileError, naming the changes, unless a file belongs to the requested run."""
     if header.inputs or inputs:
-        changed = changes(header.inputs, inputs) if header.inputs else "it does not say what it depends on"
+        changed = changes(header.inputs, inputs) if header.inputs else "it does not list its inputs"
     else:
         changed = _first_difference(header.case, case)
     if changed:
         raise ResultFileError(
-            f"cannot continue {path}: it holds another case ({changed}); "
-            "write to another file, or run the case it was started with"
+            f"cannot continue {path}: it contains another case ({changed}); "
+            "give another path, or run the case with which the file was started"
         )
 
 
@@ -341,7 +340,7 @@ def write_solution(
 
 
 def write_errors(path: Path | str, solution: Solution) -> Path:
-    """Write a finished run anew with what was found of its error since.
+    """Write the file of a finished run again with its error statements.
 
     Raises
     ------
@@ -359,11 +358,11 @@ def _locked(path: Path) -> ExclusiveLock:
 
 
 def _first_difference(stored: str, given: str) -> str:
-    """Where two texts differ, in words; empty where they do not."""
+    """The first difference between two texts, in words; empty where they are equal."""
     if stored == given:
         return ""
     pairs = zip_longest(stored.splitlines(), given.splitlines())
     for number, (there, here) in enumerate(pairs, start=1):
         if there != here:
-            return f"line {number}: {there!r} there, {here!r} here"
+            return f"line {number}: {there!r} in the file, {here!r} now"
     return "they differ in line ends"

@@ -1,4 +1,4 @@
-"""A run on disk, read some output times at a time: it need not fit in memory."""
+"""Reading a result file in parts, so that the run need not fit in memory."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from supple.storage.result_reader import read_times
 __all__ = ["ResultParts"]
 
 _PART_BYTES = 2**26
-"""Of a part."""
+"""Bytes per part."""
 
 
 class ResultParts:
-    """Output times of a result file; iterating yields them as Solutions, some at a time, any number of times.
+    """Output times of a result file; iterating yields them as Solutions, some at a time, repeatedly.
 
         for part in ResultParts("blade.h5"): ...
 
@@ -31,7 +31,7 @@ class ResultParts:
 
     Raises
     ------
-    ResultFileError     as for `read_solution`; a number of an output time that there is none of
+    ResultFileError     as for `read_solution`; an index of an output time that does not exist
     """
 
     def __init__(self, path: Path | str, rows: ArrayLike | None = None) -> None:

@@ -1,4 +1,4 @@
-"""Reading result files, of runs that are complete, go on or were cut off."""
+"""Reading result files of runs that are complete, in progress or interrupted."""
 
 from __future__ import annotations
 
@@ -20,25 +20,25 @@ from supple.storage.result_content import DamagedResultError, ResultContent, Res
 
 __all__ = ["read_header", "read_last_instant", "read_solution", "read_sound_part", "read_times"]
 
-# A reader may come between two writes of a run that goes on: it looks again, for half a second in all.
+# A reader may come between two writes of a run in progress: it tries again, for half a second in total.
 _PAUSES = (0.02, 0.08, 0.4)
 
 _T = TypeVar("_T")
 
 
 def read_header(path: Path | str) -> ResultHeader:
-    """The case, metadata and progress of a result file, also of a run that goes on or was cut off.
+    """The case, metadata and progress of a result file, also of a run in progress or interrupted.
 
     Raises
     ------
-    ResultFileError     no such file, not a result file, of another version, truncated or damaged
+    ResultFileError     a missing file, not a result file, another version, truncated or damaged
     """
     return _read(Path(path), lambda content: content.header)
 
 
 @checked_arguments
 def read_solution(path: Path | str) -> Solution:
-    """The simulation in a result file, as far as it was written.
+    """The simulation in a result file, as far as it is written.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def read_times(path: Path | str) -> NDArray[np.float64]:
 
 
 def read_last_instant(path: Path | str) -> Solution:
-    """The last output time alone, a Solution of one row: the state from which to resume.
+    """The last output time alone, a Solution of one row: the state for a continuation.
 
     Raises
     ------
@@ -63,13 +63,13 @@ def read_last_instant(path: Path | str) -> Solution:
 
 
 def read_sound_part(path: Path | str) -> Solution:
-    """What is left of a damaged result file: the output times whose seals are whole.
+    """The undamaged part of a damaged result file: the output times whose seals match.
 
-    `stopped` of the solution names what is damaged; times may be missing in between.
+    `stopped` of the solution names the damaged parts; times may be missing in between.
 
     Raises
     ------
-    ResultFileError     as for read_header; no part is sound
+    ResultFileError     as for read_header; no undamaged part
     """
     return _read(Path(path), lambda content: content.sound_part())
 

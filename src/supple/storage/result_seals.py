@@ -3,9 +3,9 @@
 header          of the case, the metadata, the inputs and the layout
 content[k]      of the arrays of chunk k and the engine's state at its end
 row[k]          of the header's seal, k, the row of `commits` and content[k]
-end             of the header's seal and all rows: a run that is complete has it, one that goes on has zeros
+end             of the header's seal and all rows; zeros until the run is complete
 
-Each part is hashed with its name and shape before it, so that no two files share a digest.
+Each part is hashed together with its name and shape, so that different files have different digests.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ import numpy as np
 from supple.storage.solution_arrays import Array
 
 SIZE = hashlib.sha256().digest_size
-"""Bytes of a seal."""
+"""Bytes per seal."""
 
 NO_END = bytes(SIZE)
-"""In place of the last seal while a run goes on."""
+"""Seal of the end until the run is complete."""
 
 
 _BLOCK_BYTES = 2**24
-"""Of an array, hashed at a time."""
+"""Bytes of an array that are hashed at a time."""
 
 
 class SeriesRows(Protocol):
-    """64-bit numbers (t, ...): an array, or rows of a dataset, which are read as they are sliced."""
+    """64-bit numbers (t, ...): an array, or rows of a dataset, which are read when sliced."""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -41,12 +41,12 @@ class SeriesRows(Protocol):
 
 
 def header_seal(texts: Mapping[str, str]) -> bytes:
-    """Of what a file says before its first chunk."""
+    """Seal of the header."""
     return _digest(_whole(name, text.encode()) for name, text in texts.items())
 
 
 def content_seal(arrays: Mapping[str, SeriesRows], engine_state: Mapping[str, Array]) -> bytes:
-    """Of the rows that a chunk adds to the arrays, by path, and the engine's state at its end, by key."""
+    """Seal of a chunk: the rows of its arrays, by path, and the engine's state at its end, by key."""
     parts: list[tuple[str, SeriesRows]] = [(f"array {path}", array) for path, array in sorted(arrays.items())]
     parts += [(f"state {key}", value) for key, value in sorted(engine_state.items())]
     return _digest(
@@ -55,19 +55,19 @@ def content_seal(arrays: Mapping[str, SeriesRows], engine_state: Mapping[str, Ar
 
 
 def row_seal(header: bytes, number: int, row: Array, content: bytes) -> bytes:
-    """Of the row of `commits` by which a chunk counts."""
+    """Seal of a row of `commits`, with which a chunk becomes valid."""
     return _digest(
         [_whole("header", header), _whole(f"row {number}", row.tobytes()), _whole("content", content)]
     )
 
 
 def end_seal(header: bytes, rows: Iterable[bytes]) -> bytes:
-    """Of a complete run."""
+    """Seal of a complete run."""
     return _digest([_whole("header", header), _whole("rows", b"".join(rows))])
 
 
 def _blocks(rows: SeriesRows) -> Iterator[memoryview]:
-    """The bytes of the rows, some rows after the others."""
+    """The bytes of the rows, some rows at a time."""
     if not rows.shape:
         yield _bytes(rows[()])
         return
@@ -85,7 +85,7 @@ def _whole(name: str, content: bytes) -> tuple[str, int, tuple[bytes]]:
 
 
 def _digest(parts: Iterable[tuple[str, int, Iterable[bytes | memoryview]]]) -> bytes:
-    """Of parts, each by its name, size and blocks."""
+    """Digest of parts, each given by name, size and blocks."""
     digest = hashlib.sha256()
     for name, size, blocks in parts:
         digest.update(f"{name} {size}\n".encode())

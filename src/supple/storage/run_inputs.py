@@ -1,4 +1,4 @@
-"""What a run depends on, by name, so that a run that goes on is the run that began.
+"""Inputs of a run by name; a run is continued only with the same inputs.
 
 A value is a short text (a number of a case file) or a digest (a file, the numbers of a body).
 """
@@ -15,12 +15,12 @@ _MOST_NAMED = 5
 
 
 def digest_of(content: bytes) -> str:
-    """A value that stands for more than a line could show."""
+    """Digest of a content that is too long to be shown."""
     return _DIGEST + hashlib.sha256(content).hexdigest()
 
 
 def changes(there: Inputs, here: Inputs) -> str:
-    """What differs, in words: names, with both values where they can be shown; empty where nothing does."""
+    """The differences of two sets of inputs as text: names, with short values; empty where they are equal."""
     found = [_change(name, there.get(name), here.get(name)) for name in sorted(there.keys() | here.keys())]
     found = [change for change in found if change]
     more = f"; and {len(found) - _MOST_NAMED} more" if len(found) > _MOST_NAMED else ""
@@ -33,7 +33,7 @@ def _change(name: str, there: str | None, here: str | None) -> str:
     if there is None:
         return f"{name} is new"
     if here is None:
-        return f"{name} is gone"
+        return f"{name} is missing now"
     if there.startswith(_DIGEST) or here.startswith(_DIGEST):
         return f"{name} has changed"
     return f"{name} was {there} and is {here}"

@@ -1,4 +1,4 @@
-"""Sealed HDF5 files: written whole and renamed, read only where their seal is that of their bytes."""
+"""Sealed HDF5 files: written in one piece and renamed, read only where the seal matches."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ __all__ = ["is_whole", "open_sealed", "writing_sealed"]
 
 @contextmanager
 def writing_sealed(path: Path) -> Iterator[h5py.File]:
-    """A file in memory that takes the place of `path` with its seal when the block succeeds.
+    """An HDF5 file in memory that replaces `path`, with its seal, when the block succeeds.
 
-    HDF5 does not survive a write that fails, and a reader sees the old file or the new one. Of the size of
-    memory at most. ResultFileError where it cannot be written.
+    HDF5 does not survive a failed write, and a reader sees either the old file or the new one. The file must
+    fit in memory. ResultFileError where it cannot be written.
     """
     with h5py.File("image", "w", driver="core", backing_store=False) as file:
         yield file
@@ -32,7 +32,7 @@ def writing_sealed(path: Path) -> Iterator[h5py.File]:
 
 
 def is_whole(path: Path) -> bool:
-    """Whether a file is there whose seal is that of its bytes."""
+    """Whether a file exists whose seal matches its bytes."""
     try:
         return has_seal(path) and not is_seal_broken(path)
     except OSError:
@@ -43,17 +43,20 @@ def is_whole(path: Path) -> bool:
 def open_sealed(path: Path, *, verify: bool = True) -> Iterator[h5py.File]:
     """A sealed file to read.
 
-    verify : compare the seal with all bytes first; a file that was verified a moment ago needs it no more
+    verify : compare the seal with all bytes first; not needed shortly after a previous check
 
     Raises
     ------
-    ResultFileError     no such file, damaged, or not of this kind
+    ResultFileError     a missing file, a damaged file, or one of another kind
     """
     with file_errors("read", path):
         if not path.is_file():
             raise ResultFileError(f"cannot read {path}: no such file; check the path")
     if verify and not is_whole(path):
-        raise ResultFileError(f"{path} is damaged: its bytes are not those that were written")
+        raise ResultFileError(
+            f"{path} is damaged: its bytes have changed since it was written; copy it again, or "
+            "repeat the command that wrote it"
+        )
     try:
         with h5py.File(path, "r", locking=False) as file:
             yield file

@@ -1,4 +1,4 @@
-"""A solution as a flat table of arrays, one row per output time, and back."""
+"""A solution as a flat mapping of arrays, one row per output time, and back."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from supple.integrate.solution import LARGEST
 Array = NDArray[np.float64]
 
 _GROUPS = ("joint_forces", "multipliers", "series")
-"""Of arrays by name."""
+"""Groups of arrays by name."""
 _COUNTS = ("steps", "iterations", "rejected_steps", "factorizations")
 
 
@@ -42,9 +42,9 @@ def from_arrays(
     kinds: Mapping[str, str] = MappingProxyType({}),
     engine_state: Mapping[str, Array] = MappingProxyType({}),
 ) -> Solution:
-    """The solution that `to_arrays` took apart; its arrays are read-only.
+    """The solution from arrays as `to_arrays` returns them; its arrays are read-only.
 
-    kinds : by path of the body's group; floating where it is not said
+    kinds : by path of the body's group; floating where missing
     """
     motions: dict[str, dict[str, Array]] = {}
     groups: dict[str, dict[str, Array]] = {group: {} for group in _GROUPS}
@@ -55,7 +55,7 @@ def from_arrays(
                 motions.setdefault(name, {})[field] = array
             case [group, name]:
                 groups[group][unquote(name)] = array
-    for path in [path for path, kind in kinds.items() if kind == "series"]:  # of older files
+    for path in [path for path, kind in kinds.items() if kind == "series"]:  # files of older versions
         name = path.removeprefix("bodies/")
         groups["series"][unquote(name)] = motions.pop(name)["values"]
     bodies = {
@@ -75,12 +75,12 @@ def from_arrays(
 
 
 def statistics_row(statistics: Statistics) -> Array:
-    """The statistics of a run as numbers."""
+    """The statistics of a run as numbers (9,)."""
     return np.array(astuple(statistics), dtype=np.float64)
 
 
 def statistics_from_rows(rows: Array) -> Statistics:
-    """Statistics of a run from those of its parts, rows (k, 9) of `statistics_row`."""
+    """Statistics of a run from those of its chunks, rows (k, 9) of `statistics_row`."""
     names = [field.name for field in fields(Statistics)]
     totals: dict[str, Any] = {
         name: float(column.max(initial=0.0) if name in LARGEST else column.sum())
@@ -90,6 +90,6 @@ def statistics_from_rows(rows: Array) -> Statistics:
 
 
 def _quoted(name: str) -> str:
-    """A name that HDF5 takes for one step of a path."""
+    """A name as one component of an HDF5 path."""
     quoted = name.replace("%", "%25").replace("/", "%2F")
     return quoted.replace(".", "%2E") if set(quoted) == {"."} else quoted

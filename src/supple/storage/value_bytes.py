@@ -1,4 +1,4 @@
-"""What values are made of, as bytes: so that result files of different runs never pass for the same one."""
+"""Contents of values as bytes, for digests: result files of different runs have different digests."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from supple.storage.run_inputs import digest_of
 __all__ = ["bytes_of", "digest_of_parts"]
 
 _MOST_CALLS = 8
-"""Functions that call functions, as deep as they are looked into."""
+"""Largest depth of functions that call functions."""
 
 
 def digest_of_parts(parts: Iterable[bytes]) -> str:
-    """A digest of parts, each with its length, so that no two lists of parts are one text."""
+    """A digest of parts, each with its length, so that different lists of parts have different digests."""
     return digest_of(b"".join(b"%d:%b" % (len(part), part) for part in parts))
 
 
 def bytes_of(value: Any, depth: int = 0) -> Iterator[bytes]:
-    """The numbers, words and functions of a joint, a load, a body, a law, whatever holds them.
+    """The numbers, names and functions of a value, such as a joint, a load, a body or a law.
 
-    A function counts by its code, the numbers it has from around it, and the functions it calls; a model of
-    finite elements by what it is made from, for another number of threads moves the last digits of its
-    matrices. Fields that do not compare do not count.
+    A function is represented by its code, the values in its closure, and the functions it calls. A finite
+    element model is represented by its input, because another number of threads changes the last digits of
+    its matrices. Fields that are excluded from comparison are left out.
     """
     match value := _made_of(value):
         case None | bool() | str() | Enum():
@@ -65,7 +65,7 @@ def bytes_of(value: Any, depth: int = 0) -> Iterator[bytes]:
 
 
 def _made_of(value: Any) -> Any:
-    """What stands for a value: its parts, or itself."""
+    """The parts that represent a value, or the value itself."""
     match value:
         case partial():
             return value.func, value.args, value.keywords
@@ -107,7 +107,7 @@ def _of_function(function: Callable[..., Any], depth: int) -> Iterator[bytes]:
         yield from bytes_of(cell.cell_contents, depth + 1)
     for name in code.co_names:
         value = around.get(name)
-        # What a library defines is what it is called.
+        # A library function is represented by its name.
         ours = callable(value) and getattr(value, "__globals__", None) is around
         if ours or isinstance(value, int | float | complex | str | tuple | list | np.ndarray):
             yield name.encode()

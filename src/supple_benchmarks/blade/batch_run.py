@@ -27,8 +27,8 @@ class BatchRun:
     """Cost of a batch.
 
     seconds : after compilation; single_seconds : of one case alone
-    difference : largest difference of the coordinates between a case in the batch and alone, over the largest
-        coordinate; of the cases checked
+    difference : largest difference of the coordinates between a case in the batch and the same case alone,
+        over the largest coordinate; for the cases checked
     """
 
     cases: int

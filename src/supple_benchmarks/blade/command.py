@@ -30,7 +30,7 @@ def blade(
     debug: Debug = False,
 ) -> None:
     """The 61.5 m blade of [Wu2019] section 6.2 in the wind: full (two hours), reduced, self-correcting."""
-    # Imported here: the solvers take seconds to load, which the help need not wait for.
+    # Imported here: the solvers take seconds to load, which the help does not need.
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple_benchmarks.blade.perform import perform
     from supple_benchmarks.blade.run import BladeBenchmark

@@ -1,4 +1,4 @@
-"""Self-correction of the blade, from 5 modes and 5 derivatives to an allowed error, against the full run."""
+"""Self-correction of the blade, from 5 modes and 5 derivatives to a target error, against the full run."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["CorrectedRun", "correct_blade"]
 class CorrectedRun:
     """The rounds of a self-correction, with true errors.
 
-    allowed : float                 the error to reach, m
+    allowed : float                 the target error, m
     reached : bool
     true_errors : (k,) | None       largest RMS error of each round against the full run of the same frame,
                                     over the same time; None without a full run
@@ -66,7 +66,7 @@ def correct_blade(
         self_correct(system, run, start, announce=finished)
         reached = True
     except SelfCorrectionError:
-        # What was reached is a result of this benchmark, and the report says that it was not enough.
+        # An error that is not reached is a result of this benchmark, and is reported.
         reached = False
     progress(1.0)
     truth = None

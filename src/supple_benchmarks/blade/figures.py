@@ -36,7 +36,7 @@ from supple_benchmarks.progress import Progress
 __all__ = ["animation", "draw_figures"]
 
 SIDE = (0.9, 0.5, -0.25)
-"""Direction of view: from upwind and a little before the leading edge."""
+"""Direction of view: from upwind and slightly in front of the leading edge."""
 N_MODES = 6
 _ANIMATION_FRAMES = 60
 
@@ -160,7 +160,7 @@ def _draw_rounds(run: BladeRun, folder: Path) -> Path:
 
 
 def animation(run: BladeRun, path: Path, progress: Progress) -> Path:
-    """The first case, self-corrected, seen from axes that turn with the hub; stress in colour."""
+    """The first case, self-corrected, in axes that rotate with the hub; stress in colour."""
     corrected = run.corrected[0]
     body, solution = corrected.rounds[-1].body, corrected.rounds[-1].solution
     mesh, motion = run.benchmark.blade.mesh, solution.motion(BODY, FloatingMotion)

@@ -17,7 +17,7 @@ __all__ = ["OUTPUT_STEP", "STEP", "TOLERANCES", "FullCase", "FullRun", "run_full
 STEP = FixedStep(0.02)
 TOLERANCES = Tolerances(residual=1e-6)
 OUTPUT_STEP = 0.1
-"""s; every fifth step is kept: the modes that carry the motion lie below 3 Hz."""
+"""s; every fifth step is stored: the modes with most of the motion are below 3 Hz."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class FullCase:
     """A case of the full model.
 
     frame, kinematics : names from FRAMES and KINEMATICS
-    linear : bool       internal force K q: what the blade does without its geometric stiffening
+    linear : bool       internal force K q, without geometric stiffening
     """
 
     case: BladeCase
@@ -61,7 +61,7 @@ def run_full(
 ) -> FullRun:
     """The run, read from the folder if complete, resumed if incomplete.
 
-    body : of the kinematics wanted, nonlinear
+    body : with the requested kinematics, nonlinear
     """
     full = FullBody(body.linearized() if wanted.linear else body, FRAMES[wanted.frame], damping)
     name = wanted.label.replace(", ", "_").replace(" ", "-")

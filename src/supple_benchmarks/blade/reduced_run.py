@@ -56,8 +56,10 @@ class FixedBasis:
 
 @dataclass(frozen=True, eq=False)
 class ReducedRun:
-    """One reduced simulation; its error over the time that a full run of the same frame covers, if there is
-    one; `failed_at` is the time at which it broke off, or None."""
+    """One reduced simulation, with its error over the time of a full run in the same frame, if there is one.
+
+    failed_at : time at which it stopped early, or None
+    """
 
     case: BladeCase
     basis: FixedBasis
@@ -72,12 +74,11 @@ class ReducedRun:
 def bases_of(
     blade: Blade, body: FlexibleBody, frame: str, case: BladeCase, n_linear: int = 50
 ) -> tuple[FixedBasis, ...]:
-    """10 + 15 with derivatives picked and compressed, n linear columns; and 8 + 2 static responses + 15.
+    """10 + 15 columns with selected and with compressed derivatives, n linear columns, and 8 + 2 + 15.
 
-    Plain tensors are those of [Wu2019].
-
-    Derivatives are weighted by the loads the blade is to bear: the wind's mean, and in the last basis, whose
-    columns hold its response, the centrifugal load.
+    The last basis has the static responses to wind and centrifugal load. Plain tensors are those of [Wu2019].
+    Derivatives are weighted by the expected loads: the mean wind, and in the last basis also the centrifugal
+    load.
     """
     loads = blade.steady_load(body, case)
     wind = AmplitudeProduct(StaticLoad(loads[:, 0]))

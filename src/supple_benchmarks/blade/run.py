@@ -36,7 +36,7 @@ class BladeBenchmark:
 
     full : FullCase         full-order runs, in the order in which they are made
     duration : s            of the reduced runs
-    relative_error : float  over the tip's amplitude, which self-correction is to reach
+    relative_error : float  target of the self-correction, over the tip's amplitude
     batch : int             number of load cases
     n_linear : int          columns of the basis without derivatives
     """
@@ -51,7 +51,7 @@ class BladeBenchmark:
 
     @classmethod
     def whole(cls, seconds: float = 20.0, long: float = 100.0) -> BladeBenchmark:
-        """Both cases and frames over `seconds`, or past the start; one over `long`; reduced runs 100 s."""
+        """Both cases and frames over `seconds`, or beyond the start; one over `long`; reduced runs 100 s."""
         gl = "green-lagrange"
         fast = max(seconds, 1.5 * PAPER_SPEED.start)
         full = [FullCase(RATED, "nodal-fixed", gl, False, max(seconds, long))]
@@ -63,9 +63,9 @@ class BladeBenchmark:
 
     @classmethod
     def quick(cls) -> BladeBenchmark:
-        """A coarse blade that runs up in 1.5 s and is stopped after 2 s, with a larger allowed error.
+        """A coarse blade that is spun up in 1.5 s, with 2 s of motion and a larger allowed error.
 
-        As many linear columns as the others have: bases of one size share one compiled program.
+        It has as many linear columns as the others: bases of equal size share one compiled program.
         """
         case = replace(RATED, start=1.5)
         full = tuple(FullCase(case, frame, "green-lagrange", False, 2.0) for frame in FRAMES)
@@ -107,8 +107,8 @@ class BladeRun:
 def run_blade(benchmark: BladeBenchmark, folder: Path, announce: Announce) -> Iterator[BladeRun]:
     """Run the benchmark; yields the results so far after each step.
 
-    Full runs are kept in the folder as they go, and continued from there by the next call. They come last
-    but one in the tables and first in time: errors are measured against them.
+    Full runs are stored in the folder as they are computed, and continued by the next call. They are made
+    first, because errors are measured against them, but are listed last but one in the tables.
     """
     progress = announce("mesh, matrices, modes of the blade")
     blade = benchmark.blade

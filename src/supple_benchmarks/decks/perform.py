@@ -1,8 +1,8 @@
 """Every deck of a folder: whether it is read, and the errors of its numbers.
 
-`expected.json` is `{deck: {"mass", "cg", "frequencies_hz", ..}}`, each where it is known; frequencies are at
-the deck's own supports, with motions that these leave free. A deck that fails, or takes longer than it may,
-is one line of the table.
+`expected.json` is `{deck: {"mass", "cg", "frequencies_hz", ..}}`, each where it is known. Frequencies are
+those with the deck's own supports, including free rigid motions. A deck that fails, or exceeds its time
+limit, is one line of the table.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from supple.terminal import console, words
 __all__ = ["compared", "perform", "totals"]
 
 STILL = 1e-3
-"""Of the highest frequency of a list: less is a rigid motion, whose value is rounding."""
+"""Over the highest frequency of a list: a smaller one is a rigid motion, with a value of round-off."""
 
 MASS_WITHIN, CENTRE_WITHIN, FREQUENCY_WITHIN = 1e-5, 1e-5, 0.02
 
@@ -34,7 +34,7 @@ def perform(folder: Path, report: Path, seconds: float) -> None:
 
     Raises
     ------
-    ImportFormatError   a folder without a sound expected.json
+    ImportFormatError   a folder without a valid expected.json
     """
     expected = _expected(folder / "expected.json")
     found = {}
@@ -53,7 +53,7 @@ def perform(folder: Path, report: Path, seconds: float) -> None:
 def compared(found: Mapping[str, Any], expected: Mapping[str, Any]) -> dict[str, Any]:
     """Errors of mass (relative), centre (of the size) and frequencies (relative); unknown values are omitted.
 
-    found : of a deck, as `supple info --json` writes it, and its "size"
+    found : of a deck, as `supple info --json` writes it, with its "size"
     """
     errors: dict[str, Any] = {}
     mass, reference = found.get("mass"), expected.get("mass")
@@ -117,7 +117,7 @@ def _one_by_one(
             ours, theirs = context.Pipe()
             worker = context.Process(target=_serve, args=(theirs,), daemon=True)
             worker.start()
-            ours.recv()  # what it imports is not the deck's time
+            ours.recv()  # imports do not count as time of the deck
         ours.send((str(folder / name), len(own.get("frequencies_hz", ()))))
         try:
             found = ours.recv() if ours.poll(seconds) else None
@@ -150,7 +150,7 @@ def _serve(requests: Connection) -> None:
             report = deck_report(read_deck(path), n_modes=n_modes, held=True)
         except SuppleError as error:
             requests.send({"read": False, "why": str(error), "left_out": []})
-        except Exception as error:  # a fault of ours is a line of the table
+        except Exception as error:  # an internal error is a line of the table
             requests.send({"read": False, "why": f"{type(error).__name__}: {error}", "left_out": []})
         else:
             size = float(np.ptp(report.deck.nodes, axis=0).max()) if len(report.deck.nodes) else 0.0

@@ -32,14 +32,14 @@ from supple.reduction.bases.interface_columns import motion_rows, require_interf
 
 @dataclass(frozen=True)
 class BasisSize:
-    """The smallest basis of a kind with an error within a tolerance.
+    """The smallest basis of a family with an error within a tolerance.
 
     basis : its name
-    interfaces : "free", "held" or "loaded": whose eigenvalues are compared, see `basis_sizes`
+    interfaces : "free", "held" or "loaded": which eigenvalues are compared, see `basis_sizes`
     tolerance : largest relative eigenvalue error allowed
-    modes : vibrations kept; None when all candidates together miss the tolerance
-    coordinates : of the free body, rigid motions and static columns included; None likewise
-    largest_error : among the eigenvalues compared, at that size (with all candidates where modes is None)
+    modes : number of modes; None where even all candidates exceed the tolerance
+    coordinates : of the free body, with rigid motions and static columns; None likewise
+    largest_error : of the eigenvalues compared, at that size (with all candidates where modes is None)
     """
 
     basis: str
@@ -74,24 +74,24 @@ def basis_sizes(
 
     Three sets of exact eigenvalues are compared, because each family is exact by construction in one of them:
 
-    free     elastic modes of the free body, interfaces free: free-interface bases hold them
-    held     all interfaces held in space: fixed-interface bases hold them
-    loaded   a rigid body at each interface, with the inertia that the body itself has there (the interface's
-             block of Psi^T M Psi): between the two, as in a mechanism, and neither family holds them
+    free     elastic modes of the free body: contained in free-interface bases
+    held     modes with all interfaces clamped: contained in fixed-interface bases
+    loaded   a rigid body at each interface, with the inertia of the body itself at that interface (the block
+             of Psi^T M Psi of the interface): between the two, as in a mechanism, and in neither family
 
-    One eigen-solve for each family, of all candidates; every size after that is a leading block of small
-    matrices, its residual updated by rank one for each mode given up. The size is bisected, since
-    errors only fall with each mode; the enhanced Craig-Bampton's need not, so its size is one that meets the
-    tolerance and whose predecessor does not.
+    Each family takes one eigen-solution with all candidates. Every size is then a leading block of small
+    matrices, with a rank-one update of the residual per omitted mode. The size is found by bisection, since
+    errors decrease with each mode. For the enhanced Craig-Bampton basis they need not; its size meets the
+    tolerance while the next smaller one does not.
 
-    candidates : how many modes of each family are computed, as far as the body has them
-    fixed_modes, free_modes : these modes, from the lowest on, where known already
+    candidates : number of modes computed per family, as far as the body has them
+    fixed_modes, free_modes : these modes, from the lowest on, if already known
     Returns BasisSize for each of free, held, loaded, each basis and each tolerance, in that order.
     Raises ModelError when the body has no interface, or a family has fewer than n_modes modes.
     """
     require_interfaces(body, "a comparison of bases")
     b = 6 * len(body.interfaces)
-    # The modes left out must keep a residual for every interface freedom.
+    # The omitted modes must leave a residual for every interface degree of freedom.
     n_candidates = min(candidates, body.n - 2 * b)
     fixed = fixed_modes or _lowest(body, motion_rows(body.interfaces), n_candidates)
     free = free_modes or _lowest(body, MeanAxisFrame().constraint(body), n_candidates)

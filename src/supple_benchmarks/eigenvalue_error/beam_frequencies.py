@@ -43,7 +43,7 @@ def beam_frequencies(
     rows = []
     for element, counts in problem.beams:
         mesh = cylinder(RADIUS, LENGTH, *counts, element)
-        # An averaging interface, which holds nothing: a rigid end would stiffen the section there.
+        # An averaging interface leaves the section flexible: a rigid end would stiffen it.
         body = flexible_body("cylinder", solid_model(mesh, STEEL_LIKE), [AveragingInterface("end", "tip")])
         n_modes = 2 * n_bending + 2 * n_torsion + 4
         modes = body.lowest_modes(n_modes, (body.mass @ body.rigid_modes).T)
@@ -65,7 +65,7 @@ def beam_frequencies(
 
 
 def _kinds(body: FlexibleBody, shapes: Array) -> Array:
-    """Torsion, stretching or bending, by the share of the motion that runs around or along the axis."""
+    """Torsion, extension or bending, by the share of the motion around or along the axis."""
     u = shapes.reshape(len(body.nodes), 3, -1)
     y, z = body.nodes[:, 1], body.nodes[:, 2]
     r = np.hypot(y, z)

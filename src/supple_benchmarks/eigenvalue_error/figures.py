@@ -33,7 +33,7 @@ def draw_figures(results: Sequence[BodyResult], folder: Path) -> list[Path]:
 
 
 def _shown(steps: Sequence[SearchStep], n: int = 4) -> list[SearchStep]:
-    """The last step and those before it that lie about evenly on a logarithmic scale."""
+    """The last step, and earlier ones that are evenly spaced on a logarithmic scale."""
     finite = sorted((step for step in steps if np.isfinite(step.largest)), key=lambda step: step.n_modes)
     last = steps[-1]
     earlier = [step for step in finite if step.n_modes < last.n_modes]

@@ -12,7 +12,7 @@ from supple.fem import Isotropic
 
 __all__ = ["RoundBeam"]
 
-# Legendre polynomials for each field: the lowest ten frequencies are then exact to ten digits.
+# Legendre polynomials for each field: the lowest ten frequencies are then accurate to ten digits.
 DEGREE = 30
 
 
@@ -34,21 +34,21 @@ class RoundBeam:
 
     @property
     def shear_coefficient(self) -> float:
-        """Timoshenko's, of a circular section: 6 (1 + nu)^2 / (7 + 12 nu + 4 nu^2). [Hutchinson2001]"""
+        """Shear coefficient of a circular section: 6 (1 + nu)^2 / (7 + 12 nu + 4 nu^2). [Hutchinson2001]"""
         nu = self.material.poissons_ratio
         return 6 * (1 + nu) ** 2 / (7 + 12 * nu + 4 * nu**2)
 
     def torsion(self, n: int) -> np.ndarray:
-        """Hz, of n torsional modes: k c / (2 L), c = sqrt(G / rho). Exact in three dimensions."""
+        """Frequencies of n torsional modes, Hz: k c / (2 L), c = sqrt(G / rho). Exact in three dimensions."""
         speed = np.sqrt(self.shear_modulus / self.material.density)
         return np.arange(1, n + 1) * speed / (2 * self.length)
 
     def bending(self, n: int) -> np.ndarray:
-        """Hz, of n bending modes of Timoshenko's beam, each for two directions.
+        """Frequencies of n bending modes of a Timoshenko beam, Hz; each occurs in two directions.
 
         min  int EI psi'^2 + k G A (w' - psi)^2  over  int rho A w^2 + rho I psi^2
 
-        by Rayleigh and Ritz with Legendre polynomials of high degree on both fields, no end clamped.
+        by the Rayleigh-Ritz method with Legendre polynomials of high degree for both fields, ends free.
         """
         points, weights = legendre.leggauss(DEGREE + 2)
         values = legendre.legvander(points, DEGREE - 1)

@@ -25,18 +25,18 @@ from supple.reduction.bases.interface_columns import motion_rows, require_interf
 from supple.reduction.bases.mode_selection import best_first
 from supple.viz import plot_error_over_parameter
 
-# A vibration with a smaller fraction of its kinetic energy at the interfaces counts as not visible there.
+# A vibration with a smaller fraction of its kinetic energy at the interfaces counts as invisible there.
 VISIBLE = 1e-6
 
 
 @dataclass(frozen=True)
 class SelectionQuality:
-    """Accuracy at the interfaces of a Craig-Bampton body with some of its modes, compared with the full body.
+    """Accuracy at the interfaces of a Craig-Bampton body with selected modes, compared with the full body.
 
     selection : name of the rule
-    size : modes and residual modes kept, besides the constraint modes
+    size : number of modes and residual modes, besides the constraint modes
     transfer_error : root mean square, over frequency, of |H - H_full| / |H_full|, H the receptance
-    eigenvalue_error : largest of the free body's vibrations that show at the interfaces, relative;
+    eigenvalue_error : largest relative error of the free body's modes that are visible at the interfaces;
                        infinite when the reduced body has too few of them
     """
 
@@ -69,15 +69,16 @@ def compare_selections(
 
         H(omega) = B ((1 + i eta) K - omega^2 M)^-1 B^T
 
-    over logarithmic steps from a third of the first frequency of the free body to that of the last vibration
-    compared. Forces and moments, displacements and rotations are weighed by the interface mass. Vibrations
-    that no interface takes part in are left out of the comparison: a rule that looks at interfaces drops them
-    on purpose, and no force at an interface excites them. The last rule keeps fewer modes, the lowest, and in
-    their place residual modes, six for each interface.
+    at logarithmic steps from a third of the first frequency of the free body to that of the last mode
+    compared. Forces and moments, displacements and rotations are weighted by the interface mass. Modes
+    without motion at the interfaces are not compared: a rule based on the interfaces omits them on purpose,
+    and no force at an interface excites them. The last rule takes fewer modes, the lowest, and residual modes
+    instead, six for each interface.
 
-    sizes : modes kept, besides the constraint modes
-    n_vibrations : vibrations of the free body, the lowest that show at its interfaces
-    candidates : fixed-interface modes to choose among; with the residual of the rest they make H_full
+    sizes : numbers of modes, besides the constraint modes
+    n_vibrations : number of modes of the free body, the lowest that are visible at its interfaces
+    candidates : number of fixed-interface modes to select from; with the residual of the rest they give
+        H_full
     loss_factor : eta
     Raises ModelError when a size exceeds the candidates, or the body has no interface.
     """

@@ -26,9 +26,9 @@ CANDIDATES = 200
 
 @dataclass(frozen=True)
 class SelectionStudy:
-    """Every rule at every size, on one body.
+    """Every rule at every size, for one body.
 
-    freedoms : of the full body
+    freedoms : degrees of freedom of the full body
     """
 
     body: str
@@ -42,7 +42,7 @@ class SelectionStudy:
 
 
 def thin_box() -> FlexibleBody:
-    """An aluminium box beam of 1 mm walls, 1 x 0.1 x 0.06 m, both ends rigid: a beam whose panels vibrate."""
+    """An aluminium box beam with 1 mm walls, 1 x 0.1 x 0.06 m, both ends rigid: its panels vibrate, too."""
     section = HomogeneousSection(Isotropic(70e9, 0.33, 2700.0), 0.001)
     model = shell_model(box_beam(1.0, 0.1, 0.06, 30, 6, 4), section)
     return flexible_body("box", model, [RigidInterface("root", "root"), RigidInterface("tip", "tip")])
@@ -51,7 +51,7 @@ def thin_box() -> FlexibleBody:
 def selection_studies(
     problem: EigenvalueErrors, sizes: Sequence[int] = SIZES, *, candidates: int = CANDIDATES
 ) -> Iterator[SelectionStudy]:
-    """The studies of the benchmark's first cylinder and first rod, and of the thin box, as they come."""
+    """The studies of the benchmark's first cylinder and first rod, and of the thin box, one at a time."""
     first: dict[str, Callable[[], FlexibleBody]] = {}
     for case in problem.cases():
         first.setdefault(case.name, case.build)

@@ -1,8 +1,8 @@
 """Error-controlled reduction of the bodies of [Han2020]: modes, accuracy of estimates, verification.
 
 The paper's cylinder (section 5.1) and connecting rod (5.2) on meshes of our own, with four- and ten-node
-tetrahedra. For each tolerance: the fixed-interface modes that every estimator asks for and that the exact
-errors need, the estimates over the exact errors, the proof, and what it costs.
+tetrahedra. For each tolerance: the number of fixed-interface modes by every estimator and by the exact
+errors, the ratio of estimates to exact errors, the verification, and the cost.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ class BodyCase:
 class EigenvalueErrors:
     """Size of the benchmark.
 
-    tolerances : relative eigenvalue errors
+    tolerances : of the relative eigenvalue errors
     cylinders : (element, layers of 126 tetrahedra along the cylinder)
     rods : (element, cells of the rod)
     beams : (element, (n_core, n_ring, n_length)), cylinders compared with beam theory
-    candidates : modes of either kind among which the reduction bases are compared
+    candidates : number of modes of either kind for the comparison of the reduction bases
     """
 
     tolerances: tuple[float, ...] = (0.1, 0.01, 0.001)

@@ -33,7 +33,7 @@ def report(
 ) -> dict[str, Any]:
     """All measurements, ready for JSON; `bodies` and the keys within must not change.
 
-    The entry of the first body stands at the top as well, for readers that expect one body a file.
+    The entry of the first body is also at the top level, for readers that expect one body per file.
     """
     bodies = [_body(result) for result in results]
     return {

@@ -46,7 +46,7 @@ ESTIMATORS: Mapping[str, EigenvalueErrorEstimator] = {
 
 
 class Seconds(NamedTuple):
-    """Wall and processor time of a step; they differ under other load."""
+    """Wall and processor time of a step; they differ under other load of the computer."""
 
     wall: float
     cpu: float
@@ -56,15 +56,15 @@ class Seconds(NamedTuple):
 class ToleranceResult:
     """One body at one tolerance.
 
-    modes : kept, by the sharper bound and the proof
-    estimated_modes : {estimator: modes required}, not verified; "exact" is the number by exact errors
-    exact, proven : (N,)            exact errors, and the bounds proven for them
-    estimates : {estimator: (N,)}   at `modes`
-    counts : inertia counts made, each proving its eigenvalues by itself; counted: whether all did
-    seconds, seconds_one_by_one : the whole reduction, proof included, with either search
+    modes : number of modes, by the sharper bound, verified
+    estimated_modes : {estimator: number of modes}, not verified; "exact" is the number by exact errors
+    exact, proven : (N,)            exact errors, and their verified bounds
+    estimates : {estimator: (N,)}   with `modes` modes
+    counts : number of inertia counts, each verifying its eigenvalues; counted: whether all were verified so
+    seconds, seconds_one_by_one : the whole reduction with verification, with either search
     seconds_plain : one reduction with as many modes, without search or proof
-    same_answer : whether both searches keep as many modes
-    steps, n_one_by_one : the steps of one, the number of steps of the other
+    same_answer : whether both searches give equal numbers of modes
+    steps, n_one_by_one : the steps of one search, the number of steps of the other
     """
 
     tolerance: float
@@ -91,9 +91,9 @@ class ToleranceResult:
 class BodyResult:
     """One body at all tolerances.
 
-    n, nodes, cells : freedoms, nodes, tetrahedra
+    n, nodes, cells : numbers of degrees of freedom, nodes, tetrahedra
     exact : (N,)            eigenvalues of the full body, rad^2/s^2
-    bases : modes that each reduction basis needs for the same exact errors
+    bases : number of modes of each reduction basis for the same exact errors
     """
 
     case: BodyCase

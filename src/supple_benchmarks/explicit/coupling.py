@@ -1,4 +1,4 @@
-"""Two halves of a box, one in modes, tied by multipliers: elimination, several time steps."""
+"""Two halves of a box, one modal, coupled by multipliers or by elimination; several time steps."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class _Halves(NamedTuple):
 
 @cache
 def _halves() -> _Halves:
-    """First half clamped, 27 interface and 12 fixed-interface modes made diagonal; second in elements."""
+    """First half clamped, with 27 interface and 12 fixed-interface modes diagonalised; second of elements."""
     mesh = block(4, 2, 2, 4, 2, 2, CellType.TETRA4)
     model = solid_model(mesh, Isotropic(1.0, 0.3, 1.0))
     K, m = model.stiffness.toarray(), lumped_mass(model)

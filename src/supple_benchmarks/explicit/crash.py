@@ -1,4 +1,4 @@
-"""A bar whose nose is crushed on a wall while the rest vibrates: all in elements, or the rest in modes."""
+"""A bar whose front is crushed on a wall while the rest vibrates: all of elements, or with a modal rest."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _NOSE, _REST = "nose", "rest"
 
 
 def _models(n: int, long: int) -> tuple[FiniteElementModel, FiniteElementModel]:
-    """The rest, 1 m of tetrahedra, and the nose, 0.2 m of hexahedra, on the same grid of the section."""
+    """The rest, 1 m of tetrahedra, and the front, 0.2 m of hexahedra, on the same grid of the section."""
     rest = block(1.0, 0.1, 0.1, long, n, n, CellType.TETRA4)
     nose = block(0.2, 0.1, 0.1, max(n, 2), n, n, CellType.HEXA8)
     moved = Mesh(nose.nodes + np.array([1.0, 0.0, 0.0]), nose.cells, nose.node_sets)
@@ -50,7 +50,7 @@ _TURNS = 3
 
 
 def _size(engine: ExplicitEngine) -> float:
-    """Bytes of a march."""
+    """Bytes of the arrays of an explicit run."""
     leaves = jax.tree.leaves((engine.built.model, engine.built.start))
     return sum(np.asarray(leaf).nbytes for leaf in leaves)
 
@@ -73,7 +73,8 @@ def crash(quick: bool) -> dict[str, float]:
     rest, nose = _models(n, long)
     law = J2Plasticity(ALUMINIUM, LinearHardening(100e6, 300e6))
     crushing = Placed(explicit_subdomain(nose, law, name=_NOSE), velocity=SPEED)
-    # Six columns answer forces and moments at the joint statically: they halve the error of as many modes.
+    # Six columns give the static response to forces and moments at the joint: they halve the error for equal
+    # numbers of modes.
     body = flexible_body(_REST, rest, [AveragingInterface("tip", "tip")])
     modal = modal_subdomain(body, Rubin(24))
     common: dict[str, Any] = {
@@ -84,7 +85,7 @@ def crash(quick: bool) -> dict[str, float]:
     whole = System([Placed(explicit_subdomain(rest, name=_REST), velocity=SPEED), crushing], **common)
     reduced = System([Placed(modal, velocity=SPEED), crushing], **common)
     engines = [ExplicitEngine(system, span) for system in (whole, reduced)]
-    full, own = (run(engine, span.times) for engine in engines)  # which compiles
+    full, own = (run(engine, span.times) for engine in engines)  # includes compilation
     full_s, modal_s = _seconds(engines, span)
     positions = modal.positions(own.bodies[_REST])
     nodes = {name: full.motion(name, NodalMotion).nodes for name in (_REST, _NOSE)}

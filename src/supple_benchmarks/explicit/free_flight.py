@@ -31,7 +31,7 @@ from supple.reduction import NormalModes
 __all__ = ["free_flight", "step_limit"]
 
 TURN = 5.8e-3
-"""Rotation in a step, rad."""
+"""Rotation in one step, rad."""
 
 
 def _box(n_modes: int) -> ModalSubdomain:

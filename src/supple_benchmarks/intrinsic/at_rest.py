@@ -20,7 +20,7 @@ LOAD = 10.0
 
 
 def elastica_rows(quick: bool) -> Iterator[dict[str, Any]]:
-    """Error of the tip over the length under a dead force across it, by the number of segments."""
+    """Error of the tip over the length under a transverse dead force, by the number of segments."""
     along, across, _ = elastica(1.0, 1.0, LOAD)
     for n in (10, 20, 40) if quick else (10, 20, 40, 80):
         points = np.linspace(0, 1, n + 1)[:, None] * np.eye(3)[0]
@@ -30,13 +30,13 @@ def elastica_rows(quick: bool) -> Iterator[dict[str, Any]]:
 
 
 def order_of(rows: list[dict[str, Any]]) -> float:
-    """Slope of the error against the number of segments."""
+    """Convergence order of the error with the number of segments."""
     n, error = (np.log([row[key] for row in rows]) for key in ("nodes", "error"))
     return float(-np.polyfit(n, error, 1)[0])
 
 
 def bend_of_45_degrees() -> dict[str, Any]:
-    """Tip of an arc of radius 100, unit square section, E = 1e7, under a dead force of 600 off its plane."""
+    """Tip of an arc of radius 100, unit square section, E = 1e7, dead force of 600 out of its plane."""
     angles = np.linspace(0, np.pi / 4, 17)
     points = 100 * np.column_stack([1 - np.cos(angles), np.sin(angles), 0 * angles])
     stiffness = 1e7 / 12

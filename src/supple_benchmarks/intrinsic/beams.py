@@ -1,4 +1,4 @@
-"""Lines of beams: exact stiffness between stations, mass lumped on them."""
+"""Lines of beams: exact stiffness between stations, mass lumped at the stations."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ def beam_line(
     mass: float,
     radius: float,
 ) -> CondensedLine:
-    """A line through points (n, 3) with E A, E I (both ways), G J and mass per length of one value each.
+    """A line through points (n, 3) with uniform E A, E I (both directions), G J and mass per length.
 
-    radius : of gyration of its sections, that gives stations their inertia
+    radius : radius of gyration of its sections, for the inertia of the stations
     """
     E = 1.0e6
     material = Isotropic(E, 0.0, mass * E / axial)

@@ -1,8 +1,8 @@
 """The 61.5 m blade in equilibrium under one to three times its mean wind load, by seven methods.
 
 The load is dead, on the nodes of the leading edge; the root is clamped. Errors are distances of the tip from
-where the full model in mean axes has it, as shares of its deflection: at the rated load CalculiX, which knows
-no frame, agrees with that to 0.15 % (docs/blade_benchmark.md).
+the full model in mean axes, over its deflection. At the rated load CalculiX, which uses no floating frame,
+agrees with that model to 0.15 % (docs/blade_benchmark.md).
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class Held(NamedTuple):
     tip: NDArray[np.int64]
 
     def system(self, form: Any, share: float = 1.0) -> System:
-        """With the body in one form, under a share of the load."""
+        """The system with the body in one form, under a fraction of the load."""
         return System([form], [CLAMP], [DeadForce(body=BODY, at=self.nodes, force=share * self.forces)])
 
     @property
@@ -80,7 +80,7 @@ class Held(NamedTuple):
 
 
 def blade_rows(quick: bool) -> Iterator[dict[str, Any]]:
-    """One row per method and load; error None if a method, or the full model, finds no equilibrium."""
+    """One row per method and load; error None where a method, or the full model, finds no equilibrium."""
     blade = Blade(COARSE_GRID) if quick else Blade()
     n_stations, n_modes = (13, 60) if quick else (31, 80)
     model = shell_model(blade.mesh, SECTION, kinematics=GREEN_LAGRANGE)
@@ -107,7 +107,7 @@ def blade_rows(quick: bool) -> Iterator[dict[str, Any]]:
             with suppress(ConvergenceError):
                 at = places(held)
                 moved = (at - body.nodes[tip]).mean(axis=0)
-                rotation = rotation or _turn(body.nodes[tip], at)  # of the first that finds a rest
+                rotation = rotation or _turn(body.nodes[tip], at)  # of the first method with an equilibrium
                 if method == REFERENCE:
                     exact = moved
                 if exact is not None:
@@ -158,7 +158,7 @@ def _rested(held: Held, form: Any) -> Array:
 
 
 def _split(held: Held, form: Callable[[FlexibleBody, Array, Frame], Any]) -> Array:
-    """The tip of four bodies along the span, each with a frame at its inner end; the load in steps."""
+    """The tip of four bodies along the span, each with a frame at its inner end; the load grows in steps."""
     split = split_body(BODY, held.model, AlongAxis(N_PARTS, (0, 0, 1)), ENDS)
     bodies, loads = [], []
     carried = np.zeros(len(held.nodes), dtype=bool)
@@ -180,7 +180,7 @@ def _split(held: Held, form: Callable[[FlexibleBody, Array, Frame], Any]) -> Arr
 
 
 def _shares(held: Held) -> Array:
-    """Successive shares of the load, in steps of at most the mean wind load."""
+    """Increasing fractions of the load, in steps of at most the mean wind load."""
     n = int(np.ceil(held.factor))
     return np.arange(1, n + 1) / n
 

@@ -1,6 +1,6 @@
 """The box beam of [Wang2015] 5.1: a shell model on stations, its frequencies and a large free vibration.
 
-The first axial mode lies among those of the walls, and is looked for there.
+The first axial mode is among the modes of the walls, and is searched there.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ __all__ = ["box_beam"]
 
 N_FREQUENCIES = 10
 SPEED = 3.0
-"""Of the tip, across and upwards alike: a large vibration."""
+"""Of the tip, equal across and upwards: a large vibration."""
 N_AMPLITUDES = 6
 N_OUTPUTS = 100
 NEAR = 8
-"""Number of frequencies searched around the axial one, which lies among those of the walls."""
+"""Number of frequencies searched around the axial one."""
 
 
 def box_beam(quick: bool) -> dict[str, Any]:
@@ -102,7 +102,7 @@ def large_vibration(body: IntrinsicBody, quick: bool) -> dict[str, Any]:
 
 def _axial(shells: FlexibleBody, stations: float) -> tuple[str, float, float]:
     """First axial frequency, on stations and of shells: the one nearby with the largest axial tip motion."""
-    held = shells.interface("root").motion.tocsr().indices  # the six freedoms of the tie
+    held = shells.interface("root").motion.tocsr().indices  # the six degrees of freedom of the tie
     free = np.setdiff1d(np.arange(shells.n), held)
     K, M = (matrix.tocsc()[free][:, free] for matrix in (shells.stiffness, shells.mass))
     values, shapes = eigsh(K, NEAR, M, sigma=stations**2)
@@ -111,7 +111,7 @@ def _axial(shells: FlexibleBody, stations: float) -> tuple[str, float, float]:
 
 
 def _from_linear(body: IntrinsicBody, duration: float) -> float:
-    """Difference of a vibration with 1e-3 of the velocity from the linear one, relative to its maximum."""
+    """Difference of a vibration with 1e-3 of the velocity from the linear one, over its maximum."""
     speed = 1e-3 * SPEED
     vibration, omega = _vibration(body, speed, duration), body.modes.omega
     amplitudes = parabolic_velocity(body, speed) / omega * np.sin(np.outer(vibration.times, omega))

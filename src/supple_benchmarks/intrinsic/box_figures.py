@@ -64,7 +64,7 @@ def _draw_modes(study: Mapping[str, Any], path: Path) -> Path:
 
 
 def _draw_vibration(report: Mapping[str, Any], path: Path) -> Path:
-    """The tip above, and below it the largest modal amplitudes."""
+    """The tip in the upper panel, the largest modal amplitudes in the lower one."""
     figure = new_figure(4.6)
     upper, lower = figure.subplots(2, 1, sharex=True)
     times, tip = np.array(report["tip"]["t"]), np.array(report["tip"]["u"])

@@ -12,12 +12,12 @@ __all__ = ["KINDS", "box_modes", "kinds_of"]
 
 KINDS = ("axial", "chordwise", "flapwise", "torsion")
 SHOWN = {"flapwise": (3, 2, 4), "torsion": (2, 3, 3)}
-"""By kind: how many modes, and which component of the velocity and of the moment."""
+"""Per kind: number of modes, and component of the velocity and of the moment."""
 DIGITS = 6
 
 
 def kinds_of(body: IntrinsicBody) -> list[str]:
-    """Kind of each mode by its largest motion at the tip."""
+    """Kind of each mode, from its largest motion at the tip."""
     return [KINDS[int(np.argmax(column))] for column in np.abs(body.modes.velocities[-1, :4]).T]
 
 

@@ -14,7 +14,7 @@ __all__ = ["DenseCouplings", "dense_couplings", "dense_rates"]
 
 
 class DenseCouplings(NamedTuple):
-    """Gamma_1 (m, m, m) and Gamma_2 (m, e, e): 2 m^3 numbers, as many products in every evaluation."""
+    """Gamma_1 (m, m, m) and Gamma_2 (m, e, e): 2 m^3 numbers, and as many products per evaluation."""
 
     first: jax.Array
     second: jax.Array

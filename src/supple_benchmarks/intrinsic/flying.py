@@ -1,7 +1,7 @@
 """A flexible U in free flight: its centre of mass, truncated and residual modes, snapshots.
 
-The load history of [Wang2015] 5.2 is lost in our text. Chosen: on one tip a dead force of 60 along z
-and 30 along x, a triangle over 4 s, in consistent units.
+The load history of [Wang2015] 5.2 is missing in our copy of the text. Chosen: a dead force on one tip of 60
+along z and 30 along x, a triangle over 4 s, in consistent units.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def _load(time: Any) -> Any:
 def flying_u(quick: bool) -> dict[str, Any]:
     """Error of the centre of mass by the number of stations; truncated and residual modes; snapshots.
 
-    Besides: stiffness and eigenvalues beside those of the solid and of beam elements.
+    Also: stiffness and eigenvalues compared with those of the solid and of beam elements.
     """
     n_leg = 8 if quick else 12
     solid = solid_u(n_leg)
@@ -67,7 +67,7 @@ def flying_u(quick: bool) -> dict[str, Any]:
 
 
 def _shown(flight: tuple[np.ndarray, Any]) -> dict[str, Any]:
-    """Places of the pushed tip (t, 3), and snapshots of all stations: times (k,), places (k, n, 3)."""
+    """Positions of the pushed tip (t, 3), and snapshots of all stations: times (k,), positions (k, n, 3)."""
     times, (_, places) = flight
     shown = slice(None, None, N_OUTPUTS // N_SNAPSHOTS)
     return {
@@ -79,7 +79,7 @@ def _shown(flight: tuple[np.ndarray, Any]) -> dict[str, Any]:
 
 
 def _stable_steps(body: IntrinsicBody) -> list[dict[str, float]]:
-    """The longest step of Runge and Kutta by the number of modes kept, truncated or residual alike, s."""
+    """The longest step of Runge-Kutta by the number of modes, truncated or residual alike, s."""
     return [
         {"kept": kept, "dt_max": _longest_step(body, kept)}
         for kept in range(12, len(body.modes.omega) + 1, 6)
@@ -93,11 +93,11 @@ def _longest_step(body: IntrinsicBody, kept: int | None = None) -> float:
 
 
 def _centre_error(body: IntrinsicBody, flight: tuple[np.ndarray, Any]) -> float:
-    """Root mean square over time, m: against twice the integrated force over the mass."""
+    """Root-mean-square distance over time, m, from twice the integrated force over the mass."""
     times, (rotations, places) = flight
     masses = body.line.station_masses
     assert masses is not None
-    # The mass of a station is offset from it: M = [[m, -m c~], [m c~, ..]].
+    # The mass of a station has an offset: M = [[m, -m c~], [m c~, ..]].
     offsets = np.stack([masses[:, 2, 4], masses[:, 0, 5], masses[:, 1, 3]], axis=1) * [-1, -1, -1]
     weighted = masses[:, 0, 0] @ places + np.einsum("tnij,nj->ti", rotations, offsets)
     centre = weighted / body.mass
@@ -106,7 +106,7 @@ def _centre_error(body: IntrinsicBody, flight: tuple[np.ndarray, Any]) -> float:
 
 
 def _distance(times: np.ndarray) -> np.ndarray:
-    """Twice integrated triangle, of unit height."""
+    """Triangle of unit height, integrated twice."""
     half = DURATION / 2
     early = times**3 / (6 * half)
     t = times - half
@@ -122,7 +122,7 @@ def _flown(body: IntrinsicBody, rule: Any, *, kept: int | None = None) -> tuple[
 
 
 def _lowest_alone(body: IntrinsicBody, kept: int) -> IntrinsicBody:
-    """As in the paper: the lowest modes, without those of second order."""
+    """As in the paper: the lowest modes, without modes of second order."""
     e = kept - body.modes.n_rigid
     own = body.expansion
     expansion = replace(own, modes=own.modes[..., :e], warping=own.warping[..., :e])
@@ -130,7 +130,7 @@ def _lowest_alone(body: IntrinsicBody, kept: int) -> IntrinsicBody:
 
 
 def _residual_rows(body: IntrinsicBody, flight: tuple[np.ndarray, Any], quick: bool) -> list[dict[str, Any]]:
-    """Position of all stations against that of all modes, root mean square over time, m.
+    """Positions of all stations compared with those of all modes, root mean square over time, m.
 
     flight : of all modes
     """

@@ -1,6 +1,6 @@
-"""The box beam as a slender one, its walls thin: frequencies and modes in closed form.
+"""The box beam as a slender thin-walled beam: frequencies and modes in closed form.
 
-The table of its section is lost in the text that we have. Chosen: length 20, walls 1.0 by 0.1 between
+The section table is missing in our copy of the text. Chosen: length 20, walls 1.0 by 0.1 between
 mid-surfaces, 0.01 thick, E = 1e6, Poisson's ratio 0.3, density 1, in consistent units.
 """
 
@@ -16,18 +16,18 @@ Array = NDArray[np.float64]
 LENGTH, WIDTH, HEIGHT, WALL = 20.0, 1.0, 0.1, 0.01
 E, NU, DENSITY = 1e6, 0.3, 1.0
 CANTILEVER = (1.8751040687, 4.6940911330, 7.8547574382, 10.9955407349)
-"""Roots of cos x cosh x = -1; the next lie at odd multiples of pi / 2."""
+"""Roots of cos x cosh x = -1; the next are close to odd multiples of pi / 2."""
 
 AREA = 2 * (WIDTH + HEIGHT) * WALL
 FLAP = WALL * (WIDTH * HEIGHT**2 / 2 + HEIGHT**3 / 6)
 CHORD = WALL * (HEIGHT * WIDTH**2 / 2 + WIDTH**3 / 6)
 POLAR = FLAP + CHORD
 TORSION = 2 * (WIDTH * HEIGHT) ** 2 * WALL / (WIDTH + HEIGHT) * E / (2 * (1 + NU))
-"""Bredt's torsional stiffness, times the shear modulus."""
+"""Bredt's torsional stiffness."""
 
 
 def slender_frequency(kind: str, rank: int) -> float:
-    """A frequency of the clamped beam, rad/s: Euler and Bernoulli's, Bredt's in torsion.
+    """A frequency of the clamped beam, rad/s: Euler-Bernoulli, in torsion Bredt.
 
     kind : "axial", "chordwise", "flapwise" or "torsion";   rank : from 0 on
     """

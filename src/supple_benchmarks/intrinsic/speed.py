@@ -24,7 +24,7 @@ SIZES = ((24, 50), (24, 100), (24, 138), (48, 100))
 
 
 def speed_rows(quick: bool) -> Iterator[dict[str, Any]]:
-    """Processor time of a step in microseconds, the least of five measurements."""
+    """Processor time per step in microseconds, the smallest of five measurements."""
     for nodes, m in SIZES[: 1 if quick else None]:
         points = np.linspace(0, 1, nodes)[:, None] * np.eye(3)[0]
         line = beam_line("beam", points, axial=1e5, bending=1.0, torsion=1.0, mass=1.0, radius=0.03)

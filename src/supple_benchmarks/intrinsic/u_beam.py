@@ -1,6 +1,6 @@
-"""The U-beam of [Wang2015] 5.2: three legs of 5 m of a solid section, free.
+"""The U-beam of [Wang2015] 5.2: three legs of 5 m with a solid section, free.
 
-Chosen: legs as wide and high as the cells of the mesh, E = 3e5, density 10, in consistent units.
+Chosen: width and height of the legs equal to one cell of the mesh, E = 3e5, density 10, in consistent units.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ SQUARE_TORSION = 0.1406
 
 
 def solid_u(n_leg: int) -> FlexibleBody:
-    """Three legs in the x-y plane: along x, along y, and back; n_leg cells of 20 nodes a leg."""
+    """Three legs in the x-y plane: along x, along y, and back; n_leg 20-node cells per leg."""
     h = LEG / n_leg
-    # A grid of square cells of which those of the U are kept.
+    # The cells of the U, selected from a grid of square cells.
     cells = [(i, 0) for i in range(n_leg + 1)]
     cells += [(n_leg, j) for j in range(1, n_leg + 1)]
     cells += [(i, n_leg) for i in range(n_leg - 1, -1, -1)]
@@ -57,7 +57,7 @@ def _ends(nodes: np.ndarray, h: float, n_leg: int) -> list[AveragingInterface]:
 
 
 def on_stations(body: FlexibleBody, n_stations: int, n_modes: int | None = None) -> IntrinsicBody:
-    """Free, with a third of the stations on each leg; n_stations = 3 k + 1."""
+    """A free line with a third of the stations on each leg; n_stations = 3 k + 1."""
     k = (n_stations - 1) // 3 + 1
     names = ("tip", "corner", "other corner", "other tip")
     legs = [LoadPath(a, b, k) for a, b in pairwise(names)]
@@ -65,9 +65,9 @@ def on_stations(body: FlexibleBody, n_stations: int, n_modes: int | None = None)
 
 
 def of_beam_elements(line: CondensedLine, n_leg: int) -> IntrinsicBody:
-    """Free, of beam elements between the stations of a line; mass lumped on them.
+    """A free line of beam elements between the stations of a line; mass lumped at the stations.
 
-    n_leg : as for `solid_u`, which says how wide the section is
+    n_leg : as for `solid_u`, determines the width of the section
     """
     side = LEG / n_leg
     beams = beam_line(

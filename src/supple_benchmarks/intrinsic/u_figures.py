@@ -64,7 +64,7 @@ def _draw_pattern(patterns: Mapping[str, Any], path: Path) -> Path:
 
 
 def _draw_eigenvalues(differences: Mapping[str, Any], path: Path) -> Path:
-    """Against the solid by the number of stations, and of the finest against beam elements."""
+    """Differences to the solid by the number of stations, and of the finest line to beam elements."""
     figure = new_figure(3.2)
     left, right = figure.subplots(1, 2, sharey=True)
     for rank, (n, values) in enumerate(differences["stations"].items()):
@@ -122,7 +122,7 @@ def _draw_errors(report: Mapping[str, Any], path: Path) -> Path:
 
 
 def _draw_flight(flight: Mapping[str, Any], path: Path) -> Path:
-    """Snapshots to scale, and the pushed tip over time; beam elements dashed."""
+    """Snapshots to scale, and the displacement of the pushed tip over time; beam elements dashed."""
     figure = new_figure(3.6)
     left, right = figure.subplots(1, 2, width_ratios=(1.35, 1.0))
     own, beams = flight["stations"], flight["beam_elements"]

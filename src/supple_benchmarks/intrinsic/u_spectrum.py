@@ -15,19 +15,19 @@ __all__ = ["eigenvalue_differences", "stiffness_pattern"]
 N_EIGENVALUES = 40
 N_RIGID = 6
 ZERO = 1e-10
-"""Of the largest entry: less is round-off."""
+"""Over the largest entry: a smaller one is round-off."""
 
 
 def eigenvalue_differences(
     solid: FlexibleBody, bodies: Mapping[int, IntrinsicBody], beams: IntrinsicBody
 ) -> dict[str, Any]:
-    """Elastic eigenvalues of the free U, in ascending order on either side, by their relative differences.
+    """Relative differences of the elastic eigenvalues of the free U, both in ascending order.
 
-    bodies : number of stations -> on stations;   beams : of beam elements between those of the last
-    solid : of all freedoms of the elements, rad^2/s^2
+    bodies : number of stations -> line;   beams : of beam elements between the stations of the last line
+    solid : all eigenvalues of the solid elements, rad^2/s^2
     stations : by their number, lambda / lambda of the solid - 1
-    beam_elements : the same of the beam elements
-    beside_beam_elements : of the last condensed body against the beam elements, as the paper does
+    beam_elements : the same for the beam elements
+    beside_beam_elements : of the last condensed body compared with the beam elements, as in the paper
     """
     solid_ones = solid.lowest_modes(N_EIGENVALUES + N_RIGID).values[N_RIGID:]
     own = {str(n): _elastic(body) for n, body in bodies.items()}
@@ -44,7 +44,7 @@ def eigenvalue_differences(
 def stiffness_pattern(line: CondensedLine) -> list[list[float | None]]:
     """Log10 of the largest entry between each two stations, over the largest of all; None for round-off.
 
-    Rotations are scaled by the mean segment, so that all entries are of one unit.
+    Rotations are scaled by the mean length of a segment, so that all entries have the same unit.
     """
     scale = np.tile(np.repeat([1.0, 1.0 / line.tree.lengths.mean()], 3), line.n)
     scaled = np.abs(line.stiffness * np.outer(scale, scale)).reshape(line.n, 6, line.n, 6)

@@ -17,7 +17,7 @@ RESIDUAL = 1e-7
 
 
 class Rest(NamedTuple):
-    """Tip section against the clamped root, m, in the axes of the mesh; number of iterations."""
+    """Tip section relative to the clamped root, m, in the axes of the mesh; number of iterations."""
 
     tip: list[float]
     iterations: int

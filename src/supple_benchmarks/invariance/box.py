@@ -1,4 +1,4 @@
-"""A slender box that bends slowly: as walls of shells, and as beams of the same section."""
+"""A slender box in slow bending: walls of shells, and beams of the same section."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def weak_bending() -> float:
 
 
 def beam_stiffness() -> np.ndarray:
-    """E A, G A k twice, G J, E I about y (weak) and z (strong): of the beam, for its reference."""
+    """E A, G A k (both directions), G J, E I about y (weak) and z (strong) of the beam, for its reference."""
     E, G = MATERIAL.youngs_modulus, MATERIAL.shear_modulus
     shear = G * AREA * SHEAR_FACTOR
     return np.array([E * AREA, shear, shear, G * TWIST, E * WEAK, E * STRONG])

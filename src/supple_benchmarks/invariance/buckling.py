@@ -26,7 +26,7 @@ def lateral_buckling(quick: bool) -> dict[str, float]:
 
 
 def critical_load(model: FiniteElementModel, weights: NDArray[np.float64], expected: float) -> float:
-    """Dead force along y, shared by the tip's nodes, that makes the tangent of the bent state singular."""
+    """Dead force along y on the tip's nodes for which the tangent of the bent state is singular."""
     assembly = assemble(model)
     free = np.ones((model.mesh.n_nodes, 6), dtype=bool)
     free[model.mesh.nodes_of("root")] = False

@@ -42,13 +42,13 @@ def resting_tip(
     *,
     joints: Sequence[Fixed] = (),
 ) -> NDArray[np.float64]:
-    """Mean position (3,) of some nodes of the last body, at rest under dead forces on it.
+    """Mean position (3,) of some nodes of the last body, in equilibrium under dead forces on it.
 
     Parameters
     ----------
     bodies : from the clamped one to the loaded one
     nodes, forces : (k,), (k, 3)    of the last body
-    joints : that hold them together
+    joints : between the bodies
     """
     first, last = bodies[0], bodies[-1]
     clamp = Fixed(first=GROUND, second=At(first.name, "root"), name="clamp")

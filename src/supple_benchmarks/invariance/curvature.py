@@ -24,7 +24,7 @@ __all__ = ["bent_strips", "turned_strips"]
 ROTATIONS = (0.291, 0.573, 0.874)
 """rad, of the tip"""
 TURN = 0.2
-"""rad, of the frame against the root"""
+"""rad, of the frame relative to the root"""
 
 
 def bent_strips(quick: bool) -> Iterator[dict[str, Any]]:
@@ -43,7 +43,7 @@ def bent_strips(quick: bool) -> Iterator[dict[str, Any]]:
 def turned_strips(quick: bool) -> Iterator[dict[str, Any]]:
     """Energy of the bent or twisted strip in a frame rotated about an axis, over that in its own frame.
 
-    `tip_moved` is how far the same load moves the tip elsewhere, as a share of the deflection.
+    `tip_moved` is the change of the tip position under the same load, over the deflection.
     """
     held = HeldStrip(10 if quick else 20)
     tip = held.mesh.nodes_of("tip_centre")[0]

@@ -30,16 +30,17 @@ __all__ = ["locked_bodies"]
 ROTATION = 0.08
 """rad, of the tip in linear theory"""
 SMALL = 1e-3
-"""Of the load: as good as none, so that the error is that of the columns in linear theory, no locking"""
+"""Fraction of the load: so small that the error is that of the columns in linear theory, without locking"""
 RECIPES = {"nodal-fixed": CraigBampton(10), "mean-axis": Rubin(10)}
 
 
 def locked_bodies(quick: bool) -> Iterator[dict[str, Any]]:
     """Error of the tip's motion against the full body in the same frame: plain tensors, and the default.
 
-    `indicator` is that of the plain tensors for the load most like the case's. `error_linear` is the error
-    under a thousandth of the load: motion that the linear columns lack. A couple of two forces at the corners
-    of the tip is applied twice: to the default basis, and with its static answer among the columns.
+    `indicator` is that of the plain tensors for the load most similar to that of the case. `error_linear` is
+    the error under a thousandth of the load: motion outside the linear columns. A couple of two forces at the
+    corners of the tip is applied twice: with the default basis, and with its static response among the
+    columns.
     """
     bodies = [clamped_body("strip", strip_model(20))]
     if not quick:
@@ -54,7 +55,7 @@ def locked_bodies(quick: bool) -> Iterator[dict[str, Any]]:
 
 
 def _loads(body: FlexibleBody) -> dict[str, np.ndarray]:
-    """Dead forces (N, 3): spread along the body; a couple at the tip."""
+    """Dead forces (N, 3): distributed along the body; a couple at the tip."""
     x = body.nodes[:, 0]
     length, bending, torsion, width = (
         (LENGTH, BENDING, TORSION, WIDTH) if body.name == "strip" else (BOX_LENGTH, weak_bending(), None, 1.0)
@@ -98,7 +99,7 @@ def _row(
 
     columns = reduction_basis(body, FRAMES[frame], recipe, derivatives=CompressedDerivatives(10))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", LockingWarning)  # that it locks is the point
+        warnings.simplefilter("ignore", LockingWarning)  # locking is what is measured
         plain = project(body, columns, quartic=PlainQuartic())
     form = project(body, columns)
     locking = form.report.locking

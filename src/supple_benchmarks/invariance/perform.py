@@ -13,7 +13,7 @@ __all__ = ["perform"]
 
 
 def perform(quick: bool, json: Path | None, folder: Path) -> None:
-    """Run the benchmark, its report in the folder unless a file is named."""
+    """Run the benchmark; write the report to the folder unless a file is given."""
     target = json or folder / "invariance.json"
     keep_report(
         target,

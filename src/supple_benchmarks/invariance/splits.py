@@ -17,7 +17,7 @@ __all__ = ["split_strips"]
 
 
 def split_strips(quick: bool) -> Iterator[dict[str, Any]]:
-    """Error of the tip against the elastica, as a share of the deflection."""
+    """Error of the tip against the elastica, over the deflection."""
     model = strip_model(24)
     tip = model.mesh.nodes_of("tip")
     weights = np.array([0.25, 0.5, 0.25])
@@ -33,7 +33,7 @@ def split_strips(quick: bool) -> Iterator[dict[str, Any]]:
 
 
 def _parts(model, frame: str, k: int):
-    """Bodies from the root to the tip, their joints, and the tip's nodes in the last."""
+    """Bodies from the root to the tip, their joints, and the nodes of the tip in the last body."""
     if k == 1:
         return [FullBody(clamped_body("strip", model), FRAMES[frame])], (), None
     split = split_body("strip", model, AlongAxis(k, (1, 0, 0)), (RigidInterface("root", "root"),))

@@ -47,17 +47,17 @@ WALL = HomogeneousSection(Isotropic(MODULUS, 0.0, 7800.0), THICKNESS)
 
 
 def strip_mesh(n_length: int = 20) -> Mesh:
-    """Two cells wide."""
+    """Mesh of the strip, two cells wide."""
     return strip(LENGTH, WIDTH, n_length, 2)
 
 
 def strip_model(n_length: int = 20) -> FiniteElementModel:
-    """Of shells."""
+    """The strip as shells."""
     return shell_model(strip_mesh(n_length), WALL)
 
 
 def beam_model(n_length: int) -> FiniteElementModel:
-    """Of beams, high along y, so that z is the weak direction."""
+    """The strip as beams, high along y, so that z is the weak direction."""
     nodes = np.linspace(0, LENGTH, n_length + 1)[:, None] * np.eye(3)[0]
     cells = np.column_stack([np.arange(n_length), np.arange(1, n_length + 1)])
     sets = {"root": np.array([0]), "tip": np.array([n_length])}
@@ -105,7 +105,7 @@ class HeldStrip:
         self.free = np.flatnonzero(free)
 
     def tip_force(self, force: ArrayLike) -> Array:
-        """A dead force (3,) as (N, 6), shared by the tip's nodes."""
+        """A dead force (3,) as (N, 6), distributed over the tip's nodes."""
         load = np.zeros((self.mesh.n_nodes, 6))
         load[self.mesh.nodes_of("tip"), :3] = np.outer([0.25, 0.5, 0.25], np.asarray(force))
         return load
@@ -117,15 +117,15 @@ class HeldStrip:
         return load
 
     def tangent(self, motion: Array) -> csc_array:
-        """Of the freedoms that are not prescribed."""
+        """Tangent of the degrees of freedom that are not prescribed."""
         return self.assembly.tangent(motion.ravel())[self.free][:, self.free]
 
     def bent(self, load: Array, steps: int = 3) -> Array:
-        """Nodal freedoms (N, 6) at rest, the root along the frame."""
+        """Nodal degrees of freedom (N, 6) in equilibrium, with the root aligned to the frame."""
         return self._resting(load, np.zeros((self.mesh.n_nodes, 6)), steps)
 
     def seen_from(self, turn: ArrayLike, load: Array, motion: Array) -> Array:
-        """The same equilibrium in a frame rotated against all bodies, expressed in the axes of the root."""
+        """The same equilibrium in a frame rotated relative to all bodies, in the axes of the root."""
         around = Rotation.from_rotvec(turn)
         turned_load = around.apply(load.reshape(-1, 3)).reshape(-1, 6)
         found = self._resting(turned_load, rotated_rigidly(self.mesh, motion, around), 1)

@@ -20,12 +20,12 @@ __all__ = ["box_vibration", "pushed", "swinging_tip"]
 
 STEP = 0.01
 PUSH = 1.0
-"""s, that the push at the tip lasts"""
+"""Duration of the push at the tip, s"""
 RHO_INF = 0.9
 
 
 def pushed(duration: float, deflection: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times and tip forces (t, 3) of a smooth push up and sideways, after which the box is free."""
+    """Times and tip forces (t, 3) of a smooth push upwards and sideways, after which the box is free."""
     times = STEP * np.arange(round(duration / STEP) + 1)
     size = 3 * weak_bending() * deflection / BOX_LENGTH**2
     pulse = np.where(times < PUSH, np.sin(np.pi * times / PUSH) ** 2, 0.0)
@@ -33,7 +33,7 @@ def pushed(duration: float, deflection: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def box_vibration(quick: bool) -> dict[str, Any]:
-    """Largest distance of the tip from the exact beam's, over its largest deflection."""
+    """Largest distance of the tip from that of the exact beam, over its largest deflection."""
     n, duration = (10, 1.5) if quick else (40, 5.0)
     times, forces = pushed(duration, 0.22)
     E = SECTION
@@ -54,7 +54,7 @@ def box_vibration(quick: bool) -> dict[str, Any]:
 
 
 def swinging_tip(form: FullBody | ReducedBody, times: np.ndarray, forces: np.ndarray) -> np.ndarray:
-    """Positions (t, 3) of the tip node of a clamped box under forces there."""
+    """Positions (t, 3) of the tip node of a clamped box under tip forces."""
     clamp = Fixed(first=GROUND, second=At(form.name, "root"), name="clamp")
     tip = [int(np.argmax(form.nodes[:, 0]))]
     load = DeadForce(body=form.name, at=np.array(tip), force=Table(times, forces[:, None, :]))

@@ -19,7 +19,7 @@ __all__ = ["quadruple_pendulum", "slider_crank"]
 
 
 class Element(StrEnum):
-    """Tetrahedra that a machine's flexible body may be made of."""
+    """Types of tetrahedra for a machine's flexible body."""
 
     TET4 = "tet4"
     TET10 = "tet10"

@@ -54,7 +54,7 @@ DASHES = {
     Variant.WITH_ATTACHMENT_MODES: (1.0, 1.0),
     Variant.WHOLE_BASIS: (),
 }
-"""Dashes of the variants of the reduced body; the colours tell the tolerances."""
+"""Dashes of the variants of the reduced body; the colours show the tolerances."""
 
 
 def _label(run: MachineRun) -> str:
@@ -87,7 +87,7 @@ def _draw_responses(study: Study, rows: list[Response], path: Path) -> Path:
 
 
 def _draw_deformation_errors(study: Study, path: Path) -> Path:
-    """Errors of the deformation in the energy norm, in which a larger space has the smaller error."""
+    """Errors of the deformation in the energy norm, which decrease with a larger space."""
     truth = study.reference
     rows = slice(1, None)  # undeformed at the start
     models = [

@@ -20,21 +20,21 @@ __all__ = ["FlexibleMachine"]
 
 @dataclass(frozen=True, eq=False)
 class FlexibleMachine:
-    """Interface of a machine to the study of tolerances.
+    """A machine with one flexible body, as the study of tolerances uses it.
 
     name : str                     of the benchmark, "quadruple-pendulum"
-    body : FlexibleBody            linear: displacements against its frame stay small
-    model, material                what it is made of, for its stress
-    system : callable              the machine with a given variant of the body in it
-    work : callable                what was put into the machine until each output time (t,), J
-    looks : {name: Mesh}           of the rigid bodies, for pictures
+    body : FlexibleBody            linear: displacements relative to its frame stay small
+    model, material                finite element model and material, for its stress
+    system : callable              the machine with a given variant of the body
+    work : callable                external work on the machine until each output time (t,), J
+    looks : {name: Mesh}           meshes of the rigid bodies, for pictures
     point : int                    node A, whose motion and stress are compared
-    size : m                       a length of the machine, 1 % of which counts as far apart
-    n_modes : int                  N_m, modal coordinates kept of every basis
+    size : m                       a length of the machine; runs that differ by 1 % of it have diverged
+    n_modes : int                  N_m, number of modal coordinates of every basis
     duration, output_step : s      step : s, of the runs that are compared
-    settled : s                    from then on errors are ordered: by then the steps have damped what a jump
-        of the load at the start rang in modes that they are too long to resolve
-    camera : Camera                from where the machine is seen
+    settled : s                    from this time on errors are ordered: until then the steps have damped
+        modes that they do not resolve, excited by a jump of the load at the start
+    camera : Camera                view of the machine
     """
 
     name: str
@@ -55,7 +55,7 @@ class FlexibleMachine:
 
     @property
     def frame(self) -> Frame:
-        """Mean axes, whose modes are the free-free ones of [Han2020]."""
+        """Mean axes, with the free-free modes of [Han2020]."""
         return MeanAxisFrame()
 
     @property

@@ -1,9 +1,10 @@
 """The quadruple pendulum of [Han2020] section 5.1: three rigid cylinders and a flexible one on ball joints.
 
 The paper gives the cylinders (0.3 m long, 0.015 m in radius), the distance of 0.05 m from a joint to a
-cylinder, the material, gravity along -y, 7 s and 500 outputs. It draws, but does not write down, how the
-chain lies at the start; here the links point 0, 30, 60 and 90 degrees round in the horizontal plane, so that
-all three directions move. The flexible link hangs by the mean motion of one end face; its other end is free.
+cylinder, the material, gravity along -y, 7 s and 500 outputs. The start position of the chain is given by a
+drawing only. Here the links point in the directions 0, 30, 60 and 90 degrees in the horizontal plane, so that
+all three directions move. The flexible link is attached by the mean motion of one end face; its other end is
+free.
 """
 
 from __future__ import annotations
@@ -62,11 +63,11 @@ class QuadruplePendulum:
         )
 
     def mesh(self) -> Mesh:
-        """The flexible cylinder, 3528 tetrahedra at the paper's size; x from the joint's end."""
+        """The flexible cylinder, 3528 tetrahedra at the paper's size; x from the end with the joint."""
         return cylinder(RADIUS, LENGTH, 3, 1, self.n_length, self.cell_type)
 
     def machine(self) -> FlexibleMachine:
-        """The pendulum, ready to run."""
+        """The pendulum with its run settings."""
         mesh = self.mesh()
         material = Isotropic(
             self.stiffness * STEEL_LIKE.youngs_modulus, STEEL_LIKE.poissons_ratio, STEEL_LIKE.density

@@ -34,7 +34,7 @@ SHORT = {
     Variant.WITH_ATTACHMENT_MODES: "attached",
     Variant.WHOLE_BASIS: "whole",
 }
-"""Their names in a table, which has no room for more."""
+"""Short names for a table."""
 
 
 def report(study: Study) -> dict[str, Any]:
@@ -113,7 +113,7 @@ def _row(study: Study, run: MachineRun) -> dict[str, Any]:
 def errors(study: Study, run: MachineRun, against: MachineRun) -> dict[str, dict[str, float]]:
     """Largest and RMS distance of every quantity of node A, until the motion becomes chaotic.
 
-    Against the unreduced body also that of the deformation as a whole, in the energy norm.
+    Compared with the unreduced body, also the distance of the whole deformation in the energy norm.
     """
     compared = run.point.times <= study.compared_until * (1 + 1e-12)
 
@@ -147,13 +147,13 @@ def _largest(point: PointHistory) -> dict[str, float]:
 
 
 def _ordered_shares(study: Study, runs: list[MachineRun], against: MachineRun) -> dict[str, Any] | None:
-    """Shares of outputs at which each smaller tolerance has the smaller error."""
+    """Share of the outputs at which each smaller tolerance has the smaller error."""
     if len(runs) < 2:
         return None
     shares: dict[str, Any] = {}
     if against is study.reference:
         shares["deformation"] = ordered_share(study, [run.deformation_error for run in runs])
-    # The error of a vibrating node passes through zero again and again: its RMS up to each output.
+    # The error of a vibrating node passes through zero repeatedly: its RMS up to each output is compared.
     shares["node_a_rms_so_far"] = {
         quantity: ordered_share(
             study, [_sum_so_far(study, _distance(run.point, against.point, quantity)) for run in runs]
@@ -168,7 +168,7 @@ def _sum_so_far(study: Study, distance: Array) -> Array:
 
 
 def ordered_share(study: Study, errors: list[Array]) -> float:
-    """Share of the outputs, from settling to chaos, at which no error (t,) is larger than the one before."""
+    """Share of the outputs, from settling to chaos, at which no error (t,) exceeds the previous one."""
     times = study.reference.point.times
     compared = (times > study.machine.settled) & (times <= study.compared_until * (1 + 1e-12))
     ordered = np.all([tighter <= looser for looser, tighter in pairwise(errors)], axis=0)
@@ -186,7 +186,7 @@ def _separation(each: Separation) -> dict[str, Any]:
 
 
 def _brief(number: float) -> str:
-    """Two digits, and no zeros in the exponent."""
+    """Two digits, without zeros in the exponent."""
     mantissa, exponent = f"{number:.1e}".split("e")
     return f"{mantissa}e{int(exponent)}"
 

@@ -68,9 +68,9 @@ class Drift(NamedTuple):
 class MachineRun:
     """One simulation, and the quantities compared.
 
-    tolerance : of the eigenvalues; None where none was asked for      modes : fixed-interface modes, N_d
-    deformation_error : (t,), J^1/2     energy norm of its deformation minus that of the unreduced body, whose
-        own has its norm itself
+    tolerance : of the eigenvalues, or None      modes : fixed-interface modes, N_d
+    deformation_error : (t,), J^1/2     energy norm of its deformation less that of the unreduced body; for
+        the unreduced body the norm of its deformation
     """
 
     variant: Variant
@@ -111,7 +111,7 @@ def point_history(machine: FlexibleMachine, body: FullBody | ReducedBody, soluti
 
 
 def equivalent_strain(material: Isotropic, stress: Array) -> Array:
-    """Von Mises strain of a von Mises stress: in an isotropic material, over 3 G."""
+    """Von Mises strain of a von Mises stress: stress over 3 G in an isotropic material."""
     shear_modulus = material.youngs_modulus / (2 + 2 * material.poissons_ratio)
     return stress / (3 * shear_modulus)
 
@@ -125,7 +125,7 @@ def deformation(body: FullBody | ReducedBody, solution: Solution) -> Array:
 def energy_norm(machine: FlexibleMachine, displacements: Array) -> Array:
     """sqrt(u^T K u) (t,) of displacements (n_nodal, t), J^1/2: stress and strain errors, over the whole body.
 
-    It is in this norm that a larger space of columns is the better one; at a single node it need not be.
+    In this norm a larger space of columns has a smaller error; at a single node this need not hold.
     """
     squares = np.einsum("nt,nt->t", displacements, machine.model.stiffness @ displacements)
     return np.sqrt(np.maximum(squares, 0.0))

@@ -1,10 +1,10 @@
 """The slider-crank of [Han2020] section 5.2: a rigid crank, a flexible aluminium rod, a slider.
 
-The paper gives the rod's material, 4380 tetrahedra of 3.6 mm on average (1 mm at least), the masses together
-(5.407 kg), the torque (ramped to 1 Nm at 0.1 s) and 0.5 s; its drawings with the dimensions are not in its
-text. Ours: a rod of 0.14 m between bores of 15 and 8 mm in radius, which this many tetrahedra of that size
-fill; a crank of 0.03 m; a slider of 0.5 kg; the crank's disc has the rest of the mass. The crank starts at
-right angles to the slider's path, at rest, without gravity.
+The paper gives the rod's material, 4380 tetrahedra of 3.6 mm on average (1 mm at least), the total mass
+(5.407 kg), the torque (ramped to 1 Nm at 0.1 s) and 0.5 s; the drawings with the dimensions are not in its
+text. Chosen: a rod of 0.14 m between bores of 15 and 8 mm in radius, which this number of tetrahedra of that
+size fills; a crank of 0.03 m; a slider of 0.5 kg; the crank's disc has the rest of the mass. The crank starts
+at right angles to the slider's path, at rest, without gravity.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class SliderCrank:
         return connecting_rod(ROD, self.cells, self.cell_type)
 
     def machine(self) -> FlexibleMachine:
-        """The slider-crank, ready to run."""
+        """The slider-crank with its run settings."""
         mesh = self.mesh()
         material = Isotropic(
             self.stiffness * ALUMINIUM.youngs_modulus, ALUMINIUM.poissons_ratio, ALUMINIUM.density
@@ -104,7 +104,7 @@ class SliderCrank:
             duration=self.duration,
             output_step=self.output_step,
             step=self.step,
-            settled=0.0,  # the torque grows from nothing
+            settled=0.0,  # the torque increases from zero
             camera=Camera.looking(along=(0.25, -0.35, -1.0), up=(0.0, 1.0, 0.0)),
         )
 
@@ -128,7 +128,7 @@ def _system(rod: FullBody | ReducedBody, rod_mass: float) -> System:
     end = np.array([np.sqrt(ROD.length**2 - CRANK_RADIUS**2), 0.0, 0.0])
     pin = np.array([0.0, CRANK_RADIUS, 0.0])
     slope = np.arcsin(CRANK_RADIUS / ROD.length)
-    # Clockwise, so that the crank first pushes the slider out.
+    # Clockwise, so that the crank first pushes the slider outwards.
     ramp = Table([0.0, RAMP, 1e3], [[0.0, 0.0, 0.0], [0.0, 0.0, -TORQUE], [0.0, 0.0, -TORQUE]])
     return System(
         bodies=(

@@ -1,12 +1,12 @@
 """A machine run with its flexible body unreduced, and reduced to tolerances on its eigenvalues.
 
-Every tolerance gives three bodies: the whole Craig-Bampton basis; its lowest N_m vibrations as in [Han2020]
-(46)-(49), which makes all of one size but drops the static motions of the interface; and those vibrations
-with attachment modes, which bring them back. Beside them stands the body with its N_m exact modes, which the
-second kind approaches as the tolerance goes to zero.
+Every tolerance gives three bodies: the whole Craig-Bampton basis; its N_m lowest modes as in [Han2020]
+(46)-(49), which makes all bases of equal size but omits the static motions of the interface; and those modes
+with attachment modes, which add the static motions again. They are compared with the body in its N_m exact
+modes, the limit of the second basis for tolerance zero.
 
-Runs that are compared take the same fixed steps, so that errors of time integration, which are larger, drop
-out. What the adaptive step costs, and how far integration errors go, is found in runs of the finest body.
+Compared runs take the same fixed steps, so that errors of the time integration, which are larger, cancel. The
+cost of adaptive steps, and the size of integration errors, are measured with the finest body.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ Array = NDArray[np.float64]
 ADAPTIVE = AdaptiveStep(first=1e-6, largest=1e-2, tolerance=1e-6)
 """First and largest step of [Han2020]."""
 NEWTON = Tolerances(residual=1e-12)
-"""Far below what bodies differ by: with 1e-8 the whole bases stop at 7e-9 m, whatever their size."""
+"""Far below the differences of bodies: with 1e-8 the whole bases stop at 7e-9 m, whatever their size."""
 APART = 0.01
 """Two runs have diverged when node A differs by this fraction of the machine's size."""
 
@@ -56,8 +56,8 @@ APART = 0.01
 class Separation:
     """Divergence of two runs with different steps: distance of node A over time, and time of divergence.
 
-    coarse, fine : the steps, in words     time : s, from which on the distance is above 1 % of the machine's
-        size, or None     statistics : of both
+    coarse, fine : the steps, as text     time : s, from which the distance exceeds 1 % of the machine's size,
+        or None     statistics : of both
     """
 
     coarse: str
@@ -93,7 +93,7 @@ def run_study(
 ) -> Iterator[Study]:
     """Run the machine in every variant; yields the results so far after each run.
 
-    Every motion is kept in `folder`; a study that was cut off goes on from there.
+    Every motion is stored in `folder`; an interrupted study continues from there.
     """
     runner = _Runner(machine, folder, announce)
     full = FullBody(machine.body, machine.frame)
@@ -138,7 +138,7 @@ class _Runner:
 
     def reduced(self, variant: Variant, tolerance: float | None, recipe: LinearBasisRecipe) -> MachineRun:
         """The machine with its body reduced by a recipe."""
-        # Kept beside its motion, which means nothing on columns of other signs: round-off decides on those.
+        # Stored with its motion, which depends on the signs of the columns: round-off decides them.
         path = self.folder / self.file_name(f"{_words(variant, tolerance)} body")
         if path.exists():
             body = read_reduced_body(path)

@@ -1,4 +1,4 @@
-"""The elastica: an inextensible, unshearable cantilever under a dead force across its tip, by shooting."""
+"""The elastica: an inextensible cantilever without shear under a transverse dead force, by shooting."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from scipy.optimize import brentq
 def elastica(bending_stiffness: float, length: float, tip_force: float) -> tuple[float, float, float]:
     """Tip (along, across, rotation) of a cantilever that lies along x, clamped at its root.
 
-    E I theta'' = -P cos theta,  theta(0) = 0,  theta'(L) = 0. The rotation of the tip is shot for, from there
-    to the root: a tip at rest leaves the root behind, one along the force turns it as much.
+    E I theta'' = -P cos theta,  theta(0) = 0,  theta'(L) = 0. The unknown is the tip rotation, from which the
+    equation is integrated to the root.
     """
     load = tip_force / bending_stiffness
 

@@ -2,9 +2,8 @@
 
     r' = R (e_x + Gamma),     R' = R K~,     m' = - r' x P
 
-with the strains Gamma = C_N^-1 R^T P and K = K_0 + C_M^-1 R^T m; at the tip m is zero.
-From the tip's rotation, which is shot for, the rod is integrated to its root, where the section must stand as
-clamped.
+with the strains Gamma = C_N^-1 R^T P and K = K_0 + C_M^-1 R^T m; at the tip m is zero. The unknown is the
+tip's rotation, from which the rod is integrated to its root, where the section must match the clamp.
 
 Sources: S. S. Antman, Nonlinear Problems of Elasticity, chapter 8; J. C. Simo, Comput. Methods Appl. Mech.
 Engrg. 49 (1985) 55-70.
@@ -27,7 +26,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Rod:
-    """A clamped rod, its root at the origin with its section's axes those of space, the first along the rod.
+    """A clamped rod along x, with its root at the origin and section axes parallel to the global ones.
 
     length : float
     stiffness (6,) : E A, G A along y and z, G J, E I about y and z
@@ -39,7 +38,7 @@ class Rod:
     curvature: ArrayLike = (0.0, 0.0, 0.0)
 
     def tip(self, force: ArrayLike, *, n_steps: int = 5) -> tuple[Array, Array]:
-        """Place (3,) and rotation (3, 3) of the tip under a dead force, raised in steps."""
+        """Position (3,) and rotation (3, 3) of the tip under a dead force, increased in steps."""
         turn, load = self._unloaded_tip(), np.zeros(3)
         for share in np.arange(1, n_steps + 1) / n_steps:
             load = share * np.asarray(force, dtype=float)
@@ -57,7 +56,7 @@ class Rod:
         return -place, turn
 
     def tip_followed(self, force: ArrayLike) -> tuple[Array, Array]:
-        """Place and rotation of the tip under a follower force, which needs no shooting."""
+        """Position and rotation of the tip under a follower force, which needs no shooting."""
         place, turn = self._shot(np.eye(3), np.asarray(force, dtype=float))
         return -turn.T @ place, turn.T
 
@@ -65,7 +64,7 @@ class Rod:
         return Rotation.from_rotvec(self.length * np.asarray(self.curvature, dtype=float)).as_matrix()
 
     def _shot(self, turn: Array, force: Array) -> tuple[Array, Array]:
-        """Place and rotation of the root, from a tip at the origin."""
+        """Position and rotation of the root, from a tip at the origin."""
         stiffness, unloaded = np.asarray(self.stiffness, dtype=float), np.asarray(self.curvature, dtype=float)
 
         def rates(_: float, y: Array) -> Array:

@@ -1,4 +1,4 @@
-"""A clamped beam of 6 x 6 sections, by integration of its equations: linear, or of a straight one exact."""
+"""A clamped beam of 6 x 6 sections, by integration of its equations: linear, or exact for a straight beam."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def clamped_rest(beam: Beam, steps: ArrayLike, gravity: ArrayLike, tip: ArrayLik
 
 
 def clamped_frequencies(beam: Beam, steps: ArrayLike, grid: ArrayLike) -> Array:
-    """Angular frequencies within a grid of them: where the tip of the clamped beam is free of force."""
+    """Angular frequencies within a grid of frequencies: zeros of the tip force of the clamped beam."""
     elastic, inert = _rates(beam, np.asarray(steps))
 
     def determinant(omega: float) -> float:
@@ -65,7 +65,7 @@ def clamped_frequencies(beam: Beam, steps: ArrayLike, grid: ArrayLike) -> Array:
 def bent_tip(stiffness: Array, length: float, force: ArrayLike) -> Array:
     """Displacement and rotation vector (6,) of the tip of a straight uniform beam along z, for any bending.
 
-    The rotation of the tip under a dead force F there is shot for, from the tip to the clamp:
+    The unknown is the rotation of the tip under a dead force F, integrated from the tip to the clamp:
 
         R' = R kappa~,  d' = -R (gamma + e_z),  K (gamma, kappa) = R^T (F, d x F),
 
@@ -106,7 +106,7 @@ def _rates(beam: Beam, steps: Array) -> tuple[Array, Array]:
 
 
 def _transfer(rates: Array, steps: Array) -> Array:
-    """State at the tip by that at the root: Magnus' method of the fourth order."""
+    """State at the tip from that at the root: Magnus' method of fourth order."""
     h, (first, second) = steps[:, None, None], (rates[:, 0], rates[:, 1])
     turned = second @ first - first @ second
     parts = expm(h / 2 * (first + second) + np.sqrt(3) / 12 * h**2 * turned)

@@ -1,12 +1,12 @@
 """Spatial geometrically exact (Simo-Reissner) beam: three-node elements, statics and generalized-alpha.
 
-Independent of supple on purpose: whole rotation matrices at the nodes, no small angles, no floating frame.
+Independent of supple on purpose: full rotation matrices at the nodes, no small angles, no floating frame.
 
     Gamma = R^T r' - e_x,   K = axial(R^T R'),   U = 1/2 int Gamma . C_N Gamma + K . C_M K ds
 
-Rotations between nodes follow from the Rodrigues vectors c = 2 tan(angle / 2) n against the middle node:
-all is rational and the strains are objective. Two Gauss points free the element of locking; Simpson's rule
-lumps the inertia to the nodes. Sections stand square to r' where the beam is unloaded.
+Rotations between nodes follow from the Rodrigues vectors c = 2 tan(angle / 2) n relative to the middle node:
+all expressions are rational and the strains are objective. Two Gauss points avoid locking; Simpson's rule
+lumps the inertia at the nodes. Sections are normal to r' in the unloaded beam.
 
 Sources: J. C. Simo, L. Vu-Quoc, Comput. Methods Appl. Mech. Engrg. 58 (1986) 79-116; M. A. Crisfield,
 G. Jelenic, Proc. R. Soc. Lond. A 455 (1999) 1125-1147; O. Bruls, A. Cardona, J. Comput. Nonlinear Dyn. 5
@@ -84,7 +84,7 @@ class Beam:
 
 
 def straight_beam(length, n_elements, stiffness, **inertia):
-    """A beam along x, its section axes those of space."""
+    """A beam along x with section axes parallel to the global ones."""
     x = np.linspace(0, length, 2 * n_elements + 1)[:, None] * np.eye(3)[0]
     return Beam(x, np.tile(np.eye(3), (len(x), 1, 1)), np.asarray(stiffness), **inertia)
 
@@ -138,7 +138,7 @@ def bent(beam, load, *, n_steps=10):
             force, K = (np.array(a) for a in force_and_tangent(model, x, R))
             moment = np.einsum("nji,nj->ni", R, share * load[:, 3:])
             residual = force - np.concatenate([share * load[:, :3], moment], axis=1)
-            # A dead moment turns against the section: d(R^T m) = R^T m x d theta.
+            # A dead moment rotates relative to the section: d(R^T m) = R^T m x d theta.
             blocks = K.reshape(len(x), 6, len(x), 6)
             nodes = np.arange(len(x))
             blocks[nodes, 3:, nodes, 3:] += np.cross(np.eye(3), moment[:, None, :]).swapaxes(1, 2)
@@ -155,7 +155,8 @@ def bent(beam, load, *, n_steps=10):
 def swung(beam, tip_force, *, step, rho_inf=0.9):
     """Motion x (t, N, 3), R (t, N, 3, 3), v (t, N, 6) from rest under a dead force (t, 3) at the tip.
 
-    v holds velocities in space and spins about the sections' own axes. Equilibrium at the end of each step.
+    v contains velocities in space and angular velocities about the sections' own axes. Equilibrium at step
+    ends.
     """
     lengths = jnp.asarray(beam.nodal_length)[:, None]
     inertia = lengths * jnp.concatenate([jnp.full(3, beam.mass), jnp.asarray(beam.inertia)])

@@ -1,4 +1,4 @@
-"""The tip of the geometrically exact beam, its step halved until the whole history no longer changes."""
+"""The tip of the geometrically exact beam, with the step halved until the whole history converges."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from supple_benchmarks.rotating_beam.tip_motion import TipMotion, apart
 __all__ = ["CONVERGED", "ExactTip", "exact_tip"]
 
 CONVERGED = 2e-5
-"""m: how far the tip may still move, at any instant, as the step is halved."""
+"""m: largest change of the tip position, at any time, when the step is halved."""
 MOST_HALVINGS = 5
 
 
@@ -22,8 +22,8 @@ MOST_HALVINGS = 5
 class ExactTip(TipMotion):
     """A converged tip motion.
 
-    step : float            s, the smallest that was taken
-    converged_within : float    m, what the last halving changed, at most, at any instant
+    step : float            s, the smallest step taken
+    converged_within : float    m, largest change by the last halving, at any time
     at_the_models_step : TipMotion      the same beam at the step of the full and reduced models
     """
 
@@ -35,7 +35,7 @@ class ExactTip(TipMotion):
 def exact_tip(problem: RotatingBeam, spin: SpinUp) -> ExactTip:
     """Tip of the exact beam by Richardson's extrapolation of steps h and h/2, halved until two agree.
 
-    The rule is of second order: (4 x_(h/2) - x_h) / 3. Twenty elements are within 1e-6 m of forty.
+    The method is of second order: (4 x_(h/2) - x_h) / 3. Twenty elements are within 1e-6 m of forty.
 
     Raises ConvergenceError where MOST_HALVINGS of the models' step do not reach CONVERGED.
     """

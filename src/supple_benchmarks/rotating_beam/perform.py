@@ -16,7 +16,7 @@ __all__ = ["perform"]
 
 
 def perform(quick: bool, json: Path | None, folder: Path) -> None:
-    """Run the benchmark; the report is rewritten after every simulation, so that a stop loses none."""
+    """Run the benchmark; the report is rewritten after every simulation, so that none is lost."""
     problem = RotatingBeam.quick() if quick else RotatingBeam()
     target = json or folder / "rotating-beam.json"
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -34,7 +34,7 @@ def perform(quick: bool, json: Path | None, folder: Path) -> None:
 
 
 def _store_latest(run: BeamRun, folder: Path) -> None:
-    """Keep the motion that has just been computed: the last reduced one, or a full one not yet reduced."""
+    """Store the motion computed last: the last reduced one, or a full one not yet reduced."""
     full = run.full[-1]
     reduced = [one for one in run.reduced if one.full is full]
     label = f"{full.frame}_{full.kinematics}_{full.omega:g}"

@@ -1,9 +1,9 @@
 """The rotating beam of [Wu2019] section 6.1: a strip of shells, spun up about its root, full and reduced.
 
-The beam (L = 10 m, EA = 2.8e7 N, EI = 1.4e4 N m^2, rho A = 1.2 kg/m) is a flat strip that turns about the
-width of its root section, so that it bends out of its plane. It lies along x and turns about -y, which
-lifts it towards +z; its tip lags. The full model and the reduced ones are run in both floating frames, and
-a geometrically exact beam, which knows no frame, judges the kinematics.
+The beam (L = 10 m, EA = 2.8e7 N, EI = 1.4e4 N m^2, rho A = 1.2 kg/m) is a flat strip that rotates about the
+width of its root section, so that it bends out of its plane. It is along x and rotates about -y, towards +z;
+its tip lags. The full and the reduced models are run in both floating frames. A geometrically exact beam
+without a floating frame is the reference for the kinematics.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ class RotatingBeam:
 def spin_up_load(body: FlexibleBody) -> Array:
     """Inertia force of a unit angular acceleration about the root's y axis, balanced at the root, (n_nodal,).
 
-    It tells which modes the spin-up bends, hence which derivatives matter: their pairs' weights p_j p_k.
+    It determines the modes that the spin-up bends, hence the important derivatives: weights p_j p_k of pairs.
     """
     root = body.interface(ROOT)
     d = body.dofs_per_node

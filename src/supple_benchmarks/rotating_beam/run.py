@@ -79,7 +79,7 @@ class ReducedRun:
 
     @property
     def columns(self) -> str:
-        """The columns of the basis, in words."""
+        """The columns of the basis as text."""
         if self.n_added:
             return f"{self.n_linear}+{self.n_added} {self.derivatives}" + (
                 ", plain" if self.tensors == "plain" else ""
@@ -136,7 +136,7 @@ class _Choice:
 
 
 def _choices(body: FlexibleBody, frame: str, *, with_linear: bool) -> list[_Choice]:
-    """The bases of [Wu2019] Table 1, derivatives picked or compressed; plain tensors are theirs."""
+    """The bases of [Wu2019] Table 1, with selected or compressed derivatives; plain tensors as there."""
     load = AmplitudeProduct(StaticLoad(spin_up_load(body)))
 
     def linear(n_columns: int) -> tuple[LinearBasisRecipe, str]:

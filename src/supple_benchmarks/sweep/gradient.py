@@ -1,4 +1,4 @@
-"""Derivatives of a case of a sweep, propagated along its run, against differences of runs."""
+"""Derivatives of a case of a sweep, integrated along its run, compared with differences of runs."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from supple.sweeps.swept_group import swept_group
 __all__ = ["gradient_error"]
 
 STEP = 1e-3
-"""Of a parameter, in parts of its value."""
+"""Of a parameter, relative to its value."""
 TOLERANCE = 1e-11
-"""Of Newton's method: what is left of its residual is divided by the step."""
+"""Of Newton's method: its remaining residual is divided by the step."""
 
 
 def gradient_error(folder: Path, case: int) -> float:

@@ -24,25 +24,25 @@ __all__ = ["killed_sweep"]
 
 CASES_PER_SHARE = 16
 _MOST_SECONDS = 600.0
-"""That the command may take until its next share."""
+"""Longest time of the command until its next share."""
 
 _Found = TypeVar("_Found")
 Stamp = tuple[int, int]
-"""Number of a file, and when it was written: another one in its place has others."""
+"""Inode number and modification time: a replaced file has others."""
 
 
 def killed_sweep(case: Path, table: CaseTable, folder: Path, certified: Path) -> dict[str, int | list[str]]:
     """Run a sweep by its command, kill it in three ways, and count the repeated cases.
 
-    The worker is killed within its first share, and the command goes on. The command is killed with all its
-    processes once two shares are done, one of which is then cut off. The same command does the rest.
+    The worker is killed during its first share, and the command continues. The command is killed with all its
+    processes after two shares, one of which is then truncated. The same command computes the rest.
 
     certified : folder with the bodies and the certificate of the same cases
 
     Returns
     -------
-    lost : cases without results, or with others than two runs of the same program agree on
-    twice : cases that were simulated again though their part was whole
+    lost : cases without results, or with results beyond the agreement of two runs of the same program
+    twice : cases that were simulated again although their part was complete
     """
     shutil.rmtree(folder, ignore_errors=True)
     file, results = _sweep_file(case, table, folder), folder / "results"
@@ -118,7 +118,7 @@ def _awaited(command: subprocess.Popen[bytes], found: Callable[[], _Found | None
     until = time.monotonic() + _MOST_SECONDS
     while not (own := found()):
         if command.poll() is not None or time.monotonic() > until:
-            raise RuntimeError("the sweep came to its end, or to none, before it could be killed")
+            raise RuntimeError("the sweep ended before it could be killed: give more cases")
         time.sleep(0.01)
     return own
 

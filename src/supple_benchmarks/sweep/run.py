@@ -124,8 +124,8 @@ def _estimates(folder: Path, status: SweepStatus) -> dict[str, Any]:
 def _against_single_runs(folder: Path, n: int) -> tuple[float, float, float]:
     """Largest distance of the statistics of three cases from those of their runs alone, over the largest.
 
-    Beside it the distance of these runs from themselves with a gravity of one unit in the last place more,
-    which is what round-off alone makes of them; and the mean of their seconds.
+    Also the distance of these runs from runs with a gravity changed by one unit in the last place, which is
+    the effect of round-off alone; and the mean of their seconds.
     """
     found, round_off, seconds = [], [], []
     statistics = read_sweep(folder).statistics.sel(statistic=list(STATISTICS))
@@ -151,9 +151,9 @@ def _reading(folder: Path) -> dict[str, float]:
 
 
 def _del_error(folder: Path) -> float | None:
-    """Largest distance of the equivalent loads of the kept case from those by the package `rainflow`.
+    """Largest distance of the equivalent loads of the stored case from those by the package `rainflow`.
 
-    L = (sum n_i S_i^m / N)^(1/m),   in parts of each; None where the package is not installed
+    L = (sum n_i S_i^m / N)^(1/m),   relative errors; None where the package is not installed
     """
     if not find_spec("rainflow"):
         return None
@@ -175,7 +175,7 @@ def _del_error(folder: Path) -> float | None:
 
 
 def _peak_memory() -> dict[str, float]:
-    """Of this process and of the largest of its workers, MiB (Linux counts KiB)."""
+    """Peak memory of this process and of the largest of its workers, MiB (Linux counts KiB)."""
     own, workers = (
         resource.getrusage(who).ru_maxrss / 1024 for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
     )

@@ -12,7 +12,7 @@ from supple.sweeps import CaseTable
 __all__ = ["ALLOWED", "arm_case", "arm_table"]
 
 ALLOWED = 1e-4
-"""Error of any case, m: a sixtieth of the largest deflection of the tip."""
+"""Allowed error of any case, m: a sixtieth of the largest deflection of the tip."""
 
 _CASE = """\
 title = "flexible arm on a shaft"
@@ -67,7 +67,7 @@ step = 0.003
 
 
 def arm_case(folder: Path, duration: float) -> Path:
-    """Write the case file and its mesh, that of the rod of the example of a slider-crank."""
+    """Write the case file and its mesh, the rod of the slider-crank example."""
     for path in write_example("slider_crank.toml", folder):
         if path.suffix != ".inp":
             path.unlink()

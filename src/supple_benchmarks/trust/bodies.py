@@ -40,26 +40,26 @@ FACES = (RigidInterface("root", "x_min"), RigidInterface("tip", "x_max"))
 def framed(
     body: FlexibleBody, *, mean_axes: bool = False, damping: RayleighDamping | ModalDamping | None = None
 ) -> FullBody:
-    """A full body, in a frame on its root or in mean axes."""
+    """A full body with its frame at its root or in mean axes."""
     return FullBody(body, MeanAxisFrame() if mean_axes else NodalFixedFrame("root"), damping)
 
 
 def shell_strip(length: float = 1.0, n_length: int = 6, name: str = "body") -> FlexibleBody:
-    """Flat along x, 0.1 m wide, 1 cm thick; clamped at its root 1 m of it vibrates at 10 rad/s."""
+    """A strip along x, 0.1 m wide, 1 cm thick; clamped at its root, 1 m of it vibrates at 10 rad/s."""
     return flexible_body(
         name, shell_model(strip(length, 0.1, n_length, 2), HomogeneousSection(RUBBER, 0.01)), ENDS
     )
 
 
 def plate() -> FlexibleBody:
-    """1 m by 0.8 m, 2 cm thick, clamped along an edge."""
+    """A plate of 1 m by 0.8 m, 2 cm thick, clamped along an edge."""
     return flexible_body(
         "body", shell_model(strip(1.0, 0.8, 5, 4), HomogeneousSection(RUBBER, 0.02)), ENDS[:1]
     )
 
 
 def laminate() -> FlexibleBody:
-    """A strip of two different layers, with coupling of extension and bending, and of bending and torsion."""
+    """A strip of two different layers, with extension-bending and bending-torsion coupling."""
     stiff, soft, thickness = 3e9, 5e8, 0.005
     A = np.diag([stiff + soft, soft, soft / 2]) * thickness
     B = np.diag([soft - stiff, 0.0, 0.0]) * thickness**2 / 2
@@ -90,7 +90,7 @@ def beam(length: float = 1.0, n: int = 10, name: str = "body", side: float = 0.0
 
 
 def rod(length: float, name: str, n: int = 5) -> FlexibleBody:
-    """Beam elements of a link of a machine."""
+    """A link of a machine, of beam elements."""
     return beam(length, n, name, side=0.03)
 
 

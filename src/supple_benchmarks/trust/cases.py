@@ -53,7 +53,7 @@ __all__ = ["CASES", "QUICK"]
 
 SIDE = np.array([0.0, 1.0, 0.0])
 FIRST = 10.0
-"""rad/s, lowest vibration of the clamped strip; the second is at 64, the beam's at 20 and 128."""
+"""rad/s, lowest frequency of the clamped strip; the second is 64, those of the beam are 20 and 128."""
 
 
 def _slowly(size: float, rise: float) -> Callable[[Any], Any]:
@@ -183,8 +183,8 @@ _SLOW_AND_BLOW = (
     struck(29, lambda t: 40.0 * t * (1.0 - t)),
     struck(14, blow(150.0, 0.41, 0.036)),
 )
-"""What rings after the blow is followed for a twentieth of a second: its phase would ask for steps of
-which no full run could be made with an eighth."""
+"""The vibration after the blow is simulated for a twentieth of a second: a longer one would need steps so
+short that no full run with an eighth of them is feasible."""
 
 CASES: tuple[TrustCase, ...] = (
     TrustCase("strip spun up", _turned(shell_strip, spin(6.0, 1.0)), 1.2, 60, 1e-3),
@@ -257,8 +257,8 @@ CASES: tuple[TrustCase, ...] = (
         NoDerivatives(),
     ),
 )
-"""Of all kinds of loads, joints, elements, frames and accuracies."""
+"""Cases with all kinds of loads, joints, elements, frames and accuracies."""
 
 _NAMES = ("strip spun up", "tube, follower")
 QUICK = tuple(case for case in CASES if case.name in _NAMES)
-"""What the quick form runs."""
+"""Cases of the quick form."""

@@ -1,8 +1,8 @@
-"""The sum of all error parts, including the model's, against beams without frames or small rotations.
+"""The sum of all error parts, including the model's, compared with geometrically exact beams.
 
-A full run of the same elements in the same frame cannot show what the kinematics of the model cost. A
-geometrically exact beam of another formulation can: strips that are slender and have Poisson's ratio zero are
-such beams, but for their mesh, which is fine enough to be of no account.
+A full run of the same elements in the same frame cannot show the error of the kinematics. A geometrically
+exact beam of another formulation can: slender strips with Poisson's ratio zero are such beams, except for the
+mesh error, which is negligible.
 """
 
 from __future__ import annotations
@@ -88,9 +88,9 @@ def _places(tip: PositionSensor, system: System, solution: Solution) -> Array:
 LENGTH, WIDTH, THICKNESS = 1.0, 0.1, 0.01
 MODULUS, DENSITY = 1e9, 1000.0
 SLOWLY, QUICKLY = 2.0, 0.6
-"""s, that a push lasts; the first vibration has a period of 0.6 s."""
+"""s, durations of a push; the first mode has a period of 0.6 s."""
 STEP, HALF, FINER = 0.01, 2, 4
-"""s, of the outputs; the run's step, which costs less than its kinematics, and the beam's are parts of it."""
+"""Output step, s, and its divisors for the step of the run, whose error is small, and of the exact beam."""
 
 
 def _bent(force: float, push: float, frame: str) -> ExactBeamCase:
@@ -108,7 +108,7 @@ def _bent(force: float, push: float, frame: str) -> ExactBeamCase:
         )
         body = flexible_body("body", model, ends)
         wall = Fixed(name="wall", first=GROUND, second=At("body", "root"))
-        # As finely tabled as the exact beam is stepped: between, a table goes straight.
+        # Tabulated at the steps of the exact beam, because a table interpolates linearly.
         load = DeadForce(body="body", at="tip", force=Table(*forces(STEP / FINER)))
         return (
             FullBody(body, FRAMES[frame]),
@@ -137,4 +137,4 @@ EXACT_BEAMS = (
     *(_bent(force, SLOWLY, frame) for frame in FRAMES for force in (4.0, 8.0)),
     *(_bent(4.0, QUICKLY, frame) for frame in FRAMES),
 )
-"""Bent far, slowly and with the first vibration."""
+"""Large bending, slow and with the first mode."""

@@ -1,6 +1,6 @@
 """Assessment of one case: its rounds against full runs with the same steps, its sum against a run with h/8.
 
-All of them are solved to a hundredth of the run's tolerance.
+All reference runs are solved to a hundredth of the run's tolerance.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ __all__ = ["judge"]
 
 EIGHTH = 1 / 8
 TIGHT = 1e-2
-"""Of the tolerance of a run: that of the run that its sum is held against."""
+"""Tolerance of the reference run over that of the run."""
 
 
 def judge(case: TrustCase, folder: Path, told: Callable[[float], None]) -> dict[str, Any]:
@@ -85,7 +85,7 @@ def judge(case: TrustCase, folder: Path, told: Callable[[float], None]) -> dict[
 def _cost(system: System, corrected: CorrectedSystem, run: Run) -> dict[str, Any]:
     """Processor time of the accepted run and of its basis error estimate, without compilation.
 
-    Of the estimate a part goes into factorisations of the system in full: as many are timed by themselves.
+    The estimate includes factorisations of the full system: the same number is timed separately.
     """
     bases = {name: own.basis for name, own in corrected.bodies.items()}
     began = process_time()
@@ -130,10 +130,10 @@ def _worst(reduced: System, solution: Solution, system: System, exact: Solution)
 def _round_record(each: Round, system: System, full_runs: _FullRuns) -> dict[str, Any]:
     name = each.body.name
     run = each.run or full_runs.case.run
-    # Of the same steps, but solved tighter: the reference's own remainders are no error of the run.
+    # The same steps, but a tighter tolerance: the reference's own residual is no error of the run.
     full = full_runs.at(with_tolerance(run, TIGHT * run.tolerances.residual))
     true = np.inf
-    # A run that had to cut a step has taken others than any full run: between them is a part of the step's.
+    # A run with a reduced step has other steps than any full run: the difference includes a step error.
     same_steps = each.solution.statistics.steps == full.statistics.steps
     if each.solution.stopped is None and full.stopped is None and same_steps:
         true = motion_error(full, _fulls(system)[name], each.solution, each.body, body=name).max_rms

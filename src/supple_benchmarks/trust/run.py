@@ -17,13 +17,13 @@ from supple_benchmarks.trust.judge import judge
 __all__ = ["coverage", "run_trust"]
 
 OVER = 1.1
-"""Of what is allowed: above, an acceptance was wrong."""
+"""Over the allowed error: above, an acceptance was wrong."""
 
 
 def run_trust(quick: bool, folder: Path, announce: Announce) -> Iterator[dict[str, Any]]:
     """The report, ready for JSON, after every case; its keys must not change.
 
-    folder : full runs and finished cases are kept there, and read by the next run
+    folder : stores full runs and finished cases, which the next run reads
     """
     report: dict[str, Any] = {"quick": quick, "machine": describe_computer(), "cases": [], "exact_beams": []}
     for case in QUICK if quick else CASES:
@@ -56,9 +56,9 @@ def _kept_or(path: Path, told: Progress, judged: Callable[[], dict[str, Any]]) -
 
 
 def coverage(cases: Sequence[dict[str, Any]], beams: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:
-    """Shares of the estimates from the second round of a body on, and how many acceptances were wrong.
+    """Statistics of the estimates from the second round of a body on, and number of wrong acceptances.
 
-    Estimates without a number, and truths of exactly nothing, are left out; sums are those of `beams`, too.
+    Estimates without a number, and true errors of exactly zero, are left out; sums include those of `beams`.
     """
     ratios = []
     for case in cases:

@@ -24,10 +24,10 @@ class TrustCase:
     """A machine reduced by self-correction.
 
     name : str              in the report
-    system : function       makes the machine, all bodies to be reduced in full
-    duration, n_outputs     of the run; its step is the output step unless given
-    accuracy : float        asked for, relative
-    basis, derivatives      to start with
+    system : function       creates the machine, with all bodies to be reduced in full
+    duration, n_outputs     of the run; its step is the output step by default
+    accuracy : float        target error, relative
+    basis, derivatives      of the start
     """
 
     name: str

@@ -18,14 +18,14 @@ __all__ = ["BeamChain", "beam_chain", "line_mesh", "rectangle"]
 def rectangle(
     material: Isotropic, y: float, z: float, torsion: float, orientation: ArrayLike = (0, 1, 0)
 ) -> BeamSection:
-    """A section of the size y by z; torsion is its constant J, orientation its y."""
+    """A rectangular section of size y by z; torsion is its constant J, orientation its y axis."""
     return BeamSection(
         material, y * z, z * y**3 / 12, y * z**3 / 12, torsion, 5 / 6, 5 / 6, orientation=orientation
     )
 
 
 def line_mesh(nodes: ArrayLike) -> Mesh:
-    """Elements from node to node, the ends as sets."""
+    """Line elements between consecutive nodes, with the two ends as node sets."""
     places = np.asarray(nodes, dtype=float)
     n = len(places) - 1
     cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
@@ -34,14 +34,14 @@ def line_mesh(nodes: ArrayLike) -> Mesh:
 
 @dataclass(frozen=True, eq=False)
 class BeamChain:
-    """Bodies from the root to the tip, and the joints that hold them together and at the root."""
+    """Bodies from the root to the tip, and the joints between them and at the root."""
 
     bodies: tuple[Placed, ...]
     joints: tuple[Joint, ...]
 
     @property
     def tip(self) -> At:
-        """The end that nothing holds."""
+        """The free end."""
         return At(self.bodies[-1].body.name, "tip")
 
 

@@ -1,4 +1,4 @@
-"""Beams bent far, at rest: each a chain of eight full bodies with a floating frame of its own."""
+"""Equilibria of beams with large bending: each is a chain of eight full bodies with floating frames."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ NONE = (0.0, 0.0, 0.0)
 def _loads(
     chain: BeamChain, force: ArrayLike = NONE, torque: ArrayLike = NONE, following: ArrayLike = NONE
 ) -> Sequence[Load]:
-    """All three kinds in every case, so that one compiled program serves all."""
+    """All three kinds of loads in every case, so that one compiled program serves all."""
     return (
         DeadForce(body=chain.tip.body, at="tip", force=force),
         DeadTorque(first=chain.tip, torque=torque),
@@ -36,7 +36,7 @@ def _loads(
 
 
 def _rested_tip(nodes: ArrayLike, section: BeamSection, **loads: ArrayLike) -> Array:
-    """Place (3,) of the tip of a clamped beam along nodes under loads there."""
+    """Position (3,) of the tip of a clamped beam along nodes, in equilibrium under tip loads."""
     chain = beam_chain(nodes, section, n_bodies=8)
     rest = equilibrium(System(chain.bodies, chain.joints, _loads(chain, **loads)))
     return rest.system.bodies[-1].positions()[-1]
@@ -47,7 +47,7 @@ def _along_x(length: float, n: int) -> Array:
 
 
 def bend_of_45_degrees() -> Sequence[Comparison]:
-    """An eighth of a circle of radius 100, a square of side 1, pushed out of its plane by 600 at its tip."""
+    """An eighth of a circle of radius 100, of square section 1 x 1, under a force of 600 out of its plane."""
     radius, force = 100.0, np.array([0.0, 0.0, 600.0])
     arc = np.linspace(0, np.pi / 4, 17)
     nodes = radius * np.column_stack([np.sin(arc), 1 - np.cos(arc), 0 * arc])
@@ -85,7 +85,7 @@ def _strip() -> BeamSection:
 
 
 def roll_up() -> Sequence[Comparison]:
-    """A moment 2 pi E I / L at its tip bends a cantilever to a whole circle, half of it to a half one."""
+    """A tip moment 2 pi E I / L bends a cantilever to a full circle, half of it to a half circle."""
     nodes, whole = _along_x(LENGTH, 16), 2 * np.pi * BENDING / LENGTH
     source = "a circle of radius E I / M"
     half = _rested_tip(nodes, _strip(), torque=(0, -whole / 2, 0))
@@ -104,7 +104,7 @@ def roll_up() -> Sequence[Comparison]:
 
 
 def elastica() -> Sequence[Comparison]:
-    """A cantilever under a dead force across its tip, P L^2 / E I = 10."""
+    """A cantilever under a transverse dead force at its tip, P L^2 / E I = 10."""
     tip = _rested_tip(_along_x(LENGTH, 24), _strip(), force=(0, 0, 10 * BENDING / LENGTH**2)) / LENGTH
     source = "K. Mattiasson, Int. J. Numer. Methods Eng. 17 (1981) 145-153, table 1 (elliptic integrals)"
     return (
@@ -114,7 +114,7 @@ def elastica() -> Sequence[Comparison]:
 
 
 def buckled_column() -> Sequence[Comparison]:
-    """A clamped column under 1.152 times Euler's load, bent by hand before: its tip turns by 60 degrees.
+    """A clamped column under 1.152 times Euler's load, initially bent: its tip rotates by 60 degrees.
 
     P / P_E = (2 K / pi)^2,  x / L = 2 E / K - 1,  z / L = 2 k / K,  k = sin(30 degrees)
     """
@@ -133,7 +133,7 @@ def buckled_column() -> Sequence[Comparison]:
 
 
 def follower_force() -> Sequence[Comparison]:
-    """A cantilever under a force that stays square to its tip, P L^2 / E I = 8."""
+    """A cantilever under a force that stays normal to its tip, P L^2 / E I = 8."""
     force = 8 * BENDING / LENGTH**2
     tip = _rested_tip(_along_x(LENGTH, 24), _strip(), following=(0, 0, force))
     shear = 5e6 * 0.1 * 5 / 6
@@ -153,7 +153,7 @@ def follower_force() -> Sequence[Comparison]:
 
 
 def princeton() -> Sequence[Comparison]:
-    """The Princeton beam: aluminium, 20 inches long, 3 lb at its tip, turned by 45 degrees about its axis."""
+    """The Princeton beam: aluminium, 20 inches long, 3 lb at its tip, at 45 degrees about its axis."""
     length, height, thickness = 0.508, 12.377e-3, 3.2024e-3
     material = Isotropic(71.7e9, 0.31, 2810.0)
     shear = material.youngs_modulus / 2 / (1 + 0.31)

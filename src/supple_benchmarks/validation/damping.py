@@ -1,7 +1,7 @@
-"""Damping ratios of the modes of a strip clamped at its root, in mean axes: resonance and decay.
+"""Damping ratios of the modes of a strip clamped at its root, in mean axes: from resonance and decay.
 
-A mode of ratio zeta that is shaken at its frequency moves by 1 / (2 zeta) times as much as by a slow force of
-the same shape.
+At its natural frequency a mode with damping ratio zeta has 1 / (2 zeta) times the amplitude of the static
+response to the same force.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def strip_body() -> FlexibleBody:
 
 
 def held_strip(damping: RayleighDamping | ModalDamping, *, full: bool = False) -> System:
-    """The strip in mean axes, its root fixed in space."""
+    """The strip in mean axes, with its root fixed in space."""
     body, frame = strip_body(), MeanAxisFrame()
     form = (
         FullBody(body, frame, damping)
@@ -80,7 +80,7 @@ def _decay() -> list[Comparison]:
 
 
 def _resonance() -> list[Comparison]:
-    """Largest response of the tip to a force there near the first frequency, against the mode's at rest."""
+    """Largest response of the tip to a force near the first frequency, and its closed form."""
     machine = linearize(held_strip(_rayleigh()), fulls=())
     assert isinstance(machine, LinearMachine)
     undamped = replace(machine, damping=np.zeros_like(machine.damping))

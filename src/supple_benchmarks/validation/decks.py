@@ -1,4 +1,4 @@
-"""Bodies of decks: masses, springs and ties within them, against closed forms."""
+"""Bodies of decks with masses, springs and ties, against closed forms."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ STEEL = IsotropicMaterial(2.1e11, 0.0, 7850.0)
 SIDE, LENGTH = 0.01, 1.0
 SQUARE = BeamValues(SIDE**2, SIDE**4 / 12, SIDE**4 / 12, 0.141 * SIDE**4, 0.0, 0.0, 7850.0 * SIDE**2)
 SHARE = 0.7
-"""Of a beam's mass, at its tip"""
+"""Ratio of the tip mass to the beam's mass"""
 
 
 def _beam(
     n: int, masses: Sequence[NodalMatrix], held: Sequence[ScalarTerms], springs: Sequence[ScalarTerms] = ()
 ) -> Deck:
-    """A beam along x of n elements."""
+    """A beam along x with n elements."""
     nodes = np.column_stack([np.linspace(0, LENGTH, n + 1), np.zeros((n + 1, 2))])
     numbers = np.arange(n)
     cells = DeckElements(
@@ -83,7 +83,7 @@ def _tip_mass() -> tuple[Comparison, ...]:
 
 
 def _spring_at_the_tip() -> tuple[Comparison, ...]:
-    """From the tip to a support below it: omega^2 = (3 E I / L^3 + k) / (m + 33/140 of the beam)."""
+    """Spring from the tip to a support: omega^2 = (3 E I / L^3 + k) / (m + 33/140 of the beam's mass)."""
     n, stiffness, mass = 20, 500.0, 10.0
     tip = NodalMatrix(6 * n + np.arange(3), mass * np.eye(3))
     spring = ScalarTerms(

@@ -1,7 +1,7 @@
-"""Starts of driven bodies: they begin with the velocity of their drive, and nothing strikes them.
+"""Starts of driven bodies: they start with the velocity of their drive, and without an impact.
 
-A beam of 1 m whose root a motor turns at a constant rate, or a table shakes; a bus of which the spin alone is
-given, with panels fixed to it; a crank that a motor turns, with a flexible rod.
+A beam of 1 m whose root is driven by a motor at a constant rate, or by a shaker; a satellite bus with given
+spin and attached panels; a crank driven by a motor, with a flexible rod.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ X, UP = np.eye(3)[[0, 2]]
 
 
 def _beam(name: str = "beam") -> FlexibleBody:
-    """Along x; a load bends it along z first."""
+    """A beam along x; its soft bending direction is z."""
     nodes = np.linspace(0, 1, 13)[:, None] * np.eye(3)[0]
     model = shell_model(line_mesh(nodes), rectangle(MATERIAL, Y, Z, Y * Z**3 / 4))
     return flexible_body(name, model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
@@ -72,11 +72,11 @@ FORMS: Mapping[str, Callable[[FlexibleBody], Any]] = MappingProxyType(
         "intrinsic": lambda body: released(condense(body, LoadPath("root", "tip", n_stations=13))),
     }
 )
-"""The methods that take a driven beam."""
+"""The methods that accept a driven beam."""
 
 
 def _deflection(form: Any, solution: Solution, root: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """Of the tip, across the beam as its drive (`root`: turn about y, shift along z) moves it, (t,)."""
+    """Deflection of the tip relative to the driven beam (`root`: rotation about y, shift along z), (t,)."""
     motion = solution.bodies["beam"]
     tip = form.positions(motion, [len(form.nodes) - 1])[:, 0]
     angle, shift = root(solution.times)
@@ -84,7 +84,7 @@ def _deflection(form: Any, solution: Solution, root: Callable[[np.ndarray], np.n
 
 
 def turned(*names: str) -> Sequence[Comparison]:
-    """The root turns at a constant rate about the axis across which the beam is soft."""
+    """The root rotates at a constant rate about the axis of soft bending."""
     drive = PrescribedRotation(
         name="drive", first=GROUND, second=At("beam", "root"), axis=SIDE, angle=lambda t: SPIN * t
     )
@@ -108,7 +108,7 @@ def turned(*names: str) -> Sequence[Comparison]:
 
 
 def shaken(*names: str) -> Sequence[Comparison]:
-    """The root moves by a sin(w t) across the beam, from its speed at the start on.
+    """The root moves by a sin(w t) across the beam; the velocity at the start is that of the drive.
 
     Mode by mode, with participation g:  q'' + w_n^2 q = g a w^2 sin(w t), q = q' = 0 at the start.
     """
@@ -144,7 +144,7 @@ def _modal_responses(times: np.ndarray, size: float, rate: float) -> list[np.nda
     responses = []
     for number, root in enumerate((1.8751040687, 4.6940911330, 7.8547574382)):
         ratio = (np.cosh(root) + np.cos(root)) / (np.sinh(root) + np.sin(root))
-        at_tip = 2 * (-1) ** number * 2 * ratio / root  # the mode there times its participation
+        at_tip = 2 * (-1) ** number * 2 * ratio / root  # mode at the tip times its participation
         own = root**2 * FLEXIBILITY
         amplitude = size * rate**2 / (own**2 - rate**2)
         responses.append(at_tip * amplitude * (np.sin(rate * times) - rate / own * np.sin(own * times)))
@@ -152,7 +152,7 @@ def _modal_responses(times: np.ndarray, size: float, rate: float) -> list[np.nda
 
 
 def bus_and_panels() -> Sequence[Comparison]:
-    """The spin of the bus alone is given; both panels turn with it, on radius r = 0.2 + 0.5 m."""
+    """Only the spin of the bus is given; both panels rotate with it, at radius r = 0.2 + 0.5 m."""
     spin, offset = 0.1, 0.2
     bus = RigidBody("bus", 5.0, np.zeros(3), np.eye(3), {"right": offset * X, "left": -offset * X})
     panels = [
@@ -189,7 +189,7 @@ def bus_and_panels() -> Sequence[Comparison]:
 
 
 def slider_crank() -> Sequence[Comparison]:
-    """The crank is upright; a motor drives it, and no initial velocity is given."""
+    """The crank is upright and driven by a motor; no initial velocity is given."""
     radius = 0.2
     pins = {"hub": np.zeros(3), "pin": radius * UP}
     crank = RigidBody("crank", 1.0, radius / 2 * UP, 0.1 * np.eye(3), pins)

@@ -1,4 +1,4 @@
-"""Shells and solids at rest under small loads: the problems that elements are commonly judged by."""
+"""Static cases of shells and solids under small loads: common test problems of elements."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _displacements(
     torque: ArrayLike = (0, 0, 0),
     gravity: ArrayLike = (0, 0, 0),
 ) -> Array:
-    """Displacements (N, 3) of a body held rigidly at its root, loaded at its rigid tip."""
+    """Displacements (N, 3) of a body with clamped root and a load on its rigid tip."""
     ends = (RigidInterface("root", root), RigidInterface("tip", tip))
     body = FullBody(flexible_body("body", model, ends), NodalFixedFrame("root"))
     wall = Fixed(name="wall", first=GROUND, second=At("body", "root"))
@@ -59,7 +59,7 @@ def _turn(mesh: Mesh, moved: Array, x: float) -> float:
 
 
 def twisted_beam() -> Sequence[Comparison]:
-    """A strip that is twisted by a right angle, under a unit force in and out of the plane of its tip."""
+    """A strip twisted by a right angle, under a unit tip force in and out of the plane of its tip."""
     length, width = 12.0, 1.1
     flat = strip(length, width, 24, 4)
     angle = np.pi / 2 * flat.nodes[:, 0] / length
@@ -77,7 +77,7 @@ def twisted_beam() -> Sequence[Comparison]:
 
 
 def curved_beam() -> Sequence[Comparison]:
-    """A quarter of a ring of shells, clamped, under a small force in its plane towards its centre."""
+    """A clamped quarter of a ring of shells, under a small force in its plane towards the centre."""
     middle, width, wall, force = 4.22, 0.2, 0.1, 0.01
     flat = strip(1.0, width, 48, 4)
     radius, angle = middle - flat.nodes[:, 1], np.pi / 2 * flat.nodes[:, 0]
@@ -94,7 +94,7 @@ def curved_beam() -> Sequence[Comparison]:
 
 
 def square_bar_in_torsion() -> Sequence[Comparison]:
-    """A square bar of quadratic bricks: twist per length away from its ends."""
+    """A square bar of quadratic bricks: twist per length away from the ends."""
     side, torque, n = 0.1, 100.0, 12
     mesh = block(6 * side, side, side, n, 3, 3, CellType.HEXA20)
     moved = _displacements(solid_model(mesh, ALUMINIUM), torque=(torque, 0, 0))
@@ -107,7 +107,7 @@ def square_bar_in_torsion() -> Sequence[Comparison]:
 
 
 def tube_in_torsion() -> Sequence[Comparison]:
-    """A thin tube of flat shells with sixteen sides: twist per length away from its rigid ends."""
+    """A thin tube of flat shells with sixteen sides: twist per length away from the rigid ends."""
     radius, length, wall, sides, torque = 0.05, 0.5, 1e-3, 16, 20.0
     mesh = cylinder_shell(radius, length, 10, sides)
     model = shell_model(mesh, HomogeneousSection(ALUMINIUM, wall))
@@ -121,7 +121,7 @@ def tube_in_torsion() -> Sequence[Comparison]:
 
 
 def clamped_plate() -> Sequence[Comparison]:
-    """A square plate clamped all around that sags under its weight."""
+    """Deflection of a square plate under its weight, clamped along all edges."""
     side, thickness, g = 1.0, 0.01, 9.81
     mesh = plate(side, side, 16, 16)
     moved = _displacements(

@@ -1,7 +1,8 @@
 """Estimated and true errors: small reduced runs and their estimates, compared with full runs.
 
-The reference is the distance to a run of all coordinates, by another engine (sparse Newton of the whole
-system), with the same steps: exact for the part of the basis. Of the step it is a closed form.
+The reference is the distance to a run of all coordinates by another engine (sparse Newton of the whole
+system) with the same steps. It is exact for the part of the basis. For the part of the step it is a closed
+form.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ def _corrected(
 
 
 def _bent_far() -> list[Comparison]:
-    """A strip pushed by its tip to 0.3 rad: whole, tip, stress in its middle, force of its wall."""
+    """A strip bent by a tip force to 0.3 rad: whole body, tip, stress in the middle, force at the clamp."""
     middle = np.flatnonzero(_MODEL.mesh.nodes[:, 0] == 0.5)
     quantities = (
         PositionSensor("strip.tip", "strip.tip"),
@@ -81,7 +82,7 @@ def _bent_far() -> list[Comparison]:
 
 
 def _tips_sideways() -> list[Comparison]:
-    """A strip pushed in its plane until it tips: the first round locks, and estimates 3 % of its error."""
+    """A strip buckles sideways: the first round locks, and its estimate is 3 % of its error."""
     run = Run(1.2, 0.02, step=FixedStep(0.02), tolerances=Tolerances(1e-9))
     system = _pushed(_strip(RayleighDamping(2.0, 1e-3)), (0.0, 50.0, 0.05), 1.0)
     return _corrected(system, run, ReductionStart(SelfCorrection(relative=0.06)), ())
@@ -100,7 +101,7 @@ def _jumps() -> list[Comparison]:
     system = System((Placed(block),), (guide,), (push,))
     run = Run(0.4, 0.02, step=FixedStep(0.02), tolerances=Tolerances(1e-10))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SuppleWarning)  # of the jump, which is what it is about
+        warnings.simplefilter("ignore", SuppleWarning)  # of the jump, which is intended
         solution = simulate(system, run)
         study = ErrorStudy(quantities=(WholeBody("block"),))
         stated = state_errors(system, run, solution, study).errors["block"]

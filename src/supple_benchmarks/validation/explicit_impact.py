@@ -1,4 +1,4 @@
-"""The explicit march: bars that hit, the front of a step force, Taylor's bar, a free body that turns over."""
+"""The explicit method: impact of bars, front of a step force, Taylor's bar, a free rotating box."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ __all__ = ["CASES"]
 FloatArray = NDArray[np.float64]
 
 ROD = Isotropic(100.0, 0.0, 1.0)
-"""No lateral strain: a bar of it is one-dimensional, with waves of speed 10."""
+"""Poisson's ratio zero: a bar of it is one-dimensional, with wave speed 10."""
 SPEED_OF_SOUND = 10.0
 _ST_VENANT = "closed form, St. Venant: J. D. Achenbach, Wave Propagation in Elastic Solids (1973), 1.4"
 _D_ALEMBERT = "closed form, d'Alembert"
@@ -47,14 +47,14 @@ _TAYLOR = (
 
 
 def _balance(solution: Solution) -> float:
-    """By how much all energies less external work are open, over the largest."""
+    """Residual of the energy balance: sum of all energies less external work, over the largest energy."""
     energies = solution.series[ENERGIES]
     total = energies[:, :7].sum(axis=1) - energies[:, 7]
     return float(np.abs(total - total[0]).max() / np.abs(energies).max())
 
 
 def _two_bars() -> Sequence[Comparison]:
-    """Equal bars, the first at v: stress rho c v / 2 for 2 L / c, then the second has the velocity."""
+    """Equal bars, the first with velocity v: stress rho c v / 2 during 2 L / c, then the second has it."""
     cells, length, v = 60, 6.0, 0.1
     model = solid_model(block(length, 0.1, 0.1, cells, 1, 1, CellType.HEXA8), ROD)
     first = Placed(explicit_subdomain(model, name="first"), velocity=np.array([v, 0.0, 0.0]))
@@ -66,7 +66,7 @@ def _two_bars() -> Sequence[Comparison]:
     weights = masses[::3] / masses[::3].sum()
     moving = {name: solution.motion(name, NodalMotion) for name in ("first", "second")}
     mean = {name: motion.velocities[:, :, 0] @ weights for name, motion in moving.items()}
-    # The force is constant: the mean velocity of the second grows linearly from 0 to v.
+    # The force is constant: the mean velocity of the second bar grows linearly from 0 to v.
     reached = [np.interp(share * v, mean["second"], solution.times) for share in (0.25, 0.75)]
     stress = moving["second"].von_mises[24]  # at 0.3 of the contact, fronts within the bars
     return (
@@ -93,7 +93,7 @@ def _front() -> Sequence[Comparison]:
     x, v = bar.nodes[:, 0], motion.velocities[-1, :, 0]
     order = np.argsort(-x)
     place = float(np.interp(0.5 * velocity, v[order], x[order]))
-    late = time - 0.5 * solution.series[STEPS][-1, 0]  # velocities are of the half step before
+    late = time - 0.5 * solution.series[STEPS][-1, 0]  # velocities belong to the half step before
     return (
         Comparison("stress behind the front", motion.von_mises[-1][10:30].mean(), stress, _D_ALEMBERT, 0.005),
         Comparison("largest stress", motion.von_mises[-1].max(), stress, _D_ALEMBERT, 0.04),
@@ -103,7 +103,7 @@ def _front() -> Sequence[Comparison]:
 
 
 def _taylor() -> Sequence[Comparison]:
-    """Copper at 227 m/s on a rigid wall, 80 us; the published values differ by 1 and 2.5 %."""
+    """Copper at 227 m/s on a rigid wall, 80 us; the published values differ by 1 % and 2.5 %."""
     length, radius, _ = taylor_bar_end(3, 2, 27)
     return (
         Comparison("final length, m", length, 21.46e-3, _TAYLOR, 0.015),
@@ -112,7 +112,7 @@ def _taylor() -> Sequence[Comparison]:
 
 
 def _turning_over() -> Sequence[Comparison]:
-    """A rigid box that spins about its middle axis turns over: angular velocities of Euler's equations."""
+    """A rigid box rotating about its middle axis turns over: angular velocities of Euler's equations."""
     a, b, c, spin, tilt = 4.0, 3.0, 2.0, 1.0, 1e-3
     model = solid_model(block(a, b, c, 2, 2, 2, CellType.TETRA4), Isotropic(100.0, 0.3, 1.0))
     body = flexible_body("box", model)
@@ -160,4 +160,4 @@ CASES: tuple[ValidationCase, ...] = (
     ValidationCase("Taylor bar", _taylor, quick=False),
     ValidationCase("Dzhanibekov: a free box turns over on its four-point frame", _turning_over),
 )
-"""Of the explicit method."""
+"""Cases of the explicit method."""

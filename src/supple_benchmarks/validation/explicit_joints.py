@@ -1,4 +1,4 @@
-"""Explicit machines on joints and springs: pendulums, an oscillator, a clamped bar."""
+"""Explicit machines with joints and springs: pendulums, an oscillator, a clamped bar."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def _rod(name: str, mass: float = 2.0, length: float = 1.0) -> RigidBody:
 
 
 def _angles(solution, name: str) -> FloatArray:
-    """(t,) by which the x axis of a body has turned below the horizontal."""
+    """Rotation of the x axis of a body below the horizontal, (t,)."""
     x = solution.bodies[name].rotation[:, :, 0]
     return np.unwrap(np.arctan2(-x[:, 2], x[:, 0]))
 
@@ -61,7 +61,7 @@ def _pendulum() -> Sequence[Comparison]:
 
 
 def _double_pendulum() -> Sequence[Comparison]:
-    """Two rods released from the horizontal, against their equations, integrated to 1e-12 by scipy."""
+    """Two rods released from the horizontal; reference: their equations, integrated to 1e-12 by scipy."""
     system = System(
         [_rod("one"), Placed(_rod("two"), position=np.array([1.0, 0.0, 0.0]))],
         joints=[
@@ -88,7 +88,7 @@ def _double_pendulum() -> Sequence[Comparison]:
 
 
 def _oscillator() -> Sequence[Comparison]:
-    """A mass on a spring and damper from a stretched start; dampers follow half a step late."""
+    """A mass on a spring and damper from a stretched start; damper forces are half a step late."""
     mass, k, c, z0 = 2.0, 800.0, 4.0, 0.1
     ball = RigidBody("ball", mass, np.zeros(3), 0.01 * np.eye(3), {"eye": np.zeros(3)})
     spring = SpringDamper(
@@ -104,7 +104,7 @@ def _oscillator() -> Sequence[Comparison]:
 
 
 def _clamped_bar() -> Sequence[Comparison]:
-    """The first bending frequency of a modal part that a fixed joint clamps, 20 times as long as thick."""
+    """First bending frequency of a modal part clamped by a fixed joint, 20 times as long as thick."""
     E, rho, length, side = 2e11, 7850.0, 1.0, 0.05
     model = solid_model(block(length, side, side, 10, 1, 1, CellType.TETRA10), Isotropic(E, 0.0, rho))
     ends = [RigidInterface("root", "root"), RigidInterface("tip", "tip")]

@@ -1,4 +1,4 @@
-"""Flexible bodies in motion: spun up, under a load that travels, and shaken harmonically."""
+"""Flexible bodies in motion: spin-up, a travelling load, and a harmonic force."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _beam(length: float, n: int, section: BeamSection) -> FlexibleBody:
 
 
 def spun_up() -> Sequence[Comparison]:
-    """The beam of Simo and Vu-Quoc spun up to 6 rad/s in 15 s: it lags, and in the end is stretched.
+    """The beam of Simo and Vu-Quoc spun up to 6 rad/s in 15 s: largest lag and steady extension.
 
     extension = m w^2 L^3 / (3 E A)
     """
@@ -88,7 +88,7 @@ def spun_up() -> Sequence[Comparison]:
 
 
 def travelling_load() -> Sequence[Comparison]:
-    """A force of constant size crosses a simply supported beam in half of its lowest period.
+    """A constant force crosses a simply supported beam in half of its lowest period.
 
         w(L/2) = 2 P L^3 / (pi^4 E I) sum sin(n pi / 2) / (n^2 (n^2 - a^2)) (sin(n w t) - a/n sin(w_n t))
 
@@ -127,7 +127,7 @@ def travelling_load() -> Sequence[Comparison]:
 
 
 def harmonic_force() -> Sequence[Comparison]:
-    """A damped cantilever shaken at its tip below, at and above its first two resonances.
+    """A damped cantilever with a harmonic tip force below, at and above its first two resonances.
 
         w / P = (sin s cosh s - cos s sinh s) / (E I* s^3 / L^3 (1 + cos s cosh s)),  s^4 = w^2 m* L^4 / E I*
 

@@ -1,8 +1,8 @@
-"""The flying spaghetti: a free flexible beam, pushed and turned at one end, as an intrinsic line.
+"""The flying spaghetti: a free flexible beam, pushed and rotated at one end, as an intrinsic line.
 
 J. C. Simo and L. Vu-Quoc, "On the dynamics of flexible beams under large overall motions - the plane case",
-part II, J. Appl. Mech. 53 (1986) 855-863. Reference: their beam in quadratic elements of the plane, in an
-inertial frame and with a constant mass matrix, by DOP853 to 1e-7.
+part II, J. Appl. Mech. 53 (1986) 855-863. Reference: the same beam with quadratic planar elements in an
+inertial frame and a constant mass matrix, integrated by DOP853 to 1e-7.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ BEAM = PlanarBeam(
 )
 ROOT, TIP = np.array([6.0, 0.0, 0.0]), np.array([0.0, 8.0, 0.0])
 FORCE, TORQUE = 8.0, -80.0
-"""On the root, along x and about z."""
+"""Load at the root, along x and about z."""
 LOADED, DURATION = 2.5, 5.0
 N_SEGMENTS, STEP = 16, 0.0125
 
 
 def _reference() -> Array:
-    """Places (2, 2, 2) of root and tip in the plane, when the load ends and at the end."""
+    """Positions (2, 2, 2) of root and tip in the plane, at the end of the load and at the end of the run."""
     elements = BeamElements(BEAM, 6)
     N = elements.n_nodes
     unit = np.eye(3 * N).reshape(3 * N, N, 3)
@@ -65,7 +65,7 @@ def _reference() -> Array:
 
 
 def _line() -> IntrinsicBody:
-    """The beam in all its modes; a section of area 0.01 with the stiffnesses of the problem."""
+    """The beam in all its modes; a section of area 0.01 with the stiffness of the problem."""
     n = N_SEGMENTS
     points = ROOT + np.linspace(0, 1, n + 1)[:, None] * (TIP - ROOT)
     cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
@@ -91,7 +91,7 @@ def _flown() -> Sequence[Comparison]:
     weights = np.full(N_SEGMENTS + 1, 1 / N_SEGMENTS)
     weights[[0, -1]] /= 2
     centre = float(weights @ places[-1, :, 0])
-    # Constant acceleration F / m while loaded, then constant velocity.
+    # Constant acceleration F / m under the load, then constant velocity.
     gained = FORCE * LOADED / BEAM.length * (LOADED / 2 + DURATION - LOADED)
     source = "Simo and Vu-Quoc (1986), beam elements in the plane by DOP853"
     found = [

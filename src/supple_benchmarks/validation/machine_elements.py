@@ -1,6 +1,6 @@
-"""Elements of machines in closed form: friction, stops, servos, gears, screws, controllers.
+"""Elements of machines against closed forms: friction, stops, servos, gears, screws, controllers.
 
-All stand side by side in one machine, which is compiled and run once.
+All are side by side in one machine, which is compiled and run once.
 """
 
 from __future__ import annotations
@@ -46,12 +46,12 @@ Array = NDArray[np.float64]
 X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 GRAVITY = 9.81
 MASS, INERTIA = 2.0, 0.5
-"""Of every body, kg and kg m2 about any axis"""
+"""Of every body, kg and kg m2 about every axis"""
 
 SPEED, GRIP = 2.0, 0.3
-"""m/s at which the sledge starts, and its coefficient of friction"""
+"""Initial speed of the sledge, m/s, and its coefficient of friction"""
 BRAKE = 1.5
-"""N m, which stops a disc that turns at 2 rad/s"""
+"""N m, moment that stops a disc with 2 rad/s"""
 APPROACH, GAP, STIFFNESS, DISSIPATION = 1.0, 0.1, 8e3, 0.3
 SERVO, SERVO_DAMPING, TARGET = 200.0, 4.0, 0.4
 TORQUE, TEETH, PITCH = 3.0, (20, 50), 0.5
@@ -64,7 +64,7 @@ def _body(name: str) -> RigidBody:
 
 @cache
 def _workshop() -> dict[str, Array]:
-    """Angle, rate, slide and speed (t, 4) of each joint over a second, and the times."""
+    """Angle, rate, displacement and speed (t, 4) of each joint over one second, and the times."""
     along = np.array(X)
     placed: dict[str, Any] = {
         "sledge": {"velocity": SPEED * along},
@@ -134,7 +134,7 @@ def _workshop() -> dict[str, Array]:
 
 
 def sliding_friction() -> Sequence[Comparison]:
-    """A sledge slides until friction under its own weight has stopped it."""
+    """A sledge slides until friction stops it."""
     slide = _workshop()["sledge"][-1, 2]
     return (
         Comparison("way until it stands, m", slide, SPEED**2 / (2 * GRIP * GRAVITY), "v^2 / (2 mu g)", 1e-3),
@@ -142,7 +142,7 @@ def sliding_friction() -> Sequence[Comparison]:
 
 
 def brake() -> Sequence[Comparison]:
-    """A disc is stopped by a constant moment of friction."""
+    """A disc is stopped by a constant friction moment."""
     angle = _workshop()["disc"][-1, 0]
     return (
         Comparison(
@@ -178,7 +178,7 @@ def stop() -> Sequence[Comparison]:
 
 
 def servo() -> Sequence[Comparison]:
-    """A servo whose target jumps: a damped vibration about it."""
+    """A servo whose target jumps: damped vibration about the target."""
     read = _workshop()
     w, decay = np.sqrt(SERVO / INERTIA), SERVO_DAMPING / (2 * INERTIA)
     fast, t = np.sqrt(w**2 - decay**2), read["times"]
@@ -187,7 +187,7 @@ def servo() -> Sequence[Comparison]:
 
 
 def gear() -> Sequence[Comparison]:
-    """A torque on a pinion of 20 teeth that drives a wheel of 50."""
+    """A torque on a pinion with 20 teeth that drives a wheel with 50."""
     read = _workshop()
     ratio = TEETH[0] / TEETH[1]
     rate = TORQUE / (INERTIA * (1 + ratio**2))
@@ -204,7 +204,7 @@ def gear() -> Sequence[Comparison]:
 
 
 def screw() -> Sequence[Comparison]:
-    """A torque on a nut that its thread lifts against its weight."""
+    """A torque on a nut that rises on its thread against its weight."""
     read = _workshop()["nut"][-1]
     lead = PITCH / (2 * np.pi)
     rate = (TORQUE - lead * MASS * GRAVITY) / (INERTIA + lead**2 * MASS)
@@ -221,11 +221,11 @@ def screw() -> Sequence[Comparison]:
 
 
 def speed_control() -> Sequence[Comparison]:
-    """A motor that a proportional and integral controller brings up to its speed."""
+    """A motor with a proportional and integral controller of its speed."""
     read = _workshop()
     matrix = np.array([[-PROPORTIONAL / INERTIA, INTEGRAL / INERTIA], [-1.0, 0.0]])
     start = np.array([-WANTED, 0.0])
-    # Of (rate - wanted, integral of wanted - rate), without an input.
+    # State (rate - target, integral of target - rate), without input.
     exact = WANTED + np.array([(expm(matrix * t) @ start)[0] for t in read["times"]])
     return (
         largest_difference(

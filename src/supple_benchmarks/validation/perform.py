@@ -18,11 +18,11 @@ __all__ = ["perform", "run_cases"]
 
 
 def perform(quick: bool, json: Path | None, folder: Path) -> None:
-    """Compute the cases, the quick ones alone or all; the report is in the folder unless a file is named.
+    """Compute the quick cases or all; write the report to the folder unless a file is given.
 
-    Raises AccuracyError that names the cases outside of what they allow, and those that failed.
+    Raises AccuracyError that names the cases with errors above the allowed ones, and the failed cases.
     """
-    # Here, so that the functions above the topics can be used without loading these.
+    # Imported here, so that the commands load without the topics.
     from supple_benchmarks.validation.every_case import CASES
 
     cases = [case for case in CASES if case.quick or not quick]
@@ -31,14 +31,15 @@ def perform(quick: bool, json: Path | None, folder: Path) -> None:
     if rows := outside(report):
         named = "; ".join(f"{row['name']}: {row.get('failure') or row['quantity']}" for row in rows)
         raise AccuracyError(
-            f"{len(rows)} of {len(report['cases'])} rows are outside of what they allow: {named}"
+            f"{len(rows)} of {len(report['cases'])} rows exceed their allowed errors or failed: {named}"
         )
 
 
 def run_cases(cases: Iterable[ValidationCase], quick: bool, announce: Announce) -> Iterator[dict[str, Any]]:
-    """The report, ready for JSON, after every case; the keys of its rows are a contract.
+    """The report, ready for JSON, after every case; the keys of its rows must not change.
 
-    A case that raises becomes a row of its own, without numbers and with its `failure`; the others go on.
+    A case that raises an exception becomes a row without numbers, with its `failure`; the next cases
+    continue.
     """
     report: dict[str, Any] = {"quick": quick, "machine": describe_computer(), "cases": [], "seconds": {}}
     for case in cases:

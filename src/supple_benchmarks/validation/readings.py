@@ -1,4 +1,4 @@
-"""Validation of what is read, split and imported: sensors, parts of a body, masses of curved cells."""
+"""Validation of sensors, of splitting bodies, and of imported masses and curved cells."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ from supple_benchmarks.validation.validation_case import Comparison, ValidationC
 
 __all__ = ["CASES"]
 
-# Without lateral contraction a strip is a beam, its ends clamped across their whole width.
+# Without lateral contraction a strip is a beam, with ends clamped across their whole width.
 STEEL = Isotropic(2.1e11, 0.0, 7850.0)
 
 
 def stress_over_a_set() -> Sequence[Comparison]:
-    """A cantilever under its own weight; one node set across it at a quarter and at three quarters."""
+    """A cantilever under its own weight; the node set has nodes at a quarter and at three quarters."""
     length, height, gravity = 1.0, 0.01, 9.81
     model = shell_model(strip(length, 0.1, 24, 2), HomogeneousSection(STEEL, height))
     body = flexible_body("strip", model, (RigidInterface("root", "root"),))
@@ -80,7 +80,7 @@ def stress_over_a_set() -> Sequence[Comparison]:
 
 
 def accelerometer_on_a_shaken_base() -> Sequence[Comparison]:
-    """A mass on a spring on a table that shakes from rest."""
+    """A mass on a spring on a table that is shaken from rest."""
     mass, stiffness, size, rate = 2.0, 800.0, 3.0, 13.0
     block_ = RigidBody("block", mass, np.zeros(3), np.eye(3), {"eye": np.zeros(3)})
     spring = SpringDamper(
@@ -102,7 +102,7 @@ def accelerometer_on_a_shaken_base() -> Sequence[Comparison]:
 
 
 def split_strip() -> Sequence[Comparison]:
-    """Fifteen rows of cells in two and in four parts: no section of nodes lies at equal lengths."""
+    """Fifteen rows of cells in two and in four parts: no section of nodes is at equal lengths."""
     length, height = 1.0, 5e-3
     model = shell_model(strip(length, 0.05, 15, 2), HomogeneousSection(STEEL, height))
     speed = np.sqrt(STEEL.youngs_modulus * height**2 / 12 / STEEL.density)
@@ -121,7 +121,7 @@ def split_strip() -> Sequence[Comparison]:
 
 
 def curved_cells() -> Sequence[Comparison]:
-    """A cylinder with eight quadratic cells around, and a quarter of a ring of four."""
+    """A cylinder of eight quadratic cells around its axis, and a quarter of a ring of four."""
     radius, length = 0.5, 2.0
     bar = mesh_mass_properties(solid_model(cylinder(radius, length, 2, 1, 4, CellType.TETRA10), STEEL))
     mass = STEEL.density * np.pi * radius**2 * length
@@ -141,7 +141,7 @@ def curved_cells() -> Sequence[Comparison]:
 
 
 def singular_mass() -> Sequence[Comparison]:
-    """Ten-node tetrahedra whose mass is integrated with four points, as CalculiX does: singular."""
+    """Ten-node tetrahedra with a mass matrix integrated at four points, as in CalculiX: it is singular."""
     length = 1.0
     mesh = block(length, 0.1, 0.1, 4, 1, 1, CellType.TETRA10)
     cells = mesh.cells[CellType.TETRA10]
@@ -162,7 +162,7 @@ def singular_mass() -> Sequence[Comparison]:
 
 
 def _quarter_of_a_ring(inner: float, outer: float, height: float) -> Mesh:
-    """Four cells around, about the z axis."""
+    """Four cells around the z axis."""
     straight = block(outer - inner, 1.0, height, 2, 4, 1, CellType.TETRA10)
     x, y, z = (straight.nodes - straight.nodes.min(axis=0)).T
     angle = 0.5 * np.pi * y

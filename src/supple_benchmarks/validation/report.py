@@ -15,12 +15,12 @@ HEADS = ["case", "quantity", "value", "reference", "error", "allowed"]
 
 
 def outside(report: Mapping[str, Any]) -> list[Row]:
-    """The rows whose error is more than allowed, no number, or missing because the case failed."""
+    """The rows whose error exceeds the allowed one, is not a number, or is missing (failed case)."""
     return [row for row in report["cases"] if not _holds(row)]
 
 
 def tables(report: Mapping[str, Any]) -> list[Table]:
-    """One table of all rows, what is outside marked; one of the cases that failed, if any did."""
+    """One table of all rows, with failed limits marked; one of the failed cases, if any."""
     rows: list[list[str]] = []
     name = None
     for row in report["cases"]:
@@ -36,7 +36,7 @@ def tables(report: Mapping[str, Any]) -> list[Table]:
 
 
 def markdown_table(rows: Iterable[Row]) -> str:
-    """The rows of a report as a Markdown table, their sources last."""
+    """The rows of a report as a Markdown table, with their sources in the last column."""
     heads = [*HEADS, "source of the reference"]
     lines = [heads, ["---", "---", *4 * ["---:"], "---"]]
     lines += [[*_cells(row), row["source"]] for row in rows]
@@ -44,7 +44,7 @@ def markdown_table(rows: Iterable[Row]) -> str:
 
 
 def with_table(page: str, rows: Iterable[Row]) -> str:
-    """The text of a page, the table of the rows in the place that is marked for it."""
+    """The text of a page with the table of the rows between its markers."""
     before, _, rest = page.partition(BEGIN)
     _, _, after = rest.partition(END)
     return f"{before}{BEGIN}\n{markdown_table(rows)}{END}{after}"

@@ -1,4 +1,4 @@
-"""Machines at rest and in steady rotation, their modes and errors, against closed forms."""
+"""Machines at rest and in steady rotation: their modes and error estimates, against closed forms."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ ELONGATION = "rho w^2 L^3 / (3 E), elongation of a bar that spins about its end"
 
 
 def spinning_bar() -> Sequence[Comparison]:
-    """Six bending and attachment modes at the root contain no extension: the estimated error is its size."""
+    """Six bending and attachment modes contain no extension: the estimated error equals the extension."""
     bar = _bar()
     full = FullBody(bar, ROOT)
     start = ReductionStart(SelfCorrection(relative=1e-3), derivatives=NoDerivatives())
@@ -52,7 +52,7 @@ def spinning_bar() -> Sequence[Comparison]:
 
 
 def cantilever_under_its_weight() -> Sequence[Comparison]:
-    """A strip under its own weight, small deflection; two vibrations to begin with."""
+    """A strip under its own weight, small deflection; the start basis has two modes."""
     body, gravity = _strip(), 0.01
     system = System((FullBody(body, ROOT),), (_hub(),), gravity=np.array([0.0, 0.0, -gravity]))
     found, _ = correct_at_rest(system, SelfCorrection(relative=1e-4))
@@ -74,7 +74,7 @@ def cantilever_under_its_weight() -> Sequence[Comparison]:
 
 
 def frequencies_of_a_spinning_beam() -> Sequence[Comparison]:
-    """Out of the plane at six times the unit speed, reduced in size until the modes keep to their error."""
+    """Out-of-plane bending at six times the unit speed, reduced until the frequencies are accurate."""
     body = _strip()
     small = reduce(body, ROOT, CraigBampton(6))
     modes = machine_modes(linearize(_on_hub(small), spin=_spin(), fulls=[FullBody(body, ROOT)]), 3)
@@ -119,7 +119,7 @@ def _spin() -> Spin:
 
 
 def _end(body: FlexibleBody, field: np.ndarray) -> np.ndarray:
-    """Mean over the nodes at the end."""
+    """Mean over the nodes at the end of the body."""
     return field[np.isclose(body.nodes[:, 0], LENGTH)].mean(axis=0)
 
 

@@ -1,4 +1,4 @@
-"""Mechanisms of rigid bodies: closed forms and the published reference solutions of benchmark libraries."""
+"""Mechanisms of rigid bodies: closed forms and published reference solutions of benchmark libraries."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ LIBRARY = "M. Gonzalez et al., Multibody Syst. Dyn. 16 (2006) 179-190, problem"
 def _plane_body(
     name: str, mass: float, inertia: float, centre: ArrayLike, points: Mapping[str, ArrayLike]
 ) -> RigidBody:
-    """A body of the x-y plane; its other moments of inertia do not matter."""
+    """A body in the x-y plane; its other moments of inertia have no effect."""
     three = {key: np.array([*np.asarray(place, dtype=float), 0.0]) for key, place in points.items()}
     tensor = inertia * np.diag([0.6, 0.6, 1.0])
     return RigidBody(name, mass, np.array([*np.asarray(centre, dtype=float), 0.0]), tensor, three)
@@ -61,7 +61,7 @@ def _hinge(first: At, second: At, name: str) -> Revolute:
 
 
 def _simulated(system: System, run: Run) -> Solution:
-    """The motion of a plane loop of hinges, whose redundant equations supple leaves out."""
+    """The motion of a planar loop of hinges, whose redundant equations are left out."""
     with warnings.catch_warnings(action="ignore", category=RedundantConstraintWarning):
         return simulate(system, run)
 
@@ -145,9 +145,9 @@ def double_pendulum() -> Sequence[Comparison]:
 
 
 def n_four_bar() -> Sequence[Comparison]:
-    """Two windows of rods of 1 m and 1 kg that stand upright, pushed to 1 m/s; at 90 degrees they may fold.
+    """Two windows of upright rods of 1 m and 1 kg, pushed to 1 m/s; they could fold at 90 degrees.
 
-    While they do not fold they are one pendulum: (N + 1)/3 + N masses turn, (N + 1)/2 + N are lifted.
+    Unfolded, the mechanism is one pendulum: (N + 1)/3 + N masses rotate, (N + 1)/2 + N masses are lifted.
     """
     windows, g, duration = 2, 9.81, 3.0
     turned, lifted = (windows + 1) / 3 + windows, (windows + 1) / 2 + windows
@@ -187,9 +187,9 @@ def n_four_bar() -> Sequence[Comparison]:
 
 
 def squeezer() -> Sequence[Comparison]:
-    """Seven bodies of a squeezing mechanism, driven by a constant moment from rest for 0.03 s.
+    """Seven bodies of a squeezing mechanism, driven from rest by a constant moment for 0.03 s.
 
-    Each body's frame stands on a joint; names K1 .. K7 and lengths are those of the source.
+    Each body's frame is at a joint; names K1 .. K7 and lengths are those of the source.
     """
     A, B, C = np.array([-0.06934, -0.00227]), np.array([-0.03635, 0.03273]), (0.014, 0.072, 0.0)
     beta, Theta, gamma = -0.0617138900142764, 0.0, 0.455279819163070
@@ -263,11 +263,11 @@ def squeezer() -> Sequence[Comparison]:
 
 
 class _BricardMotion:
-    """Bricard's cube of six rods of length 1 as a function of one angle, from its closure alone.
+    """Bricard's cube of six rods of length 1 as a function of one angle, from its closure condition.
 
     The exterior angles at the joints are p, q, p, q, p, q with (1 + cos p)(1 + cos q) = 1: a closed curve
-    about p = q = 0, of which `psi` is the polar angle. The chain of rods is a product of rotations about its
-    axes in the cube, where p = q = 90 degrees.
+    about p = q = 0 with polar angle `psi`. The chain of rods is a product of rotations about its axes in the
+    cube, where p = q = 90 degrees.
     """
 
     corners = np.array([[0, 0, 0], [1, 0, 0], [1, -1, 0], [1, -1, 1], [0, -1, 1], [0, 0, 1]], dtype=float)
@@ -277,7 +277,7 @@ class _BricardMotion:
 
     @staticmethod
     def angles(psi: float) -> Array:
-        """P and q."""
+        """The angles p and q."""
         c, s = np.cos(psi), np.sin(psi)
         size = brentq(
             lambda r: (1 + np.cos(r * c)) * (1 + np.cos(r * s)) - 1, 0.5, np.pi / max(abs(c), abs(s))
@@ -285,7 +285,7 @@ class _BricardMotion:
         return float(size) * np.array([c, s])
 
     def poses(self, psi: float) -> tuple[Array, Array]:
-        """Rotations (5, 3, 3) of the rods from the cube, and the corners (5, 3) from which they go."""
+        """Rotations (5, 3, 3) of the rods relative to the cube, and the corners (5, 3) where they start."""
         turn, place, rotations, places = np.eye(3), np.zeros(3), [], []
         for k, angle in enumerate(np.resize(self.angles(psi), 5)):
             places.append(turn @ self.corners[k] + place)
@@ -295,7 +295,7 @@ class _BricardMotion:
         return np.array(rotations), np.array(places)
 
     def swung(self, tensors: Array, g: float, times: Array) -> Array:
-        """Angle psi over time, released at the start: psi'' = -(m' psi'^2 / 2 + V') / m, for rods of 1 kg."""
+        """Angle psi over time, released at rest: psi'' = -(m' psi'^2 / 2 + V') / m, for rods of 1 kg."""
         psi = np.linspace(0, 2 * np.pi, 801)
         poses = [self.poses(each) for each in psi[:-1]]
         rotations, places = (np.array(part + part[:1]) for part in zip(*poses, strict=True))
@@ -319,7 +319,7 @@ class _BricardMotion:
 
 
 def bricard() -> Sequence[Comparison]:
-    """Bricard's mechanism: a closed chain of six hinges that moves although its equations are too many."""
+    """Bricard's mechanism: a closed chain of six hinges with one degree of freedom, overconstrained."""
     cube, g, thickness = _BricardMotion(), 9.81, 0.1
     bodies, tensors = [], []
     for k in range(5):
@@ -344,7 +344,7 @@ def bricard() -> Sequence[Comparison]:
 
 
 def slider_crank() -> Sequence[Comparison]:
-    """A slider-crank driven at constant speed, by kinematics alone: stroke and moment of the motor.
+    """A slider-crank driven at constant speed, kinematic analysis: stroke and moment of the motor.
 
     x = r cos a + sqrt(l^2 - r^2 sin^2 a),     moment = d/da (kinetic energy)
     """
@@ -402,7 +402,7 @@ def slider_crank() -> Sequence[Comparison]:
 
 
 def universal_joint() -> Sequence[Comparison]:
-    """Two shafts joined by a cross at 35 degrees: the driven one's speed goes up and down twice a turn.
+    """Two shafts with a universal joint at 35 degrees: the driven speed varies twice per revolution.
 
     w_2 / w_1 = cos b / (1 - sin^2 b cos^2 a)
     """

@@ -1,4 +1,4 @@
-"""Rigid bodies that turn in space without a bearing, or about one point."""
+"""Rigid bodies that rotate freely in space or about one fixed point."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 
 def intermediate_axis() -> Sequence[Comparison]:
-    """A body spun about its intermediate axis turns over, again and again (Dzhanibekov's wing nut).
+    """A free body rotating about its intermediate axis turns over periodically (Dzhanibekov's wing nut).
 
     With I1 < I2 < I3, energy E and angular momentum M, M^2 > 2 E I2, the angular velocities are Jacobi's cn,
     sn and dn of n t + K, n^2 = (I3 - I2)(M^2 - 2 E I1) / (I1 I2 I3).
@@ -53,7 +53,7 @@ def intermediate_axis() -> Sequence[Comparison]:
 
 
 def heavy_top() -> Sequence[Comparison]:
-    """A fast top on a ball joint under gravity, the test problem of Lie group integrators.
+    """A fast top on a ball joint under gravity, a test problem of Lie group integrators.
 
     J w' + w x J w = m X x R^T g,     R' = R w~,     J about the fixed point
     """

@@ -1,6 +1,6 @@
-"""Rotors whose nodes have rotary inertia: whirl in space against closed forms and other codes.
+"""Rotors with rotary inertia at their nodes: whirl frequencies against closed forms and other codes.
 
-Seen in axes that turn with the rotor at the rate W, forward whirl at w in space has the frequency |w - W|,
+In axes that rotate with the rotor at rate W, forward whirl with w in space has the frequency |w - W|,
 and backward whirl w + W.
 """
 
@@ -49,7 +49,7 @@ AXIS = (1.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class Disc:
-    """A rigid disc on a shaft: place along it, m; mass, kg; polar and transverse inertia, kg m^2."""
+    """A rigid disc on a shaft: position along it, m; mass, kg; polar and transverse inertia, kg m^2."""
 
     place: float
     mass: float
@@ -59,7 +59,7 @@ class Disc:
 
 @dataclass(frozen=True)
 class RoundShaft:
-    """A piece of a round shaft: where it begins and ends along x, and its radius, m."""
+    """A piece of a round shaft: start and end along x, and radius, m."""
 
     start: float
     end: float
@@ -68,7 +68,7 @@ class RoundShaft:
 
 @dataclass(frozen=True)
 class Rotor:
-    """Pieces of a shaft, one behind the other, of one material, with discs."""
+    """Successive pieces of a shaft of one material, with discs."""
 
     material: Isotropic
     pieces: tuple[RoundShaft, ...]
@@ -77,16 +77,16 @@ class Rotor:
 
 
 def disc(place: float, width: float, inner: float, outer: float, density: float) -> Disc:
-    """A disc of a width between two radii."""
+    """A disc with a width and an inner and outer radius."""
     mass = density * np.pi * (outer**2 - inner**2) * width
     polar = mass / 2 * (inner**2 + outer**2)
     return Disc(place, mass, polar, polar / 2 + mass * width**2 / 12)
 
 
 def rotor_body(rotor: Rotor, longest: float, interfaces: dict[str, float]) -> FlexibleBody:
-    """Beam elements no longer than given, with the discs' inertia at their nodes.
+    """Beam elements no longer than `longest`, with the discs' inertia at their nodes.
 
-    interfaces : their places along the shaft
+    interfaces : their positions along the shaft
     """
     marks = sorted(
         {0.0, *(p.end for p in rotor.pieces), *(d.place for d in rotor.discs), *interfaces.values()}
@@ -126,7 +126,7 @@ def rotor_body(rotor: Rotor, longest: float, interfaces: dict[str, float]) -> Fl
 def disc_on_massless_shaft(
     stiffness: float = 5000.0, polar: float = 2.0, transverse: float = 1.1
 ) -> FlexibleBody:
-    """A disc that tilts on springs against a hub."""
+    """A disc that tilts on springs relative to a hub."""
     springs = np.diag([1e8, 1e8, 1e8, 1e8, stiffness, stiffness])
     mass = np.diag([10.0, 10.0, 10.0, 3.0, 2.0, 2.0, 10.0, 10.0, 10.0, polar, transverse, transverse])
     return superelement(
@@ -142,9 +142,9 @@ def disc_on_massless_shaft(
 def turning_frequencies(
     body: FlexibleBody, frame: Frame, rate: float, held: dict[str, float | None], *, full: bool = False
 ) -> Array:
-    """Frequencies of a rotor in axes that turn along, rad/s.
+    """Frequencies of a rotor in axes that rotate with it, rad/s.
 
-    held : interfaces in a hinge along the axis (None), or in a bearing of that stiffness across it
+    held : interfaces with a hinge along the axis (None), or with a bearing of that transverse stiffness
     """
     form = (
         FullBody(body, frame) if full else reduce(body, frame, CompleteBasis(), derivatives=NoDerivatives())
@@ -164,21 +164,21 @@ def turning_frequencies(
 
 
 def whirls(found: Array, expected: ArrayLike, rate: float) -> list[float]:
-    """Whirls in space, positive forward, of the found frequencies that are nearest to expected ones."""
+    """Whirl frequencies in space, positive forward, of the frequencies nearest to the expected ones."""
     seen = np.asarray(expected, dtype=np.float64) - rate
     nearest = found[np.argmin(abs(found[:, None] - abs(seen)), axis=0)]
     return (rate + np.copysign(nearest, seen)).tolist()
 
 
 def in_fixed_axes(body: FlexibleBody, frame: Frame, rate: float) -> tuple[Array, Array, Array]:
-    """M, C and K (n, n) of a free, round rotor that spins, in axes that stand in space.
+    """M, C and K (n, n) of a free, round, rotating rotor in axes fixed in space.
 
-    In turning axes the nodes move by p = R(t)^T s: p' = R^T (s' - W X s), and so on.
+    In rotating axes the nodes move by p = R(t)^T s: p' = R^T (s' - W X s), and so on.
     """
     reduced = reduce(body, frame, CompleteBasis(), derivatives=NoDerivatives())
     machine = linearize(System((Placed(reduced),)), spin=Spin(rate, np.array(AXIS)))
     if isinstance(machine, SparseMachine):
-        raise TypeError("a reduced rotor has dense matrices")
+        raise TypeError("a reduced rotor has dense matrices: give a rotor with all its coordinates")
     shapes, *_ = np.linalg.lstsq(body.expansion.toarray(), reduced.nodal_basis, rcond=None)
     inverse = np.linalg.inv(np.hstack([body.rigid_modes, shapes]) @ machine.basis)
     mass, damping, stiffness = (
@@ -189,13 +189,14 @@ def in_fixed_axes(body: FlexibleBody, frame: Frame, rate: float) -> tuple[Array,
 
 
 def whirl_of_timoshenko_shaft(rotor: Rotor, rate: float, near: ArrayLike) -> Array:
-    """Whirl in space, positive forward, of a clamped and free shaft: roots of its exact transfer matrix.
+    """Whirl in space, positive forward, of a clamped-free shaft: roots of its exact transfer matrix.
 
         u' = phi + Q / kGA,   phi' = M / EI,   M' = - Q - rho I (w^2 - 2 W w) phi,   Q' = - rho A w^2 u
 
-    u and phi complex in the plane across the shaft, in uniform whirl exp(i w t). Discs are jumps of M and Q.
+    u and phi are complex in the plane across the shaft, in uniform whirl exp(i w t). Discs are jumps of M and
+    Q.
 
-    near : pairs of bounds, each of one root
+    near : pairs of bounds, each containing one root
     Source: H. D. Nelson, A finite rotating shaft element using Timoshenko beam theory, J. Mech. Des. 102
     (1980) 793-803, eqs. (1)-(10).
     """
@@ -253,11 +254,11 @@ def _whirl(w: float) -> str:
 
 STEEL = Isotropic(2.1e11, 0.3, 7850.0)
 OVERHUNG = Rotor(STEEL, (RoundShaft(0.0, 0.5, 0.02), RoundShaft(0.5, 0.53, 0.15)), 0.9)
-"""A shaft of 40 mm, clamped, with a disc of 300 mm at its end, 30 mm wide: a thick piece of shaft."""
+"""A clamped shaft of 40 mm with a disc of 300 mm at its end, 30 mm wide, as a thick piece of shaft."""
 
 
 def _disc_of_beam_elements() -> list[Comparison]:
-    """The clamped shaft whose disc is of beam elements, at 600 rad/s."""
+    """The clamped shaft with a disc of beam elements, at 600 rad/s."""
     rate, bounds = 600.0, [(-400.0, -50.0), (50.0, 900.0)]
     expected = whirl_of_timoshenko_shaft(OVERHUNG, rate, bounds)
     body = rotor_body(OVERHUNG, 0.05, {"hub": 0.0})
@@ -313,14 +314,14 @@ def lalanne_rotor() -> Rotor:
 
 
 def lalanne_frequencies(frame: Frame) -> Array:
-    """Frequencies at 25 000 rpm on its unlike bearings, Hz."""
+    """Frequencies at 25 000 rpm on its orthotropic bearings, Hz."""
     body = rotor_body(lalanne_rotor(), 0.05, {"left": 0.0, "right": 1.3})
     mass, damping, stiffness = in_fixed_axes(body, frame, 25_000 * np.pi / 30)
     for motion in (interface.motion.toarray() for interface in body.interfaces):
         across = motion[1:3]
         stiffness = stiffness + across.T @ np.diag([5e7, 7e7]) @ across
         damping = damping + across.T @ np.diag([5e2, 7e2]) @ across
-    # Bending alone: along the shaft, and about it, the rotor is free.
+    # Bending only: axial motion and rotation of the rotor are free.
     bending = np.flatnonzero(np.arange(body.n) % 3)
     mass, damping, stiffness = (part[np.ix_(bending, bending)] for part in (mass, damping, stiffness))
     inverse = np.linalg.inv(mass)

@@ -33,7 +33,7 @@ ALUMINIUM = Isotropic(7e10, 0.3, 2700.0)
 
 
 def _moved(model: FiniteElementModel, free: NDArray[np.bool_], load: Array) -> Array:
-    """Nodal displacements (N, d) under nodal loads (N, d), small ones."""
+    """Nodal displacements (N, d) under small nodal loads (N, d)."""
     rows = np.flatnonzero(free.ravel())
     u = np.zeros(free.size)
     u[rows] = factorize_symmetric(csc_array(model.stiffness[rows][:, rows])).solve(load.ravel()[rows])
@@ -41,7 +41,7 @@ def _moved(model: FiniteElementModel, free: NDArray[np.bool_], load: Array) -> A
 
 
 def sandwich_plate() -> Sequence[Comparison]:
-    """Three frequencies of a supported sandwich plate, which its core halves."""
+    """Three frequencies of a simply supported sandwich plate, halved by shear of its core."""
     sides, face, core, core_shear, core_density = np.array([0.6, 0.4]), 0.5e-3, 0.02, 10e6, 60.0
     h = core + face
     A = 2 * face * ALUMINIUM.plane_stress
@@ -80,7 +80,7 @@ def _cantilever(section: BeamSection | CoupledBeamSection, length: float, load: 
 
 
 def coupled_beam() -> Sequence[Comparison]:
-    """A beam whose plies couple bending and twist: one element under a force across its tip."""
+    """A laminated beam with bending-twist coupling: one element under a transverse tip force."""
     length, force = 2.0, 50.0
     stiffness = np.diag([4e7, 6e6, 3e6, 4e4, 3e4, 2e5])
     stiffness[3, 4] = stiffness[4, 3] = 1.5e4
@@ -97,7 +97,7 @@ def coupled_beam() -> Sequence[Comparison]:
 
 
 def tapered_beam() -> Sequence[Comparison]:
-    """A blade spring whose width falls to a half along it: one element under a force across its tip."""
+    """A blade spring whose width decreases to a half along it: one element under a transverse tip force."""
     length, width, height, force = 0.5, 0.04, 0.005, 10.0
 
     def of(b: float) -> BeamSection:
@@ -111,7 +111,7 @@ def tapered_beam() -> Sequence[Comparison]:
 
 
 def wedges_and_pyramids() -> Sequence[Comparison]:
-    """A cantilever of quadratic wedges, and one of pyramids, under a force across its tip."""
+    """A cantilever of quadratic wedges, and one of pyramids, under a transverse tip force."""
     length, width, height, E, force = 5.0, 0.5, 1.0, 1e6, 1.0
     bending, shear = 3 * E * width * height**3 / 12, E / 2 * width * height / 1.2
     exact = force * length**3 / bending + force * length / shear
@@ -138,7 +138,7 @@ def wedges_and_pyramids() -> Sequence[Comparison]:
 
 
 def fibres_across_a_bar() -> Sequence[Comparison]:
-    """A bar of fibres at 30 degrees to its axis, stretched: the modulus along it."""
+    """A bar with fibres at 30 degrees to its axis, stretched: the modulus along the axis."""
     E1, E2, nu, G, angle = 130e9, 9e9, 0.3, 5e9, np.radians(30)
     compliance = np.diag([1 / E1, 1 / E2, 1 / E2, 1 / 3e9, 1 / G, 1 / G])
     compliance[0, 1:3] = compliance[1:3, 0] = -nu / E1
@@ -149,7 +149,7 @@ def fibres_across_a_bar() -> Sequence[Comparison]:
     axes = np.tile([[c, -s, 0], [s, c, 0], [0, 0, 1]], (n, 1, 1))
     fibres = Anisotropic(np.linalg.inv(compliance), 1600.0)
     model = finite_element_model(mesh, (Section(CellType.HEXA20, np.arange(n), fibres, directions=axes),))
-    # A uniform stress 1 on both ends: forces on their nodes are those of the uniform strain.
+    # A uniform stress 1 on both ends: nodal forces of the uniform strain.
     i, j = np.array([(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]).T
     R = axes[0]
     local = R.T @ np.diag([1.0, 0, 0]) @ R
@@ -157,7 +157,7 @@ def fibres_across_a_bar() -> Sequence[Comparison]:
     strain[i, j] = strain[j, i] = (compliance @ local[i, j]) * np.where(i == j, 1.0, 0.5)
     load = (model.stiffness @ (mesh.nodes @ (R @ strain @ R.T)).ravel()).reshape(-1, 3)
     free = np.ones((mesh.n_nodes, 3), dtype=bool)
-    # Six supports at three corners, which leave every uniform strain free.
+    # Six supports at three corners, which allow every uniform strain.
     for place, freedoms in (((0, -0.15, -0.1), [0, 1, 2]), ((0, 0.15, -0.1), [0, 2]), ((0, -0.15, 0.1), [0])):
         corner = np.flatnonzero(np.isclose(mesh.nodes, place).all(axis=1))[0]
         free[corner, freedoms] = False

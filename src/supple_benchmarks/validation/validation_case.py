@@ -15,8 +15,9 @@ __all__ = ["Comparison", "ValidationCase", "largest_difference"]
 class Comparison:
     """One number and its reference: error = |value - reference| / scale, at most `allowed`.
 
-    `scale` is |reference| unless given; a reference of zero needs one, in the unit of the value. `source`
-    names where the reference is from: a closed form, a paper and its table, another code and its version.
+    `scale` is |reference| by default; with a zero reference it must be given, in the unit of the value.
+    `source` is the origin of the reference: a closed form, a paper and its table, another code and its
+    version.
     """
 
     quantity: str
@@ -33,7 +34,7 @@ class Comparison:
 
     @property
     def holds(self) -> bool:
-        """Whether the error is at most what is allowed; never of a value that is not a number."""
+        """Whether the error is at most the allowed one; False for a value that is not a number."""
         return self.error <= self.allowed
 
 
@@ -46,9 +47,9 @@ def largest_difference(
     *,
     scale: float | None = None,
 ) -> Comparison:
-    """The largest difference of two histories (t,) or (t, 3), compared with zero.
+    """Comparison of two histories (t,) or (t, 3): their largest difference, with reference zero.
 
-    scale : of the quantity; unless given, the largest of the exact one
+    scale : of the quantity; default: the largest value of the exact history
     """
     size = np.atleast_1d(np.asarray(exact, dtype=float))
     apart = np.asarray(found) - size

@@ -1,4 +1,4 @@
-"""Frequencies of beams, plates and solids: at rest, turning, and under loads that soften or overturn them."""
+"""Frequencies of beams, plates and solids: at rest, rotating, and under compressive loads."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ __all__ = ["CASES"]
 Array = NDArray[np.float64]
 
 BENDING_ROOTS = (1.8751040687, 4.6940911330, 7.8547574382)
-"""b L of a cantilever: cos(b L) cosh(b L) = -1"""
+"""b L of a cantilever: roots of cos(b L) cosh(b L) = -1"""
 RAYLEIGH = "Euler-Bernoulli beam: Lord Rayleigh, Theory of Sound, chapter VIII"
 
 
 def _frequencies(system: System, n_modes: int, spin: Spin | None = None) -> Array:
-    """Angular frequencies about the machine's rest."""
+    """Angular frequencies about the machine's equilibrium."""
     return machine_modes(linearize(system, spin=spin), n_modes).frequencies
 
 
@@ -40,7 +40,7 @@ def _clamped(body: FlexibleBody, *loads: Load) -> System:
 
 
 def _beam(n: int = 64, *, y: float = 0.03, z: float = 0.01) -> FlexibleBody:
-    """A slender beam of 1 m that a load bends along its z first."""
+    """A slender beam of 1 m; its soft bending direction is z."""
     nodes = np.linspace(0, 1, n + 1)[:, None] * np.eye(3)[0]
     model = shell_model(line_mesh(nodes), rectangle(STEEL, y, z, _torsion(y, z), orientation=(0, 1, 0)))
     return flexible_body("beam", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
@@ -55,7 +55,7 @@ WAVE = np.sqrt(STEEL.youngs_modulus / STEEL.density)
 
 
 def cantilever() -> Sequence[Comparison]:
-    """Bending in both planes, torsion and stretching of a beam of line elements."""
+    """Bending in both planes, torsion and extension of a beam of line elements."""
     y, z = 0.03, 0.01
     found = _frequencies(_clamped(_beam()), 24)
     weak, strong = (WAVE * size / np.sqrt(12) * np.array(BENDING_ROOTS) ** 2 for size in (z, y))
@@ -95,7 +95,7 @@ ALUMINIUM = Isotropic(7e10, 0.3, 2700.0)
 
 
 def plates() -> Sequence[Comparison]:
-    """A thin square plate of shells, clamped all around, clamped along one edge, and free."""
+    """A thin square plate of shells: clamped along all edges, clamped along one edge, and free."""
     side, thickness, n = 1.0, 0.005, 12
     bending = ALUMINIUM.youngs_modulus * thickness**3 / 12 / (1 - 0.3**2)
     unit = np.sqrt(bending / (ALUMINIUM.density * thickness)) / side**2
@@ -116,7 +116,7 @@ def plates() -> Sequence[Comparison]:
 
 
 def spinning_beam() -> Sequence[Comparison]:
-    """A slender cantilever that turns about its root at 6 times sqrt(E I / m L^4), full and reduced."""
+    """A slender cantilever that rotates about its root at 6 times sqrt(E I / m L^4), full and reduced."""
     y = z = 0.01
     unit = WAVE * z / np.sqrt(12)
     body = _beam(y=y, z=z)
@@ -150,7 +150,7 @@ def pressed_beam() -> Sequence[Comparison]:
     unit = WAVE * z / np.sqrt(12)
 
     def determinant(w: float) -> float:
-        """Of u'''' + p u'' - w^2 u = 0: clamped; at the tip u'' = 0 and u''' + p u' = 0."""
+        """Boundary determinant of u'''' + p u'' - w^2 u = 0: clamped; u'' = u''' + p u' = 0 at the tip."""
         p = load / bending
         a, b = (np.sqrt(np.sqrt(p**2 / 4 + w**2) + sign * p / 2) for sign in (1, -1))
         moments = b**2 * np.cosh(b) + a**2 * np.cos(a), b**2 * np.sinh(b) + a * b * np.sin(a)
@@ -170,10 +170,10 @@ def pressed_beam() -> Sequence[Comparison]:
 
 
 def beck() -> Sequence[Comparison]:
-    """Beck's column: a compressive force that stays along its tip makes it flutter.
+    """Beck's column: flutter under a compressive follower force at the tip.
 
-    The two lowest squared frequencies meet; the square of their difference is smooth in the force and passes
-    through zero there.
+    At the critical force the two lowest squared frequencies coincide. The square of their difference is a
+    smooth function of the force and passes through zero there.
     """
     y, z = 0.1, 0.01
     body = reduce(

@@ -1,4 +1,4 @@
-"""The error equation: what the basis of a reduced run costs, from the run's own residual."""
+"""The error equation: error of a reduced run caused by its bases, from the run's own residual."""
 
 from supple.error.equation.assessed_body import *
 from supple.error.equation.error_history import *

@@ -1,4 +1,4 @@
-"""What is known of a body whose run is assessed: its columns, its start, and its missing motion at rest."""
+"""Body of an assessed run: its columns, its start error, and its missing motion at rest."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class AssessedBody:
-    """A body of a run: all its coordinates, the columns that the run moves in, and those of its error.
+    """A body of an assessed run: all its coordinates, and the columns of its motion and of its error.
 
-    polynomial : of its elasticity in few columns; None: from instants of the run
+    polynomial : of its elasticity in few columns; None: elasticity from sample times of the run
     """
 
     full: FullBody
@@ -37,18 +37,18 @@ class AssessedBody:
 
     @property
     def retardation_time(self) -> float:
-        """Of the damping by strain rate; 0 without one."""
+        """Retardation time of the strain-rate damping; 0 without such damping."""
         return 0.0 if self.damping is None else self.damping.retardation_time
 
     @cached_property
     def columns(self) -> ReducedBody:
-        """The body in the columns of its error."""
+        """The body in the columns of its error, as a reduced body."""
         steps = len(self.motion.coordinates) - 1
         return body_of_columns(self.full.body, self.full.frame, self.space.vectors, self.damping, steps)
 
     @cached_property
     def squares(self) -> NodalSquares:
-        """Mean squares over its nodes of an error in these columns."""
+        """Mean squares over the nodes of an error in these columns."""
 
         def at_nodes(columns: Array) -> Array:
             return np.moveaxis(self.full.expand(columns.T), 0, 2)
@@ -56,7 +56,7 @@ class AssessedBody:
         return nodal_squares(self.full.nodes, at_nodes(self.motion.vectors), at_nodes(self.space.vectors))
 
     def along(self, motion: RunColumns) -> AssessedBody:
-        """The same for another run in the same columns."""
+        """The same body in another run with the same columns."""
         other = replace(self, motion=motion)
         for name in ("columns", "squares"):
             object.__setattr__(other, name, getattr(self, name))
@@ -71,7 +71,7 @@ class MissedAtRest(NamedTuple):
 
 
 class StartError(NamedTuple):
-    """True start less the run's of one body: positions and velocities `(dR, psi, q)`, (6 + n,) each."""
+    """True start less the run's start of one body: positions and velocities `(dR, psi, q)`, (6 + n,) each."""
 
     position: Array
     velocity: Array

@@ -1,4 +1,4 @@
-"""Elasticity along a run, seen by the columns of its error: exact forces, tangents from a few instants."""
+"""Elasticity along a run in the columns of its error: exact forces, and tangents from a few sample times."""
 
 from __future__ import annotations
 
@@ -35,24 +35,24 @@ __all__ = [
 Array = NDArray[np.float64]
 
 SMALLEST_MONOMIAL = 1e-6
-"""Of the largest change of the monomials along the run: what instants need not show. Of strips that bend far,
-ten times as much changes estimates by 0.2 %; with a thousand times as much, what is missed of a membrane's
-stiffness locks their bending."""
+"""Ratio to the largest change of the monomials below which a remainder is neglected. For strips with large
+bending, a limit ten times as large changes estimates by 0.2 %; with one a thousand times as large, the
+neglected part of a membrane's stiffness locks their bending."""
 SMALLEST_RATE = 3e-3
-"""The same of what strain rates add: of damping, which is a few hundredths of stiffness; ten times as much
-changes estimates by less than 0.1 %."""
+"""The same for the strain-rate part of damping, which is a few per cent of stiffness; a limit ten times as
+large changes estimates by less than 0.1 %."""
 MOST_SAMPLES = 120
 AT_ONCE = 4
-"""Instants whose matrices show whether those before already give them."""
+"""Number of further sample times in each test whether the matrices so far are sufficient."""
 PROVEN = 3e-4
-"""Of the stiffness at rest, in any direction: what matrices from the instants before may miss of the next;
-the error of a run changes by as much in its energy."""
+"""Allowed error of tangents combined from earlier ones, over the stiffness at rest, in any direction; it
+changes the estimated error of a run by the same ratio, in energy."""
 FACTOR_ROWS = 256
 
 
 @dataclass(frozen=True, eq=False)
 class ForcePolynomial:
-    """`Z^T (f(X g) - K X g)`: what the internal force of a motion in columns X gains, seen by columns Z.
+    """`Z^T (f(X g) - K X g)`: nonlinear part of the internal force of a motion in columns X, projected on Z.
 
         gained = quadratic m2 + sum_i g_i cubic_i m2,   m2 = (g_j g_k), j <= k
 
@@ -78,7 +78,7 @@ class ForcePolynomial:
 
 
 def force_polynomial(works: StrainWorks) -> ForcePolynomial:
-    """The exact polynomial of a body's nonlinear force, from the works of its elements' strains.
+    """The exact polynomial of a body's nonlinear force, from the work of its elements' strains.
 
     works : of the columns X of the motion on Z (`Assembly.works`)
     """
@@ -89,22 +89,22 @@ def force_polynomial(works: StrainWorks) -> ForcePolynomial:
 
 @dataclass(frozen=True, eq=False)
 class StrainRatePolynomial:
-    """`Z^T (K_mat(X g) - K) X g_dot`: what the stress of strain rates adds to that at rest, seen by Z.
+    """`Z^T (K_mat(X g) - K) X g_dot`: additional force of the strain rates over that at rest, projected on Z.
 
         gained = sum_jk g_j g_dot_k bilinear_jk + 2 sum_i g_i cubic_i m,   m = g (x) g_dot
 
-    Weights of instants would not do for a force: what they miss of a stiff shell is more than the residual
-    of a good run.
+    Interpolation between sample times is not accurate enough for a force: its error for a stiff shell would
+    exceed the residual of an accurate run.
 
     bilinear : (k, s^2)
-    cubic : (s, k, n2)      those of the elastic force
+    cubic : (s, k, n2)      as in the elastic force
     """
 
     bilinear: Array
     cubic: Array
 
     def __call__(self, coordinates: Array, rates: Array) -> Array:
-        """Forces (t, k) by unit of retardation time at coordinates g and rates (t, s)."""
+        """Forces (t, k) per unit of retardation time at coordinates g and rates (t, s)."""
         gained = np.empty((len(coordinates), len(self.bilinear)))
         for start in range(0, len(coordinates), FACTOR_ROWS):
             rows = slice(start, start + FACTOR_ROWS)
@@ -117,7 +117,7 @@ class StrainRatePolynomial:
 
 
 def strain_rate_polynomial(works: StrainWorks) -> StrainRatePolynomial:
-    """The exact polynomial; works as for `force_polynomial`."""
+    """The exact polynomial of the strain-rate force; works as for `force_polynomial`."""
     first, second, once = _pairs(works)
     bilinear = works.turned.copy()
     bilinear[:, first, second] += works.linear * once
@@ -126,21 +126,21 @@ def strain_rate_polynomial(works: StrainWorks) -> StrainRatePolynomial:
 
 
 def _pairs(works: StrainWorks) -> tuple[Any, Any, Array]:
-    """First and second of the pairs, and what each counts: twice, or once of equals."""
+    """First and second index of the pairs j <= k, and their weights: 2, or 1 for j = k."""
     first, second = np.triu_indices(works.turned.shape[2])
     return first, second, np.where(first == second, 0.5, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
 class TangentHistory:
-    """What tangents `Z^T K_t(q(t)) Z` gain along a run: few matrices, and their weights at every step.
+    """Change of tangents `Z^T K_t(q(t)) Z` along a run: few matrices, and their weights at every step.
 
         gained(t) = sum_i weights(t)_i samples_i
 
-    K_t is quadratic in q, so that weights which reproduce the coordinates and their products reproduce it.
+    K_t is quadratic in q: weights that reproduce the coordinates and their products reproduce K_t.
 
     whole : (m, k, k)
-    material : (m, k, k)    through the strains alone; (0, k, k) where that was not asked for
+    material : (m, k, k)    through the strains alone; (0, k, k) where not requested
     weights : (t, m)
     """
 
@@ -158,14 +158,15 @@ def tangent_history(
     material: bool = False,
     proven: float = PROVEN,
 ) -> TangentHistory:
-    """Tangents along q = X g(t) from those at a few instants, chosen so that all others follow from them.
+    """Tangents along q = X g(t), combined from the tangents at a few sample times.
 
-    The monomials (g, g g) of the run are factored with column pivoting, which picks the instants, those that
-    differ most from all before first. Where the next ones follow from those before, the others do.
+    The monomials (g, g g) of the run are factored with column pivoting. The pivots are the sample times,
+    in the order of their difference from the previous ones. Selection stops as soon as the previous tangents
+    reproduce the next ones.
 
     motion : (n, s) X;  coordinates : (t, s);  onto : (n, k) Z
-    material : bool     whether the part through the strains is wanted as well, as damping by their rate does
-    proven : float      of the stiffness at rest, in any direction: what may be missed of the next tangents
+    material : bool     whether the part through the strains is needed as well (by strain-rate damping)
+    proven : float      over the stiffness at rest, in any direction: allowed error of the next tangents
     """
     k = onto.shape[1]
     scale = _unit_energies(body, motion, coordinates)
@@ -198,9 +199,9 @@ def _samples(
     at_rest: Array,
     proven: float,
 ) -> Array:
-    """Matrices (m, k, k) at the first of the chosen instants, until those give the next ones.
+    """Matrices (m, k, k) at the first of the sample times, until they give the next ones.
 
-    at_rest : (k, k)    stiffness, of which so much may be missed
+    at_rest : (k, k)    stiffness, reference of the allowed error
     """
     scaled = unit_stiffness(at_rest)
     samples = np.zeros((0, *at_rest.shape))
@@ -216,7 +217,7 @@ def _samples(
 
 
 def unit_stiffness(stiffness: Array) -> Array:
-    """Columns (k, k) to which a stiffness is the unit matrix; zero where it has none."""
+    """Columns (k, k) in which a stiffness is the unit matrix; zero in its null space."""
     values, vectors = np.linalg.eigh((stiffness + stiffness.T) / 2)
     stiff = values > np.finfo(float).eps * len(values) * values[-1]
     return vectors * np.where(stiff, 1 / np.sqrt(np.where(stiff, values, 1.0)), 0.0)
@@ -224,12 +225,12 @@ def unit_stiffness(stiffness: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class StrainRateHistory:
-    """What the stress of strain rates adds to the tangent along a run, by unit of retardation time.
+    """Additional tangent of the strain-rate stress along a run, per unit of retardation time.
 
         Z^T { A^T D N(q_dot) + N(D eps_dot) } Z = sum_i weights(t)_i samples_i
 
-    It is linear in the rates, and has no symmetry: a motion that keeps its strains as the body moves on,
-    A dq_dot + N(q_dot) dq = 0, meets no resistance, which no symmetric half of it shows.
+    It is linear in the rates and unsymmetric: a motion with constant strains while the body moves,
+    A dq_dot + N(q_dot) dq = 0, has no resistance. Its symmetric part would not have this property.
 
     samples : (m, k, k)
     weights : (t, m)
@@ -249,10 +250,10 @@ def strain_rate_history(
     *,
     proven: float = PROVEN,
 ) -> StrainRateHistory:
-    """The same at few instants, chosen by the monomials (g_dot, g g_dot) as those of the tangents are.
+    """Strain-rate tangents along a run from few sample times, chosen by the monomials (g_dot, g g_dot).
 
     motion : (n, s) X;  coordinates, rates : (t, s);  onto : (n, k) Z
-    time : float    of retardation
+    time : float    retardation time
     proven : as for `tangent_history`
     """
     k, t = onto.shape[1], len(coordinates)
@@ -275,7 +276,7 @@ def _projected(matrix: Any, onto: Array) -> Array:
 
 
 def _unit_energies(body: FlexibleBody, motion: Array, coordinates: Array) -> Array | None:
-    """Factors (s,) that weigh coordinates by strain energy, 1 at most; None where nothing moves."""
+    """Factors (s,), at most 1, that weight coordinates by strain energy; None where nothing moves."""
     scale = np.sqrt(np.sum(motion * (body.stiffness @ motion), axis=0))
     largest = float(np.max(np.abs(coordinates * scale), initial=0.0))
     return scale / largest if largest else None

@@ -1,7 +1,8 @@
-"""Elasticity of a body in few columns, as one polynomial that serves every run in these columns.
+"""Elasticity of a body in few columns, as one polynomial for every run in these columns.
 
-Of a hundred columns the polynomial of the tangent would not fit in memory, and `elastic_history` takes it
-from instants of one run. Of the thirty columns of an indicator it does, and costs one pass over the elements
+With about a hundred columns the polynomial of the tangent does not fit in memory; `elastic_history` then uses
+sample times of one run. With the thirty columns of an indicator it fits, and takes one pass over the elements
+for any number of runs. With g the coordinates of a run in the first s columns, beyond the stiffness at rest
 however many runs follow. With g the coordinates of a run in the first s columns, beyond the stiffness at rest
 
     f_a       = (L_ajl / 2 + T_ajl) g_j g_l + C_iajl g_i g_j g_l / 2
@@ -29,7 +30,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ElasticPolynomial:
-    """What a deformation `X g` adds to force, tangent and damping in k columns Z, the first s of which are X.
+    """Force, tangent and damping added by a deformation `X g`, in k columns Z; X are the first s of them.
 
     works : of Z on itself (`Assembly.works`)
     n_motion : s
@@ -40,7 +41,7 @@ class ElasticPolynomial:
 
     @cached_property
     def _of_motion(self) -> StrainWorks:
-        """The works of X on Z."""
+        """Strain works of X on Z."""
         s, k = self.n_motion, self.works.turned.shape[2]
         first, second = np.triu_indices(k)
         kept = (first < s) & (second < s)
@@ -53,12 +54,12 @@ class ElasticPolynomial:
         return force_polynomial(self._of_motion)(coordinates)
 
     def strain_rate_force(self, coordinates: Array, rates: Array) -> Array:
-        """Forces (t, k) of the strain rates beyond those at rest, by unit of retardation time."""
+        """Forces (t, k) of the strain rates beyond those at rest, per unit of retardation time."""
         return strain_rate_polynomial(self._of_motion)(coordinates, rates)
 
     @cached_property
     def tangents(self) -> tuple[Array, Array]:
-        """What each of `monomials` adds to the tangent, and through the strains alone, (m, k, k) each."""
+        """Tangents per monomial of `monomials`, and their parts through the strains alone, (m, k, k) each."""
         linear, turned, cubic = self._symmetric
         first, second = np.triu_indices(self.n_motion)
         s, k = self.n_motion, linear.shape[0]
@@ -80,17 +81,17 @@ class ElasticPolynomial:
 
     @cached_property
     def rate_tangents(self) -> Array:
-        """What each of `rate_monomials` adds to the tangent, by unit of retardation time, (s + s^2, k, k)."""
+        """Tangents per monomial of `rate_monomials`, per unit of retardation time, (s + s^2, k, k)."""
         _, _, cubic = self._symmetric
         s, k = self.n_motion, cubic.shape[0]
         own = np.moveaxis(self._bilinear[:, :, :s], 2, 0)
-        # C_bajk + C_jabk, of each j and k.
+        # C_bajk + C_jabk, for each pair (j, k).
         products = cubic[:, :, :s, :s].transpose(2, 3, 1, 0) + cubic[:s][..., :s].transpose(0, 3, 1, 2)
         return np.concatenate([own, products.reshape(s * s, k, k)])
 
     @cached_property
     def _symmetric(self) -> tuple[Array, Array, Array]:
-        """Linear (k, k, k), turned, cubic (i, k, k, k) with both orders of each pair."""
+        """Linear (k, k, k), turned, and cubic (i, k, k, k) works, with both orders of each pair."""
         k = self.works.turned.shape[2]
         first, second = np.triu_indices(k)
 
@@ -103,6 +104,6 @@ class ElasticPolynomial:
 
     @cached_property
     def _bilinear(self) -> Array:
-        """B (k, k, k)."""
+        """Bilinear coefficients B (k, k, k)."""
         linear, turned, _ = self._symmetric
         return linear + turned

@@ -24,13 +24,13 @@ AT_ONCE = 64
 def first_together(
     equations: Sequence[ErrorEquation], *, rest: float = 0.0, at_once: int | None = None
 ) -> list[ErrorState]:
-    """`ErrorEquation.first` of runs of as many steps, whose bodies share one space of errors.
+    """`ErrorEquation.first` of runs with equal numbers of steps, whose bodies share one error space.
 
-    What the deformation adds is taken from instants of all runs together, so that it is computed once.
+    The effect of the deformation is taken from sample times of all runs together, and computed once.
 
-    rest : a time, long against all vibrations, of runs that start at rest: so does their true motion, from
-        where the residual at the start moves it within that time; 0 of runs that start as they are placed
-    at_once : runs of one call, for which the program is compiled; left out: all of them, 64 at most
+    rest : for runs that start in equilibrium: a time much longer than all vibration periods, in which the
+        residual at the start moves the true motion to its own equilibrium; 0: runs that start as placed
+    at_once : number of runs per call, for which the program is compiled; None: all of them, at most 64
     """
     number = at_once or min(AT_ONCE, len(equations))
     gains, histories = _gains(equations)
@@ -50,7 +50,7 @@ def first_together(
 def _gains(
     equations: Sequence[ErrorEquation],
 ) -> tuple[tuple[ElasticGain, ...], list[tuple[GainHistory, ...]]]:
-    """Shared matrices of nonlinear bodies, and of every run its weights and its damping."""
+    """Shared matrices of nonlinear bodies, and the weights and damping of every run."""
     names, gains, histories = [], [], []
     for name, assessed in equations[0].bodies.items():
         if assessed.full.body.is_linear:
@@ -87,7 +87,7 @@ def _marched(
     at_once: int,
     rest: float,
 ) -> list[ErrorState]:
-    """Of one chunk; the last case is repeated where it has fewer than the others."""
+    """The march of one chunk of runs; a smaller chunk is filled up with its last run."""
     numbers = [*range(len(equations)), *[len(equations) - 1] * (at_once - len(equations))]
     models = [equations[i].model for i in numbers]
     axes = differing(models)
@@ -107,7 +107,7 @@ def _marched(
     state = ErrorState(position, velocity, none, none, np.zeros((len(numbers), len(models[0].active))))
     standstill = [standing(*each) for each in zip(points, histories, strict=True)]
     if rest:
-        # One step so long that nothing but stiffness resists.
+        # One step so long that only stiffness resists.
         moved = marched(state, [block._replace(h=np.full_like(block.h, rest)) for block in standstill])
         position = position + moved.position[:, 0]
         state = state._replace(position=position)

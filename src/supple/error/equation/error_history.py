@@ -46,9 +46,9 @@ Array = NDArray[np.float64]
 
 MORE_DIRECTIONS = 8
 SMALLEST_DIRECTION = 0.02
-"""Of the error: what the columns of the corrected motion leave out of it."""
+"""Ratio to the largest error direction below which a direction is no column of the corrected motion."""
 FEWEST_SAMPLES = 32
-"""Tangents along a run that a compiled march of the error has room for."""
+"""Smallest number of tangents along a run for which a march of the error is compiled."""
 
 
 class _InColumns(NamedTuple):
@@ -64,7 +64,7 @@ TangentMotion = Mapping[str, _InColumns]
 
 
 class _Point(NamedTuple):
-    """A motion of the system of columns, at every step, about which the integrator is linearised."""
+    """A motion of the system of columns at every step, about which the integrator is linearised."""
 
     motion: SystemMotion
     bodies: Mapping[str, _InColumns]
@@ -72,12 +72,12 @@ class _Point(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ErrorHistory:
-    """Error of one body at every step (t,): of its frame, and of its displacements in the columns Z.
+    """Error of one body at every step (t,): of its frame, and of its displacements in columns Z.
 
     times : (t,)
     origin : (t, 3)         dR, global
     turn : (t, 3)           psi, body components
-    coordinates : (t, k)    of columns Z: of the displacements that the run shows
+    coordinates : (t, k)    in columns Z: of the displacements, as the run defines them
     rms : (t,)              root mean square over the nodes, in space
     """
 
@@ -104,15 +104,15 @@ class ErrorHistory:
 
 @dataclass(frozen=True, eq=False)
 class ErrorEquation:
-    """The error equation of a run.
+    """The error equation of a run: its linearised equations, driven by its residual.
 
-    reduced : System        as it was simulated
-    bodies : AssessedBody     by name; other bodies have no error of their own, but follow
+    reduced : System        as simulated
+    bodies : AssessedBody     by name; other bodies have no error of their own, but move with the system
     coefficients : Coefficients     of the run's integrator
-    steps : Solution        of the run, at every step that it took
-    active : constraint equations of the run, the redundant ones left out
-    start : StartError      by name, of those bodies that do not start as they should
-    proven : float          what tangents along the run may miss (`tangent_history`)
+    steps : Solution        of the run, at every step
+    active : constraint equations of the run, without the redundant ones
+    start : StartError      by name, of bodies whose start deviates from the true one
+    proven : float          allowed error of the tangents along the run (`tangent_history`)
     """
 
     reduced: System
@@ -124,19 +124,19 @@ class ErrorEquation:
     proven: float = PROVEN
 
     def first(self, tangents: TangentMotion | None = None) -> ErrorState:
-        """Differences of the true motion and the run's at every step, to first order; of all columns.
+        """True motion less the run's motion at every step, to first order; in all columns.
 
-        tangents : the motion at which elastic tangents are taken; none: the run
+        tangents : the motion at which elastic tangents are taken; None: the run
         """
         return self._march(self.point, *self.start_vectors(), tangents)
 
     @cached_property
     def gains(self) -> dict[str, tuple[ElasticGain, GainHistory]]:
-        """What the deformation of nonlinear bodies adds along the run, by name."""
+        """Effect of the deformation of nonlinear bodies along the run, by name."""
         return self._gained_along(self.point.bodies, None)
 
     def share_gains(self, gains: Mapping[str, tuple[ElasticGain, GainHistory]]) -> None:
-        """Take for this run's what was made of many together."""
+        """Set the gains of this run to those computed for many runs together."""
         object.__setattr__(self, "gains", dict(gains))
 
     def stiffness(self, name: str, row: int) -> Array:
@@ -147,11 +147,11 @@ class ErrorEquation:
         return self.bodies[name].columns.stiffness[:k, :k] + gained[:k, :k]
 
     def with_missed(self, missed: Mapping[str, MissedAtRest]) -> TangentMotion:
-        """The deformation of the bodies with the motion outside the bases at rest, to take tangents at."""
+        """Deformation of the bodies plus the motion outside the bases at rest, for the tangents."""
         return self._corrected(self._at_rest(missed)).bodies
 
     def _at_rest(self, missed: Mapping[str, MissedAtRest]) -> ErrorState:
-        """Missed motion at every step, between those at which it is known by straight lines."""
+        """Missing motion at every step, linearly interpolated between the times at which it is known."""
         position = np.zeros_like(self.point.motion.velocity)
         for name, own in missed.items():
             assessed = self.bodies[name]
@@ -162,12 +162,12 @@ class ErrorEquation:
         none = np.zeros_like(position)
         return ErrorState(position, none, none, none, np.zeros_like(self.point.motion.multipliers))
 
-    # Where differences grow out of bounds, the result is not finite.
+    # Where differences diverge, the result is not finite.
     @np.errstate(over="ignore", invalid="ignore")
     def again(self, found: ErrorState, tangents: TangentMotion | None = None) -> ErrorState:
-        """The differences once more, from the equation about the corrected motion; tangents as for `first`.
+        """The differences from the error equation about the corrected motion; tangents as for `first`.
 
-        Of each body's error the leading directions are taken into the motion, so that its forces remain
+        The leading directions of each body's error become columns of the motion, so that its forces remain
         polynomials of few coordinates.
         """
         point = self._corrected(found)
@@ -183,7 +183,7 @@ class ErrorEquation:
         )
 
     def histories(self, found: ErrorState) -> dict[str, ErrorHistory]:
-        """What the differences are of each body."""
+        """The differences as an error history of each body."""
         return {name: self._history(name, found.position[:, self._places[name]]) for name in self.bodies}
 
     def corrected(self, found: ErrorState, rows: NDArray[np.intp]) -> tuple[System, Solution]:
@@ -260,7 +260,7 @@ class ErrorEquation:
         return _Point(motion, bodies)
 
     def _corrected(self, found: ErrorState) -> _Point:
-        """The run with what was found of its error, in its leading directions."""
+        """The run plus the estimated error in its leading directions."""
         position, velocity, acceleration = (
             np.array(each) for each in (found.position, found.velocity, found.acceleration)
         )
@@ -283,7 +283,7 @@ class ErrorEquation:
         return _Point(motion, bodies)
 
     def _moved(self, found: ErrorState) -> SystemMotion:
-        """The run with differences added."""
+        """The run with differences added, as a motion of the system."""
         run = self.point.motion
         frames = np.asarray(found.position)[:, self.model.frames.index]
         coordinates = run.configuration.coordinates.copy()
@@ -303,7 +303,7 @@ class ErrorEquation:
         )
 
     def _differences(self, motion: SystemMotion) -> ErrorState:
-        """Of a corrected motion and the run."""
+        """Corrected motion less the run."""
         run = self.point.motion
         position = np.zeros_like(run.velocity)
         turned = rotation_vectors(
@@ -327,7 +327,7 @@ class ErrorEquation:
         )
 
     def _composed(self, first: Array, more: Array) -> Array:
-        """Differences of positions one after the other."""
+        """Composition of two successive differences of positions."""
         composed = first + more
         rows = self.model.frames.index[:, 3:]
         composed[:, rows] = rotation_vectors(rotations(first[:, rows]) @ rotations(more[:, rows]))
@@ -353,9 +353,9 @@ class ErrorEquation:
         velocity: Array,
         tangents: TangentMotion | None = None,
     ) -> ErrorState:
-        """The linearised march about a motion, from differences of positions and velocities.
+        """The linearised march about a motion, from start differences of positions and velocities.
 
-        tangents : motion at which the bodies' tangents are taken, where that is another
+        tangents : motion at which the bodies' tangents are taken; None: the same motion
         """
         at_run = point is self.point and tangents is None
         gained = (self.gains if at_run else self._gained_along(point.bodies, tangents)).values()
@@ -374,7 +374,7 @@ class ErrorEquation:
     def _gained_along(
         self, motion: TangentMotion, tangents: TangentMotion | None
     ) -> dict[str, tuple[ElasticGain, GainHistory]]:
-        """Of nonlinear bodies; tangents as for `_march`."""
+        """Gains of the nonlinear bodies; tangents as for `_march`."""
         return {
             name: self.gained(name, own, own if tangents is None else tangents[name])
             for name, own in motion.items()
@@ -384,7 +384,7 @@ class ErrorEquation:
     def gained(
         self, name: str, motion: _InColumns, tangent_motion: _InColumns | None = None
     ) -> tuple[ElasticGain, GainHistory]:
-        """What the deformation of a nonlinear body adds along a motion: forces, and tangents at another."""
+        """Effect of a nonlinear body's deformation: forces along a motion, tangents along another."""
         assessed, start = self.bodies[name], self._places[name].start + 6
         k, size = assessed.space.size, self._places[name].stop - start
         if assessed.polynomial is None:
@@ -423,7 +423,7 @@ class ErrorEquation:
 
 
 class _Elasticity(NamedTuple):
-    """What the deformation of a body adds along a motion: as of `ElasticGain` and `GainHistory`."""
+    """Effect of a body's deformation along a motion: fields as in `ElasticGain` and `GainHistory`."""
 
     force: Array
     viscous_force: Array
@@ -437,7 +437,7 @@ class _Elasticity(NamedTuple):
 def _from_instants(
     assessed: AssessedBody, motion: _InColumns, bent: _InColumns, proven: float
 ) -> _Elasticity:
-    """Forces from one pass over the elements, tangents from a few instants at another motion."""
+    """Forces from one pass over the elements, tangents from a few sample times of another motion."""
     body, Z = assessed.full.body, assessed.space.vectors
     columns = Z @ motion.chosen
     works = body.assembly.works(columns, Z)
@@ -462,7 +462,7 @@ def _from_instants(
 def _from_polynomial(
     assessed: AssessedBody, polynomial: ElasticPolynomial, motion: _InColumns, proven: float
 ) -> _Elasticity:
-    """Forces in the columns of the run itself exactly, tangents by few combinations of their polynomials."""
+    """Exact forces in the columns of the run, and tangents by few combinations of their polynomials."""
     k, time = assessed.space.size, assessed.retardation_time
     force, (whole, material) = polynomial.force(motion.coordinates), polynomial.tangents
     unit = unit_stiffness(assessed.columns.stiffness[:k, :k])
@@ -488,15 +488,15 @@ def _from_polynomial(
 
 
 def _more(number: int) -> int:
-    """Room for more samples, as with the columns: 32, 64, 128 .., so that rounds share one program.
+    """Padded number of samples, as for the columns: 32, 64, 128 .., so that rounds share one program.
 
-    A sample more costs a product of two small matrices a block, and one program more seconds.
+    A further sample takes a product of two small matrices per block; a further program takes seconds.
     """
     return (FEWEST_SAMPLES << max(0, (number - 1) // FEWEST_SAMPLES).bit_length()) - number if number else 0
 
 
 def _with_directions(errors: Array, n_motion: int) -> Array:
-    """Columns (k, s): the first ones, and the leading directions of errors (t, k) outside them."""
+    """Columns (k, s): the first ones, and the leading directions of the errors (t, k) outside them."""
     outside = errors[:, n_motion:]
     _, sizes, rows = np.linalg.svd(outside, full_matrices=False)
     left = np.sqrt(np.cumsum(sizes[::-1] ** 2)[::-1])

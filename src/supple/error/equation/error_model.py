@@ -1,4 +1,4 @@
-"""The system of a run with other columns: bodies whose basis is that of their error."""
+"""The system of a run in other columns: bodies whose basis is that of their error."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ Array = NDArray[np.float64]
 MULTIPLE = 32
 MOST_DOUBLED = 128
 BRIEF = 5000
-"""Steps of a run: in longer ones columns by the doubled size cost more time than another program."""
+"""Number of steps; in longer runs padding to doubled sizes takes more time than compiling another program."""
 
 
 def padded_size(size: int, steps: float) -> int:
-    """Columns with room for more, 32, 64, 96 ..: spaces of nearby sizes share one compiled program.
+    """Padded number of columns, 32, 64, 96 ..: spaces of similar sizes share one compiled program.
 
-    In a brief run 64 is followed by 128, as the spaces of most bodies have 80 to 120 columns.
+    In a short run 64 is followed by 128, because the spaces of most bodies have 80 to 120 columns.
     """
     multiple = -(-size // MULTIPLE) * MULTIPLE
     return MOST_DOUBLED if 2 * MULTIPLE < multiple <= MOST_DOUBLED and steps <= BRIEF else multiple
@@ -35,10 +35,10 @@ def padded_size(size: int, steps: float) -> int:
 def body_of_columns(
     body: FlexibleBody, frame: Frame, columns: Array, damping: Damping | None, steps: float
 ) -> ReducedBody:
-    """A body in columns (n, k), linear about its rest, filled up with padding coordinates.
+    """A body in columns (n, k), linearised at rest, filled up with padding coordinates.
 
-    steps : of the run, or of all runs, whose error is to move in them
-    What the deformation adds to stiffness and damping is another's (`ElasticGain`).
+    steps : of the run, or of all runs, whose error has these columns
+    The effect of the deformation on stiffness and damping is added by `ElasticGain`.
     """
     k = columns.shape[1]
     stiffness = columns.T @ (body.stiffness @ columns)

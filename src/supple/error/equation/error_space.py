@@ -1,4 +1,4 @@
-"""The space in which the error of a reduced run is sought: some hundred columns beside those of the run."""
+"""Error space of a body: about a hundred columns besides those of the run's motion."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ N_MODES = 40
 N_CORRECTIONS = 30
 N_COUPLINGS = 30
 N_COMBINATIONS = 48
-"""Of all couplings, at random: their answers have the leading directions of all, for fewer solutions."""
+"""Number of random combinations of the couplings: their static responses contain the leading directions."""
 SMALLEST_REMAINDER = 1e-6
-"""Of the largest column of a block: what is left of it outside the others and smaller is round-off."""
+"""Ratio to the largest column of a block below which a remainder outside the other columns is round-off."""
 
 HALF = 0.5
-"""Of the unit length of a remainder that was scaled up: shorter ones outside the others are round-off."""
+"""Length of a remainder scaled to unit length, after a second projection, below which it is round-off."""
 
 
 @dataclass(frozen=True, eq=False)
 class ErrorSpace:
-    """Columns Z of a body's error, M-orthonormal, D Z = 0; those of the run's own motion lead.
+    """Columns Z of a body's error, M-orthonormal, D Z = 0; the first ones are those of the run's own motion.
 
     vectors : (n, k)
     n_motion : int      number of columns in which the run moves
@@ -49,7 +49,7 @@ class ErrorSpace:
 
 @dataclass(frozen=True, eq=False)
 class ModesInFrame:
-    """The lowest modes of a body seen from its frame, (n, m), and the frame's projector."""
+    """The lowest modes of a body relative to its frame, (n, m), and the frame's projector."""
 
     body: FlexibleBody
     frame: Frame
@@ -57,7 +57,7 @@ class ModesInFrame:
 
 
 def modes_in_frame(body: FlexibleBody, frame: Frame, number: int = N_MODES) -> ModesInFrame:
-    """The lowest modes of the undeformed body on D q = 0; all of them where there are fewer."""
+    """The lowest modes of the undeformed body with D q = 0; all modes where there are fewer."""
     constraint = frame.constraint(body)
     number = min(number, body.n - len(constraint))
     found = body.lowest_modes(number, constraint)
@@ -67,19 +67,19 @@ def modes_in_frame(body: FlexibleBody, frame: Frame, number: int = N_MODES) -> M
 def error_space(modes: ModesInFrame, motion: Array, corrections: Array, deformed: Array) -> ErrorSpace:
     """Z = orth_M [ V | modes | corrections | couplings ], on D q = 0.
 
-    The modes vibrate, the corrections are what the run's residual asks for at rest, and the couplings
-    are the static answer to what the deformed body's tangent makes of the modes,
+    The modes represent vibrations, the corrections balance the run's residual at rest, and the couplings are
+    the static response to the change of the tangent of the deformed body along the modes,
 
         - K^+ (K_t(q_i) - K) Phi
 
-    which stiff motion, such as that of a shell's membrane, follows at once.
+    which stiff motion follows without delay, for example that of a shell's membrane.
 
     Parameters
     ----------
     modes : ModesInFrame
     motion : (n, s)         columns in which the run moves, M-orthonormal
-    corrections : (n, c)    motion outside the basis, at some instants
-    deformed : (n, i)       coordinates of the body at some instants of the run
+    corrections : (n, c)    motion outside the basis, at some times
+    deformed : (n, i)       coordinates of the body at some times of the run
 
     Returns
     -------
@@ -95,9 +95,9 @@ def error_space(modes: ModesInFrame, motion: Array, corrections: Array, deformed
 
 
 def small_space(modes: ModesInFrame, motion: Array, fields: Array, number: int) -> ErrorSpace:
-    """Z = orth_M [ V | fields | modes ], on D q = 0, of `number` columns besides V.
+    """Z = orth_M [ V | fields | modes ], on D q = 0, with `number` columns besides V.
 
-    motion : (n, s) V;  fields : (n, m), whose leading directions are half of these at most
+    motion : (n, s) V;  fields : (n, m), at most half of these columns are their leading directions
     """
     space = _Growing(modes.body, modes.frame, motion)
     space.add(fields, number // 2)
@@ -116,7 +116,7 @@ def _couplings(modes: ModesInFrame, deformed: Array) -> Array:
 
 
 class _Growing:
-    """M-orthonormal columns on D q = 0, block after block."""
+    """M-orthonormal columns with D q = 0, extended block by block."""
 
     def __init__(self, body: FlexibleBody, frame: Frame, first: Array) -> None:
         self._mass = body.mass
@@ -124,7 +124,7 @@ class _Growing:
         self.columns = np.asarray(first)
 
     def add(self, fields: Array, most: int | None = None) -> None:
-        """Append the leading directions of what the columns leave of some fields, at most so many."""
+        """Append the leading directions of fields outside the columns, at most `most` of them."""
         if not fields.size:
             return
         size = _lengths(fields, self._mass)[1][-1]
@@ -133,10 +133,10 @@ class _Growing:
         kept = np.flatnonzero(lengths > SMALLEST_REMAINDER * size)[::-1][:most]
         if not kept.size:
             return
-        # Once more after scaling: round-off that has grown with a small remainder would move the frame.
+        # Orthogonalise again after scaling: round-off amplified with a small remainder would move the frame.
         new = self._outside(self._seen(left @ (directions[:, kept] / lengths[kept])))
         weights, lengths = _lengths(new, self._mass)
-        whole = lengths > HALF  # the others lie within the columns: where these are nearly all there is
+        whole = lengths > HALF  # the others lie within the columns, which are then nearly complete
         self.columns = np.hstack([self.columns, new @ (weights[:, whole] / lengths[whole])])
 
     def _outside(self, fields: Array) -> Array:

@@ -1,7 +1,7 @@
-"""Sums of many constant matrices along runs, by few: tangents that polynomials of coordinates make.
+"""Weighted sums of many constant matrices along runs, by few combinations: tangents as polynomials.
 
-A tangent along a run is a sum of a hundred matrices, a product of each with its weight at every step. Runs of
-a blade bend in a few shapes, so that few combinations of these matrices give all their tangents.
+A tangent along a run is a sum of about a hundred matrices with weights at every step. Runs of a blade bend in
+a few shapes, so that few combinations of these matrices give all their tangents.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ __all__ = ["FewMatrices", "few_matrices"]
 Array = NDArray[np.float64]
 
 ROUND_OFF = 1e-14
-"""Of the largest eigenvalue of the Gram matrix of what the matrices add: what is less is no direction."""
+"""Ratio to the largest eigenvalue of the Gram matrix below which an eigenvalue is round-off."""
 
 
 class FewMatrices(NamedTuple):
-    """Of each set, q matrices (q, k, k); and their weights along the runs (t, q)."""
+    """For each set, q matrices (q, k, k); and their weights along the runs (t, q)."""
 
     sets: tuple[Array, ...]
     weights: Array
 
 
 def few_matrices(sets: Sequence[Array], weights: Array, unit: Array, missed: float) -> FewMatrices:
-    """The fewest leading combinations of matrices whose sums along runs miss no more than is allowed.
+    """The fewest leading combinations of matrices that give the sums along runs to the allowed error.
 
         sum_i w_i(t) S_i = sum_q w'_q(t) S'_q + R(t),    |U^T R U|_F <= missed   at every step
 
@@ -36,16 +36,16 @@ def few_matrices(sets: Sequence[Array], weights: Array, unit: Array, missed: flo
     `|sum_i w_i U^T S_i U|_F`.
 
     sets : (m, k, k) each, which share their weights (t, m)
-    unit : (k, k) U, which makes the stiffness at rest the unit matrix
-    missed : in its unit
+    unit : (k, k) U, in which the stiffness at rest is the unit matrix
+    missed : the allowed error, relative to that stiffness
     """
-    # By what it adds at most: of one that adds nothing the size does not count.
+    # Weighted by the largest contribution: the size of a matrix with zero weight does not count.
     scale = np.abs(weights).max(axis=0, initial=0.0)
     scaled = np.hstack([(unit.T @ own @ unit).reshape(len(own), -1) for own in sets]) * scale[:, None]
     squares, vectors = np.linalg.eigh(scaled @ scaled.T)
     known = squares > ROUND_OFF * squares[-1]
     lengths, vectors = np.sqrt(squares[known]), vectors[:, known]
-    # The sums in orthonormal directions of the space of matrices, (t, n); from their principal axes on.
+    # The sums in orthonormal directions of the space of matrices, (t, n); then in their principal axes.
     sums = (weights / np.where(scale > 0, scale, 1.0)) @ (vectors * lengths)
     axes = np.linalg.eigh(sums.T @ sums)[1][:, ::-1]
     along = sums @ axes

@@ -1,8 +1,8 @@
 """The integrator linearised about a run, driven by the run's own residual.
 
-Unknown are the differences of the true motion and the run's: of positions `eps` (frame's origin, its turn
-psi from A to A exp(psi), coordinates), of velocities `w`, of the true and the auxiliary accelerations `c` and
-`a`. With `T` and `Ad` the right Jacobian and exp of the step's turn, on the rows of rotations:
+Unknowns are true motion less the run's motion: of positions `eps` (frame's origin, its rotation psi from A to
+A exp(psi), coordinates), of velocities `w`, of the true and the auxiliary accelerations `c` and `a`. With `T`
+and `Ad` the right Jacobian and exp of the step's rotation, on the rows of rotations:
 
     a_k   = (alpha_f c_0 - alpha_m a_0) / (1 - alpha_m)
     eps_p = Ad eps_0 + T { h w_0 + h^2 [(1/2 - beta) a_0 + beta a_k] }
@@ -13,10 +13,10 @@ psi from A to A exp(psi), coordinates), of velocities `w`, of the true and the a
 
     eps = eps_p + p T c,   w = w_p + v c,   a = a_k + kappa c
 
-M, C and K are the tangents of the run's own equations at its state, with increments of zero; r and g are what
-these equations and the joints leave. It is the exact derivative of the discrete run. Turns are composed
-exactly, psi = log( exp(-Dpsi) exp(psi_0) exp(Dpsi + dturn) ), which is the same to first order: the corrected
-motion obeys the integrator, so that the equation may be taken about it once more.
+M, C and K are the tangents of the run's own equations at its state, with increments of zero; r and g are the
+residuals of these equations and of the joints. It is the exact derivative of the discrete run. Rotations are
+composed exactly, psi = log( exp(-Dpsi) exp(psi_0) exp(Dpsi + dturn) ), which is the same to first order. The
+corrected motion therefore obeys the integrator, and the equation can be linearised about it again.
 Source: this project's own; the step is that of Chung & Hulbert (1993) on the group of Arnold & Bruels (2007).
 """
 
@@ -45,46 +45,46 @@ __all__ = ["ElasticGain", "ErrorState", "GainHistory", "StepOfRun", "first_error
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class ElasticGain:
-    """What a deformed body adds to its stiffness and damping at rest."""
+    """Additional stiffness and damping of a deformed body over those at rest."""
 
     start: int = field(metadata=STATIC)
-    """Where its coordinates begin among the velocities"""
+    """Index of its first coordinate among the velocities"""
     stiffness: Any
     """(m, k, k)"""
     viscous: Any
-    """(m, k, k): damping's by unit of retardation time; (0, k, k) where it does not follow the strain rate"""
+    """(m, k, k): of damping, per unit of retardation time; (0, k, k) without strain-rate damping"""
     viscous_stiffness: Any
-    """(n, k, k): of the stress of strain rates, by unit of retardation time"""
+    """(n, k, k): of the strain-rate stress, per unit of retardation time"""
 
 
 class GainHistory(NamedTuple):
-    """Of one body at every step."""
+    """Additional forces of one body at every step, and the weights of its matrices."""
 
     force: Any
     """(t, k) elastic, beyond the stiffness at rest"""
     viscous_force: Any
-    """(t, k) of the strain rates, beyond damping at rest, by unit of retardation time"""
+    """(t, k) of the strain rates, beyond the damping at rest, per unit of retardation time"""
     weights: Any
     """(t, m)"""
     rate_weights: Any
     """(t, n)"""
     retardation: Any
-    """(t,) the retardation time of the body"""
+    """(t,) retardation time of the body"""
 
 
 class StepOfRun(NamedTuple):
-    """A step of the run and where it leads; stacked."""
+    """A step of the run and the state at its end; stacked over the steps."""
 
     h: Any
     motion: SystemMotion
-    """At its end"""
+    """At the end of the step"""
     turn: Any
     """(nb, 3) `Dpsi` of the frames"""
     gains: tuple[GainHistory, ...]
 
 
 class ErrorState(NamedTuple):
-    """Differences of the true motion and the run's, (n,) each."""
+    """True motion less the run's motion, (n,) each."""
 
     position: Any
     velocity: Any
@@ -95,7 +95,7 @@ class ErrorState(NamedTuple):
 
 
 class _Linearized(NamedTuple):
-    """The run's equations at one state, and what differences that are known make of them."""
+    """The run's equations at one state, and the contributions of known differences."""
 
     matrix: jax.Array
     """M + v C + p K T"""
@@ -129,7 +129,7 @@ def _linearized(
         terms = balance(model, motion._replace(configuration=moved, velocity=velocity))
         return (terms.residual, terms.constraint_residual), terms.linearization
 
-    # Derived in the one direction of the known differences, for less than K and C would take.
+    # Derivative in the one direction of the known differences, which is cheaper than K and C.
     at = jnp.zeros_like(known[0]), motion.velocity
     (residual, gap), (more, moved), linearization = jax.jvp(equations, at, known, has_aux=True)
     residual = residual + more
@@ -138,7 +138,7 @@ def _linearized(
     for body, (force, gained, viscous) in zip(bodies, gains, strict=True):
         around = (body.start, n - body.start - force.shape[0])
         own = slice(around[0], n - around[1])
-        # Padded and added: written into their places they would go in one by one, a millisecond a step.
+        # Padded and added: writing into slices would loop over the entries, a millisecond per step.
         residual = residual + jnp.pad(force + gained @ known[0][own] + viscous @ known[1][own], around)
         more = factors.by_position * gained + factors.by_velocity * viscous
         matrix = matrix + jnp.pad(more, (around, around))
@@ -153,7 +153,7 @@ def _linearized(
 
 
 def _weighted(body: ElasticGain, history: GainHistory) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Force, tangent and damping that a body gains at every step of a stretch."""
+    """Additional force, tangent and damping of a body at every step of a block."""
     time = history.retardation[:, None]
     gained = jnp.tensordot(history.weights, body.stiffness, axes=1)
     gained = gained + jnp.tensordot(time * history.rate_weights, body.viscous_stiffness, axes=1)
@@ -171,7 +171,7 @@ def _on_rotations(model: Model, matrices: jax.Array, vector: jax.Array) -> jax.A
 
 
 def _moved(model: Model, position: jax.Array, increment: jax.Array, turn: jax.Array) -> jax.Array:
-    """The difference of positions after a step whose increments differ; `turn` (nb, 3) is the run's."""
+    """Difference of positions after a step; `turn` (nb, 3) is the rotation of the run in it."""
     moved = position + increment
     for part, own in zip(model.slices, turn, strict=True):
         rows = slice(part.start + 3, part.start + 6)
@@ -183,7 +183,7 @@ def _moved(model: Model, position: jax.Array, increment: jax.Array, turn: jax.Ar
 def _solved(
     model: Model, matrix: jax.Array, rows: jax.Array, columns: jax.Array, force: jax.Array, gap: jax.Array
 ) -> tuple[jax.Array, jax.Array]:
-    """Accelerations and multipliers that balance a force and close a gap."""
+    """Accelerations and multipliers that balance a force and close a constraint residual."""
     m = rows.shape[0]
     bordered = jnp.block(
         [
@@ -204,9 +204,9 @@ def first_error(
     position: AnyArray,
     velocity: AnyArray,
 ) -> ErrorState:
-    """The error at the start of a run: that of its positions and velocities, and accelerations to match.
+    """The error at the start of a run: of its positions and velocities, and consistent accelerations.
 
-    at : the start, as the end of steps of no length, by which nothing but accelerations change
+    at : the start, as the end of a step of zero length, which changes accelerations only
     """
     none = np.zeros_like(velocity)
     start = ErrorState(position, velocity, none, none, np.zeros(len(model.active)))
@@ -222,10 +222,10 @@ def _march_error(
     start: ErrorState,
     steps: StepOfRun,
 ) -> tuple[ErrorState, ErrorState]:
-    """The error over some steps of a run: the last one, and those of all steps, stacked.
+    """The error over a block of steps of a run: the last one, and those of all steps, stacked.
 
     model : of bodies whose basis is that of the error, at the state of the run
-    bodies : of those that are nonlinear, in the order of `steps.gains`
+    bodies : the nonlinear ones, in the order of `steps.gains`
     """
     gains = [_weighted(body, own) for body, own in zip(bodies, steps.gains, strict=True)]
 
@@ -234,7 +234,7 @@ def _march_error(
         turned, turns = jax.vmap(lambda psi: (rotation_exp(-psi), rotation_right_jacobian(psi)))(turn)
         rule = StepRule(coefficients, h)
         by_position, by_velocity = rule.factors
-        # What the rule makes of no new acceleration is the part that is known.
+        # The integration rule with zero new acceleration gives the known part.
         known = rule.auxiliary(jnp.zeros_like(before.velocity), before.acceleration, before.auxiliary)
         increment = rule.increment(before.velocity, before.auxiliary, known)
         position = _on_rotations(model, turned, before.position) + _on_rotations(model, turns, increment)
@@ -249,7 +249,7 @@ def _march_error(
             at.rows,
             at.columns,
             at.residual,
-            # A step of no length moves nothing, and accelerations close no gap.
+            # A step of zero length moves nothing, and accelerations close no constraint residual.
             jnp.where(h > 0, at.gap / jnp.where(h > 0, by_position, 1.0), 0.0),
         )
         increment = increment + by_position * acceleration

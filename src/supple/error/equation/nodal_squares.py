@@ -1,4 +1,4 @@
-"""Mean squares over the nodes of a body of a small motion, without its nodes."""
+"""Mean squares of a small motion over the nodes of a body, from a Gram matrix."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ class NodalSquares(NamedTuple):
         """
         turned = (coordinates[:, :, None] * turn[:, None]).reshape(len(turn), -1)
         fields = np.hstack([np.einsum("tij,ti->tj", rotation, origin), turn, turned, error])
-        # Of a march that diverged: what is no number is reported as unknown.
+        # After a diverged march the values are not finite: they are reported as unknown.
         with np.errstate(over="ignore", invalid="ignore"):
             return np.sqrt(np.maximum(np.sum(fields * (fields @ self.gram), axis=1), 0.0))
 
 
 def nodal_squares(nodes: Array, motion: Array, onto: Array) -> NodalSquares:
-    """Of nodes (N, 3), fields of the run's motion (N, 3, s) and of its error (N, 3, k)."""
+    """Gram matrix from nodes (N, 3), fields of the run's motion (N, 3, s) and of its error (N, 3, k)."""
     N = len(nodes)
     turned = cross_of_axes(np.moveaxis(motion, 2, 1))  # (N, s, component, axis)
     fields = np.concatenate(

@@ -1,4 +1,4 @@
-"""How far an error is from being small: what a second correction would be, in parts of the first."""
+"""Nonlinearity of an error: size of a second correction over the first."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ Array = NDArray[np.float64]
 
 MOST_INSTANTS = 10
 IMAGINARY = 1e-20
-"""Of a step along an error: the force is a polynomial, whose derivative such a step has to round-off."""
+"""Size of an imaginary step along an error: it gives the derivative of the polynomial force to round-off."""
 
 
 def second_corrections(equation: ErrorEquation, histories: Mapping[str, ErrorHistory]) -> dict[str, float]:
-    """Size of a second elastic correction over the first at the worst instants, at rest, by body.
+    """Second elastic correction over the first, quasi-static, at the times of the largest errors; by body.
 
         K_t(q) d = -( f(q + e) - f(q) - K_t(q) e ),    |d| / |e| in the mass norm
 
-    with q the run, about which the errors e were found; zero for a linear body.
+    with q the motion of the run and e its estimated error; zero for a linear body.
     """
     return {
         name: 0.0
@@ -34,7 +34,7 @@ def second_corrections(equation: ErrorEquation, histories: Mapping[str, ErrorHis
 
 
 def _second_correction(history: ErrorHistory, stiffness: Callable[[int], Array]) -> float:
-    """Of a nonlinear body, by `Z^T K_t Z` (k, k) at steps of the run."""
+    """The ratio for a nonlinear body; `stiffness` gives `Z^T K_t Z` (k, k) at a step of the run."""
     assessed = history.body
     motion, Z = assessed.motion, assessed.space.vectors
     force = assessed.full.body.assembly.internal_force
@@ -54,7 +54,7 @@ def _second_correction(history: ErrorHistory, stiffness: Callable[[int], Array])
 
 
 def _worst(rms: Array) -> NDArray[np.intp]:
-    """Instants of the largest errors, at some distance from each other."""
+    """Times of the largest errors, at some distance from each other."""
     spans = np.array_split(np.arange(len(rms)), min(len(rms), 4 * MOST_INSTANTS))
     peaks = np.array([span[np.argmax(rms[span])] for span in spans])
     return peaks[np.argsort(rms[peaks])[::-1][:MOST_INSTANTS]]

@@ -1,4 +1,4 @@
-"""The motion of a reduced run in few columns: those of its basis, and what follows them at rest."""
+"""The motion of a reduced run in few columns: those of its basis, and directions of the condensed motion."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ROUND_OFF = 1e-6
 MOST_SAMPLES = 40
 SMALLEST_PRODUCT = 1e-5
 SMALLEST_FOLLOWING = 1e-3
-"""Of the largest motion that follows: directions that move less are left to the error."""
+"""Ratio to the largest condensed motion below which a direction is left to the error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class RunColumns:
 
     vectors : (n, s)
     coordinates, rates, accelerations : (t, s)
-    rigid : (t, 6)      by which the run's displacements differ from these: z rests at an interface there
+    rigid : (t, 6)      rigid motion between these displacements and the run's (z is zero at an interface)
     """
 
     vectors: Array
@@ -40,7 +40,7 @@ class RunColumns:
     rigid: Array
 
     def at(self, rows: slice) -> RunColumns:
-        """A part of the run."""
+        """The rows of a part of the run."""
         parts = (self.coordinates, self.rates, self.accelerations, self.rigid)
         return RunColumns(self.vectors, *(each[rows] for each in parts))
 
@@ -50,10 +50,10 @@ def run_columns(
 ) -> RunColumns:
     """Columns and coordinates of a run of a reduced body.
 
-    Where a condensed quartic tensor lets motion z outside the basis follow it, the run balances at
-    V gamma + z: there its residual is small, and there the tangent is to be taken. The few directions that z
-    takes along the run are appended; whatever they leave out is error like any other, for the error equation
-    holds about any motion near the true one.
+    Where a condensed quartic tensor adds motion z outside the basis, the run is in balance at V gamma + z.
+    Its residual is small there, and the tangent must be taken there. The few directions of z along the run
+    are appended. The remainder of z counts as error, because the error equation holds about any motion near
+    the true one.
     """
     gamma, rate, acceleration = (
         motion.coordinates,
@@ -69,7 +69,7 @@ def run_columns(
     condensation = Condensation(body, basis)
     sampled = condensation.bilinear(gamma[chosen], gamma[chosen])
     columns = np.hstack([basis.vectors, _leading(body, basis, sampled, float(np.linalg.norm(gamma[chosen])))])
-    # z is not M-orthogonal to V, from which it differs in energy alone.
+    # z is not M-orthogonal to V; it is orthogonal in energy only.
     onto = columns.T @ (body.mass @ sampled)
     joined = []
     for given, wanted in zip(
@@ -91,11 +91,11 @@ def run_columns(
 
 @dataclass(frozen=True, eq=False)
 class MotionColumns:
-    """Columns in which all runs of a reduced body move, the first r of which are V.
+    """Columns that contain the motion of all runs of a reduced body, the first r of which are V.
 
     vectors : (n, s)
-    following : (s, r (r + 1) / 2)      what z of a pair of V's columns takes of them; None: nothing follows
-    rigid : (6, r (r + 1) / 2)          the same of `RunColumns.rigid`
+    following : (s, r (r + 1) / 2)      coordinates of z in these columns, per pair of V's columns; None: no z
+    rigid : (6, r (r + 1) / 2)          the same for `RunColumns.rigid`
     """
 
     vectors: Array
@@ -126,9 +126,9 @@ class MotionColumns:
 def motion_columns(
     body: FlexibleBody, reduced: ReducedBody, basis: ReductionBasis, coordinates: Array
 ) -> MotionColumns:
-    """The columns of all runs of a reduced body: V, and directions that z takes at some of their coordinates.
+    """The columns for all runs of a reduced body: V, and directions of z at some of their coordinates.
 
-    coordinates : (t, r)    of those runs, some instants of which show where z goes
+    coordinates : (t, r)    of those runs, at times that show the directions of z
     """
     if reduced.condensed is None or not np.any(coordinates):
         return MotionColumns(basis.vectors)
@@ -144,9 +144,9 @@ def motion_columns(
 
 
 def _leading(body: FlexibleBody, basis: ReductionBasis, fields: Array, moved: float) -> Array:
-    """Leading directions of fields outside a basis, M-orthonormal; `moved` is the length of the motion.
+    """Leading directions of fields outside a basis, M-orthonormal; `moved` is the size of the motion.
 
-    What is left of a field that the basis holds is round-off, and so is z itself where the basis is complete.
+    The remainder of a field within the basis is round-off, and so is z itself for a complete basis.
     """
     mass, known = body.mass, basis.vectors
     seen = frame_projector(body, basis.frame)

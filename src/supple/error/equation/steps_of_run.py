@@ -1,4 +1,4 @@
-"""The steps of a run as the linearised march takes them: so many at once, with the turns of the frames."""
+"""The steps of a run in blocks for the linearised march, with the rotations of the frames."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ STEPS_AT_ONCE = 64
 def blocks_of_run(
     motion: SystemMotion, histories: tuple[GainHistory, ...]
 ) -> Iterator[tuple[StepOfRun, int]]:
-    """Steps of the run, so many at once, the last one repeated where there are fewer; and their number."""
+    """Blocks of equal numbers of steps, the last filled up with its last step; and the number of steps."""
     frames = motion.configuration.rotations
-    # (t, nb, 3): the turn of every frame in the step that ends at each time.
+    # (t, nb, 3): the rotation of every frame in the step that ends at each time.
     turn = rotation_vectors(frames[:-1].swapaxes(-1, -2) @ frames[1:])
     h = np.diff(motion.time)
     for start in range(0, len(h), STEPS_AT_ONCE):
@@ -36,7 +36,7 @@ def blocks_of_run(
 
 
 def rotations(vectors: Array) -> Array:
-    """Rotations (t, k, 3, 3) of rotation vectors (t, k, 3); in NumPy, which compiles nothing."""
+    """Rotations (t, k, 3, 3) of rotation vectors (t, k, 3); in NumPy, which needs no compilation."""
     turned = Rotation.from_rotvec(vectors.reshape(-1, 3)).as_matrix()
     return turned.reshape(*vectors.shape, 3)
 
@@ -47,7 +47,7 @@ def rotation_vectors(matrices: Array) -> Array:
 
 
 def standing(motion: SystemMotion, histories: tuple[GainHistory, ...]) -> StepOfRun:
-    """The start of a run as a block of steps of no length."""
+    """The start of a run as a block of steps of zero length."""
     first, own = jax.tree.map(
         lambda leaf: np.broadcast_to(leaf[0], (STEPS_AT_ONCE, *np.shape(leaf)[1:])), (motion, histories)
     )

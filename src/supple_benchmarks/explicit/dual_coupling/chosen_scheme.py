@@ -14,14 +14,15 @@ __all__ = ["chosen_scheme"]
 def chosen_scheme(
     coupling: Coupling, h: float, *, linear: bool, safety: float = 0.9, largest_ratio: int = 50
 ) -> GravouilCombescure | PrakashHjelmstad:
-    """The longest stable long step, of the scheme that suits the elements.
+    """The scheme suited to the elements, with its longest stable long step.
 
         ratio = floor(safety 2 / (omega_max h)),     h <= 2 / omega_max(M_2, K_2)
 
-    With multipliers each side keeps a limit of its own. Prakash and Hjelmstad lose least energy and
-    needs two passes over linear elements; nonlinear ones get Gravouil and Combescure's, which needs one.
+    With multipliers each side has a stability limit of its own. Prakash and Hjelmstad's scheme loses least
+    energy and needs two passes over linear elements. Nonlinear elements get Gravouil and Combescure's, with
+    one pass.
 
-    h : of the elements, s;   linear : whether their force is;   largest_ratio : short steps, at most
+    h : step of the elements, s;   linear : whether their force is linear;   largest_ratio : of the steps
     Raises ModelError for a step above the limit of the elements, or of the modes.
     """
     side = coupling.elements

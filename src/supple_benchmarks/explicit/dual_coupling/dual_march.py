@@ -26,11 +26,12 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class CoupledMotion:
-    """Outcome at the output times.
+    """Result at the output times.
 
     modal, elements : (t, k), (t, n) displacements;   energies : (t, 2) of the sides, J
-    interface : (t, 2) work of the multipliers on either side so far, J: their sum is what the interface gives
-    gap : largest difference of interface velocities, where continuity is asked, m/s
+    interface : (t, 2) work of the multipliers on either side so far, J; their sum is the energy of the
+        interface
+    gap : largest difference of interface velocities at times when continuity is required, m/s
     """
 
     times: FloatArray
@@ -51,12 +52,13 @@ def dual_march(
     elements: tuple[FloatArray, FloatArray],
     every: int = 1,
 ) -> CoupledMotion:
-    """March both sides from their displacements and velocities.
+    """Integrate both sides from their displacements and velocities.
 
         M a = f + C^T Lambda,   C_1 v_1 + C_2 v_2 = 0,   central differences (Newmark, beta 0, gamma 1/2)
 
-    h : of the elements, s;   n_steps : long steps, of scheme.ratio h;   every : long steps between outputs
-    Energies are those that central differences keep, 1/2 v M v + 1/2 u K u - h^2/8 a M a, of linear elements.
+    h : step of the elements, s;   n_steps : long steps, of scheme.ratio h;   every : long steps per output
+    Energies are those that central differences conserve for linear elements, 1/2 v M v + 1/2 u K u - h^2/8 a
+    M a.
     """
     side = coupling.elements
     arrays = CoupledArrays(

@@ -1,8 +1,8 @@
-"""H = D + U U^T of the interface: diagonal of matching elements plus the rank of the modes (Woodbury).
+"""H = D + U U^T of the interface: diagonal of matching elements plus a low-rank term of the modes (Woodbury).
 
     H^-1 = D^-1 - D^-1 U (I + U^T D^-1 U)^-1 U^T D^-1
 
-O(l k) a solution, O(l k^2) once; for a mortar, whose D is full, Cholesky's factor takes its place.
+O(l k) per solution, O(l k^2) once; for a mortar, whose D is full, a Cholesky factor replaces it.
 """
 
 from __future__ import annotations

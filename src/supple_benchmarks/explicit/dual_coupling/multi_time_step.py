@@ -24,7 +24,7 @@ __all__ = ["GravouilCombescure", "MultiTimeStep", "PrakashHjelmstad"]
 
 
 class Side(NamedTuple):
-    """Displacement, velocity and acceleration of a side at one instant."""
+    """Displacement, velocity and acceleration of a side at one time."""
 
     u: Array
     v: Array
@@ -32,10 +32,10 @@ class Side(NamedTuple):
 
 
 class CoupledState(NamedTuple):
-    """Both sides at a long step's end.
+    """Both sides at the end of a long step.
 
-    multiplier : (l,) N, the last;   works : (2,) of the interface on either side so far, J
-    gap : largest difference of velocities across the interface so far, where continuity is asked, m/s
+    multiplier : (l,) N, the last one;   works : (2,) of the interface on either side so far, J
+    gap : largest difference of velocities across the interface so far, when continuity is required, m/s
     """
 
     time: Array
@@ -69,16 +69,16 @@ class MultiTimeStep(Protocol):
         ...
 
     def step(self, arrays: CoupledArrays, coupling: Coupling, state: CoupledState, h: Array) -> CoupledState:
-        """The state a long step later."""
+        """The state after one long step."""
         ...
 
 
 @dataclass(frozen=True)
 class GravouilCombescure:
-    """Continuity at every short step, of the elements with the interpolated free velocity of the modes.
+    """Continuity at every short step, between the elements and the interpolated free velocity of the modes.
 
-    Stable; takes energy out for ratio > 1. The interpolation starts from the FREE part of the velocity at the
-    beginning: with the whole velocity all gaps close as well, and half of the energy goes.
+    Stable; dissipates energy for ratio > 1. The interpolation starts from the FREE part of the velocity at
+    the beginning. With the whole velocity all gaps close as well, but half of the energy is lost.
     """
 
     ratio: int = 1
@@ -93,10 +93,10 @@ class GravouilCombescure:
         return interface_operator(own, np.sqrt(0.5 * h * self.ratio) * coupling.modal.rows)
 
     def step(self, arrays: CoupledArrays, coupling: Coupling, state: CoupledState, h: Array) -> CoupledState:
-        """The state a long step later."""
+        """The state after one long step."""
         long = self.ratio * h
         free = _free_modes(arrays, state.modal, long)
-        # What the last multiplier added to the velocity is taken out: the free part at the beginning.
+        # Subtract the contribution of the last multiplier: the free part of the velocity at the beginning.
         begin = arrays.modal_rows @ (state.modal.v - 0.5 * long * (arrays.modal_rows.T @ state.multiplier))
         end = arrays.modal_rows @ free.v
 
@@ -124,9 +124,9 @@ class GravouilCombescure:
 
 @dataclass(frozen=True)
 class PrakashHjelmstad:
-    """Continuity at long steps only, multipliers linear in between: no energy is lost in linear sides.
+    """Continuity at long steps only, multipliers linear in between: linear sides lose no energy.
 
-    passes : over the short steps: 2 are exact for linear elements, more correct nonlinear ones
+    passes : over the short steps: 2 are exact for linear elements, further ones correct nonlinear elements
     """
 
     ratio: int = 1
@@ -138,7 +138,7 @@ class PrakashHjelmstad:
             raise ModelError(f"Prakash and Hjelmstad's scheme needs at least 2 passes, got {self.passes}")
 
     def operator(self, coupling: Coupling, h: float) -> InterfaceOperator:
-        """H = dT/2 C_1 C_1^T + velocity of side 2 at the end of a unit ramp, its stiffness that at rest."""
+        """H = dT/2 C_1 C_1^T + velocity of side 2 at the end of a unit ramp, with its stiffness at rest."""
         side = coupling.elements
         pull = side.rows.T / side.mass[:, None]
         stiff = side.stiffness
@@ -151,7 +151,7 @@ class PrakashHjelmstad:
         return interface_operator(0.5 * (ramp + ramp.T), np.sqrt(0.5 * h * self.ratio) * coupling.modal.rows)
 
     def step(self, arrays: CoupledArrays, coupling: Coupling, state: CoupledState, h: Array) -> CoupledState:
-        """The state a long step later."""
+        """The state after one long step."""
         long = self.ratio * h
         free = _free_modes(arrays, state.modal, long)
 

@@ -1,4 +1,4 @@
-"""The two sides of a dual coupling: modes that march by long steps, elements that march by short ones."""
+"""The two sides of a dual coupling: modes with long steps, elements with short steps."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ class ModalSide:
 class ElementSide:
     """m u'' = f(u, t) + C^T Lambda.
 
-    mass : (n,) kg;   force : of u (n,) and time, -internal + external, N; nonlinear if one likes
-    rows : (l, n)     C; with a single entry in each row where meshes match, a mortar's otherwise
+    mass : (n,) kg;   force : of u (n,) and time, -internal + external, N; may be nonlinear
+    rows : (l, n)     C; one entry per row for matching meshes, more for a mortar
     stiffness : (n, n) at rest, for the response to a unit ramp (Prakash and Hjelmstad); sparse or dense
     """
 
@@ -46,7 +46,7 @@ class ElementSide:
 class Coupling:
     """C_1 v_1 + C_2 v_2 = 0 between the two.
 
-    Raises ModelError for rows of unlike number, or an element side whose rows depend on one another: then the
+    Raises ModelError for different numbers of rows, or linearly dependent rows of the element side: then the
     multipliers are not unique.
     """
 
@@ -61,4 +61,4 @@ class Coupling:
                 "elements"
             )
         if np.linalg.matrix_rank(second) < len(second):
-            raise ModelError("the rows of the element side depend on one another: tie each freedom once")
+            raise ModelError("the rows of the element side are linearly dependent: tie each freedom once")
