@@ -84,7 +84,7 @@ def correct_recorded(
             **columns_of(corrected.system),
             **errors_metadata(corrected.solution.errors),
         }
-        # The motion comes last: where it is, its bodies are.
+        # The motion is written last: where it exists, its bodies exist.
         store_bodies(corrected.system, starts, path.parent)
         write_solution(
             path, corrected.solution, case=case, metadata=metadata, inputs=inputs or {"the case": case}

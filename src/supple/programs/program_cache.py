@@ -38,7 +38,7 @@ _MOST_AT_HAND = 16
 
 
 class CachedProgram:
-    """A function of arrays, compiled once for all arguments that differ in numbers alone.
+    """A function of arrays, compiled once for all arguments that differ in numbers only.
 
     function : of pytrees, by position; its result contains arrays in tuples and named tuples
     options : compiler options

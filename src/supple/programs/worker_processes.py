@@ -115,7 +115,7 @@ class _ProgramWork:
 
 
 def on_all_cores(program: CachedProgram, tasks: Sequence[Task]) -> Iterator[Finished]:
-    """Run a program for many arguments, which agree in all but numbers; what comes first is given first."""
+    """Run a program for many arguments that differ in numbers only; results in order of completion."""
     return shared_out(_ProgramWork(program), tasks)
 
 

@@ -88,7 +88,7 @@ def force_for_rotation(bending: float, length: float, rotation: float) -> tuple[
 
 
 def rotated_rigidly(mesh: Mesh, motion: Array, around: Rotation) -> Array:
-    """Nodal freedoms (N, 6) of a motion followed by a rotation about the origin."""
+    """Nodal degrees of freedom (N, 6) of a motion followed by a rotation about the origin."""
     moved = around.apply(mesh.nodes + motion[:, :3]) - mesh.nodes
     return np.column_stack([moved, (around * Rotation.from_rotvec(motion[:, 3:])).as_rotvec()])
 

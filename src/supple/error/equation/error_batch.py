@@ -130,7 +130,7 @@ def _stacked(trees: Sequence[Any]) -> Any:
 
 @lru_cache(maxsize=16)
 def _mapped_march(model_structure: Any, axes: Axes) -> CachedProgram:
-    """The compiled march over cases, for one pattern of shared and differing numbers."""
+    """The compiled march over cases, for one pattern of shared and differing arguments."""
 
     def over_cases(leaves: list[Any], gains: Any, coefficients: Any, states: Any, blocks: Any) -> Any:
         def one_case(own: list[Any], state: Any, block: Any) -> Any:
