@@ -31,7 +31,7 @@ from supple.stepping.marching import Marching, MarchingState
 from supple.stepping.parameters import AffineArrays, MachineParameters, affine_arrays
 from supple.stepping.sensed_machine import SensedMachine, ends_on_lines
 from supple.stepping.sensed_outputs import SensedOutputs, sensed_outputs
-from supple.stepping.variables import Variable
+from supple.stepping.variables import Variable, check_names
 from supple.units import UNNAMED, UnitSystem
 
 __all__ = ["StepProgram", "StepState", "step_program"]
@@ -180,7 +180,7 @@ def step_program(
     march, arrays, state, seen = _made_ready(external.system, run, sensors)
     external.check_read(arrays)
     sensed = sensed_outputs(seen, sensors, units)
-    _check_names((*own, *external.variables), sensed)
+    check_names((*own, *external.variables), sensed.variables)
     parts = AffineArrays(_Parts(arrays, sensed.reads, contacts_of(seen.system)), np.zeros(0), {})
     motion = march.motion(external.given(arrays, external.start), state)
     first = _read(sensed, march.model(arrays), motion)
@@ -310,16 +310,4 @@ def _check_lines(system: System, inputs: Mapping[str, Any]) -> None:
             raise ModelError(
                 f"the prescribed motion of '{name}' cannot be an input beside intrinsic bodies, whose "
                 "equations contain its rate: drive a free joint by a servo, and make its set-point the input"
-            )
-
-
-def _check_names(given: Sequence[Variable], outputs: SensedOutputs) -> None:
-    """ModelError if there is no output, or if two variables have the same name."""
-    if not outputs.variables:
-        raise ModelError("the machine has no output: name sensors, or points to track")
-    names = [variable.name for variable in (*given, *outputs.variables)]
-    for name in names:
-        if names.count(name) > 1:
-            raise ModelError(
-                f"two parameters, inputs or outputs would be named '{name}': give them other names"
             )

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-__all__ = ["Variable"]
+from supple.errors import ModelError
+
+__all__ = ["Variable", "check_names"]
 
 
 @dataclass(frozen=True)
@@ -18,3 +21,15 @@ class Variable:
     unit: str
     description: str
     start: float = 0.0
+
+
+def check_names(given: Sequence[Variable], outputs: Sequence[Variable]) -> None:
+    """ModelError if there is no output, or if two variables have the same name."""
+    if not outputs:
+        raise ModelError("the machine has no output: name sensors, or points to track")
+    names = [variable.name for variable in (*given, *outputs)]
+    for name in names:
+        if names.count(name) > 1:
+            raise ModelError(
+                f"two parameters, inputs or outputs would be named '{name}': give them other names"
+            )

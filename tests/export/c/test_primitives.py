@@ -75,6 +75,7 @@ def _places(a, v, t, i):
             t[1, np.array([0, 2])],
         ),
         (a.at[1:3].multiply(2.0), a.at[np.array([0, 0, 1])].add(1.0), a.at[2, 3].set(v[0])),
+        jnp.ones(5).at[jnp.array([i, i + 5])].get(mode="fill", fill_value=3.0) * v[0],
         (a[i], a[i, i + 1], v[jnp.array([i, i + 1, 9])], a.at[i].add(v), a.at[i + 9].set(v)),
         (lax.dynamic_slice(a, (i, 1), (2, 3)), lax.dynamic_update_slice(a, v[None, :3], (i, i))),
         (jnp.searchsorted(jnp.arange(7.0), v[0]), v.at[i].max(9.0), a.at[jnp.array([i, 9])].add(1.0)),

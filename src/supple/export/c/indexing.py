@@ -33,7 +33,7 @@ class _Starts:
         inside = known is not None and bool(((known >= 0) & (known <= rooms)).all())
         # PROMISE_IN_BOUNDS may be broken: XLA then reads the nearest element, and writes none.
         fills = "FILL" in str(mode) or (writes and "CLIP" not in str(mode))
-        self._clips, self._drops = not inside and not fills, not inside and fills
+        self._clips, self.drops = not inside and not fills, not inside and fills
 
     def start(self, row: Index, axis: int) -> str:
         """First index of a window along an axis of the operand, in C."""
@@ -44,7 +44,7 @@ class _Starts:
 
     def outside(self, row: Index) -> str:
         """C condition that a window is outside the operand; "" if it never is."""
-        if not self._drops:
+        if not self.drops:
             return ""
         tests = []
         for axis in self._mapped:
@@ -67,7 +67,7 @@ def _gather(
     batches = dict(zip(numbers.operand_batching_dims, numbers.start_indices_batching_dims, strict=True))
     filling = one.params["fill_value"]
     filling = filling if filling is not None else (np.nan if np.dtype(dtype).kind == "f" else 0)
-    if isinstance(operand, UniformValue):
+    if isinstance(operand, UniformValue) and not starts.drops:
         return [UniformValue(shape, operand.dtype, operand.number)]
 
     def by_index(index: Index) -> str:

@@ -22,7 +22,7 @@ from supple.quantities import Quantity
 from supple.stepping.external_inputs import external_inputs
 from supple.stepping.sensed_machine import SensedMachine
 from supple.stepping.sensed_outputs import SensedOutputs, sensed_outputs
-from supple.stepping.variables import Variable
+from supple.stepping.variables import Variable, check_names
 from supple.units import UNNAMED, UnitSystem
 
 __all__ = ["LinearForm", "linear_form"]
@@ -96,8 +96,7 @@ def linear_form(
             "export the nonlinear machine"
         )
     sensed = sensed_outputs(SensedMachine(machine.system, machine.system), sensors, units)
-    if not sensed.variables:
-        raise ModelError("the machine has no output: name sensors, or points to track")
+    check_names(given.variables, sensed.variables)
     small = small_motions(rest, run.start, given, sensed)
     a, b, changes = _equations(machine, small)
     _, read = small.along(changes)
