@@ -91,7 +91,7 @@ def _needed(files: list[Path]) -> list[Path]:
     needed = list(files)
     for path in needed:  # grows during the loop
         text = path.read_text("utf-8") if path.suffix in _RUN else ""
-        named = [other for name, other in known.items() if name in text]
+        named = [other for name, other in known.items() if re.search(rf"(?<![\w-]){re.escape(name)}\b", text)]
         origin = known.get(f"{path.stem}.README.md")
         needed += [each for each in [*named, *([origin] if origin else [])] if each not in needed]
     return needed

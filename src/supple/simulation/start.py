@@ -126,8 +126,8 @@ class Start:
         name, known = placed.body.name, self.solution.bodies
         if name not in known:
             raise ModelError(
-                f"body '{name}' has no motion to start from{did_you_mean(name, known)}; there are: "
-                f"{', '.join(known)}. Bodies are matched by name"
+                f"body '{name}' has no motion to start from{did_you_mean(name, known)}. "
+                "Bodies are matched by name"
             )
         motion, body = known[name], placed.body
         same = self._is_same(placed, motion)

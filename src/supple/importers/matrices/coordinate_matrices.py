@@ -1,5 +1,4 @@
-"""Matrices as lists of entries: Abaqus (*MATRIX GENERATE, .mtx) and CalculiX (MATRIXSTORAGE, .sti and "
-".mas)."""
+"""Matrices as lists of entries: Abaqus (*MATRIX GENERATE, .mtx) and CalculiX (MATRIXSTORAGE, .sti, .mas)."""
 
 from __future__ import annotations
 

@@ -1,5 +1,4 @@
-"""Labelled matrices: stiffness or mass whose rows are known by node id and component, as programs export "
-"them."""
+"""Labelled matrices: stiffness or mass with rows identified by node id and component."""
 
 from __future__ import annotations
 
@@ -29,8 +28,7 @@ SYMMETRY = 1e-9
 
 
 class MatrixRole(Enum):
-    """Role of a matrix: its name in messages and HDF5 files, and the first letter of its names in other "
-    "files."""
+    """Role of a matrix: its name in messages and HDF5 files, and the first letter of other names."""
 
     STIFFNESS = ("stiffness", "K")
     MASS = ("mass", "M")
