@@ -130,7 +130,9 @@ def test_strict_judges_the_run_that_is_accepted(case):
         .replace("alpha = 0.0, beta = 0.02", "alpha = 20.0, beta = 0.0")
     )
     case.write_text(text.replace('kind = "mean-axis"', 'kind = "nodal-fixed", interface = "root"'))
-    assert "error: body 'strip' turns by" in call("run", case, "-o", case.parent / "out", "--strict", code=2)
+    assert "error: body 'strip' rotates by" in call(
+        "run", case, "-o", case.parent / "out", "--strict", code=2
+    )
 
 
 @pytest.mark.slow

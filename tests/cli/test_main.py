@@ -193,9 +193,9 @@ def test_pictures_and_animation_are_drawn(case_folder, monkeypatch):
 def test_strict_stops_at_a_motion_beyond_the_shell_s_validity(case_folder):
     case = case_folder / "strip.toml"
     case.write_text(case.read_text().replace("2.1e11", "5e8"))
-    assert "warning: body 'strip' turns by" in call("run", case, "-o", case_folder / "out")
+    assert "warning: body 'strip' rotates by" in call("run", case, "-o", case_folder / "out")
     strictly = call("run", case, "-o", case_folder / "out", "--strict", "--force", code=2)
-    assert "error: body 'strip' turns by" in strictly
+    assert "error: body 'strip' rotates by" in strictly
 
 
 def test_resuming_a_complete_run_is_refused(finished):

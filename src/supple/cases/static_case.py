@@ -75,11 +75,11 @@ def starting_system(case: Case, simulated: System | None = None, *, allow_code: 
 
     simulated : the machine with the bodies of a run, from `result_machine`; by default that of the case
 
-    Bodies with a self-correcting reduction are in equilibrium with all their coordinates. The bases of their
-    rounds contain this deformed shape.
+    For bodies with a self-correcting reduction, the equilibrium is that of the full body. The bases of all
+    rounds contain its deformed shape.
 
-    Its controllers are created for the machine as placed. Traced ones act in the equilibrium; sampled ones
-    are first called at the start of the run.
+    The controllers are created for the machine as placed. Traced controllers act in the equilibrium; sampled
+    controllers are first called at the start of the run.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def starting_system(case: Case, simulated: System | None = None, *, allow_code: 
         return continued_from(wanted.start, case, system)
     if wanted.start == "placed":
         return system
-    case.notify("searching the equilibrium")
+    case.notify("searching for the equilibrium")
     traced = tuple(each for each in system.controllers if isinstance(each, Controller))
     acting = replace(system, controllers=traced)
     # A run needs only the equilibrium, neither its stability nor its forces.
@@ -143,11 +143,11 @@ def static_case(
     allow_code: bool = False,
     progress: StepProgress = silent,
 ) -> StaticResult:
-    """Find the equilibrium of a case, write its numbers (`CASE-static.json`), a page and a picture.
+    """Find the equilibrium of a case; write its numbers (`CASE-static.json`), page and picture.
 
     folder : created if missing
-    time : of loads and laws
-    errors : estimate the error of the bases, which takes a factorisation with all their coordinates
+    time : time at which loads and laws are evaluated
+    errors : estimate the error of the bases, which takes a factorisation of the full bodies
     allow_code : whether the controllers of the case may run
 
     Raises
@@ -161,8 +161,8 @@ def static_case(
     system = analysed_system(case, allow_code=allow_code)
 
     def searching(_: int, residual: float) -> None:
-        # Newton's method doubles the digits at the end: the bar shows the number of correct digits.
-        progress("searching the equilibrium", float(np.clip(-np.log10(residual + 1e-300) / 9, 0.0, 1.0)))
+        # The bar shows the number of correct digits, which Newton's method doubles near the solution.
+        progress("searching for the equilibrium", float(np.clip(-np.log10(residual + 1e-300) / 9, 0.0, 1.0)))
 
     searching(0, 1.0)
     if case.starts:
@@ -170,7 +170,7 @@ def static_case(
     else:
         fulls = None if errors else ()
         found = equilibrium(system, time=time, spin=spin_of(case), fulls=fulls, progress=searching)
-    progress("searching the equilibrium", 1.0)
+    progress("searching for the equilibrium", 1.0)
     places = {name: case.place(name) for name in case.parts.output.track}
     tracked = tracked_places(found.system, found.solution, places, case.bases)
     numbers: dict[str, Any] = {

@@ -33,7 +33,7 @@ def run_case(
     errors: bool = True,
     allow_code: bool = False,
 ) -> None:
-    """Run the case file at `path` and print its tables; parameters and errors as for `cases.run_case`.
+    """Run the case file at `path` and print its tables; parameters and exceptions as for `cases.run_case`.
 
     Interrupted by Ctrl-C (SIGINT) or by the system (SIGTERM), it prints what is stored, and exits with 130 or
     143.

@@ -30,7 +30,7 @@ __all__ = ["TensorModes", "strain_modes", "stress_modes"]
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Numbers of the field in memory at a time (32 MiB): a long run of a large body would not fit.
+# Numbers of the field in memory at a time (32 MiB): the field of a long run of a large body does not fit.
 _FIELD_NUMBERS = 2**22
 
 
@@ -91,10 +91,9 @@ class TensorModes:
         return field.reshape(*gamma.shape[:-1], *self.linear.shape[:3])
 
     def von_mises(self, coordinates: ArrayLike) -> Array:
-        """The von Mises equivalent (..., N), the largest over the layers; in blocks of times that fit in
-        memory.
+        """The largest von Mises equivalent (..., N) over the layers of each node.
 
-        Layers that cannot have the largest (`StressLayers.outer`) are not evaluated.
+        It is computed in blocks of times that fit in memory, in the layers `outer` only.
         """
         gamma = self._checked(coordinates)
         rows = gamma.reshape(-1, self.r)
@@ -144,11 +143,11 @@ def stress_modes(body: ReducedBody, model: FiniteElementModel, nodes: ArrayLike 
 
         sigma(gamma) = S1 gamma + S2 (gamma gamma) + S3 z(gamma)
 
-    S1 is the stress of each column, S2 that of each pair of columns by the quadratic part of the strain,
-    without which a body that rotates far relative to its frame, such as a bent blade, has spurious stress. S3
-    is that of the condensed motion z, which cancels the stress of stiff motion that the columns lack. A
-    linear body has S1 alone, the stress of its K gamma. Memory: N l 6 r numbers, and N 6 r(r+1)/2 and N l 6 m
-    (m fields of z) for a nonlinear body; restrict the nodes if that is too much.
+    S1 is the stress of each column, and S2 that of each pair of columns, from the quadratic part of the
+    strain. Without S2, a body with large rotations relative to its frame, such as a bent blade, has false
+    stress. S3 is the stress of the condensed motion z, the stiff motion that the columns lack. A linear body
+    has S1 alone, the stress of its K gamma. Memory: N l 6 r numbers; for a nonlinear body also
+    N l 6 r(r+1)/2 and N l 6 m (m fields of z). If that is too much, give fewer nodes.
 
     Parameters
     ----------
@@ -225,7 +224,7 @@ class _Part:
     """Some cells of a section and their common nodes.
 
     rows : (R,)                     positions in the field
-    share : csr (R, E g l')         weights of the tensors of each point
+    share : csr (R, E g l')         weights of the tensors at the points of each cell and layer
     arrays : QuadraticStrain        of the E cells
     to_field : (E, 6 l', s)         tensors from a strain
     """
@@ -257,7 +256,7 @@ def _parts(section: SectionStress, shares: csr_array, r: int) -> Iterator[_Part]
 
 
 def _pair_strains(form: Array, gradients: Array) -> Iterator[tuple[slice, Array]]:
-    """Quadratic strain of the pairs (j, k >= j), one j at a time: their positions, and (E, g, s, r - j).
+    """For each j, the pairs (j, k >= j): their positions among all pairs, and their strain (E, g, s, r - j).
 
     form : (s, d, d), or (E, g, s, d, d);  gradients : (E, g, d, r)
     """

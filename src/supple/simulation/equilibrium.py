@@ -75,7 +75,7 @@ class Equilibrium(Summarized):
 
 
 @checked_arguments
-@with_progress_bar("searching the equilibrium")
+@with_progress_bar("searching for the equilibrium")
 def equilibrium(
     system: System,
     *,

@@ -34,7 +34,10 @@ _A_MOMENT = 0.05
 
 @contextmanager
 def raising_terminated() -> Iterator[bool]:
-    """Within the block SIGTERM raises Terminated, unless the program has a handler; yields whether."""
+    """Within the block SIGTERM raises Terminated, unless the program has its own handler.
+
+    Yields whether it does raise: False with a handler, and outside the main thread.
+    """
     handles = (
         threading.current_thread() is threading.main_thread()
         and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL

@@ -103,7 +103,7 @@ def test_a_bar_that_bends_far_is_said():
     push = [DeadForce(at=f"rotor.{end}", force=(0.0, 0.0, 1.5)) for end in ("root", "tip")]
     with pytest.warns(ValidityWarning, match="rad relative to its frame") as said:
         solution = simulate(System([part], loads=push), Run(2.0, 0.1))
-    angle = float(re.search(r"turns by (\S+) rad", str(said[0].message)).group(1))
+    angle = float(re.search(r"rotates by (\S+) rad", str(said[0].message)).group(1))
     x, z = part.body.nodes[:, 0], part.positions(solution.bodies["rotor"])[:, :, 2]
     inner, end = (z[:, np.isclose(x, at)].mean(axis=1) for at in (LENGTH * 11 / 12, LENGTH))
     assert angle == pytest.approx(np.abs(end - inner).max() / (LENGTH / 12), rel=0.05)

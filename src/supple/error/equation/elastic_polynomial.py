@@ -3,7 +3,6 @@
 With about a hundred columns the polynomial of the tangent does not fit in memory; `elastic_history` then uses
 sample times of one run. With the thirty columns of an indicator it fits, and takes one pass over the elements
 for any number of runs. With g the coordinates of a run in the first s columns, beyond the stiffness at rest
-however many runs follow. With g the coordinates of a run in the first s columns, beyond the stiffness at rest
 
     f_a       = (L_ajl / 2 + T_ajl) g_j g_l + C_iajl g_i g_j g_l / 2
     df_a/dg_b = (L_abl + T_abl + T_alb) g_l + (C_bajl / 2 + C_jabl) g_j g_l

@@ -45,14 +45,14 @@ def write_fmu(
 
     Raises
     ------
-    ModelError          another version; no compiler, or one that fails; an operation of the equations without
-                        a translation to C
+    ModelError          `fmi` is not 3 or 2; there is no compiler, or it fails; an operation of the equations
+                        cannot be translated to C
     ResultFileError     the file cannot be written
     """
     _check_version(fmi)
     compilers = compilers_of(platforms, fmi)  # first, because generating the sources takes longer
     made = machine_sources(step, title)
-    # Equal machines have equal tokens: an importer may cache data by token.
+    # Equal machines have equal tokens, because importers may cache data by token.
     token = _token((made["machine.c"] + made["machine.h"]).encode())
     simulation = Template(_asset("printed_simulation.h")).substitute(token=token, **_of_simulation(step))
     sources = {
@@ -72,11 +72,12 @@ def write_linear_fmu(
 ) -> Path:
     """Write a linear machine as an FMU for co-simulation; returns the path.
 
-    Arguments and errors as in `write_fmu`. The libraries are those that were built with the package, for all
-    platforms if none is given. If the package has none, they are compiled as in `write_fmu`. They read the
-    matrices from `resources/linear.bin`. That file has the token and little-endian doubles: the version 1;
-    the numbers of states, inputs and outputs; start time and time step of the run; inputs at rest; outputs
-    at rest; states at the start; A, B, C, D by rows.
+    Arguments and errors as in `write_fmu`. The libraries are those built with the package: the given ones,
+    or all if no platform is given. If one of these is missing, or the package has none, they are
+    compiled as in `write_fmu`. They read the matrices from `resources/linear.bin`. That file has the token
+    and little-endian doubles: the number 1 (version of this format); the numbers of states, inputs and
+    outputs; start time and time step of the run; inputs at rest; outputs at rest; states at the start; A, B,
+    C, D by rows.
     """
     _check_version(fmi)
     head = [1, len(form.state), len(form.inputs), len(form.outputs), form.time, form.size]

@@ -1,4 +1,4 @@
-"""Recovery matrices (OTM): displacements of points inside a condensed model by the freedoms of its matrices.
+"""Recovery matrices (OTM): displacements of inner points of a condensed model from its freedoms.
 
 HDF5, beside the matrices of `hdf5_matrices`:
 
@@ -6,8 +6,8 @@ HDF5, beside the matrices of `hdf5_matrices`:
 /recovery/ids          (P,) int         labels; default 1 .. P
 /recovery/matrix       (3 P, n) float   ux uy uz of each point, columns as /freedoms
 
-OUTPUT4: a matrix whose rows are those grids of the mesh file that the analysis set lacks, by their ids, three
-or six of each; columns are the analysis set.
+OUTPUT4: a matrix with three or six rows for each grid of the mesh file that is not in the analysis set, in
+ascending order of ids, and one column for each freedom of the analysis set.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class RecoveryMatrix:
-    """ids (P,), points (P, 3); matrix (3 P, n), columns the freedoms (n, 2) node id and component."""
+    """Ids (P,), positions (P, 3); matrix (3 P, n), a column for each freedom (node id, component)."""
 
     source: str
     ids: IntArray
@@ -45,7 +45,7 @@ class RecoveryMatrix:
 def read_recovery(path: str | Path, nodes: NodeTable, *, name: str | None = None) -> RecoveryMatrix:
     """The recovery matrix of an HDF5 or OUTPUT4 (.op4, .op2) file.
 
-    nodes : of the mesh file;  name : of the matrix, which OUTPUT4 needs
+    nodes : node table of the mesh file;  name : name of the matrix, required for OUTPUT4
 
     Raises
     ------
@@ -70,7 +70,8 @@ def _of_hdf5(path: Path) -> RecoveryMatrix:
     if points.shape != (len(ids), 3) or matrix.shape != wanted:
         raise ImportFormatError(
             f"{path}: /recovery holds points {points.shape}, {len(ids)} ids and a matrix {matrix.shape}; "
-            f"write points (P, 3) and a matrix (3 P, {len(freedoms)}), ux uy uz of each point by /freedoms"
+            f"write points (P, 3) and a matrix (3 P, {len(freedoms)}), rows ux uy uz of each point, "
+            "columns as /freedoms"
         )
     return RecoveryMatrix(f"{path}, /recovery", ids, points, matrix, freedoms)
 
@@ -100,11 +101,11 @@ def _of_output4(path: Path, nodes: NodeTable, name: str) -> RecoveryMatrix:
 
 
 def in_order(recovery: RecoveryMatrix, freedoms: IntArray) -> RecoveryMatrix:
-    """The same with its columns in the order of given freedoms (m, 2); zero for others.
+    """The same with columns in the order of the given freedoms (m, 2); zero columns for those that it lacks.
 
     Raises
     ------
-    ImportFormatError   nonzero columns of freedoms that are not among these
+    ImportFormatError   a column that is not zero belongs to a freedom that is not given
     """
     place = {tuple(freedom): i for i, freedom in enumerate(freedoms.tolist())}
     found = np.array(

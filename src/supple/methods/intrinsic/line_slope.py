@@ -1,8 +1,9 @@
 """Derivatives of a machine's quadratic equations by its states, from products of its modes.
 
-Each product of two fields at stations gives two terms, in which the modes replace one of the fields. The same
-functions as in the equations evaluate them, with amplitudes that have a last axis of all modes. This takes
-four products of matrices, where differentiation takes one product of a matrix and a vector for each mode.
+The derivative of a product of two fields has two terms; in each, one field is replaced by its modes. The
+functions of the equations evaluate these terms for all modes at once, with the modes along the last axis.
+This takes a few products of two matrices; automatic differentiation takes a product of a matrix and a vector
+for each mode.
 """
 
 from __future__ import annotations

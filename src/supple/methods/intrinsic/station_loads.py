@@ -1,4 +1,4 @@
-"""Loads on the stations of lines, each a function of their positions, velocities, and the time."""
+"""Loads on the stations of lines, as functions of the stations' positions and velocities and of time."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ STATIC = {"static": True}
 
 
 class MovingStations(NamedTuple):
-    """Positions of the stations of a line, and their velocities (n, 6) along their own axes.
+    """Positions of the stations of a line, and their velocities, angular ones too (n, 6), in their own axes.
 
-    places : Places | None      None where no load depends on them
+    places : StationPlaces | None      None if no load depends on positions
     """
 
     places: StationPlaces | None
@@ -42,7 +42,7 @@ class StationLoad(Protocol):
 
 
 def _one(motion: MovingStations, station: jax.Array, wrench: jax.Array) -> jax.Array:
-    # No scatter: over many cases it would be a loop.
+    # `where` instead of a scatter, which would be a loop over the cases of a batch.
     return jnp.where(jnp.arange(motion.velocities.shape[0])[:, None] == station, wrench, 0.0)
 
 
@@ -65,9 +65,9 @@ class Follower:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class Gravity:
-    """Weight of every station, whose mass may be eccentric, minus mass times the base's acceleration.
+    """Weight of every station, with eccentric masses, and its inertia force by the acceleration of the base.
 
-    mass : (n, 6, 3)    momenta of translations of each station, or (6 n, 3 n) where stations share mass
+    mass : (n, 6, 3)    momenta of each station at unit velocities; (6 n, 3 n) if stations share mass
     """
 
     mass: Any
@@ -94,7 +94,7 @@ class Gravity:
 class End:
     """An end of a force element: a station of a line, or a point of the ground (line -1).
 
-    axes : (3, 3)   of the element, along the axes of the station, or global for the ground
+    axes : (3, 3)   axes of the element, in those of the station; on the ground, in global axes
     point : (3,)    of the ground
     """
 
@@ -146,7 +146,7 @@ class SpreadLoad:
     """A nodal load of a machine on points attached to stations.
 
     stations : (k, 2)   the two stations that a point follows rigidly
-    weights : (k, 2)    weights of these
+    weights : (k, 2)    weights of the two stations
     arms : (k, 2, 3)    from station to point at rest
     facets : (f, p)     points of every facet
     """

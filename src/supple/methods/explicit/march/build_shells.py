@@ -25,9 +25,10 @@ IntArray = NDArray[np.int64]
 class Shells:
     """Blocks of shells; parts that share a node share its triad.
 
-    place : (N,)    number of the triad of each node of the model, -1 without
-    inertia, turned : (r,) kg m^2, and alpha J;   triads : (3, 3, r), rates : (3, r) at the start
-    mass, damped : (N,) kg, and alpha m;   spans : part to its blocks
+    place : (N,)    number of the triad of each node of the model; -1 for a node without triad
+    mass : (N,) of the nodes, kg;   damped : (N,) mass times the damping alpha of its part
+    inertia : (r,) of the triads, kg m^2;   turned : (r,) inertia times alpha
+    triads : (3, 3, r), rates : (3, r) at the start;   spans : the blocks of each part, by its name
     rules : law and deletion of each block
     """
 
@@ -44,7 +45,7 @@ class Shells:
 
     @property
     def step_limit(self) -> float:
-        """Step limit of all triangles at rest, s; infinite without any."""
+        """Step limit of all triangles at rest, s; infinite if there are no triangles."""
         return min((float(own.limit) for own in self.blocks), default=np.inf)
 
     def start(self) -> TriadState:
@@ -103,7 +104,7 @@ def explicit_shells(parts: Sequence[Placed], numbers: Mapping[str, IntArray], n_
 
 
 def _layers(of: ShellElements, count: int) -> LayerArrays:
-    """Gauss points through the thickness: exact for a linear distribution, as of elastic stress."""
+    """Gauss points through the thickness, exact for stress linear through it, such as elastic stress."""
     places, weights = np.polynomial.legendre.leggauss(count)
     return LayerArrays(
         jnp.asarray(of.membrane.transpose(1, 2, 0)),

@@ -20,8 +20,8 @@ class AssembledForces(NamedTuple):
     """Forces at t_n.
 
     forces : (4, 3, N) internal, hourglass, contact, external;   blocks : state of each
-    on_obstacles : (o, 3);   moments : (3, r) on the triads of shells
-    plastic, viscous : work of the step that led here, J;   smallest : det F of the worst point
+    on_obstacles : (o, 3) forces on the obstacles;   moments : (3, r) on the triads of shells
+    plastic, viscous : work of the step that led here, J;   smallest : smallest det F of all points
     """
 
     forces: Array
@@ -41,7 +41,7 @@ def nodal_forces(
     blocks: tuple[BlockState, ...],
     obstacles: tuple[ObstacleState, ...],
 ) -> AssembledForces:
-    """Forces at an instant; its step is any number where the increment is zero."""
+    """Forces at an instant. If its increment dx is zero, its step h may be any positive number."""
     x = at.x
     internal, hourglass = jnp.zeros_like(x), jnp.zeros_like(x)
     plastic, viscous, smallest = jnp.zeros(()), jnp.zeros(()), jnp.ones(())

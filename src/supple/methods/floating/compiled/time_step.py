@@ -46,8 +46,8 @@ def _try_step(
 ) -> _Stepped:
     """The iteration for one step of size h, from the acceleration of its start or an extrapolated one.
 
-    Each pass evaluates the residual of the current iterate and, unless that has converged, computes the next
-    one; so the code of either occurs once in the compiled program. The iteration ends with an iterate that
+    Each pass evaluates the residual of the current iterate and, unless it has converged, computes the next
+    iterate: the compiled program contains the code of both only once. The iteration ends with an iterate that
     has converged, or that is predicted to.
     """
     rule = StepRule(controls.coefficients, h)
@@ -131,7 +131,7 @@ def _turn(model: Model, increments: jax.Array) -> jax.Array:
 
 
 def equal_steps(start: State, end: jax.Array) -> jax.Array:
-    """Number of equal steps left to a stop; 1e-9 covers the rounding of their quotient."""
+    """Number of equal steps up to a stop; rounding of the quotient, up to 1e-9, adds no step."""
     return jnp.maximum(jnp.ceil((end - start.time) / start.step * (1 - 1e-9)), 1.0)
 
 
@@ -194,8 +194,8 @@ def march(
 ) -> tuple[State, State]:
     """Simulate to each of the stops (k,), ascending; the final state, and the states there, stacked.
 
-    It ends with the first stop that repeats the one before; the rows behind it are zero. After a failure the
-    state stays where it was: the caller checks `failed`.
+    It ends before the first stop that repeats the previous one; the rows from there on are zero. After a
+    failed step the state does not change any more: the caller must check `failed`.
     """
     shown = start._replace(kept=None)
     rows = jax.tree.map(lambda leaf: jnp.zeros((len(stops), *jnp.shape(leaf)), jnp.result_type(leaf)), shown)
