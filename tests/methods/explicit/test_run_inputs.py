@@ -79,7 +79,7 @@ def test_the_same_run_is_read(kept):
             "load 1, DeadForce on 'tip' of 'bar' has changed",
         ),
         ({"supports": [Support(At("bar", "root"), (1,))]}, "support 1 of 'bar.root' has changed"),
-        ({"contacts": []}, "contact 1 of 'bar.tip' is gone"),
+        ({"contacts": []}, "contact 1 of 'bar.tip' is missing"),
         ({"law": NeoHookean(SOFT)}, "body 'bar' has changed"),
         ({"model": moved(MODEL)}, "body 'bar' has changed"),
     ],
