@@ -24,8 +24,8 @@ ONE_THREAD := PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 
 
 help:
 	@echo "make demo      set up, then run the rotating beam and the 61.5 m blade; results in $(RESULTS)/"
-	@echo "make test      set up, then check style, types, layers and run the tests: five minutes on two cores, eight after changes of what is compiled"
-	@echo "make test-all  the same with the slow tests: half an hour; before every release"
+	@echo "make test      set up, then check style, types, layers and run the tests: three minutes on two cores, five after changes of what is compiled"
+	@echo "make test-all  the same with the slow tests: an hour; before every release"
 	@echo "make soak      kill runs and damage files by the hundred, the longest quick benchmarks: an hour"
 	@echo "make docs      run the examples and build the site of the documentation in build/html (make site: without running them)"
 	@echo "make package   build wheel and sdist, install each in an empty environment and run an example there"

@@ -113,6 +113,7 @@ def test_it_rests_and_vibrates_as_with_a_reduced_body_in_the_place_of_the_full_o
     assert modes[0] == pytest.approx(modes[1], rel=1e-7)
 
 
+@pytest.mark.slow
 def test_it_goes_on_in_the_same_bits():
     machine = pendulum(full=True, rate=1.0)
     parts = []

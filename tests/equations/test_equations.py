@@ -124,7 +124,7 @@ def doubled(system):
     )
 
 
-@pytest.fixture(scope="module", params=[pytest.param("one of each", marks=pytest.mark.slow), "two of each"])
+@pytest.fixture(scope="module", params=["one of each", pytest.param("two of each", marks=pytest.mark.slow)])
 def everything(request, floating_blade):
     once = everything_once(floating_blade)
     return once if request.param == "one of each" else doubled(once)
