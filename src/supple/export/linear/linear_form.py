@@ -106,7 +106,7 @@ def linear_form(
     if deviation > _SMALL:
         raise ModelError(
             "the machine starts too far from its equilibrium for a linear form: its initial accelerations "
-            f"differ by {100 * deviation:.2g} % from the linear ones; start closer to the equilibrium "
+            f"differ by {100 * deviation:.0f} % from the linear ones; start closer to the equilibrium "
             '(start = "equilibrium"), or export the nonlinear machine'
         )
     c, d = read[:, :m] * scale, read[:, m:]
