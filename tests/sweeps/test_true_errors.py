@@ -129,4 +129,4 @@ def test_many_cases_run_in_the_columns_in_which_they_move(soft_strip, tmp_path, 
     assert 0.99 < ratio.min() <= ratio.max() < 1.2
     # Where the motion of a case would change, the bases stay as they are.
     monkeypatch.setattr(sys.modules["supple.sweeps.leading_columns"], "SHARE", 1e-9)
-    assert in_leading_columns(whole, list(range(plan.n_cases))) is whole
+    assert in_leading_columns(whole, list(range(plan.n_cases)))[0] is whole

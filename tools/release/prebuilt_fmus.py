@@ -8,7 +8,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from supple.export.fmu.platforms import PLATFORMS, compilers_of
+from supple.export.fmu.platforms import EVERY_PLATFORM, compilers_of
 from supple.export.fmu.prebuilt import FOLDER, prebuilt_path
 from supple.export.fmu.write_fmu import compile_library, linear_sources
 
@@ -18,10 +18,9 @@ def main() -> None:
     folder = Path(str(FOLDER))
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
-    every = tuple(each for of_system in PLATFORMS.values() for each in of_system)
     for fmi in (2, 3):
         sources = linear_sources(fmi)
-        for compiler in compilers_of(every, fmi):
+        for compiler in compilers_of(EVERY_PLATFORM, fmi):
             library = compile_library(compiler, sources)
             path = folder / prebuilt_path(sources, compiler.platform, fmi)
             path.write_bytes(library)

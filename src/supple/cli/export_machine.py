@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from supple.cases import Case, read_case
 from supple.cases.case_family import case_family
+from supple.cases.notify import Notify
 from supple.cases.outputs import check_not_an_input
 from supple.cases.result_machine import result_machine
 from supple.cases.static_case import starting_system
@@ -90,6 +92,21 @@ def export_fmu(
     say(f"written to {target}, FMI {fmi}")
 
 
+@contextmanager
+def _opened(
+    path: Path, target: Path, case_file: Path | None, allow_code: bool
+) -> Iterator[tuple[Case, System, Notify]]:
+    """Case and machine, once the target is known not to be an input, and the report of steps in the block."""
+    with console.status("reading") as status:
+
+        def notify(step: str, detail: str = "") -> None:
+            status.update(worded(step, detail))
+
+        case, system = _machine(path, case_file, allow_code, notify)
+        check_not_an_input(case, [target])
+        yield case, system, notify
+
+
 def _export(
     path: Path,
     target: Path,
@@ -98,13 +115,7 @@ def _export(
     allow_code: bool,
     write: Callable[[StepProgram, str], object],
 ) -> None:
-    with console.status("reading") as status:
-
-        def notify(step: str, detail: str = "") -> None:
-            status.update(worded(step, detail))
-
-        case, system = _machine(path, case_file, allow_code, notify)
-        check_not_an_input(case, [target])
+    with _opened(path, target, case_file, allow_code) as (case, system, notify):
         notify("tracing the equations")
         step = _step(case, system, inputs)
         notify("writing")
@@ -121,13 +132,7 @@ def _export_linear(
     fmi: int,
     platforms: tuple[Platform, ...],
 ) -> None:
-    with console.status("reading") as status:
-
-        def notify(step: str, detail: str = "") -> None:
-            status.update(worded(step, detail))
-
-        case, system = _machine(path, case_file, allow_code, notify)
-        check_not_an_input(case, [target])
+    with _opened(path, target, case_file, allow_code) as (case, system, notify):
         if case.tables.parameter:
             raise CaseError(
                 f"{case.path}: the matrices of a linear machine have no parameters; remove [[parameter]], or "

@@ -134,8 +134,10 @@ def _certify(folder: Path, group: SweptGroup, number: int, level: int, own: Path
         with warnings.catch_warnings():  # the runs of the cases give the warnings
             warnings.simplefilter("ignore", SuppleWarning)
             first = training_cases(plan, cases)
-            fewer = in_leading_columns(group, first) if level == 0 and len(cases) >= MANY else group
-            found, certificate = certify(fewer, first, worst)
+            fewer, runs = group, None
+            if level == 0 and len(cases) >= MANY:
+                fewer, runs = in_leading_columns(group, first)
+            found, certificate = certify(fewer, first, worst, runs)
     except SuppleError as error:  # the cases run without it
         if isinstance(error, NOT_OF_A_CASE):
             attempts.withdraw()

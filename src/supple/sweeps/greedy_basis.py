@@ -40,7 +40,7 @@ from supple.simulation.stored_basis import stored_bases
 from supple.sweeps.certificate import Certificate, Representative
 from supple.sweeps.plan import MARCHED_AT_ONCE, SweepPlan
 from supple.sweeps.swept_group import SweptCase, SweptGroup
-from supple.sweeps.training_runs import training_runs
+from supple.sweeps.training_runs import TrainingRuns, training_runs
 
 __all__ = ["certify", "indicated", "training_cases"]
 
@@ -51,23 +51,24 @@ MOST_ENRICHED = 3
 
 
 def certify(
-    group: SweptGroup, cases: Sequence[int], worst: int | None = None
+    group: SweptGroup, cases: Sequence[int], worst: int | None = None, runs: TrainingRuns | None = None
 ) -> tuple[SweptGroup, Certificate]:
     """The group with bases that are enriched as representative cases require, and its certificate.
 
     cases : some cases of the group, which are simulated first
     worst : a case whose basis error is known to be too large; the bases are enriched for it first
+    runs : the training runs of the cases with the bases of the group, if known
     Raises SuppleError for machines whose errors cannot be estimated, and errors of their runs.
     """
     if worst is not None:
-        group = _enriched(group, group.case(worst), richer=True)
+        group, runs = _enriched(group, group.case(worst), richer=True), None
     for _ in range(MOST_ENRICHED):
-        search = _Search(group, cases)
+        search = _Search(group, runs or training_runs(group, cases))
         exceeding = search.run(may_enrich=bool(group.fresh.starts))
         if exceeding is None:
             return group, search.certificate
-        group = _enriched(group, exceeding)
-    search = _Search(group, cases)
+        group, runs = _enriched(group, exceeding), None
+    search = _Search(group, training_runs(group, cases))
     search.run(may_enrich=False)
     return group, search.certificate
 
@@ -107,9 +108,8 @@ def indicated(
 class _Search:
     """Search for the representative cases of a group, with their full estimates and the certificate."""
 
-    def __init__(self, group: SweptGroup, numbers: Sequence[int]) -> None:
+    def __init__(self, group: SweptGroup, runs: TrainingRuns) -> None:
         self._group = group
-        runs = training_runs(group, numbers)
         self._numbers, self._cases, self._solutions = runs.numbers, runs.cases, runs.solutions
         self._fields: dict[str, list[np.ndarray]] = {}
         targets = {name: start.target for name, start in group.fresh.starts.items()}

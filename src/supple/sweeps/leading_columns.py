@@ -33,6 +33,8 @@ from supple.sweeps.training_runs import TrainingRuns, training_runs
 __all__ = ["in_leading_columns", "leading_directions"]
 
 Array = NDArray[np.float64]
+Bounds = dict[str, list[tuple[float, float]]]
+"""Allowed error and largest displacement in each case, by body."""
 
 SHARE = 0.1
 """Largest change of a case by the smaller bases, as a fraction of the allowed error."""
@@ -56,38 +58,36 @@ def leading_directions(coordinates: Array, stiffness: Array, missed: float) -> A
     return np.linalg.qr(np.linalg.solve(factor.T, rows[:number].T))[0]
 
 
-def in_leading_columns(group: SweptGroup, numbers: Sequence[int]) -> SweptGroup:
-    """The group with smaller bases; unchanged if these would change the motion of its cases too much.
+def in_leading_columns(group: SweptGroup, numbers: Sequence[int]) -> tuple[SweptGroup, TrainingRuns]:
+    """The group with smaller bases, or unchanged if these change its motion too much; its training runs.
 
     numbers : numbers of the cases whose motions give the directions
     Raises errors as `training_runs`.
     """
-    if not _names(group):
-        return group
     before = training_runs(group, numbers)
-    for missed in MISSED if before.cases else ():
-        fewer = _fewer(group, before, missed)
+    bounds = _bounds(group, before)
+    for missed in MISSED if before.cases and bounds else ():
+        fewer = _fewer(group, before, bounds, missed)
         if not fewer:
             break
         reduced = group.with_bodies(fewer)
-        if _agree(group, before, training_runs(reduced, before.numbers)):
-            return reduced
-    return group
+        after = training_runs(reduced, before.numbers)
+        if _agree(before, after, bounds):
+            return reduced, after
+    return group, before
 
 
-def _fewer(group: SweptGroup, runs: TrainingRuns, missed: float) -> dict[str, ReducedBody]:
+def _fewer(group: SweptGroup, runs: TrainingRuns, bounds: Bounds, missed: float) -> dict[str, ReducedBody]:
     """Bodies with smaller bases, for those whose motions allow it; missed : fraction of the accuracy."""
     like = group.like
     fulls = group.fulls(like)
     found = {}
     for name, basis in stored_bases(runs.cases[0].system, fulls).items():
-        if name not in _names(group):
+        if name not in bounds:
             continue
         body = group.bodies.reduced[name]
         coordinates = [solution.motion(name, FloatingMotion).coordinates for solution in runs.solutions]
-        smallest = min(
-            allowed / size if size else np.inf for allowed, size in _allowed_and_sizes(group, runs, name)
-        )
+        smallest = min(allowed / size if size else np.inf for allowed, size in bounds[name])
         # A body at rest gives no direction; a body with a mechanism has motion without energy.
         if not smallest < 1 or not body.frequencies.min() > SOFTEST * body.frequencies.max():
             continue
@@ -104,30 +104,25 @@ def _fewer(group: SweptGroup, runs: TrainingRuns, missed: float) -> dict[str, Re
     return found
 
 
-def _agree(group: SweptGroup, before: TrainingRuns, after: TrainingRuns) -> bool:
+def _agree(before: TrainingRuns, after: TrainingRuns, bounds: Bounds) -> bool:
     """Whether all cases run, with motions that agree with the earlier ones."""
     if after.numbers != before.numbers:
         return False
-    for name in _names(group):
+    for name, limits in bounds.items():
         runs = zip(before.cases, before.solutions, after.cases, after.solutions, strict=True)
-        limits = [allowed for allowed, _ in _allowed_and_sizes(group, before, name)]
-        for (one, solution, other, again), allowed in zip(runs, limits, strict=True):
+        for (one, solution, other, again), (allowed, _) in zip(runs, limits, strict=True):
             moved = quantity_distance(WholeBody(name), one.system, solution, other.system, again)
             if not moved <= SHARE * allowed:
                 return False
     return True
 
 
-def _names(group: SweptGroup) -> list[str]:
-    """Bodies with an accuracy of their positions, not of another quantity and not a fixed size."""
-    return [name for name, start in group.fresh.starts.items() if start.target.of is None]
-
-
-def _allowed_and_sizes(group: SweptGroup, runs: TrainingRuns, name: str) -> list[tuple[float, float]]:
-    """Allowed error and largest displacement of a body in each case."""
-    target = group.fresh.starts[name].target
-    sizes = [
-        WholeBody(name).size(case.system, solution)
-        for case, solution in zip(runs.cases, runs.solutions, strict=True)
-    ]
-    return [(target.allowed(size), size) for size in sizes]
+def _bounds(group: SweptGroup, runs: TrainingRuns) -> Bounds:
+    """Bounds of bodies with an accuracy of positions, not of another quantity and not of a fixed size."""
+    targets = {name: start.target for name, start in group.fresh.starts.items() if start.target.of is None}
+    found: Bounds = {}
+    for name, target in targets.items():
+        motions = zip(runs.cases, runs.solutions, strict=True)
+        sizes = [WholeBody(name).size(case.system, solution) for case, solution in motions]
+        found[name] = [(target.allowed(size), size) for size in sizes]
+    return found

@@ -13,7 +13,7 @@ from types import MappingProxyType
 
 from supple.errors import ModelError
 
-__all__ = ["PLATFORMS", "Compiler", "Platform", "compilers_of"]
+__all__ = ["EVERY_PLATFORM", "PLATFORMS", "Compiler", "Platform", "compilers_of"]
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,9 @@ PLATFORMS: Mapping[str, tuple[Platform, ...]] = MappingProxyType(
     {"linux": (_LINUX, _LINUX_ARM), "windows": (_WINDOWS,), "macos": (_MACOS, _MACOS_ARM)}
 )
 """Platforms by the name of the operating system."""
+
+
+EVERY_PLATFORM = tuple(each for of_system in PLATFORMS.values() for each in of_system)
 
 
 @dataclass(frozen=True)

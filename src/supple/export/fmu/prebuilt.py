@@ -10,7 +10,7 @@ import hashlib
 from collections.abc import Mapping
 from importlib import resources
 
-from supple.export.fmu.platforms import PLATFORMS, Platform
+from supple.export.fmu.platforms import EVERY_PLATFORM, Platform
 
 __all__ = ["FOLDER", "prebuilt_libraries", "prebuilt_path"]
 
@@ -28,8 +28,7 @@ def prebuilt_libraries(
     sources: Mapping[str, str], fmi: int, platforms: tuple[Platform, ...]
 ) -> list[tuple[Platform, bytes]]:
     """Libraries for the given platforms, or none if one is missing; by default all that exist."""
-    every = [each for of_system in PLATFORMS.values() for each in of_system]
-    wanted = [each for each in platforms or every if fmi in each.folders]
+    wanted = [each for each in platforms or EVERY_PLATFORM if fmi in each.folders]
     files = [(each, FOLDER.joinpath(prebuilt_path(sources, each, fmi))) for each in wanted]
     found = [(each, file.read_bytes()) for each, file in files if file.is_file()]
     return [] if platforms and len(found) < len(wanted) else found
