@@ -14,6 +14,7 @@ from fixtures.strip_case import CASE
 from supple.mesh import strip
 from supple.simulation import simulate
 from supple.sweeps import CaseTable, read_sweep, sweep, sweep_status, swept_case
+from supple.sweeps.certificate import Certificate
 from supple.sweeps.certified_group import certified_group
 from supple.sweeps.leading_columns import in_leading_columns
 from supple.sweeps.part_file import part_path
@@ -110,6 +111,23 @@ def test_cases_above_their_accuracy_run_again_and_nothing_twice(swept, soft_stri
     now = {path: path.stat().st_mtime_ns for path in folder.rglob("*.h5")}
     assert {path for path in now if now[path] != written.get(path)} == {part_path(folder, 1)}
     assert np.array_equal(read_sweep(folder).statistics.values, read.statistics.values)
+
+
+def test_full_estimates_decide_where_scaled_indicators_exceed(swept, soft_strip, tmp_path, monkeypatch):
+    """An effectivity that is a thousand times too large enriches no basis and repeats no case."""
+    true = certified_group(swept, read_plan(swept), 0)
+    original = Certificate.effectivity
+    monkeypatch.setattr(Certificate, "effectivity", lambda self, body: 1e3 * original(self, body))
+    folder = (tmp_path / "large").resolve()
+    folder.mkdir()
+    shutil.copytree(swept / "bodies", folder / "bodies")
+    run(soft_strip, folder)
+    found, read = certified_group(folder, read_plan(folder), 0), read_sweep(folder)
+    assert found.group.bodies.reduced["strip"].r == true.group.bodies.reduced["strip"].r
+    assert {each.case for each in found.certificate.representatives} == {0, 1, 2, 3}
+    assert (read.runs == 1).all()
+    ratio = read.basis_error.values / read_sweep(swept).basis_error.values
+    assert 0.9 < ratio.min() <= ratio.max() < 1.02
 
 
 def test_many_cases_run_in_the_columns_in_which_they_move(soft_strip, tmp_path, monkeypatch):

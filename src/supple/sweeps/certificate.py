@@ -61,7 +61,8 @@ class Representative:
 class EstimatedError(NamedTuple):
     """Estimated error of a case, a length, of its worst body.
 
-    Bodies whose basis error exceeds the allowed error come first, then those with larger estimates.
+    The worst body has the largest ratio of basis error to allowed error; if no ratio exceeds one, the largest
+    estimate.
 
     estimated : total error;  basis : error of the basis;  allowed : NaN without a requested accuracy
     """
@@ -69,6 +70,11 @@ class EstimatedError(NamedTuple):
     estimated: float = np.nan
     basis: float = np.nan
     allowed: float = np.nan
+
+    @property
+    def ratio(self) -> float:
+        """Basis error divided by the allowed error; 0 without a requested accuracy."""
+        return self.basis / self.allowed if self.allowed > 0 else 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,16 +105,18 @@ class Certificate:
         """Largest ratio of the other parts of the error to the size."""
         return max((each.others / each.size for each in self._of(body) if each.size), default=0.0)
 
-    def case_error(self, indicated: Mapping[str, Indicated]) -> EstimatedError:
-        """Estimated error of a case from its indicators by body."""
+    def case_error(self, case: int, indicated: Mapping[str, Indicated]) -> EstimatedError:
+        """Estimated error of a case from its indicators by body; of a representative, its full estimates."""
         if self.reason or not indicated:
             return EstimatedError()
+        full = {each.body: each for each in self.representatives if each.case == case}
         found = []
         for name, own in indicated.items():
-            basis = self.effectivity(name) * own.error
-            allowed = self.allowed(name, own.size)
-            found.append(EstimatedError(basis + self.other_share(name) * own.size, basis, allowed))
-        return max(found, key=lambda each: (each.basis / (each.allowed or np.nan) > 1, each.estimated))
+            basis, others = self.effectivity(name) * own.error, self.other_share(name) * own.size
+            if name in full:
+                basis, others = full[name].basis, full[name].others
+            found.append(EstimatedError(basis + others, basis, self.allowed(name, own.size)))
+        return max(found, key=lambda each: (max(each.ratio, 1.0), each.estimated))
 
     def allowed(self, body: str, size: float) -> float:
         """Allowed error of a body; NaN without an accuracy, or with one for another quantity."""

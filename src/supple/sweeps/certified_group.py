@@ -133,11 +133,13 @@ def _certify(folder: Path, group: SweptGroup, number: int, level: int, own: Path
         check_linearised(group.like.system)
         with warnings.catch_warnings():  # the runs of the cases give the warnings
             warnings.simplefilter("ignore", SuppleWarning)
-            first = training_cases(plan, cases)
+            training = training_cases(plan, cases)
+            if worst is not None:
+                training = sorted({*training, worst})
             fewer, runs = group, None
             if level == 0 and len(cases) >= MANY:
-                fewer, runs = in_leading_columns(group, first)
-            found, certificate = certify(fewer, first, worst, runs)
+                fewer, runs = in_leading_columns(group, training)
+            found, certificate = certify(fewer, training, worst, runs)
     except SuppleError as error:  # the cases run without it
         if isinstance(error, NOT_OF_A_CASE):
             attempts.withdraw()

@@ -44,32 +44,31 @@ from supple.sweeps.training_runs import TrainingRuns, training_runs
 
 __all__ = ["certify", "indicated", "training_cases"]
 
-FEWEST, MOST = 2, 3
-"""Smallest and largest number of representative cases of a group."""
+FEWEST, MOST, MOST_EXCEEDING = 2, 3, 6
+"""Smallest and largest number of representative cases of a group, the latter also for cases whose estimates
+exceed their allowed errors: a full estimate costs less than an enrichment that it proves needless."""
 MOST_ENRICHED = 3
 """Largest number of enrichments of the bases at representative cases."""
 
 
 def certify(
-    group: SweptGroup, cases: Sequence[int], worst: int | None = None, runs: TrainingRuns | None = None
+    group: SweptGroup, cases: Sequence[int], first: int | None = None, runs: TrainingRuns | None = None
 ) -> tuple[SweptGroup, Certificate]:
     """The group with bases that are enriched as representative cases require, and its certificate.
 
     cases : some cases of the group, which are simulated first
-    worst : a case whose basis error is known to be too large; the bases are enriched for it first
+    first : the first representative, one of these cases; None: the case with the largest motion
     runs : the training runs of the cases with the bases of the group, if known
     Raises SuppleError for machines whose errors cannot be estimated, and errors of their runs.
     """
-    if worst is not None:
-        group, runs = _enriched(group, group.case(worst), richer=True), None
     for _ in range(MOST_ENRICHED):
         search = _Search(group, runs or training_runs(group, cases))
-        exceeding = search.run(may_enrich=bool(group.fresh.starts))
+        exceeding = search.run(first, may_enrich=bool(group.fresh.starts))
         if exceeding is None:
             return group, search.certificate
         group, runs = _enriched(group, exceeding), None
     search = _Search(group, training_runs(group, cases))
-    search.run(may_enrich=False)
+    search.run(first, may_enrich=False)
     return group, search.certificate
 
 
@@ -115,11 +114,11 @@ class _Search:
         targets = {name: start.target for name, start in group.fresh.starts.items()}
         self.certificate = Certificate(targets=targets)
 
-    def run(self, *, may_enrich: bool) -> SweptCase | None:
+    def run(self, first: int | None, *, may_enrich: bool) -> SweptCase | None:
         """Fill the certificate; stops at a case for which the bases must be enriched, and returns it."""
         if not self._cases:
             self.certificate = replace(self.certificate, reason="no representative case ran to its end")
-        place = self._moving_most() if self._cases else None
+        place = self._first(first) if self._cases else None
         known: dict[str, Indicated] = {}
         while place is not None:
             rows, fields = self._stated(place, known)
@@ -138,8 +137,10 @@ class _Search:
             known = {} if place is None else found[place]
         return None
 
-    def _moving_most(self) -> int:
-        """Index of the case with the largest motion, relative to the largest motion of each body."""
+    def _first(self, number: int | None) -> int:
+        """Index of a case; by default of that with the largest motion, relative to the largest of each body."""
+        if number in self._numbers:
+            return self._numbers.index(number)
         sizes = np.array(
             [
                 [
@@ -212,18 +213,27 @@ class _Search:
         }
 
     def _next(self, found: Sequence[Mapping[str, Indicated]]) -> int | None:
-        """Index of the next representative: largest estimate, or smallest to find the spread."""
+        """Index of the next representative; None ends the search.
+
+        It is the case with the largest estimate. If that case has a full estimate, it is the case with the
+        smallest one, to find the spread. Later ones are cases whose estimates exceed their allowed errors.
+        """
         stated = {each.case for each in self.certificate.representatives}
-        if len(stated) >= min(MOST, len(self._numbers)):
-            return None
-        errors = [self.certificate.case_error(own) for own in found]
+        errors = [
+            self.certificate.case_error(number, own) for number, own in zip(self._numbers, found, strict=True)
+        ]
         weights = [each.basis / (each.allowed if each.allowed > 0 else 1.0) for each in errors]
         in_order = np.argsort(weights)[::-1].tolist()
-        if self._numbers[in_order[0]] not in stated:
-            return int(in_order[0])
-        if len(stated) >= FEWEST:
+        others = [int(place) for place in in_order if self._numbers[place] not in stated]
+        if not others:
             return None
-        return next(place for place in reversed(in_order) if self._numbers[place] not in stated)
+        is_largest = others[0] == in_order[0]
+        if len(stated) < FEWEST:
+            return others[0] if is_largest else others[-1]
+        exceeds = errors[others[0]].ratio > 1
+        if (is_largest and len(stated) < MOST) or (exceeds and len(stated) < MOST_EXCEEDING):
+            return others[0]
+        return None
 
 
 def _with_locking(
@@ -253,11 +263,8 @@ class _LastBases(InMemoryArchive):
         self.bases = bases.bases
 
 
-def _enriched(group: SweptGroup, own: SweptCase, *, richer: bool = False) -> SweptGroup:
-    """The group with bases enriched until a case meets its accuracy.
-
-    richer : enrich also with the motion that the last round lacked, as is done if the accuracy is not met
-    """
+def _enriched(group: SweptGroup, own: SweptCase) -> SweptGroup:
+    """The group with bases enriched until a case meets its accuracy, or as far as the rounds go."""
     case, starts = own.case, group.fresh.starts
     fulls = group.fulls(case)
     correctable = {name: fulls[name] for name in starts}
@@ -281,8 +288,6 @@ def _enriched(group: SweptGroup, own: SweptCase, *, richer: bool = False) -> Swe
         found = archive.bases
     else:
         found = {name: each.basis for name, each in corrected.bodies.items()}
-    if richer:
-        found = archive.bases
     as_like = group.fulls(group.like)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", LockingWarning)

@@ -101,7 +101,7 @@ def _together(certified: CertifiedGroup, made: dict[int, SweptCase]) -> dict[int
     solutions = [
         replace(solution, stopped=found.failures.get(place)) for place, solution in enumerate(found.solutions)
     ]
-    errors = _errors(certified, cases, solutions)
+    errors = _errors(certified, list(made), cases, solutions)
     return {
         number: _result(certified.group, number, own, solution, solution.statistics.seconds, error)
         for (number, own), solution, error in zip(made.items(), solutions, errors, strict=True)
@@ -109,9 +109,12 @@ def _together(certified: CertifiedGroup, made: dict[int, SweptCase]) -> dict[int
 
 
 def _errors(
-    certified: CertifiedGroup, cases: Sequence[SweptCase], solutions: Sequence[Solution]
+    certified: CertifiedGroup,
+    numbers: Sequence[int],
+    cases: Sequence[SweptCase],
+    solutions: Sequence[Solution],
 ) -> list[EstimatedError]:
-    """Estimated errors of runs; NaN for runs that stopped early."""
+    """Estimated errors of runs of some cases; NaN for runs that stopped early."""
     bodies = certified.certificate.bodies
     none = [EstimatedError()] * len(cases)
     if not bodies:
@@ -124,8 +127,8 @@ def _errors(
         warnings.warn(f"errors of cases are not estimated: {error}", SuppleWarning, stacklevel=2)
         return none
     return [
-        certified.certificate.case_error(own) if solution.stopped is None else EstimatedError()
-        for own, solution in zip(found, solutions, strict=True)
+        certified.certificate.case_error(number, own) if solution.stopped is None else EstimatedError()
+        for number, own, solution in zip(numbers, found, solutions, strict=True)
     ]
 
 
@@ -140,7 +143,7 @@ def _alone(certified: CertifiedGroup, number: int, own: SweptCase) -> CaseRecord
     except SuppleError as error:
         return CaseRecord(number, CaseStatus.FAILED, str(error), clock.process_time() - began)
     seconds = clock.process_time() - began
-    (error,) = _errors(certified, [own], [solution])
+    (error,) = _errors(certified, [number], [own], [solution])
     return _result(certified.group, number, own, solution, seconds, error)
 
 
