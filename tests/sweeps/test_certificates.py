@@ -61,7 +61,9 @@ def test_the_estimate_of_a_representative_is_its_full_estimate():
 
 
 def test_no_estimate_is_no_number():
-    assert np.isnan(Certificate(reason="no body is elastic").case_error(0, {"beam": Indicated(1.0, 1.0)})).all()
+    assert np.isnan(
+        Certificate(reason="no body is elastic").case_error(0, {"beam": Indicated(1.0, 1.0)})
+    ).all()
     assert np.isnan(Certificate().case_error(0, {})).all()
     assert np.isinf(Certificate({}, ROWS).case_error(0, {"beam": Indicated(np.inf, 0.1)}).estimated)
     # Errors of nothing, as of a complete basis, have no ratio.

@@ -33,9 +33,9 @@ from supple.reduction import (
     PlainQuartic,
     ReductionBasis,
     enrich,
-    project,
     reduction_basis,
 )
+from supple.reduction.projection import project_unchecked
 from supple.simulation.watched_run import watched_run
 
 __all__ = ["check_run"]
@@ -120,7 +120,7 @@ def _placed(
         return placed
     full, basis = fulls[body.name], richer[body.name]
     quartic = PlainQuartic() if body.condensed is None else CondensedQuartic()
-    more = project(full.body, basis, damping=full.damping, quartic=quartic)
+    more = project_unchecked(full.body, basis, damping=full.damping, quartic=quartic)
     onto = basis.vectors.T @ (full.body.mass @ bases[body.name].vectors)
     return replace(
         placed,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,9 +18,9 @@ from supple.reduction.reduced_body import ReducedBody, ReducedInterface
 from supple.reduction.reduction_basis import ReductionBasis
 from supple.reduction.stopwatch import timed
 from supple.reduction.tensor_memory import require_tensor_memory
-from supple.reduction.tensors import strain_products
+from supple.reduction.tensors import InternalForceTensors, strain_products
 
-__all__ = ["counted_damping", "project"]
+__all__ = ["counted_damping", "project", "project_unchecked"]
 
 LARGEST_GRAM_ERROR = 1e-8
 
@@ -41,6 +42,36 @@ def project(
     tensors exceed the available memory.
     Warns LockingWarning when the static response is too small because the columns lack stiff motion.
     """
+    found = _projection(body, basis, damping, quartic)
+    if found.left_out is None:
+        return found.body
+    report = found.body.report
+    seconds = dict(report.seconds)
+    with timed(seconds, "locking"):
+        lost = locking(found.left_out, found.plain, found.chosen)
+    warn_of_locking(body.name, lost, found.body.condensed is not None)
+    return replace(found.body, report=replace(report, seconds=seconds, locking=lost))
+
+
+def project_unchecked(
+    body: FlexibleBody, basis: ReductionBasis, *, damping: Damping | None, quartic: QuarticChoice
+) -> ReducedBody:
+    """The same reduced body without its locking, whose computation takes most of the time."""
+    return _projection(body, basis, damping, quartic).body
+
+
+class _Projection(NamedTuple):
+    """A reduced body with the input of its locking; `left_out` is None for a linear body."""
+
+    body: ReducedBody
+    left_out: Condensation | None
+    plain: InternalForceTensors
+    chosen: InternalForceTensors
+
+
+def _projection(
+    body: FlexibleBody, basis: ReductionBasis, damping: Damping | None, quartic: QuarticChoice
+) -> _Projection:
     V, r = basis.vectors, basis.r
     time = 0.0 if damping is None else damping.retardation_time
     require_tensor_memory(body, r, strain_rate_damping=bool(time))
@@ -53,7 +84,7 @@ def project(
         classes = products.classes()
         products = products.by_classes(classes)
         tensors = plain = products.internal_force()
-    motion, found = None, None
+    motion, left_out = None, None
     if not body.is_linear:
         left_out = Condensation(body, basis)
         with timed(seconds, "condensation"):
@@ -63,14 +94,11 @@ def project(
                 products = products.by_classes(classes)
                 tensors = products.internal_force()
             motion = quartic.motion(left_out)
-        with timed(seconds, "locking"):
-            found = locking(left_out, plain, tensors)
-        warn_of_locking(body.name, found, motion is not None)
 
     material = products.material(tensors) if time else None
     nodal_basis = body.expansion @ V
     rotations = body.rotation_operator
-    return ReducedBody(
+    reduced = ReducedBody(
         name=body.name,
         frame=basis.frame,
         gram=gram,
@@ -92,11 +120,12 @@ def project(
         rotation_basis=None if rotations is None else (rotations @ nodal_basis).reshape(-1, 3, r),
         rotation_limit=body.rotation_limit,
         frequencies=np.sqrt(np.linalg.eigvalsh(tensors.stiffness)),
-        report=replace(basis.report, seconds=seconds, locking=found),
+        report=replace(basis.report, seconds=seconds),
         condensed=motion,
         # Coordinates that no node has are invisible in the nodal basis.
         full=None if body.n_modal else FullBody(body, basis.frame, counted_damping(damping, r)),
     )
+    return _Projection(reduced, left_out, plain, tensors)
 
 
 def counted_damping(damping: Damping | None, r: int) -> Damping | None:

@@ -138,7 +138,7 @@ class _Search:
         return None
 
     def _first(self, number: int | None) -> int:
-        """Index of a case; by default of that with the largest motion, relative to the largest of each body."""
+        """Index of a case; by default that with the largest motion relative to the largest of each body."""
         if number in self._numbers:
             return self._numbers.index(number)
         sizes = np.array(
