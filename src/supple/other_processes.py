@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
+from threadpoolctl import threadpool_limits
+
 __all__ = ["available_cores", "one_core", "python_command", "python_environment"]
 
 _alone: ContextVar[bool] = ContextVar("alone", default=False)
@@ -15,10 +17,14 @@ _alone: ContextVar[bool] = ContextVar("alone", default=False)
 
 @contextmanager
 def one_core() -> Iterator[None]:
-    """Context without further processes: the other cores are used by parallel work."""
+    """Context without further processes or threads of BLAS: parallel work uses the other cores.
+
+    Two processes with two threads each on two cores took 1.4 times as long as with one thread each.
+    """
     token = _alone.set(True)
     try:
-        yield
+        with threadpool_limits(1, user_api="blas"):
+            yield
     finally:
         _alone.reset(token)
 

@@ -133,7 +133,7 @@ def test_a_richer_run_that_breaks_off_is_no_estimate(batch, monkeypatch):
         lambda *_, **__: replace(solutions[0], stopped="no convergence at t = 0.1"),
     )
     fulls = wholes[0].bodies_of(FullBody)
-    found = check_run(cases[0], RUN, solutions[0], fulls, bases, [WholeBody("strip")])["strip"]
+    found = check_run(cases[0], RUN, solutions[0], fulls, bases, [WholeBody("strip")])[0]["strip"]
     assert found.value == np.inf
     assert found.how.startswith("no estimate: a run with 24 more modes and 12 more corrections stopped early")
     assert "shorter steps" in found.remedy

@@ -16,11 +16,19 @@ import numpy as np
 from supple.body.full_body import FullBody
 from supple.error.basis_error import ENRICH
 from supple.error.check_run import check_run
-from supple.error.error_estimate import INSTANTS, ErrorEstimate, ErrorEstimator
+from supple.error.error_estimate import (
+    INSTANTS,
+    ErrorEstimate,
+    ErrorEstimator,
+    MissingMotion,
+    reduced_form,
+)
+from supple.error.stopping import withheld
 from supple.integrate import ErrorPart, FramedMotion, Run, Solution, StepProgress
 from supple.machine import System
 from supple.quantities.quantity_of_interest import QuantityOfInterest, largest_displacement, quantity_distance
 from supple.reduction import ReductionBasis
+from supple.reduction.locking import TOLERATED
 
 __all__ = ["assessed_basis", "basis_parts", "distances", "in_full", "stated_of"]
 
@@ -44,7 +52,7 @@ def basis_parts(
     """
     if system.controllers:  # the error equation does not contain them
         asked = stated_of(system, bases, quantities)
-        return check_run(system, run, solution, fulls, bases, asked, progress=progress)
+        return check_run(system, run, solution, fulls, bases, asked, progress=progress)[0]
     whole = in_full(system, fulls, bases)
     return assessed_basis(whole, system, run, solution, bases, quantities, progress=progress)[0]
 
@@ -59,8 +67,8 @@ def assessed_basis(
     *,
     instants: int = INSTANTS,
     progress: StepProgress | None = None,
-) -> tuple[dict[str, ErrorPart], ErrorEstimate]:
-    """The same as `basis_parts`, and the estimate by the error equation, even where it is not accepted.
+) -> tuple[dict[str, ErrorPart], Mapping[str, np.ndarray]]:
+    """The same as `basis_parts`, and the displacement fields (n, m) outside the basis of each body.
 
     whole : the machine with all coordinates of the assessed bodies, in its start configuration
     instants : as for `ErrorEstimator.assess`
@@ -68,19 +76,34 @@ def assessed_basis(
     asked = stated_of(system, bases, quantities)
     step = "the error equation"
     share = None if progress is None else lambda fraction: progress(step, fraction)
-    estimate = ErrorEstimator(whole, run).assess(system, bases, solution, instants=instants, progress=share)
-    found = estimate.error.bodies
-    doubtful = any(each.is_doubtful(_negligible(system, solution, name)) for name, each in found.items())
-    if all(each.is_converged for each in found.values()) and not doubtful:
-        parts = {
-            name: ErrorPart(value, step, ENRICH)
-            for name, value in distances(system, solution, estimate, asked).items()
-        }
-    else:
-        fulls = whole.bodies_of(FullBody)
-        missed = {name: own.deformation for name, own in estimate.corrections.items()}
-        parts = check_run(system, run, solution, fulls, bases, asked, missed=missed, progress=progress)
-    return parts, estimate
+    estimator = ErrorEstimator(whole, run)
+    missing = estimator.missing_motion(system, bases, solution, instants=instants, progress=share)
+    fields: Mapping[str, np.ndarray] = missing.fields
+    if not _is_surely_doubtful(system, missing):
+        estimate = estimator.error_of(missing, system, bases, solution, progress=share)
+        fields, found = estimate.missed, estimate.error.bodies
+        doubtful = any(each.is_doubtful(_negligible(system, solution, name)) for name, each in found.items())
+        if all(each.is_converged for each in found.values()) and not doubtful:
+            return {
+                name: ErrorPart(value, step, ENRICH)
+                for name, value in distances(system, solution, estimate, asked).items()
+            }, fields
+    fulls = whole.bodies_of(FullBody)
+    parts, shapes = check_run(
+        system, run, solution, fulls, bases, asked, missed=missing.fields, progress=progress
+    )
+    for name, own in shapes.items():
+        # Weighted as the motion outside the basis at all instants.
+        fields = {**fields, name: np.hstack([own * np.sqrt(fields[name].shape[1]), fields[name]])}
+    return parts, fields
+
+
+def _is_surely_doubtful(system: System, missing: MissingMotion) -> bool:
+    """Whether an estimate by the error equation is doubtful whatever it is (`BodyError.is_doubtful`)."""
+    return any(
+        withheld(reduced_form(system, name)) > TOLERATED or not np.isfinite(own.rms).all()
+        for name, own in missing.corrections.items()
+    )
 
 
 def stated_of(

@@ -73,7 +73,7 @@ def state_batch_errors(
             parts = {}
         elif any(each.is_doubtful(np.inf) or not each.is_converged for each in bodies):  # e.g. they lock
             asked = stated_of(system, bases, quantities)
-            parts = check_run(system, run, solution, fulls, bases, asked)
+            parts, _ = check_run(system, run, solution, fulls, bases, asked)
         else:
             parts = {
                 name: ErrorPart(each.estimate, "the error equation", ENRICH)

@@ -21,7 +21,7 @@ from supple.error.basis_error import ENRICH
 from supple.error.residual_correction import system_corrections
 from supple.error.sample_times import stratified_samples
 from supple.errors import SuppleWarning
-from supple.integrate import ErrorPart, Run, Solution, StepProgress, Validity
+from supple.integrate import ErrorPart, FloatingMotion, Run, Solution, StepProgress, Validity
 from supple.machine import Placed, System
 from supple.quantities.quantity_of_interest import QuantityOfInterest, quantity_distance
 from supple.reduction import (
@@ -56,8 +56,11 @@ def check_run(
     *,
     missed: Mapping[str, np.ndarray] | None = None,
     progress: StepProgress | None = None,
-) -> dict[str, ErrorPart]:
-    """Error of a finished run caused by its bases, by name of the quantity of interest.
+) -> tuple[dict[str, ErrorPart], dict[str, np.ndarray]]:
+    """Error of a finished run caused by its bases, by name of the quantity of interest, and its shapes.
+
+    The shapes are the leading directions (n, m) of the difference of the two runs, by body, each with its
+    mean size; none where the run with richer bases stopped early.
 
     fulls, bases : of the reduced bodies whose bases are assessed, by name
     missed : (n, m) displacement fields outside each basis; None: found here at `INSTANTS` times
@@ -89,11 +92,29 @@ def check_run(
     how = f"a run with {MODES} more modes and {DIRECTIONS} more {besides}"
     if check.stopped is not None:
         unknown = ErrorPart(np.inf, f"no estimate: {how} stopped early: {check.stopped}", SHORTER_STEPS)
-        return {each.name: unknown for each in quantities}
-    return {
+        return {each.name: unknown for each in quantities}, {}
+    parts = {
         each.name: ErrorPart(quantity_distance(each, system, solution, finer, check), how, ENRICH)
         for each in quantities
     }
+    shapes = {}
+    for name, basis in bases.items():
+        before = solution.motion(name, FloatingMotion).coordinates @ _onto(fulls[name], basis, richer[name]).T
+        after = check.motion(name, FloatingMotion).coordinates
+        shapes[name] = _leading_shapes(richer[name], after - before)
+    return parts, shapes
+
+
+def _leading_shapes(basis: ReductionBasis, coordinates: np.ndarray) -> np.ndarray:
+    """Leading directions (n, m) of some motion (t, r) in a basis, each with its root mean square size."""
+    _, sizes, rows = np.linalg.svd(coordinates, full_matrices=False)
+    weights = sizes[:DIRECTIONS] / np.sqrt(len(coordinates))
+    return basis.vectors @ (rows[:DIRECTIONS].T * weights)
+
+
+def _onto(full: FullBody, basis: ReductionBasis, richer: ReductionBasis) -> np.ndarray:
+    """Coordinates in a richer basis, orthonormal in the mass, of the columns of a basis."""
+    return richer.vectors.T @ (full.body.mass @ basis.vectors)
 
 
 def _richer(full: FullBody, basis: ReductionBasis, missed: np.ndarray | None) -> ReductionBasis:
@@ -121,7 +142,7 @@ def _placed(
     full, basis = fulls[body.name], richer[body.name]
     quartic = PlainQuartic() if body.condensed is None else CondensedQuartic()
     more = project_unchecked(full.body, basis, damping=full.damping, quartic=quartic)
-    onto = basis.vectors.T @ (full.body.mass @ bases[body.name].vectors)
+    onto = _onto(full, bases[body.name], basis)
     return replace(
         placed,
         body=more,

@@ -47,12 +47,12 @@ from supple.error.stopping import withheld
 from supple.errors import ModelError, RedundantConstraintWarning, StartWarning
 from supple.integrate import FloatingMotion, FramedMotion, Progress, Run, Solution
 from supple.machine import ForceElement, System
-from supple.methods.floating.compiled.every_step import as_outputs, every_step
+from supple.methods.floating.compiled.every_step import EveryStep, as_outputs, every_step
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.intrinsic import IntrinsicBody
 from supple.reduction import ReducedBody, ReductionBasis
 
-__all__ = ["ErrorEstimate", "ErrorEstimator", "estimate_error"]
+__all__ = ["ErrorEstimate", "ErrorEstimator", "MissingMotion", "estimate_error"]
 
 INSTANTS = 50
 FRESH = 16
@@ -80,6 +80,27 @@ class ErrorEstimate:
     corrections: Mapping[str, ResidualCorrections]
     corrected: tuple[System, Solution] | None = None
     factorizations: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class MissingMotion:
+    """Motion outside the bases of a run at some times, from equilibria of the full bodies.
+
+    steps : the run at every step, or at its output times if it stopped early
+    corrections : by body, at the times that build the error space and at further ones
+    n_looked : number of the times that build the error space
+    along : numbers of many steps, for tangents that contain this motion
+    """
+
+    steps: EveryStep
+    corrections: Mapping[str, ResidualCorrections]
+    n_looked: int
+    along: np.ndarray
+
+    @property
+    def fields(self) -> dict[str, np.ndarray]:
+        """Displacement fields (n, m) outside the basis, by body."""
+        return {name: own.deformation for name, own in self.corrections.items()}
 
 
 def estimate_error(
@@ -149,10 +170,25 @@ class ErrorEstimator:
         allowed : RMS over the nodes, by body; clearly larger errors are estimated to first order
         proven : largest error of the tangents along the run, over the stiffness at rest
         """
+        missing = self.missing_motion(reduced, bases, solution, instants=instants, progress=progress)
+        if solution.stopped is not None:
+            return self._unknown(missing, solution)
+        return self.error_of(
+            missing, reduced, bases, solution, allowed=allowed, proven=proven, progress=progress
+        )
+
+    def missing_motion(
+        self,
+        reduced: System,
+        bases: Mapping[str, ReductionBasis],
+        solution: Solution,
+        *,
+        instants: int = INSTANTS,
+        progress: Progress | None = None,
+    ) -> MissingMotion:
+        """Motion outside the bases at some times, by equilibria; also of a run that stopped early."""
         fulls = self._to_assess(bases)
-        # For a run that stopped early only the motion outside its bases is known, not the error.
-        whole = solution.stopped is None
-        steps = every_step(reduced, self._run, solution) if whole else as_outputs(solution)
+        steps = every_step(reduced, self._run, solution) if solution.stopped is None else as_outputs(solution)
         looked, fresh = self._instants(steps.solution.times, instants)
         both, places = np.unique(np.concatenate([looked, fresh]), return_inverse=True)
         along = followed(both)
@@ -166,13 +202,26 @@ class ErrorEstimator:
             progress=None if progress is None else lambda fraction: progress(0.5 * fraction),
         )
         missed = {name: own.at(places) for name, own in at_each.items()}
-        fields = {name: own.deformation for name, own in missed.items()}
-        if not whole:
-            return ErrorEstimate(BasisError(dict.fromkeys(fulls, no_estimate(solution))), {}, fields, missed)
+        return MissingMotion(steps, missed, len(looked), along)
+
+    def error_of(
+        self,
+        missing: MissingMotion,
+        reduced: System,
+        bases: Mapping[str, ReductionBasis],
+        solution: Solution,
+        *,
+        allowed: Mapping[str, float] | None = None,
+        proven: float = PROVEN,
+        progress: Progress | None = None,
+    ) -> ErrorEstimate:
+        """Error of a run that reached its end, whose motion outside the bases is known; as for `assess`."""
+        fulls, steps, missed = self._to_assess(bases), missing.steps, missing.corrections
+        fields, n_looked = missing.fields, missing.n_looked
         start = self.start_errors(steps.solution, bases)
         assessed = {
             name: self._assessed_body(
-                name, full, reduced, bases[name], steps.solution, missed[name], len(looked), start
+                name, full, reduced, bases[name], steps.solution, missed[name], n_looked, start
             )
             for name, full in fulls.items()
         }
@@ -188,12 +237,12 @@ class ErrorEstimator:
 
         def missed_along() -> dict[str, ResidualCorrections]:
             return system_corrections(
-                reduced, tuple(fulls.values()), bases, steps.solution, along, tolerance=FOLLOWED
+                reduced, tuple(fulls.values()), bases, steps.solution, missing.along, tolerance=FOLLOWED
             )
 
         differences = _differences(equation, missed_along, allowed or {}, is_smooth(reduced))
         if differences is None:
-            return ErrorEstimate(BasisError(dict.fromkeys(fulls, no_estimate(solution))), {}, fields, missed)
+            return self._unknown(missing, solution)
         found, histories, second = differences
         if progress is not None:
             progress(1.0)
@@ -202,17 +251,21 @@ class ErrorEstimator:
                 history,
                 second[name],
                 steps.outputs,
-                fields[name][:, len(looked) :],
+                fields[name][:, n_looked:],
                 indicator=float(missed[name].rms.max()),
                 withheld=withheld(reduced_form(reduced, name)),
             )
             for name, history in histories.items()
         }
-        missing = {name: _missing(history, second[name], fields[name]) for name, history in histories.items()}
+        added = {name: _missing(history, second[name], fields[name]) for name, history in histories.items()}
         corrected = equation.corrected(found, steps.outputs)
         # Factorisations: of the corrections; and per body one of the modes and one of the couplings.
         factorizations = max(own.factorizations for own in missed.values()) + 2 * len(fulls)
-        return ErrorEstimate(BasisError(errors), histories, missing, missed, corrected, factorizations)
+        return ErrorEstimate(BasisError(errors), histories, added, missed, corrected, factorizations)
+
+    def _unknown(self, missing: MissingMotion, solution: Solution) -> ErrorEstimate:
+        errors = BasisError(dict.fromkeys(missing.corrections, no_estimate(solution)))
+        return ErrorEstimate(errors, {}, missing.fields, missing.corrections)
 
     def _to_assess(self, bases: Mapping[str, ReductionBasis]) -> dict[str, FullBody]:
         fulls = self._system.bodies_of(FullBody)

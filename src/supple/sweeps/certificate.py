@@ -12,7 +12,7 @@ The share is the largest ratio of the other parts of the full estimates (step, N
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -107,16 +107,24 @@ class Certificate:
 
     def case_error(self, case: int, indicated: Mapping[str, Indicated]) -> EstimatedError:
         """Estimated error of a case from its indicators by body; of a representative, its full estimates."""
+        full = {each.body: each for each in self.representatives if each.case == case}
+        if self.reason or not full or full.keys() != indicated.keys():
+            return self.scaled_indicator(indicated)
+        return _of_worst(
+            EstimatedError(each.basis + each.others, each.basis, self.allowed(name, indicated[name].size))
+            for name, each in full.items()
+        )
+
+    def scaled_indicator(self, indicated: Mapping[str, Indicated]) -> EstimatedError:
+        """Estimated error of a case from its indicators by body."""
         if self.reason or not indicated:
             return EstimatedError()
-        full = {each.body: each for each in self.representatives if each.case == case}
         found = []
         for name, own in indicated.items():
-            basis, others = self.effectivity(name) * own.error, self.other_share(name) * own.size
-            if name in full:
-                basis, others = full[name].basis, full[name].others
+            basis = self.effectivity(name) * own.error
+            others = self.other_share(name) * own.size
             found.append(EstimatedError(basis + others, basis, self.allowed(name, own.size)))
-        return max(found, key=lambda each: (max(each.ratio, 1.0), each.estimated))
+        return _of_worst(found)
 
     def allowed(self, body: str, size: float) -> float:
         """Allowed error of a body; NaN without an accuracy, or with one for another quantity."""
@@ -125,6 +133,10 @@ class Certificate:
 
     def _of(self, body: str) -> list[Representative]:
         return [each for each in self.representatives if each.body == body]
+
+
+def _of_worst(bodies: Iterable[EstimatedError]) -> EstimatedError:
+    return max(bodies, key=lambda each: (max(each.ratio, 1.0), each.estimated))
 
 
 def write_certificate(path: Path, certificate: Certificate) -> None:

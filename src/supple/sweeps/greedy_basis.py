@@ -170,9 +170,7 @@ class _Search:
         quantities = [WholeBody(name) for name in bases]
         instants = max((target.instants for target in self.certificate.targets.values()), default=INSTANTS)
         whole = self._group.in_full(own.case, fulls)
-        parts, estimate = assessed_basis(
-            whole, system, own.run, solution, bases, quantities, instants=instants
-        )
+        parts, fields = assessed_basis(whole, system, own.run, solution, bases, quantities, instants=instants)
         study = ErrorStudy(integration=own.case.study.integration, model=own.case.study.model)
         stated = statements(system, own.run, solution, study, fulls, bases, parts, quantities=quantities)
         rows = []
@@ -191,7 +189,7 @@ class _Search:
                     ),
                 )
             )
-        return rows, dict(estimate.missed)
+        return rows, dict(fields)
 
     def _columns(self) -> dict[str, IndicatorBody]:
         """Columns of the indicators by body, with the motion that the bases lack in all representatives."""
@@ -215,13 +213,11 @@ class _Search:
     def _next(self, found: Sequence[Mapping[str, Indicated]]) -> int | None:
         """Index of the next representative; None ends the search.
 
-        It is the case with the largest estimate. If that case has a full estimate, it is the case with the
-        smallest one, to find the spread. Later ones are cases whose estimates exceed their allowed errors.
+        It is the case with the largest scaled indicator. If that case has a full estimate, it is the case
+        with the smallest one, to find the spread. Later ones are cases that exceed their allowed errors.
         """
         stated = {each.case for each in self.certificate.representatives}
-        errors = [
-            self.certificate.case_error(number, own) for number, own in zip(self._numbers, found, strict=True)
-        ]
+        errors = [self.certificate.scaled_indicator(own) for own in found]
         weights = [each.basis / (each.allowed if each.allowed > 0 else 1.0) for each in errors]
         in_order = np.argsort(weights)[::-1].tolist()
         others = [int(place) for place in in_order if self._numbers[place] not in stated]

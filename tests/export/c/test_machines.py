@@ -11,6 +11,7 @@ from fixtures.compiled_c import MachineInC, needs_compiler
 from fixtures.exported_machines import EVERY, STEP, UNDRIVEN, chain, driven_pair, joined_line, linked, run
 
 from supple.errors import ModelError
+from supple.export.c import blocks, separate_functions
 from supple.export.c.machine_source import sensor_sizes
 from supple.export.c.write_machine import write_machine
 from supple.machine import System
@@ -92,6 +93,28 @@ def test_the_written_test_passes_and_nothing_is_allocated(tmp_path):
     of_libm = {"sin", "cos", "sincos", "sqrt", "pow", "atan2", "ceil", "fabs", "fmod", "floor"}
     own = {"memset", "memcpy", "memmove", "_GLOBAL_OFFSET_TABLE_", "U"}
     assert set(symbols) <= of_libm | own
+
+
+@needs_compiler
+@pytest.mark.slow
+def test_a_long_function_in_parts_gives_the_same_numbers(tmp_path, monkeypatch):
+    """Loops, branches and nested blocks divided into functions of ten lines, bit for bit."""
+    monkeypatch.setattr(blocks, "LONGEST", 40)
+    monkeypatch.setattr(separate_functions, "_LINES", 10)
+    step, in_parts = exported(driven_pair(), tmp_path)
+    assert (tmp_path / "machine.c").read_text().count("static SEPARATE") > 50
+    monkeypatch.undo()
+    write_machine(tmp_path / "whole", step, "machine")
+    whole = (tmp_path / "whole" / "machine.c").read_text()
+    assert "static SEPARATE" not in whole
+    for k in range(1, 200):
+        given = 0.3 * np.sin(0.01 * k) * np.ones(len(step.inputs.variables))
+        assert in_parts.advance(STEP * k, given)
+    in_whole = MachineInC(tmp_path / "whole")
+    for k in range(1, 200):
+        given = 0.3 * np.sin(0.01 * k) * np.ones(len(step.inputs.variables))
+        assert in_whole.advance(STEP * k, given)
+    assert in_parts.state == in_whole.state
 
 
 @needs_compiler

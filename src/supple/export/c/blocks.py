@@ -3,25 +3,29 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import count
 
 import numpy as np
 
+from supple.export.c.separate_functions import LONGEST, TOKEN, SeparateFunctions, runs_of_statements
 from supple.export.c.values import Buffer, BufferView, Index, UniformValue, Value, c_type, literal, row_major
 
 __all__ = ["CodeBlock", "Constants"]
 
-_TOKEN = re.compile(r"@(\d+)@")
 _UNROLLED = 4
 """Largest number of elements for which a loop is unrolled."""
 
 
 @dataclass
 class Constants:
-    """Tables of constants of a file; equal tables are written once."""
+    """Tables of constants of a function; equal tables are written once.
 
+    prefix : of their names
+    """
+
+    prefix: str = ""
     tables: dict[bytes, tuple[str, np.ndarray]] = field(default_factory=dict)
     numbers: Iterable[int] = field(default_factory=count)
 
@@ -34,7 +38,7 @@ class Constants:
         if values.tobytes() == first.tobytes() * values.size:
             return UniformValue(values.shape, values.dtype, first[0])
         key = values.dtype.str.encode() + values.tobytes()
-        name = self.tables.setdefault(key, (f"c{len(self.tables)}", values.reshape(-1)))[0]
+        name = self.tables.setdefault(key, (f"{self.prefix}c{len(self.tables)}", values.reshape(-1)))[0]
         buffer = Buffer(-1, values.dtype, values.size, name=name)
         return BufferView(values.shape, values.dtype, buffer, row_major(values.shape), known=values)
 
@@ -54,17 +58,24 @@ class CodeBlock:
     """Statements in order; arrays reuse the storage of those that are no longer read."""
 
     constants: Constants
+    functions: SeparateFunctions
     numbers: Iterable[int]
     statements: list[str] = field(default_factory=list)
     buffers: dict[int, Buffer] = field(default_factory=dict)
+    _leaving: set[int] = field(default_factory=set)
 
     def inner(self) -> CodeBlock:
         """An empty block within this one."""
-        return CodeBlock(self.constants, self.numbers)
+        return CodeBlock(self.constants, self.functions, self.numbers)
 
     def add(self, text: str) -> None:
         """Append a statement."""
         self.statements.append(text)
+
+    def leave_unless(self, condition: str) -> None:
+        """Append a statement that ends the loop whose body is this block, unless a condition holds."""
+        self._leaving.add(len(self.statements))
+        self.add(f"if (!{condition}) break;")
 
     def known(self, values: np.ndarray) -> Value:
         """An array of constants as a value."""
@@ -116,36 +127,73 @@ class CodeBlock:
         self.add(f"{heads}{{ {statement(index)} }}")
 
     def text(self) -> str:
-        """The declarations and statements in C."""
+        """The declarations and statements in C; a long block calls functions for its parts."""
         first: dict[int, int] = {}
         last: dict[int, int] = {}
         for place, statement in enumerate(self.statements):
-            for number in set(map(int, _TOKEN.findall(statement))) & self.buffers.keys():
+            for number in set(map(int, TOKEN.findall(statement))) & self.buffers.keys():
                 first.setdefault(number, place)
                 last[number] = place
-        names, slots = self._slots(first, last)
-        lines = [f"{kind} {name}[{max(size, 1)}];" for name, (kind, size) in slots.items()]
-        scalars: dict[str, list[str]] = {}
-        for number in first:
-            buffer = self.buffers[number]
-            if buffer.is_scalar:
-                names[number] = f"v{number}"
-                scalars.setdefault(c_type(buffer.dtype), []).append(names[number])
-        lines += [f"{kind} {', '.join(own)};" for kind, own in scalars.items()]
+        statements = self._divided(first, last)
+        functions = self.functions
+        shared = [each for each in first if each in functions.shared and each not in functions.names]
+        names, declarations = self._named(shared, first, last)
+        functions.names |= {number: f"shared->{name}" for number, name in names.items()}
+        functions.members += declarations
+        read = {int(number) for statement in statements for number in TOKEN.findall(statement)}
+        own = [number for number in first if number in read and number not in functions.names]
+        local, lines = self._named(own, first, last)
+        local |= functions.names
 
         def named(match: re.Match[str]) -> str:
-            return names.get(int(match[1]), match[0])
+            return local.get(int(match[1]), match[0])
 
-        return "\n".join(lines + [_TOKEN.sub(named, statement) for statement in self.statements])
+        return "\n".join(lines + [TOKEN.sub(named, statement) for statement in statements])
+
+    def _divided(self, first: Mapping[int, int], last: Mapping[int, int]) -> list[str]:
+        """The statements; those of a long block are calls of functions, each for a run of statements.
+
+        first, last : places of the statements that read a variable
+        """
+        lengths = [statement.count("\n") + 1 for statement in self.statements]
+        if len(lengths) == 1 or sum(lengths) <= LONGEST:
+            return self.statements
+        found = []
+        for run in runs_of_statements(lengths, self._leaving):
+            statements = self.statements[run.start : run.stop]
+            if run.start not in self._leaving:
+                own = {
+                    number: buffer
+                    for number, buffer in self.buffers.items()
+                    if number in first and first[number] in run and last[number] in run
+                }
+                part = CodeBlock(self.constants, self.functions, self.numbers, statements, own)
+                statements = [self.functions.call(part.text())]
+            found += statements
+        return found
+
+    def _named(
+        self, numbers: Sequence[int], first: Mapping[int, int], last: Mapping[int, int]
+    ) -> tuple[dict[int, str], list[str]]:
+        """Names of some variables, and their declarations; arrays share storage if their uses allow it."""
+        is_scalar = {number: self.buffers[number].is_scalar for number in numbers}
+        arrays = [number for number in numbers if not is_scalar[number]]
+        names, slots = self._slots(arrays, first, last)
+        lines = [f"{kind} {name}[{max(size, 1)}];" for name, (kind, size) in slots.items()]
+        scalars: dict[str, list[str]] = {}
+        for number in numbers:
+            if is_scalar[number]:
+                names[number] = f"v{number}"
+                scalars.setdefault(c_type(self.buffers[number].dtype), []).append(names[number])
+        return names, lines + [f"{kind} {', '.join(own)};" for kind, own in scalars.items()]
 
     def _slots(
-        self, first: dict[int, int], last: dict[int, int]
+        self, arrays: Sequence[int], first: Mapping[int, int], last: Mapping[int, int]
     ) -> tuple[dict[int, str], dict[str, tuple[str, int]]]:
         """Storage of each array by name: a free one that is large enough or can be enlarged, or a new one."""
         names: dict[int, str] = {}
         slots: dict[str, tuple[str, int]] = {}
         busy: dict[str, int] = {}
-        arrays = [number for number in first if not self.buffers[number].is_scalar]
         for number in sorted(arrays, key=lambda one: first[one]):
             buffer = self.buffers[number]
             kind = c_type(buffer.dtype)

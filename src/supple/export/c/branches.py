@@ -57,7 +57,7 @@ def _while(
 
     inner = block.inner()
     (goes_on,) = print_block(inner, asks, [*of_ask, *carried])
-    inner.add(f"if (!{goes_on.at(())}) break;")
+    inner.leave_unless(goes_on.at(()))
     after = print_block(inner, passes, [*of_pass, *carried])
     hand_on(inner, carried, after, changes)
     block.add(f"for (;;) {{\n{inner.text()}\n}}")

@@ -14,6 +14,7 @@ from supple.export.c.blocks import CodeBlock
 from supple.export.c.branches import hand_on
 from supple.export.c.operations import program_of
 from supple.export.c.printer import Printed, print_program
+from supple.export.c.separate_functions import SeparateFunctions
 from supple.export.c.values import Buffer, BufferView, Value, c_type, row_major
 
 __all__ = ["HEAD", "function_source", "named_view", "printed_function"]
@@ -36,11 +37,18 @@ def named_view(name: str, shape: Sequence[int], dtype: Any, *, is_scalar: bool =
 
 
 def printed_function(
-    function: Callable[..., Any], arguments: Any, inputs: Sequence[BufferView], outputs: Sequence[BufferView]
+    function: Callable[..., Any],
+    arguments: Any,
+    inputs: Sequence[BufferView],
+    outputs: Sequence[BufferView],
+    name: str,
+    parameters: Sequence[tuple[str, str]],
 ) -> Printed:
     """The C statements that evaluate a function at `inputs` and store its results in `outputs`, leaf by leaf.
 
     arguments : of the function, for their shapes and types
+    name : prefix of further names at file scope
+    parameters : declaration and name of each parameter of the C function
     An output may also be an input: all inputs are read before any output is written.
 
     Raises ModelError for an operation without a translation to C.
@@ -50,7 +58,8 @@ def printed_function(
     def store(block: CodeBlock, values: Sequence[Value]) -> None:
         hand_on(block, outputs, values, [True] * len(outputs))
 
-    return print_program(program, dict(zip(program.inputs, inputs, strict=True)), store)
+    own = SeparateFunctions(name, parameters)
+    return print_program(program, dict(zip(program.inputs, inputs, strict=True)), store, own)
 
 
 def function_source(function: Callable[..., Any], *arguments: Any, name: str = "function") -> str:
@@ -61,7 +70,8 @@ def function_source(function: Callable[..., Any], *arguments: Any, name: str = "
         [named_view(f"{letter}{place}", np.shape(leaf), leaf.dtype) for place, leaf in enumerate(leaves)]
         for letter, leaves in (("x", [np.asarray(leaf) for leaf in given]), ("y", results))
     )
-    printed = printed_function(function, arguments, ins, outs)
-    parameters = [f"const {c_type(view.dtype)} *{view.buffer.text}" for view in ins]
-    parameters += [f"{c_type(view.dtype)} *{view.buffer.text}" for view in outs]
-    return f"{HEAD}\n{printed.constants}\n\nvoid {name}({', '.join(parameters)})\n{{\n{printed.body}\n}}\n"
+    parameters = [(f"const {c_type(view.dtype)} *{view.buffer.text}", view.buffer.text) for view in ins]
+    parameters += [(f"{c_type(view.dtype)} *{view.buffer.text}", view.buffer.text) for view in outs]
+    printed = printed_function(function, arguments, ins, outs, name, parameters)
+    given = ", ".join(declaration for declaration, _ in parameters)
+    return f"{HEAD}\n{printed.before}\n\nvoid {name}({given})\n{{\n{printed.body}\n}}\n"

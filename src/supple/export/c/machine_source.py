@@ -132,11 +132,13 @@ def _header(step: StepProgram, fields: Sequence[_Field], title: str) -> str:
 def _source(step: StepProgram, fields: Sequence[_Field]) -> str:
     views = [each.view for each in fields]
     end = named_view("end", (), np.float64, is_scalar=True)
-    printed = printed_function(step.advanced, (step.start, np.float64(0.0)), [*views, end], views)
+    given = (step.start, np.float64(0.0))
+    parameters = [("machine *m", "m"), ("double end", "end")]
+    printed = printed_function(step.advanced, given, [*views, end], views, "advance", parameters)
     return _filled(
         "machine.c",
         head=HEAD,
-        constants=printed.constants,
+        before=printed.before,
         parameters=_table("machine_parameters", step.parameters),
         inputs=_table("machine_inputs", step.inputs.variables),
         outputs=_table("machine_outputs", step.outputs.variables),
@@ -148,13 +150,13 @@ def _source(step: StepProgram, fields: Sequence[_Field]) -> str:
 
 def _begin(step: StepProgram, views: Sequence[BufferView]) -> str:
     """The C function `machine_start`: the initial state for the parameters; without parameters, no change."""
-    constants, body = "", "    (void)m;"
+    before, body = "", "    (void)m;"
     if step.parameters:
         given = (step.start.parameter, step.start.input)
-        printed = printed_function(step.started, given, views[: len(given)], views)
-        # Tables of the two functions share names: each function defines its own.
-        constants, body = printed.constants, printed.body
-    return f"int machine_start(machine *m)\n{{\n{constants}\n{body}\n    return m->failed ? 1 : 0;\n}}"
+        own = views[: len(given)]
+        printed = printed_function(step.started, given, own, views, "start", [("machine *m", "m")])
+        before, body = f"{printed.before}\n\n", printed.body
+    return f"{before}int machine_start(machine *m)\n{{\n{body}\n    return m->failed ? 1 : 0;\n}}"
 
 
 def _recorded(step: StepProgram) -> tuple[np.ndarray, np.ndarray]:

@@ -12,6 +12,7 @@ import numpy as np
 from supple.errors import ModelError
 from supple.export.c.blocks import CodeBlock, Constants
 from supple.export.c.operations import ArrayOperation, Program, with_known
+from supple.export.c.separate_functions import SeparateFunctions
 from supple.export.c.values import BufferView, Computed, UniformValue, Value
 
 __all__ = ["RULES", "Printed", "constants_in", "print_block", "print_program", "rule"]
@@ -86,18 +87,24 @@ class Printed:
 
     body: str
     """Declarations and statements of the function"""
-    constants: str
-    """Tables of constants that the body reads"""
+    before: str
+    """Tables of constants and functions for parts of a long body, at file scope before the function"""
 
 
 def print_program(
-    program: Program, inputs: Mapping[int, Value], store: Callable[[CodeBlock, Sequence[Value]], None]
+    program: Program,
+    inputs: Mapping[int, Value],
+    store: Callable[[CodeBlock, Sequence[Value]], None],
+    functions: SeparateFunctions,
 ) -> Printed:
     """The C text of a program.
 
     inputs : values in C by the number of the input;   store : appends the statements that store the outputs
+    functions : empty, with the name and the parameters of the C function
     """
-    constants = Constants()
-    block = CodeBlock(constants, count())
+    constants = Constants(f"{functions.name}_")
+    block = CodeBlock(constants, functions, count())
     store(block, print_block(block, program, [inputs[number] for number in program.inputs]))
-    return Printed(block.text(), constants.text())
+    body = block.text()
+    parts = [constants.text(), functions.text()]
+    return Printed(functions.storage() + body, "\n\n".join(part for part in parts if part))

@@ -34,9 +34,16 @@ def derivative_source(step: StepProgram) -> str:
     direction = named_view("direction", step.start.input.shape, np.float64)
     result = named_view("rates", step.start.output.shape, np.float64)
     arguments = (step.start, np.float64(0.0), np.zeros_like(step.start.input))
-    printed = printed_function(rates, arguments, [*views, end, direction], [result])
+    parameters = [
+        ("const machine *m", "m"),
+        ("double end", "end"),
+        ("const double *direction", "direction"),
+        ("double *rates", "rates"),
+    ]
+    inputs = [*views, end, direction]
+    printed = printed_function(rates, arguments, inputs, [result], "derivative", parameters)
     return (
-        f'#include "machine.h"\n\n{HEAD}\n{printed.constants}\n\n'
-        "void machine_derivative(const machine *m, double end, const double *direction, double *rates)\n"
+        f'#include "machine.h"\n\n{HEAD}\n{printed.before}\n\n'
+        f"void machine_derivative({', '.join(own for own, _ in parameters)})\n"
         f"{{\n{printed.body}\n}}\n"
     )

@@ -1,7 +1,7 @@
 #include "machine.h"
 
 $head
-$constants
+$before
 
 $parameters
 

@@ -1,7 +1,12 @@
 #if defined(__GNUC__)
 #define MAYBE_UNUSED __attribute__((unused))
+#define SEPARATE __attribute__((noinline))
+#elif defined(_MSC_VER)
+#define MAYBE_UNUSED
+#define SEPARATE __declspec(noinline)
 #else
 #define MAYBE_UNUSED
+#define SEPARATE
 #endif
 
 /* Unlike fmax and fmin, these return NaN if an argument is NaN. */
