@@ -26,7 +26,7 @@ Stressed = tuple[float, float, int]
 
 @dataclass(frozen=True, eq=False)
 class _Limit:
-    """Yield stress, Pa, of a modal part, the part that it is taken from, and the stress of its modes."""
+    """Yield stress, Pa, of a modal part, the name of the part that gives it, and the stress of the modes."""
 
     part: ModalSubdomain
     yield_stress: float
@@ -72,7 +72,7 @@ class YieldWatch:
 def yield_watch(system: System, validity: Validity) -> YieldWatch:
     """Prepare the limits of the modal parts of a system.
 
-    For a part without a yield stress it is the lowest of the explicit parts of its material.
+    A part without a yield stress gets the lowest yield stress of the explicit parts of its material.
     """
     found = []
     for part in system.bodies_of(ModalSubdomain).values():

@@ -26,7 +26,7 @@ __all__ = ["begun", "kinetic", "march_step"]
 
 
 def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array, ratio: Array) -> MarchState:
-    """The state `ratio` explicit steps of h later, in one step of the frames."""
+    """The state after one frame step, which is `ratio` element steps of h."""
     if not model.frames:
         return nodal_step(
             model, methods, state, h, jnp.zeros_like(state.v), jnp.zeros((len(methods.obstacles), 3))
@@ -115,7 +115,7 @@ def nodal_step(
 def _moved(
     model: MarchModel, state: MarchState, from_frames: Array, mean: Array, h: Array
 ) -> tuple[tuple[ObstacleState, ...], Array, Array]:
-    """Obstacles after a step, the work of driven ones, and the work done on all of them."""
+    """Obstacles after a step, external work (drives and gravity), and work of contact on all of them."""
     moved, driven, given, gravity = [], jnp.zeros(()), jnp.zeros(()), gravity_at(model, state.time)
     for number, at in enumerate(state.obstacles):
         force = state.obstacle_forces[number] + from_frames[number]

@@ -71,9 +71,9 @@ def linear_stress(material: Isotropic, strain: Tensor) -> Tensor:
 
 
 def viscous_stress(material: Isotropic, beta: Array, F: Tensor, dF: Tensor, h: Array) -> tuple[Tensor, Array]:
-    """P (Tensor) of the second Piola-Kirchhoff stress beta C : E', and its work in the step per volume.
+    """First Piola-Kirchhoff stress of the viscous stress S = beta C : E', and its work per volume in the step.
 
-    It resists the rate of strain and no rotation; about the undeformed state it is Rayleigh's beta K.
+    Rotation does not cause this stress. About the undeformed state it is Rayleigh damping with beta K.
     """
     rate = scaled(1 / h, symmetric_part(product(transposed(F), dF)))
     S = scaled(beta, linear_stress(material, rate))
