@@ -66,7 +66,7 @@ class ModalFrame:
         return np.einsum("n,nia,nib->ab", stiffness, B, B, optimize=True)
 
     def stiffness_at(self, nodes: NDArray[np.int64], fraction: float) -> FloatArray:
-        """Contact stiffness (n,), N/m: `fraction` of that for which a node alone has the modes' step limit."""
+        """Contact stiffness (n,), N/m: `fraction` of that at which a node has the step limit of the modes."""
         mass, stiffness = self.pencil()
         largest = linalg.eigh(stiffness, mass, eigvals_only=True)[-1]
         B = self.motion(nodes)

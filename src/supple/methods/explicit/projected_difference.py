@@ -71,7 +71,7 @@ class ProjectedDifference:
         gaps: Gaps,
         steps: StepLengths,
     ) -> tuple[tuple[FrameState, ...], tuple[Array, ...], Array]:
-        """States of tied or joined frames after the step, multipliers of links (6,), and of ties and joints (R,).
+        """Tied or joined frames after the step; multipliers of links (6,), and of ties and joints (R,).
 
         rows : for each frame at t_n, (R, 4, 3) on the points and (R, k) on the modes; () without ties
         gaps : constraint residuals (R,) of the states at t_n+1, made zero
@@ -112,7 +112,7 @@ class ProjectedDifference:
         """Work of links and bilinear motion in a step, due to its finite rotation, J.
 
         With nodal velocities v = B d +- b, b = h P' Phi y', half a step after and before t_n the kinetic
-        energy grows by <M (v+ - v-), (v+ + v-) / 2>; forces do B^T f . d of it, and the rest is
+        energy grows by <M (v+ - v-), (v+ + v-) / 2>. Forces contribute B^T f . d; the remainder is
 
             lambda . G d + 1/2 [(d+ - d-) . B^T M (b+ - b-) + <b+, M b+> - <b-, M b->]
 

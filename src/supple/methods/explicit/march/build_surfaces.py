@@ -33,7 +33,7 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class TiedNodes:
-    """Explicit nodes (n,) tied to a modal part, at nodes `corners` (n, c) of that part with weights (n, c)."""
+    """Explicit nodes (n,) tied to a modal part: its nodes (n, c) as `corners`, with weights (n, c)."""
 
     part: str
     nodes: IntArray

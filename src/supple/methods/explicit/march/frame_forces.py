@@ -35,7 +35,7 @@ __all__ = [
 
 
 class FrameForces(NamedTuple):
-    """Forces on each frame: without stored energy (given), with it at rest (stored), due to rates (dragged)."""
+    """Forces on each frame: without stored energy (given), with it at rest (stored), by rates (dragged)."""
 
     given: tuple[Generalized, ...]
     stored: tuple[Generalized, ...]

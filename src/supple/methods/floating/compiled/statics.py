@@ -151,7 +151,10 @@ class CompiledStatics(SteadyEquations):
 def compiled_statics(
     system: System, turning: SteadyTurning | None, time: float, known: tuple[int, ...] | None = None
 ) -> CompiledStatics:
-    """Equations of a machine of rigid and reduced bodies with closed joints; `known` ones are independent."""
+    """Equations of a machine of rigid and reduced bodies with closed joints.
+
+    known : numbers of independent constraint equations, if the bodies are placed with closed joints
+    """
     machine = CompiledMachine(system, build_model(system, known))
     if known is not None:
         return CompiledStatics(machine, placed_configuration(system), turning)
