@@ -65,9 +65,9 @@ def complete_motion(system: System, solution: Solution, rows: NDArray[np.intp]) 
 
         0 = W q + N(q) q + eta + T^T f - A (q' of the run)
 
-    A maps amplitudes of the run to those of all modes. Root and rigid motion are those of the run, and so are
-    the forces f of joints and force elements on stations. The omitted modes follow the motion statically, as
-    in [Wang2015] (37), and the retained modes are corrected for the coupling with them.
+    A maps amplitudes of the run to those of all modes. Root motion, rigid motion, and the forces f of joints
+    and force elements on stations are those of the run. The omitted modes follow the motion statically, as in
+    [Wang2015] (37), and the retained modes are corrected for the coupling with the omitted ones.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ LARGEST_RIGID_FORCE = 1e-6
 ASYMMETRY = 1e-8
 """Largest asymmetry, relative to the largest entry."""
 LARGEST_NEGATIVE = 1e-6
-"""Most negative stiffness relative to the largest principal value; beyond it, not round-off."""
+"""Largest negative principal stiffness relative to the largest positive one; more is not round-off."""
 ROUNDING = 1e-13
 """Coupling of stations relative to the largest mass; below it, stations share no mass."""
 
@@ -38,7 +38,7 @@ class CondensedLine:
     tree : LoadPathTree         positions of the stations, and the parent of each
     stiffness : (6 n, 6 n)      u and theta of each station, global axes; zero forces under rigid motion
     mass : (6 n, 6 n)           symmetric, not negative; massless freedoms are allowed
-    rigid_force : float         relative rigid-body force of the given stiffness, removed from this one
+    rigid_force : float         relative rigid-body force of the given stiffness, removed in `stiffness`
     """
 
     name: str

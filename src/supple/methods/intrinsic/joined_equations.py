@@ -1,8 +1,7 @@
 """Equations of motion of lines and floating bodies connected by joints.
 
-The velocities of a station are those of its position, which depends on the strains and the root. They are
-linear in the line's amplitudes q_1, V_s = T(q) q_1, and T^T maps forces of joints and force elements to
-amplitudes:
+The pose of a station follows from the strains and the root. Its velocities are linear in the line's
+amplitudes q_1, V_s = T(q) q_1, and T^T maps forces of joints and force elements to amplitudes:
 
     line            q_1' = .. + T^T (Q - G^T lambda),     (q_2, root)' = S(q) (q_1 + T^T G^T mu)
     floating body   M V' + c + f - Q + G^T lambda = 0,    q' = V + M^-1 G^T mu
@@ -128,7 +127,7 @@ def joint_rates(arrays: JoinedArrays, now: JoinedInstant) -> jax.Array:
 
 
 def joint_equations(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array, jax.Array]:
-    """G and G V + dg/dt of the active equations, (m,) each, at an instant with its stations placed."""
+    """Residuals g, and G V + dg/dt, of the active equations, (m,) each; stations of `now` are placed."""
     model, time, at = arrays.model, jnp.asarray(now.time, dtype=float), now.floating
     joints = joint_force.linearized(model, time, at)
     rates = joint_force.constraint_rows(model, joints) @ all_velocities(arrays, now)
@@ -138,7 +137,7 @@ def joint_equations(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array
 
 
 def moved(arrays: JoinedArrays, now: JoinedInstant, change: JoinedRates, time: Any) -> JoinedInstant:
-    """The instant a time later, moved by an increment of the form rate * time."""
+    """The instant after `time`, moved by the increment `change`, which is rates multiplied by time."""
     increment = jnp.concatenate([change.frames, jnp.zeros(6 * arrays.n_held)])
     lines = jax.tree.map(jnp.add, now.lines, change.lines)
     floating = advance(arrays.model, now.floating, increment)

@@ -1,8 +1,8 @@
 """Machine of intrinsic, rigid and reduced bodies with any joints, as arrays for compiled code.
 
-Joints and forces act on an intrinsic body at its stations. Each such station is a massless rigid body in
-their equations, which are those of floating frames. Their forces act on the amplitudes of the line through
-the velocities of its stations.
+Joints and forces act on an intrinsic body at its stations. The equations of joints and forces are those of
+floating frames, where each such station is a massless rigid body. Its forces act on the amplitudes of the
+line through the velocities of the station.
 """
 
 from __future__ import annotations
@@ -63,9 +63,9 @@ STATIC = {"static": True}
 class JoinedArrays:
     """Arrays of the machine.
 
-    lines : their equations, one per intrinsic body
-    drives : prescribed motions of their roots, or None
-    loads : on their stations; with the force elements if only ground joints hold the lines
+    lines : equations of the intrinsic bodies
+    drives : prescribed motions of the roots of these bodies, or None
+    loads : on their stations; with the force elements if only ground joints support the lines
     model : floating bodies, joints and forces; the coupled stations are massless bodies
     held : numbers of the coupled stations, line by line
     """

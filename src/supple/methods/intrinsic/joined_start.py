@@ -51,7 +51,7 @@ __all__ = [
 ]
 
 OPEN = 1e-6
-"""Largest gap of a joint, relative to the machine's size; and in rad."""
+"""Largest residual of a joint as placed: lengths relative to the machine's size, angles in rad."""
 MOST_REACTIONS, CONVERGED = 100, 1e-12
 """Iterations for joint forces with friction, and their relative change in the last one."""
 

@@ -119,7 +119,7 @@ def _correction_where_needed(
 def _correction_sequential(
     elimination: DenseElimination, model: Model, rule: StepRule, start: State, *evaluated: Any
 ) -> tuple[jax.Array, jax.Array]:
-    """`_correction_where_needed`, case by case. A case copies its arguments, so loads are evaluated before."""
+    """`_correction_where_needed`, case by case; arguments are copied, so loads are evaluated before."""
     held = model.loads_at(start.time + rule.h)
     return sequential_vmap(partial(_correction_where_needed, elimination), held, rule, start, *evaluated)
 

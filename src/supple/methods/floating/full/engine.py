@@ -160,7 +160,7 @@ class FullEngine:
         return machine.accelerated(state._replace(control=step._replace(start=control)))
 
     def _to_output(self, march: March, end: float) -> tuple[March, np.ndarray | None]:
-        """Steps up to an output time; also the relative residual if the smallest step fails, otherwise None."""
+        """Steps up to an output time, and the relative residual if the smallest step fails, else None."""
         control, method = self._run.step_control, self._run.second_order_method
         while march.state.time < end:
             remaining = end - march.state.time
