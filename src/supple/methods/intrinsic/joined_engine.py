@@ -117,7 +117,7 @@ class JoinedEngine:
         )
 
     def march(self, state: JoinedState, times: np.ndarray) -> Leg[JoinedState]:
-        """Integrate to each of the output times, in one compiled call between calls of sampled controllers."""
+        """Integrate to each of the output times, in one compiled call (with sampled controllers, several)."""
         if self._sampling is None:
             return self._leg(state, times)
         legs: list[Leg[JoinedState]] = []

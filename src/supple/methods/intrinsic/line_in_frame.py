@@ -1,12 +1,12 @@
-"""Released line as a body in a floating frame, for machines with full bodies.
+"""Line with a free root as a body in a floating frame, for machines with full bodies.
 
-Its velocities are u = (V, w, g'): V (global) and w (in its own axes) of its axes, and g' of its elastic
-amplitudes g = -q_2 / omega. The amplitudes of its velocities follow from them linearly,
+The velocities of the body are u = (V, w, g'): the velocity V (global) and angular velocity w (own components)
+of its axes, and the rates of its elastic amplitudes g = -q_2 / omega. The amplitudes q_1 follow linearly,
 
     A(q_2) q_1 = (R^T V, w, g'),        Y = A^-1 diag(R^T, I, I)
 
-with the root's twist in the first six rows and the strain rates, `force_rates`, in the others. The residual
-of its equations, projected on u, balances forces f at its stations, whose velocities are J u:
+with the twist of the axes in the first six rows and the strain rates, `force_rates`, in the others. The
+residual of the line's equations, projected on u, balances forces f at its stations, whose velocities are J u:
 
     Y^T [ q_1' - rates(q_1, q_2) ] + J^T f = 0,        q_1' = Y u' + Y' u
 
@@ -152,7 +152,7 @@ def lines_in_frames(system: System) -> MachineWithStations:
 
 
 def _with_frame_rates(placed: Placed) -> Placed:
-    """The body with velocities u of its initial q_1 (`line_start`), if it deforms."""
+    """The body with velocities u of its initial q_1 (`line_start`), if it has initial deformation rates."""
     if not placed.coordinate_rates.any():
         return placed
     body = body_of(placed)

@@ -68,7 +68,7 @@ class LineStatics(SteadyEquations):
 
     @property
     def is_discrete(self) -> bool:
-        """True: the velocities of positions, on which forces act, differ from those of modes."""
+        """True: forces act on the velocities of positions, which differ from those of the modes."""
         return True
 
     def start(self) -> StaticState:
@@ -79,7 +79,7 @@ class LineStatics(SteadyEquations):
         """Residual of all freedoms, (N,)."""
         return self.unbalance(state, time).terms
 
-    def unbalance(self, state: StaticState, time: float) -> EquilibriumResidual:  # noqa: ARG002 - drives stand
+    def unbalance(self, state: StaticState, time: float) -> EquilibriumResidual:  # noqa: ARG002 - drives are fixed
         """The residuals at rest."""
         found = jax.device_get(unbalanced_at(*self._terms, state.configuration, state.multipliers))
         residual = found.residual - self.held

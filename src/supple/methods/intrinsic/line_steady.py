@@ -1,8 +1,8 @@
 """Residuals, and their exact derivatives, of lines and floating bodies at rest or in steady rotation.
 
-Small motions y of a line are integrals of its amplitudes of velocities: strains and root change by S(q) y, as
-their rates are S(q) q_1. In a rotating machine they are relative to rotating axes. With q_R(q) the velocities
-of the line's rotation at zero strain rate,
+Small motions y of a line are integrals of its velocity amplitudes q_1: strains and root change by S(q) y, as
+their rates are S(q) q_1. In a rotating machine, y is relative to rotating axes. With the amplitudes q_R(q) of
+the line's steady rotation at zero strain rate,
 
     q_1 = q_R(q) + y',     q_1' = dq_R/dt + y'',     dq = S(q) y
 
@@ -57,8 +57,8 @@ class Unbalanced(NamedTuple):
     """Residual of a steady motion, and its terms.
 
     residual : (N,)         of floating bodies, then of the lines' amplitudes
-    terms : (N, 4)          inertia, internal, applied and joint forces, which add up to it
-    gaps : (m,)             of the joints
+    terms : (N, 4)          inertia, internal, applied and joint forces, which add up to the residual
+    gaps : (m,)             residuals of the joints
     """
 
     residual: Any
