@@ -39,10 +39,10 @@ class SupportedRoot(NamedTuple):
 
 
 def is_joined(system: System) -> bool:
-    """Whether a machine needs joint equations: False if the ground supports the roots of all its bodies.
+    """Whether a machine is more than intrinsic bodies that are free, or joined by their roots to the ground.
 
-    True for other than intrinsic bodies, for joints between bodies or at a body with a free root, for
-    controllers, and for friction that depends on a joint force.
+    True for other kinds of bodies, joints between bodies or at a body with a free root, controllers, and
+    friction that depends on a joint force.
     """
     if system.controllers or any(isinstance(load, JointFriction) for load in system.loads):
         return True
