@@ -187,7 +187,7 @@ class ExplicitEngine:
         )
 
     def _first_step(self) -> float:
-        """Trial step at the start, s: a hundredth of the shortest of output step, fixed step and limits."""
+        """Trial step at the start, s: 0.01 of the shortest of output step, fixed step and frame limits."""
         limits = [float(each.step_limit) for each in self._built.model.frames]
         return 0.01 * min([self._run.output_step, self._fixed or np.inf, *limits])
 

@@ -4,8 +4,8 @@
 
 with B = dx/dq, for equal steps. It follows from the discrete Lagrangian 1/(2h) |x(q_n+1) - x(q_n)|_M^2 -
 h V(y_n). No term is neglected: gyroscopic, centrifugal and Euler forces are included, without a force that
-depends on velocity. Momentum is conserved exactly, the energy error stays bounded, and the step limit is that
-of the modes. The increment of a point is bilinear in the unknowns dp and dy,
+depends on velocity. Momentum is conserved exactly, energy stays bounded, and the step limit is that of the
+modes. The increment of a point is bilinear in the unknowns dp and dy,
 
     x_n+1 - x_n = xi_n dp + P_n Phi dy + dP Phi dy.
 

@@ -56,7 +56,7 @@ class Recorded(NamedTuple):
 def _march_to(
     model: MarchModel, methods: Methods, state: MarchState, fixed: Array, times: Array
 ) -> tuple[MarchState, Recorded]:
-    """Integrate through output times (t,). After a failure, and for times already reached, rows repeat.
+    """Integrate through output times (t,); after a failure or for times already reached, the row is repeated.
 
     fixed : fixed step of the explicit nodes, s; 0: the stable step
     """

@@ -82,8 +82,7 @@ def newton_pass(
     """
     converged = trial.converged | stagnant
     trial = trial._replace(converged=converged)
-    sequential = model.n_velocities >= _FEWEST_SEQUENTIAL
-    correct = _correction_sequential if sequential else _correction_where_needed
+    correct = _correction_where_needed if model.n_velocities < _FEWEST_SEQUENTIAL else _correction_sequential
     predicted = jnp.zeros((), dtype=bool)
     if is_predictable(model):
         predicted = (

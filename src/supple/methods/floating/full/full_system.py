@@ -530,7 +530,7 @@ class FullSystem:
         )
 
     def frame_masses(self, configuration: Configuration) -> np.ndarray:
-        """Mass matrices (nb, 6, 6) of the frames, with those of full bodies and lines from the bodies."""
+        """Mass matrices (nb, 6, 6) of the bodies for motion of their frames."""
         border = self._border_mass(configuration)
         masses = np.zeros((len(self.slices), 6, 6))
         at_rest = self.state_at(0.0, configuration, np.zeros(self.n))
@@ -551,7 +551,7 @@ class FullSystem:
         return found
 
     def kinetic_energies(self, configuration: Configuration, velocity: np.ndarray) -> np.ndarray:
-        """Kinetic energies (nb,), with those of full bodies and lines from the bodies."""
+        """Kinetic energies (nb,) of the bodies."""
         border = self.to_border(velocity, self.stations(configuration, velocity))
         products = border * (self._border_mass(configuration) @ border)
         energies = np.array([products[part].sum() / 2 for part in self.border_slices])
