@@ -1,4 +1,4 @@
-"""Explicit engine: an `Engine` with the same run options as the others."""
+"""Engine of explicit time integration."""
 
 from __future__ import annotations
 

@@ -186,7 +186,7 @@ class ModalSubdomain(FloatingForm):
 
     @property
     def is_linear(self) -> bool:
-        """Whether it has no spin stiffness."""
+        """Whether it has no centrifugal stiffness."""
         return self.spin_stiffness is None
 
     def lowest_frequency(self) -> float:

@@ -166,7 +166,7 @@ class _Frozen(NamedTuple):
     uniform strain.
 
     unit : a mass, for scale;   factor : scales the rows of the links to masses
-    spun : (6, k) impulse of the spin stiffness per product of angular velocity after t_n, or None
+    spun : (6, k) impulse of the centrifugal stiffness per product of angular velocities after t_n, or None
     after : h, s
     """
 

@@ -97,7 +97,7 @@ def _yield_stress(system: System, part: ModalSubdomain) -> tuple[float, str]:
 
 def _yields(own: _Limit, stress: float, time: float, node: int) -> str:
     name, model = own.part.name, own.part.body.model
-    assert model is not None  # of which the stress is
+    assert model is not None  # the stress is that of its elements
     whose = (
         "its yield stress"
         if own.whose == name

@@ -158,7 +158,7 @@ def _motions(
         own = solution.motion(placed.body.name, IntrinsicMotion)
         unknown = np.full(np.shape(state.q1), np.nan)
         motion = line_motion(placed, body_of(placed).model, drive, state, unknown, solution.times)
-        # Driven roots are at the position of the drive; the others agree with the run to the last digit.
+        # Positions and rotations of the roots are exactly those of the run.
         found[placed.body.name] = replace(motion, position=own.position, rotation=own.rotation)
     return found
 

@@ -21,7 +21,7 @@ __all__ = ["CondensedLine", "clamped_line", "condensed_line"]
 Array = NDArray[np.float64]
 
 LARGEST_RIGID_FORCE = 1e-6
-"""Largest force under rigid motion, relative to that of each freedom alone; more is not round-off."""
+"""Largest force under rigid motion, relative to forces of single freedoms; more is not round-off."""
 ASYMMETRY = 1e-8
 """Largest asymmetry, relative to the largest entry."""
 LARGEST_NEGATIVE = 1e-6
@@ -132,7 +132,7 @@ def clamped_line(
 ) -> CondensedLine:
     """Free line from matrices of all stations except the root, which was clamped.
 
-    The forces at the root follow from the others, since rigid motion causes no forces.
+    The stiffness of the root follows from that of the other stations, since rigid motion causes no forces.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def _check_not_negative(name: str, scaled: Array) -> None:
 
 
 def _rigid_force(K: Array, R: Array, tree: LoadPathTree) -> float:
-    """Largest force in K R relative to the sum of those of each freedom alone."""
+    """Largest force in K R relative to the largest in |K| |R|."""
     scale = np.tile(np.repeat([1.0, 1.0 / _length(tree)], 3), tree.n)
     size = np.abs(K) @ np.abs(R) * scale[:, None]
     largest = size.max(initial=0.0)

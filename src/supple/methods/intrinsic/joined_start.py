@@ -65,7 +65,7 @@ class JoinedStart(NamedTuple):
 
 
 def joined_start(machine: JoinedMachine, time: float) -> JoinedStart:
-    """Consistent start; velocities are corrected as those of floating bodies are (`start_velocity`).
+    """Consistent start; velocities are corrected as for floating bodies (`start_velocity`).
 
     Raises ModelError for an open joint. Warns RedundantConstraintWarning about joints with redundant
     equations.
@@ -119,7 +119,7 @@ def closed_machine(
 def _begun(
     arrays: JoinedArrays, given: JoinedInstant
 ) -> tuple[JoinedInstant, jax.Array, jax.Array, jax.Array, jax.Array]:
-    """The instant with its stations placed; gaps, rows and rates of its joints; the metric."""
+    """The instant with its stations placed; residuals, Jacobian and rates of the joints; mass matrix."""
     now = given._replace(floating=with_stations(arrays, given.floating, given.lines))
     gaps = constraints(arrays.model, now.time, now.floating)
     return now, gaps, *_rows(arrays, now), velocity_metric(arrays, now)

@@ -120,7 +120,7 @@ def turning_forces(model: LineModel, x1: jax.Array, q1: jax.Array, root: RootTwi
 def momenta(model: LineModel, x1: jax.Array, q1: jax.Array, root: RootTwist | None) -> jax.Array:
     """M x_1 (n, 6) from velocities and their amplitudes."""
     if model.station_masses is not None:
-        # Column by column: compiled into one pass, for one case as for many.
+        # Column by column: compiled into one pass, for one case and for many.
         columns = (_along(model.station_masses[:, :, j], x1) * x1[:, None, j] for j in range(6))
         return sum(columns, jnp.zeros(()))
     p = model.momenta @ q1

@@ -222,7 +222,7 @@ class LineStatics(SteadyEquations):
 
     @cached_property
     def _order(self) -> np.ndarray:
-        """Numbers of the bodies' motions, in their order, among those of floating bodies and lines."""
+        """Permutation of motions: from floating bodies, then lines, to the bodies in their order."""
         starts, first = {}, 0
         for placed in (*self._others, *self._lines):
             starts[placed.body.name] = np.arange(first, first + 6 + placed.body.n_coordinates)

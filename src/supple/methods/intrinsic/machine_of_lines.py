@@ -93,7 +93,7 @@ class MachineOfLines:
 
 
 def machine_of_lines(system: System, time: float) -> MachineOfLines:
-    """Lines, loads and initial states of a machine; ModelError where intrinsic bodies do not support it."""
+    """Lines, loads and initial states of a machine; ModelError for features that lines do not support."""
     check_held_by_ground(system)
     roots = tuple(supported_root(system, placed) for placed in system.bodies)
     lines = LineSystem(

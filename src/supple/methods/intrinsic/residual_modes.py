@@ -61,7 +61,7 @@ def slaved(
 
 
 def at_rest_rates(kept: tuple[int, ...], system: LineSystem, rates: States) -> States:
-    """Rates with those of the high modes zero."""
+    """The rates, with zero for the high modes."""
     return tuple(
         replace(
             rate,

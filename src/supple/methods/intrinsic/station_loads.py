@@ -94,7 +94,7 @@ class Gravity:
 class End:
     """An end of a force element: a station of a line, or a point of the ground (line -1).
 
-    axes : (3, 3)   axes of the element, in those of the station; on the ground, in global axes
+    axes : (3, 3)   axes of the element, in station axes; on the ground, in global axes
     point : (3,)    of the ground
     """
 

@@ -271,7 +271,7 @@ def _stiffness(contact: Contact, masses: FloatArray, short: float) -> FloatArray
 def _touching(
     system: System, numbers: dict[str, IntArray], x: FloatArray, mass: FloatArray, short: float
 ) -> tuple[tuple[NodesTouching, ...], tuple[int, ...], float]:
-    """Explicit nodes in contact with obstacles, numbers of these, and largest stiffness over mass, 1/s^2."""
+    """Explicit nodes in contact, numbers of their obstacles, and largest stiffness over mass, 1/s^2."""
     touching, obstacle_of, largest = [], [], 0.0
     for number, contact in enumerate(system.rigid_contacts):
         if contact.nodes.body in numbers:

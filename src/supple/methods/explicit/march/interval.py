@@ -239,13 +239,13 @@ def _recorded(
         done = frame_step(model, methods, state, long)
         pulls = done.pulls
         for arrays, at, new in zip(model.frames, state.frames, done.frames, strict=True):
-            # At the start the rates are those of that instant.
+            # At the start, the rates are the initial ones.
             share = jnp.where(state.frame_before > 0, 0.5, 0.0)
             change = new.vp - at.vp, new.vy - at.vy
             rates = tuple(own + share * by for own, by in zip((at.vp, at.vy), change, strict=True))
             frames.append((at.p, at.y, *rates, *(by / mean for by in change)))
-            led = (tied_positions(arrays, new) - state.x[:, arrays.nodes]) / long
-            acceleration = acceleration.at[:, arrays.nodes].set((led - state.v[:, arrays.nodes]) / mean)
+            tied_rates = (tied_positions(arrays, new) - state.x[:, arrays.nodes]) / long
+            acceleration = acceleration.at[:, arrays.nodes].set((tied_rates - state.v[:, arrays.nodes]) / mean)
     return Recorded(
         state.x,
         state.v,

@@ -70,9 +70,9 @@ class FrozenInverse(NamedTuple):
     inverse: AnyArray
     """(n, n) inverse of the tangent without joints, translations in body axes"""
     step: AnyArray
-    """Size of the step that it belongs to, s; 0 where there is none yet, or where it must be renewed"""
+    """Size of the step of the inverse, s; 0 where there is none yet, or where it must be renewed"""
     age: AnyArray
-    """Steps since it was computed"""
+    """Steps since the inverse was computed"""
     before: AnyArray
     """Residual relative to the tolerance before a measured correction; 0 where none was measured"""
     after: AnyArray

@@ -34,7 +34,7 @@ _KINDS = ("rigid", "reduced", "full", "intrinsic")
 _INSTANTS_AT_ONCE = 128
 MOST_ITERATIONS = 20
 _REACTIONS, _CONVERGED = 60, 1e-9
-"""Iterations for friction that depends on joint forces, and the relative change of these at convergence."""
+"""Iterations for friction that depends on joint forces; relative change of these forces at convergence."""
 DEAD_POINT = 1e-9
 """Smallest over largest singular value of the joints' Jacobian, with rotations times the machine's size."""
 
@@ -60,7 +60,7 @@ class Instant(NamedTuple):
 def of_frames(terms: JointTerms, parts: Sequence[slice]) -> JointTerms:
     """Constraint terms of joints between rigid bodies: without columns for deformation.
 
-    parts : position of each body's velocities, those of its frame in the first six
+    parts : slice of each body's velocities; the first six are those of its frame
     """
     jacobian = np.zeros_like(terms.jacobian)
     for part in parts:

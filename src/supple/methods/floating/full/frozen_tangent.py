@@ -26,7 +26,7 @@ _FIELDS = ("rotation", "angular_velocity", "angular_acceleration", "acceleration
 
 
 class FrozenTangent(NamedTuple):
-    """Eliminated interiors, and the states that they were computed for."""
+    """Eliminated interiors, and the states for which they were computed."""
 
     eliminations: tuple[Elimination, ...]
     states: tuple[InteriorState, ...]

@@ -45,7 +45,7 @@ class FullDamping:
 
 
 def full_damping(full: FullBody) -> FullDamping:
-    """Damping of a full body by its damping option; ModelError for an option that does not fit it."""
+    """Damping of a full body by its damping option; ModelError for an option that does not fit the body."""
     body, damping = full.body, full.damping
     none, no_columns = csc_array(body.mass.shape), np.empty((body.n, 0))
     own = none if body.damping is None else body.damping

@@ -76,7 +76,7 @@ _border_matrices = CachedProgram(_matrices)
 
 
 class FullSystem:
-    """A system with full bodies, ready for stepping; it holds no state of the motion.
+    """A system with full bodies, ready for stepping; the state of the motion is kept elsewhere.
 
     It is also the `StartingMachine` of its engine.
 
@@ -244,7 +244,7 @@ class FullSystem:
         return state._replace(control=ControlStep(control, np.zeros(())))
 
     def evaluate(self, state: FullState, by_position: float) -> Evaluation:
-        """All residuals at a state; the factor `by_position` of the step scales those of the constraints."""
+        """All residuals at a state; the factor `by_position` of the step scales constraint residuals."""
         stations = self.stations(state.configuration, state.velocity)
         motion = self.border_motion(state, stations)
         terms = jax.tree.map(np.asarray, _border_terms(self.model, motion))

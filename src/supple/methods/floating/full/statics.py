@@ -109,7 +109,7 @@ class FullStatics(SteadyEquations):
         return self.machine.moved(configuration, increment)
 
     def bodies_at(self, configuration: Configuration) -> Configuration:
-        """The same configuration: it is that of the bodies."""
+        """The configuration itself, which is that of the bodies."""
         return configuration
 
     def constraint_rows(self, state: StaticState, time: float) -> np.ndarray:
