@@ -27,7 +27,7 @@ from supple.equations.balance import balance
 from supple.equations.configuration import Configuration, ControlStep, SystemMotion, advance
 from supple.equations.joint_force import constraints
 from supple.equations.places import assembled_vector
-from supple.methods.intrinsic.joined_machine import JoinedArrays, held_places, with_stations
+from supple.methods.intrinsic.joined_machine import JoinedArrays, coupled_places, with_stations
 from supple.methods.intrinsic.line_equations import (
     force_rates,
     line_rates,
@@ -41,8 +41,8 @@ __all__ = [
     "JoinedInstant",
     "JoinedRates",
     "all_velocities",
-    "held_forces",
-    "held_wrenches",
+    "coupled_forces",
+    "coupled_wrenches",
     "joint_equations",
     "joint_rates",
     "motion_residuals",
@@ -93,19 +93,19 @@ def station_twists(arrays: JoinedArrays, states: States, amplitudes: tuple[jax.A
         LineState(none.q1, *shape_rates(model, state, q1))
         for model, state, none, q1 in zip(arrays.lines, states, still, amplitudes, strict=True)
     )
-    (_, rotations), (velocities, turning) = jax.jvp(lambda at: held_places(arrays, at), (states,), (rates,))
+    (_, rotations), (velocities, turning) = jax.jvp(lambda at: coupled_places(arrays, at), (states,), (rates,))
     skew = (rotations[:, :, :, None] * turning[:, :, None, :]).sum(axis=1)
     spin = jnp.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
     return jnp.concatenate([velocities, spin], axis=1).reshape(-1)
 
 
-def held_forces(arrays: JoinedArrays, states: States, wrenches: jax.Array) -> tuple[jax.Array, ...]:
+def coupled_forces(arrays: JoinedArrays, states: States, wrenches: jax.Array) -> tuple[jax.Array, ...]:
     """T^T f for forces and moments f (6 s,) on the coupled stations: forces on each line's amplitudes."""
     amplitudes = tuple(state.q1 for state in states)
     return jax.vjp(lambda q1: station_twists(arrays, states, q1), amplitudes)[1](wrenches)[0]
 
 
-def held_wrenches(arrays: JoinedArrays, now: JoinedInstant, multipliers: jax.Array) -> jax.Array:
+def coupled_wrenches(arrays: JoinedArrays, now: JoinedInstant, multipliers: jax.Array) -> jax.Array:
     """Forces (global) and moments (own axes) of joints and force elements on coupled stations, (6 s,).
 
     now : with its stations placed,  multipliers : (m,) of the active equations
@@ -138,7 +138,7 @@ def joint_equations(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array
 
 def moved(arrays: JoinedArrays, now: JoinedInstant, change: JoinedRates, time: Any) -> JoinedInstant:
     """The instant after `time`, moved by the increment `change`, which is rates multiplied by time."""
-    increment = jnp.concatenate([change.frames, jnp.zeros(6 * arrays.n_held)])
+    increment = jnp.concatenate([change.frames, jnp.zeros(6 * arrays.n_coupled)])
     lines = jax.tree.map(jnp.add, now.lines, change.lines)
     floating = advance(arrays.model, now.floating, increment)
     return JoinedInstant(
@@ -154,7 +154,7 @@ def seen_motion(
     control: ControlStep | None = None,
 ) -> SystemMotion:
     """Motion of floating bodies and stations as the input of joints, forces and controllers."""
-    accelerations = jnp.concatenate([rates.acceleration, jnp.zeros(6 * arrays.n_held)])
+    accelerations = jnp.concatenate([rates.acceleration, jnp.zeros(6 * arrays.n_coupled)])
     velocities = all_velocities(arrays, now)
     return SystemMotion(now.time, now.floating, velocities, accelerations, multipliers, control)
 
@@ -182,13 +182,13 @@ def motion_residuals(
     )
     amplitudes = tuple(state.q1 for state in now.lines)
     _, back = jax.vjp(lambda q1: station_twists(arrays, now.lines, q1), amplitudes)
-    (held,), (pushed,) = back(-left[n:]), back(push[n:])
+    (forces,), (pushed,) = back(-left[n:]), back(push[n:])
     system = arrays.line_system
     roots = tuple(None if drive is None else drive.twist(now.time) for drive in arrays.drives)
     wrenches = system_wrenches(system, now.lines, now.time, roots)
     lines = []
     for model_, state, rate, wrench, root, force, shift in zip(
-        arrays.lines, now.lines, rates.lines, wrenches, roots, held, pushed, strict=True
+        arrays.lines, now.lines, rates.lines, wrenches, roots, forces, pushed, strict=True
     ):
         first, _ = line_rates(model_, state.q1, state.q2, wrench, root)
         shape = shape_rates(model_, state, state.q1 + shift)

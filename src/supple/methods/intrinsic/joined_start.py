@@ -110,7 +110,7 @@ def closed_machine(
     _check_closed(machine, gaps)
     active = np.array(independent_constraints(seen, rows, metric) if known is None else known, dtype=int)
     if len(active) < len(gaps):
-        n_floating = len(arrays.model.sizes) - arrays.n_held
+        n_floating = len(arrays.model.sizes) - arrays.n_coupled
         arrays = replace(arrays, model=station_model(seen, n_floating, tuple(active.tolist())))
         check_friction_known(seen, tuple(active.tolist()))
     return ClosedMachine(arrays, now, active, rows, rates, metric)
@@ -219,7 +219,7 @@ def _ordered(machine: JoinedMachine) -> System:
 
 def _rigid_motions(machine: JoinedMachine) -> tuple[list[slice], list[np.ndarray]]:
     """Slice of each body's velocities, and these velocities (n, 6) for rigid motion of its frame."""
-    n_others = len(machine.arrays.model.sizes) - machine.arrays.n_held
+    n_others = len(machine.arrays.model.sizes) - machine.arrays.n_coupled
     parts = list(machine.arrays.model.slices[:n_others])
     motions = [np.eye(part.stop - part.start, 6) for part in parts]
     for placed, state in zip(machine.lines, machine.states, strict=True):

@@ -161,4 +161,4 @@ def _sizes(arrays: JoinedArrays, now: JoinedInstant, m: int) -> jax.Array:
 
 
 def _floating_sizes(arrays: JoinedArrays) -> tuple[int, ...]:
-    return arrays.model.sizes[: len(arrays.model.sizes) - arrays.n_held]
+    return arrays.model.sizes[: len(arrays.model.sizes) - arrays.n_coupled]

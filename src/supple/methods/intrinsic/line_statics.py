@@ -134,7 +134,7 @@ class LineStatics(SteadyEquations):
         motions fixed by the support of a root are among the joints' equations.
         """
         linear, arrays = self._small_motions(state), self.machine.arrays
-        nb = len(arrays.model.sizes) - arrays.n_held
+        nb = len(arrays.model.sizes) - arrays.n_coupled
         axes = np.eye(arrays.n_floating)
         for own, rotation in zip(
             arrays.model.slices[:nb], np.asarray(state.configuration.floating.rotations), strict=False

@@ -116,7 +116,7 @@ def _turning_lines(
 ) -> tuple[jax.Array, ...]:
     if turning is None:
         return tuple(jnp.zeros_like(state.q1) for state in now.lines)
-    rates = turning.angular_velocities[len(arrays.model.sizes) - arrays.n_held :]
+    rates = turning.angular_velocities[len(arrays.model.sizes) - arrays.n_coupled :]
     return tuple(
         _turning_line(model, None if drive is None else drive.twist(now.time), state, w, turning.point)
         for model, drive, state, w in zip(arrays.lines, arrays.drives, now.lines, rates, strict=True)
@@ -127,7 +127,7 @@ def _turning_frames(
     arrays: JoinedArrays, turning: SteadyTurning | None, now: JoinedInstant, dy: jax.Array, ddy: jax.Array
 ) -> tuple[jax.Array, jax.Array]:
     """Velocities and accelerations (n,) of the floating bodies in steady rotation."""
-    nb = len(arrays.model.sizes) - arrays.n_held
+    nb = len(arrays.model.sizes) - arrays.n_coupled
     if turning is None or not nb:
         return dy, ddy
     places = np.array(arrays.model.frames.starts[:nb])[:, None] + np.arange(3)
