@@ -232,13 +232,13 @@ class ExplicitEngine:
                 return (
                     f"the energy balance has an error of {drift:.3g} J at {when}, more than 1 %; the "
                     f"largest term is {worst} ({e[worst]:.3g} J), the interface lost {e['interface']:.3g} "
-                    "J: take shorter steps, or a smaller ratio between them"
+                    "J: take shorter steps, or a smaller largest_ratio"
                 )
             case 5:
                 verb = "lost" if e["interface"] > 0 else "gained"
                 return (
                     f"the interface energy drifts: {abs(e['interface']):.3g} J were {verb} between parts "
-                    f"with different steps until {when}, more than 1 %; take a smaller ratio"
+                    f"with different steps until {when}, more than 1 %; take a smaller largest_ratio"
                 )
             case _:
                 worst = min(("internal", "hourglass"), key=lambda name: e[name])

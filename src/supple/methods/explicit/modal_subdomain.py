@@ -278,9 +278,9 @@ def modal_subdomain(
         )
     if body.n_modal:
         raise ModelError(
-            f"modal sub-domain '{body.name}': the mass distribution of a body condensed elsewhere, with "
-            "modal coordinates, is unknown; join it to the explicit parts as a reduced body, or give its "
-            "elements"
+            f"modal sub-domain '{body.name}': the mass distribution of a body condensed elsewhere (with "
+            "modal coordinates) is unknown; give its elements, or join it to the explicit parts as a "
+            "reduced body"
         )
     frame = MeanAxisFrame()
     linear = rayleigh_ritz(body, frame, basis.build(body, frame))

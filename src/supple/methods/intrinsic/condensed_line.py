@@ -105,9 +105,9 @@ def condensed_line(
     left = _rigid_force(K, R, tree)
     if left > LARGEST_RIGID_FORCE:
         raise ModelError(
-            f"line '{name}': rigid motion causes forces of {left:.1e} of its stiffness (at most "
-            f"{LARGEST_RIGID_FORCE:.0e} can be round-off): if it includes a support, use clamped_line; check "
-            "that the points belong to its freedoms, and that rotations are in rad"
+            f"line '{name}': rigid motion causes forces, {left:.1e} of those of single freedoms (at most "
+            f"{LARGEST_RIGID_FORCE:.0e} can be round-off): if the stiffness includes a support, use "
+            "clamped_line; check that the points belong to its freedoms, and that rotations are in rad"
         )
     scale = np.tile(np.repeat([1.0, _length(tree)], 3), tree.n)
     Q = np.linalg.qr(scale[:, None] * R)[0]

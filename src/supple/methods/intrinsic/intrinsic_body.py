@@ -329,8 +329,8 @@ def body_of(placed: Placed) -> IntrinsicBody:
     body = placed.body
     if not isinstance(body, IntrinsicBody):
         raise ModelError(
-            f"body '{body.name}' is {body.kind}; without a time integration this is available for intrinsic "
-            "bodies only: simulate, which supports both kinds, with damping to reach equilibrium"
+            f"body '{body.name}' is {body.kind}; this analysis supports intrinsic bodies only: use a time "
+            "integration instead, with damping to reach equilibrium"
         )
     return body
 

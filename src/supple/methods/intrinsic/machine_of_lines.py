@@ -113,9 +113,9 @@ def check_held_by_ground(system: System) -> None:
         body_of(placed)
     if is_joined(system):
         raise ModelError(
-            "joints hold released bodies, or connect intrinsic bodies: without a time integration, intrinsic "
-            "bodies may only be joined to the ground at their roots, by the support of their modes. "
-            "Simulate, with damping to reach equilibrium"
+            "joints act on released bodies, or connect intrinsic bodies: this analysis supports only joints "
+            "between the ground and the roots of intrinsic bodies, as in the support of their modes. Use a "
+            "time integration instead, with damping to reach equilibrium"
         )
 
 

@@ -122,8 +122,8 @@ def not_closed(time: float) -> str:
     """Message for a run that ends because the joints cannot be closed."""
     return (
         f"the joints cannot be closed at t = {time:.6g}: the machine is at a dead point, or its laws "
-        "prescribe positions out of reach of its bodies. Prescribe another motion, one that determines the "
-        "machine throughout; where it moves far from one instant to the next, take a shorter step"
+        "prescribe positions that its bodies cannot reach. Prescribe a motion that determines the machine at "
+        "all times; if the machine moves far in one step, take a shorter step"
     )
 
 
