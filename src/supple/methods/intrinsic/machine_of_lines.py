@@ -158,8 +158,8 @@ def _root_twist(placed: Placed, driven: Array) -> Array:
         if np.abs(missed).max() <= SAME_VELOCITY * max(np.abs(twist).max(), np.abs(driven).max()):
             return driven + allowed @ found[: allowed.shape[1]]
     raise ModelError(
-        f"body '{body.name}' has an initial velocity that its root cannot have: velocity and angular velocity "
-        f"are {np.round(twist, 6).tolist()} along its axes, but the root support excludes "
+        f"body '{body.name}' has an initial velocity that its root cannot have: velocity and angular "
+        f"velocity are {np.round(twist, 6).tolist()} along its axes, but the root support excludes "
         f"{np.round(missed, 6).tolist()}. Give the velocity of its joint, or none"
     )
 
