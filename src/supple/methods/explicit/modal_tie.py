@@ -56,7 +56,7 @@ def tied_rows(tie: ModalTie, first: FrameState, second: FrameState) -> tuple[Gen
 
 
 def _combined(side: TiedSide, at: FrameState) -> Array:
-    """Sum_c L_rci x_j(X_c), (r, 3, 3)."""
+    """Sums over c of L_rci x_j(X_c), (r, 3, 3)."""
     return side.weights @ at.p + (side.shapes @ at.y) @ arms(at.p).T
 
 

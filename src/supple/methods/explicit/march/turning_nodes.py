@@ -47,7 +47,7 @@ def turned(spins: Spins, state: TriadState, mean: Array, h: Array) -> tuple[Tria
 
 
 def _turned(angle: Array, triads: Array) -> Array:
-    """Exp(angle) triads, by Rodrigues' formula."""
+    """Triads multiplied by exp(angle), by Rodrigues' formula."""
     square = (angle * angle).sum(axis=0)
     safe = jnp.where(square > 1e-16, square, 1.0)
     size = jnp.sqrt(safe)

@@ -64,7 +64,7 @@ def lame(material: Isotropic) -> tuple[float, float]:
 
 
 def linear_stress(material: Isotropic, strain: Tensor) -> Tensor:
-    """Lambda tr(e) I + 2 mu e of a symmetric tensor."""
+    """Stress lambda tr(e) I + 2 mu e of a symmetric strain tensor e."""
     first, mu = lame(material)
     pressure = first * (strain[0][0] + strain[1][1] + strain[2][2])
     return tensor(lambda i, j: 2 * mu * strain[i][j] + (pressure if i == j else 0.0))
