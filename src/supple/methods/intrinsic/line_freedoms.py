@@ -1,4 +1,4 @@
-"""Small motions of a line: of its axes and elastic amplitudes, from amplitudes of velocities."""
+"""Small motions of a line: its axes and elastic amplitudes, from integrals of the velocity amplitudes."""
 
 from __future__ import annotations
 

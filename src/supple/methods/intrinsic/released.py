@@ -1,4 +1,4 @@
-"""Body with a free root in the modes of its supported root, for joints at any station."""
+"""Intrinsic body with a free root, from the modes on its root support, for joints at any station."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Truncation error: change of a motion by all modes, and drift of its momentum."""
+"""Truncation error: change of a motion by the omitted modes, and drift of the centre of mass."""
 
 from __future__ import annotations
 

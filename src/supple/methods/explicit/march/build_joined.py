@@ -1,4 +1,4 @@
-"""Ties, joints and force elements of frames: independent multipliers, and the step limit of the whole."""
+"""Ties, joints and force elements of frames: independent multipliers, and the common step limit."""
 
 from __future__ import annotations
 
