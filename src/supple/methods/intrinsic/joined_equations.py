@@ -93,7 +93,9 @@ def station_twists(arrays: JoinedArrays, states: States, amplitudes: tuple[jax.A
         LineState(none.q1, *shape_rates(model, state, q1))
         for model, state, none, q1 in zip(arrays.lines, states, still, amplitudes, strict=True)
     )
-    (_, rotations), (velocities, turning) = jax.jvp(lambda at: coupled_places(arrays, at), (states,), (rates,))
+    (_, rotations), (velocities, turning) = jax.jvp(
+        lambda at: coupled_places(arrays, at), (states,), (rates,)
+    )
     skew = (rotations[:, :, :, None] * turning[:, :, None, :]).sum(axis=1)
     spin = jnp.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
     return jnp.concatenate([velocities, spin], axis=1).reshape(-1)

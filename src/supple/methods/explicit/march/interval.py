@@ -245,7 +245,9 @@ def _recorded(
             rates = tuple(own + share * by for own, by in zip((at.vp, at.vy), change, strict=True))
             frames.append((at.p, at.y, *rates, *(by / mean for by in change)))
             tied_rates = (tied_positions(arrays, new) - state.x[:, arrays.nodes]) / long
-            acceleration = acceleration.at[:, arrays.nodes].set((tied_rates - state.v[:, arrays.nodes]) / mean)
+            acceleration = acceleration.at[:, arrays.nodes].set(
+                (tied_rates - state.v[:, arrays.nodes]) / mean
+            )
     return Recorded(
         state.x,
         state.v,

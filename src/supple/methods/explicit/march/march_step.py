@@ -35,7 +35,9 @@ def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array,
     done = frame_step(model, methods, state, long)
     tied_rates = state.v
     for arrays, frame in zip(model.frames, done.frames, strict=True):
-        tied_rates = tied_rates.at[:, arrays.nodes].set((tied_positions(arrays, frame) - state.x[:, arrays.nodes]) / long)
+        tied_rates = tied_rates.at[:, arrays.nodes].set(
+            (tied_positions(arrays, frame) - state.x[:, arrays.nodes]) / long
+        )
     old = state.energies
     energies = old._replace(
         internal=old.internal + done.internal,

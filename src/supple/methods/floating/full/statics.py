@@ -31,7 +31,7 @@ class FullStatics(SteadyEquations):
     """`Equations` by sparse bordered steps.
 
     The tangent is that of `full_linear_equations`, which includes the derivative of the frames' velocities by
-    their positions. Without this derivative, equilibria at speeds above the first frequency would not converge.
+    their positions. Without this derivative, equilibria above the first natural frequency would not converge.
     """
 
     machine: FullSystem
