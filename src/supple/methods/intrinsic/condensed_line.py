@@ -105,8 +105,8 @@ def condensed_line(
     left = _rigid_force(K, R, tree)
     if left > LARGEST_RIGID_FORCE:
         raise ModelError(
-            f"line '{name}': rigid motion causes forces of {left:.1e} times those of single freedoms (at most "
-            f"{LARGEST_RIGID_FORCE:.0e} can be round-off): if the stiffness includes a support, use "
+            f"line '{name}': rigid motion causes forces of {left:.1e} times those of single freedoms (at "
+            f"most {LARGEST_RIGID_FORCE:.0e} can be round-off): if the stiffness includes a support, use "
             "clamped_line; check that the points belong to its freedoms, and that rotations are in rad"
         )
     scale = np.tile(np.repeat([1.0, _length(tree)], 3), tree.n)
