@@ -1,1 +1,1 @@
-"""Floating frames, compiled and full; intrinsic lines; explicit parts. None imports another."""
+"""Floating frames (compiled and full), intrinsic lines, and explicit parts. No method imports another."""

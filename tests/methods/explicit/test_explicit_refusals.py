@@ -209,7 +209,7 @@ def test_what_a_march_does_not_follow_is_refused_with_the_remedy():
     run = Run(0.02, 0.01, FixedStep(1e-3), method=Explicit())
     friction = HingeFriction(joint=pin, coefficient=0.1, width=0.1, radius=0.1)
     with pytest.raises(
-        ModelError, match="does not include the force of a joint in its friction; give friction a preload"
+        ModelError, match="does not include the force of a joint in its friction; use RevoluteFriction"
     ):
         simulate(System([ball()], joints=[pin], loads=[friction]), run)
     spring = TorsionSpringDamper(

@@ -195,7 +195,7 @@ def test_a_spin_that_would_stiffen_a_modal_part_is_refused_at_rest():
     clamp = Fixed(name="clamp", first="ground", second="one.a")
     hub = PrescribedRotation(name="hub", first="ground", second="one.a", axis=(0, 0, 1), angle=0.0)
     assert machine_modes(linearize(System([part], [clamp])), 1).frequencies[0] > 0
-    with pytest.raises(ModelError, match="part 'one' has a stiffness of its spin"):
+    with pytest.raises(ModelError, match="part 'one' has a centrifugal stiffness"):
         linearize(System([part], [hub]), spin=Spin(5.0, (0, 0, 1)))
 
 

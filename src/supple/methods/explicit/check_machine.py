@@ -30,22 +30,22 @@ __all__ = ["check_machine", "check_run", "check_spin_stiffness"]
 _APART = 1e-9
 """Largest initial velocity difference of two tied modal parts, relative to the fastest point."""
 _ROUNDED = 1e-6
-"""Largest initial velocity difference of explicit nodes and their modal part, likewise relative."""
+"""Same limit for explicit nodes and the modal part to which they are tied."""
 
 
 def check_spin_stiffness(system: System) -> None:
-    """Raise ModelError for modal parts with a spin stiffness, which statics and modes would neglect."""
+    """Raise ModelError for modal parts with a centrifugal stiffness, which statics and modes neglect."""
     for name, part in system.bodies_of(ModalSubdomain).items():
         if part.spin_stiffness is not None:
             raise ModelError(
-                f"part '{name}' has a stiffness of its spin (`CentrifugalStiffness`, spin_stiffness = true), "
+                f"part '{name}' has a centrifugal stiffness (`CentrifugalStiffness`, spin_stiffness = true), "
                 "which only explicit time integration supports: for equilibrium and modes of a rotating "
-                "machine, reduce the body, or leave that stiffness out"
+                "machine, reduce the body, or omit this stiffness"
             )
 
 
 def check_machine(system: System, method: Explicit) -> None:
-    """Raise ModelError for bodies of other methods, and for loads and joints they do not support."""
+    """Raise ModelError for bodies, joints and loads that explicit time integration does not support."""
     for placed in system.bodies:
         body = placed.body
         if body.kind not in ("modal", "explicit", "rigid"):
@@ -55,8 +55,8 @@ def check_machine(system: System, method: Explicit) -> None:
             )
         if body.kind == "explicit" and placed.coordinates.any():
             raise ModelError(
-                f"part '{body.name}' has finite elements, which start undeformed, because their initial "
-                "energy is unknown: leave its coordinates out; coordinate_rates may be given"
+                f"part '{body.name}' has finite elements, which start undeformed (their initial energy is "
+                "unknown otherwise): omit its coordinates; coordinate_rates may be given"
             )
     for controller in system.controllers:
         what = f"controller '{controller.name}'"
@@ -79,8 +79,8 @@ def _check_scheme(system: System, method: Explicit) -> None:
     stiffened = [name for name, body in modal.items() if body.spin_stiffness is not None]
     if stiffened and not isinstance(method.scheme, ProjectedDifference):
         raise ModelError(
-            f"part '{stiffened[0]}' has `stiffening`, which {type(method.scheme).__name__} does not "
-            "support; use ProjectedDifference(), or leave `stiffening` out"
+            f"part '{stiffened[0]}' has a centrifugal stiffness (`stiffening`, spin_stiffness = true), which "
+            f"{type(method.scheme).__name__} does not support; use ProjectedDifference(), or omit it"
         )
 
 
@@ -88,12 +88,12 @@ def _check_load(system: System, load: object) -> None:
     if isinstance(load, JointFriction):
         raise ModelError(
             f"{load.label}: explicit time integration does not include the force of a joint in its friction; "
-            "give friction a preload, RevoluteFriction or PrismaticFriction"
+            "use RevoluteFriction or PrismaticFriction, with a preload"
         )
     if isinstance(load, ForceElement):
         _check_frames(system, load.label, (load.first, load.second))
     elif isinstance(load, NodalLoad) and not (isinstance(load, DeadForce) or _has_frame(system, load.body)):
-        raise ModelError(f"{load.label}: nodes of explicit elements support DeadForce only; use this")
+        raise ModelError(f"{load.label}: nodes of explicit elements support DeadForce only")
 
 
 def _check_frames(system: System, what: str, ends: tuple[At, ...]) -> None:
@@ -102,7 +102,7 @@ def _check_frames(system: System, what: str, ends: tuple[At, ...]) -> None:
         if end != GROUND and not _has_frame(system, end.body):
             raise ModelError(
                 f"{what}: it needs a frame, and nodes of explicit elements ('{end.body}') have none; "
-                "put it on a modal part that they are tied to, or use a DeadForce"
+                "put it on a modal part to which these nodes are tied, or use a DeadForce"
             )
 
 
@@ -124,8 +124,8 @@ def _check_support(system: System, support: Support) -> None:
     most = 6 if isinstance(system.placed(part).body, ExplicitShell) else 3
     if not all(0 <= axis < most for axis in support.axes):
         raise ModelError(
-            f"support of '{support.nodes}': axes {support.axes}; give 0 to {most - 1}, rotations of shells "
-            "alone"
+            f"support of '{support.nodes}': axes {support.axes}; give 0 to {most - 1} (3 to 5: rotations of "
+            "shells)"
         )
 
 
@@ -140,8 +140,8 @@ def _check_tie(system: System, tie: Tie) -> None:
         )
     if modal and not modal_on:
         raise ModelError(
-            f"{what}: nodes of a modal sub-domain can be tied to a modal one only, and '{tie.on}' is "
-            f"explicit; tie its nodes on '{tie.nodes.body}' instead"
+            f"{what}: nodes of a modal sub-domain can be tied only to another modal sub-domain, and "
+            f"'{tie.on}' is explicit; tie the nodes of '{tie.on}' on '{tie.nodes.body}' instead"
         )
     first, second = system.placed(tie.nodes.body), system.placed(tie.on)
     x = undeformed(first)[system.node_numbers(tie.nodes)]
@@ -159,8 +159,8 @@ def check_run(run: Run) -> None:
     """Raise ModelError for run options that explicit time integration does not support."""
     if not isinstance(run.method, ExplicitRule) and run.method != GeneralizedAlpha():
         raise ModelError(
-            f"explicit parts use central differences, not {type(run.method).__name__}: leave the "
-            "method of the run out; Explicit(scheme=...) selects that of the modal parts"
+            f"explicit parts use central differences, not {type(run.method).__name__}: omit the method of "
+            "the run, or give Explicit(scheme=...) for the scheme of the modal parts"
         )
     if run.tolerances != Tolerances():
-        raise ModelError("explicit time integration has no iterations: leave the tolerances of the run out")
+        raise ModelError("explicit time integration has no iterations: omit the tolerances of the run")

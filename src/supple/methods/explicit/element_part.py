@@ -27,13 +27,13 @@ FloatArray = NDArray[np.float64]
 
 
 def refuse_beside_elements(what: str, model: FiniteElementModel) -> None:
-    """Raise ModelError for a part with more than elements and nodal masses."""
+    """Raise ModelError if the model has other attachments than nodal masses."""
     refuse_attached(replace(model.attached, mass=None), what)
     node_masses(model)
 
 
 class ElementPart(FormDefaults):
-    """`BodyForm` whose coordinates are the displacements of its nodes; without a frame, for any rotation."""
+    """`BodyForm` without a frame, for any rotation; its coordinates are the displacements of its nodes."""
 
     name: str
     model: FiniteElementModel
@@ -50,7 +50,7 @@ class ElementPart(FormDefaults):
 
     @property
     def has_frame(self) -> bool:
-        """False: its coordinates are the positions of its nodes in space."""
+        """False: the displacements of its nodes are not relative to a frame."""
         return False
 
     @property
@@ -95,7 +95,7 @@ class ElementPart(FormDefaults):
     def nodal_fields(
         self, coordinates: FloatArray, freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[FloatArray, None]:
-        """Nodal freedoms (n, t), equal to its coordinates (t, n)."""
+        """Nodal freedoms (n, t): the coordinates (t, n), transposed. No condensed freedoms."""
         return coordinates.T[freedoms], None
 
     def positions(self, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> FloatArray:
@@ -127,9 +127,9 @@ class ElementPart(FormDefaults):
 
     @property
     def rotation_limit(self) -> float:
-        """None: rotations are not limited."""
+        """Infinite: rotations are not limited."""
         return np.inf
 
     def lowest_frequency(self) -> float:
-        """Not computed: nothing depends on it."""
+        """Infinite: it is not computed, as nothing depends on it."""
         return np.inf

@@ -1,4 +1,4 @@
-"""Explicit engine: an `Engine` with the same run options as the others."""
+"""Engine of explicit time integration."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ from supple.methods.explicit.motions import NodalMotion
 __all__ = ["CONTACTS", "ENERGIES", "OBSTACLES", "STEPS", "ExplicitEngine"]
 
 ENERGIES = "energies"
-"""Name of the series of the energy balance of a run, in the order of `Energies`."""
+"""Name of the series of energies, J, in the order of `Energies`."""
 STEPS = "steps"
-"""Name of the series with the step of the elements, s, and the number of these in one step of the frames."""
+"""Name of the series with the element step, s, and the number of element steps in one frame step."""
 OBSTACLES = "obstacles"
-"""Name of the series with the displacement of each obstacle, (t, 3 o), and its velocity."""
+"""Name of the series with displacement and velocity of each obstacle, (t, 6 o)."""
 CONTACTS = "contacts"
 """Name of the series with the force on the nodes of each contact, and its point of action, (t, 6 c)."""
 
@@ -65,7 +65,7 @@ class ExplicitEngine:
         return self._built
 
     def steps(self) -> tuple[float, int]:
-        """Step of the explicit nodes at the start, s, and explicit steps in one of the frames."""
+        """Element step at the start, s, and number of element steps in one frame step."""
         span = jnp.asarray(self._run.output_step)
         h, ratio, _ = chosen_steps(
             self._built.model,
@@ -77,7 +77,7 @@ class ExplicitEngine:
         return float(h), int(ratio)
 
     def start(self, time: float) -> MarchState:
-        """The parts as placed, corrected to the joints."""
+        """State of the parts as placed, corrected to satisfy the joints."""
         own = self._built
         if own.framed.change is not None:
             report_start(own.framed.change, self._run.validity)
@@ -100,7 +100,7 @@ class ExplicitEngine:
         return jax.tree.unflatten(structure, kept)
 
     def march(self, state: MarchState, times: np.ndarray) -> Leg[MarchState]:
-        """Integrate to each of the output times; sampled controllers are called at their instants."""
+        """Integrate to each of the output times; sampled controllers are called at their sample times."""
         if self._sampling is None:
             return self._marched(state, times)
         return march_sampled(self._sampling, self._marched, self._sampled, state, times)
@@ -141,7 +141,7 @@ class ExplicitEngine:
             after = jax.tree.map(lambda leaf: leaf[: len(ahead)], jax.device_get(after))
             bad = np.flatnonzero(after.trouble)
             if bad.size:
-                stopped = self._told(jax.tree.map(lambda leaf: leaf[bad[0]], after), float(last.initial))
+                stopped = self._failure(jax.tree.map(lambda leaf: leaf[bad[0]], after), float(last.initial))
                 after = jax.tree.map(lambda leaf: leaf[: bad[0]], after)
             rows.append(after)
         joined = jax.tree.map(lambda *leaves: np.concatenate(leaves), *rows)
@@ -187,7 +187,7 @@ class ExplicitEngine:
         )
 
     def _first_step(self) -> float:
-        """Trial step at the start, s: a hundredth of the longest step of the frames."""
+        """Trial step at the start, s: 0.01 of the shortest of output step, fixed step and frame limits."""
         limits = [float(each.step_limit) for each in self._built.model.frames]
         return 0.01 * min([self._run.output_step, self._fixed or np.inf, *limits])
 
@@ -211,15 +211,15 @@ class ExplicitEngine:
                 f"leave it out, or give at most {0.9 * limit:.3g}"
             )
 
-    def _told(self, row: Recorded, initial: float) -> str:
-        """Message with the cause of the end of a run and its remedies."""
+    def _failure(self, row: Recorded, initial: float) -> str:
+        """Message with the cause of a stopped run and its remedies."""
         when = f"t = {float(row.time):.6g}, step {int(row.steps)}"
         e = dict(zip(Energies._fields, np.asarray(row.energies), strict=True))
         match int(row.trouble):
             case 1:
                 return (
                     f"an element inverted (det F <= 0) before {when}: refine the mesh there, delete "
-                    "elements at a plastic strain, or use a law that resists it (NeoHookean)"
+                    "elements at a plastic strain, or use a law that resists inversion (NeoHookean)"
                 )
             case 2:
                 return (
@@ -232,13 +232,13 @@ class ExplicitEngine:
                 return (
                     f"the energy balance has an error of {drift:.3g} J at {when}, more than 1 %; the "
                     f"largest term is {worst} ({e[worst]:.3g} J), the interface lost {e['interface']:.3g} "
-                    "J: take shorter steps, or a smaller ratio between them"
+                    "J: take shorter steps, or a smaller largest_ratio"
                 )
             case 5:
                 verb = "lost" if e["interface"] > 0 else "gained"
                 return (
                     f"the interface energy drifts: {abs(e['interface']):.3g} J were {verb} between parts "
-                    f"with different steps until {when}, more than 1 %; take a smaller ratio"
+                    f"with different steps until {when}, more than 1 %; take a smaller largest_ratio"
                 )
             case _:
                 worst = min(("internal", "hourglass"), key=lambda name: e[name])
@@ -249,7 +249,7 @@ class ExplicitEngine:
 
 
 def _padded(n: int) -> int:
-    """Padded number of output times of a compiled run: few lengths, so that runs share a program."""
+    """Number of output times, rounded up to one of a few lengths, so that runs share a compiled program."""
     return 1 << (n - 1).bit_length() if n <= 32 else -(-n // 32) * 32
 
 

@@ -38,7 +38,7 @@ class ShellElements:
     nodes : int (E, 3);   corners : (E, 3, 3) m;   stiffness : (E, 18, 18);   to_stress : (E, l, 6, 18)
     inertia : (E,) of each corner, kg m^2;   mass : (E,) of each corner, kg
     thickness : m;   area : (E,) m^2
-    membrane : (E, 3, 18), bending : (E, p, 3, 18)      strain and curvature, these at p points
+    membrane : (E, 3, 18)       membrane strain;   bending : (E, p, 3, 18)      curvature at p points
     drilling : (E, 18, 18) stiffness of the drilling rotations alone
     """
 
@@ -64,7 +64,7 @@ class ExplicitShell(ElementPart):
     law : J2Plasticity | None       None: elastic
     layers : int            Gauss points through the thickness where there is a law
     deletion : float        plastic strain at which an element is deleted; infinite: never
-    damping : LinearRayleighDamping | None      alpha alone
+    damping : LinearRayleighDamping | None      alpha only: beta must be 0
     """
 
     name: str
@@ -127,9 +127,8 @@ class ExplicitShell(ElementPart):
     def elements(self) -> tuple[ShellElements, ...]:
         """The triangles of each section.
 
-        Each corner has the inertia m (t^2/12 + A/8). With that of the section alone, rotations would
-        limit the step; the added inertia vanishes with the square of the element (Hughes, Cohen and Haroun
-        1978).
+        Each corner has the inertia m (t^2/12 + A/8). With m t^2/12 alone, rotations would limit the step.
+        The added term m A/8 vanishes with the square of the element size (Hughes, Cohen and Haroun 1978).
         """
         recovery = stress_recovery(self.model)
         made = []
@@ -167,7 +166,7 @@ class ExplicitShell(ElementPart):
 
     @cached_property
     def step_limit(self) -> float:
-        """Longest stable step at rest, s: the fastest mode of an element alone (Irons and Treharne)."""
+        """Longest stable step at rest, s, from the fastest mode of any single element (Irons, Treharne)."""
         largest = 0.0
         for own in self.elements:
             diagonal = np.tile(np.column_stack([own.mass] * 3 + [own.inertia] * 3), (1, 3))

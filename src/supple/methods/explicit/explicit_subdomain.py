@@ -1,4 +1,4 @@
-"""Explicit sub-domain: nonlinear finite elements with lumped mass, with plasticity and failure."""
+"""Explicit sub-domain: nonlinear finite elements with lumped mass, plasticity and failure."""
 
 from __future__ import annotations
 

@@ -1,15 +1,15 @@
 """Floating frame of four points: its pose and rates, and the map of its forces to the points.
 
-With P = [x_A - x_O, ..] of arms l, and X_O the position of O in the axes of the body,
+With P = [x_A - x_O, x_B - x_O, x_C - x_O], the arm length l, and X_O the position of O in the body's axes,
 
     A = P / l,    R = x_O - A X_O,    W = P^T P' / l^2,    omega = ax (W - W^T) / 2
 
-R is linear in the points. A force F on R and a moment m (in the axes of the body) on omega act on them by
+R is linear in the points. A force F at R and a moment m (in the axes of the body) become the forces (4, 3)
 
     f = w_R F^T + E (P skew(m))^T / (2 l^2)
 
-with w_R the weights of R. A rigid motion of the points is one of the frame, to round-off, so balanced pairs
-of forces on frames are also balanced on points.
+on the points, with the weights w_R of R and E = `CORNERS`. A rigid motion of the points is a rigid motion of
+the frame, to round-off, so a balanced pair of forces on frames is also balanced on points.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def placed_state(
     coordinates: np.ndarray,
     rates: np.ndarray,
 ) -> FrameState:
-    """A frame at a pose and coordinates, with rates (dR, omega, dq), (6 + k,)."""
+    """State of a frame at a pose and coordinates, with rates (dR, omega, dq), (6 + k,)."""
     points = frame.body.points
     p = points.placed(position, rotation)
     vp = rates[:3] + np.cross(rotation @ rates[3:6], p - position)

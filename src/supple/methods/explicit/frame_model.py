@@ -30,7 +30,7 @@ class FrameModel(NamedTuple):
     stiffness : (k, k)          K_L, 1/s^2
     squared_lengths : (6,)      of the links, m^2
     mass_damping, stiffness_damping : alpha (1/s) and beta (s) of the modes; the frame is undamped
-    spin_stiffness : (6, k, k)  of the products of angular velocity (`PAIRS`), or None
+    spin_stiffness : (6, k, k)  per product of two angular velocities (`PAIRS`), or None
     """
 
     moments: Moments
@@ -42,7 +42,7 @@ class FrameModel(NamedTuple):
 
 
 class FrameState(NamedTuple):
-    """State of a frame at t_n, with its rates over the step before; at the start, those of that instant.
+    """State of a frame at t_n, with its mean rates over the previous step (at the start: the initial rates).
 
     p : (4, 3) m;   y : (k,);   vp : (4, 3) m/s;   vy : (k,)
     """
@@ -86,7 +86,7 @@ def elastic_force(model: FrameModel, y: Array, rates: Array) -> Array:
 
 
 def spin_force(model: FrameModel, old: FrameState, new: FrameState) -> Array:
-    """-1/2 (K_G(Omega_n-1/2) + K_G(Omega_n+1/2)) y_n on the modes, (k,), of a completed step."""
+    """Force -1/2 (K_G(Omega_n-1/2) + K_G(Omega_n+1/2)) y_n on the modes, (k,), after a completed step."""
     if model.spin_stiffness is None:
         return jnp.zeros_like(old.y)
     both = spin_products(old.p, old.vp) + spin_products(old.p, new.vp)
@@ -94,7 +94,7 @@ def spin_force(model: FrameModel, old: FrameState, new: FrameState) -> Array:
 
 
 def gravity_force(sums: Spread, p: Array, gravity: Array) -> Generalized:
-    """Weight; that of directors is zero, because their weights sum to zero."""
+    """Gravity force. Directors add none, because their weights on the points sum to zero."""
     return Generalized(sums.Xi.sum(axis=1)[:, None] * gravity, (arms(p).T @ gravity) @ sums.Q.sum(axis=0))
 
 
@@ -106,5 +106,5 @@ def point_forces(weights: Array, shapes: Array, p: Array, y: Array, forces: Arra
 
 
 def material_points(weights: Array, shapes: Array, p: Array, y: Array) -> Array:
-    """Positions (n, 3) of material points: always by (5), never by integrating velocities."""
+    """Positions (n, 3) of material points: always from p and y, never by integrating velocities."""
     return weights @ p + (shapes @ y) @ arms(p).T

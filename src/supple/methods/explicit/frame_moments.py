@@ -4,7 +4,7 @@ Every nodal sum is a polynomial in the modal coordinates y, so three constant ar
 
     S0 = sum m w w^T,     S1 = sum m w Phi,     C = sum m Phi Phi
 
-so that a step costs O(9 k^2), independent of the mesh.
+A step then costs O(9 k^2), independent of the mesh.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Moments(NamedTuple):
     C: Array
 
     def __add__(self, other: Moments) -> Moments:  # ty: ignore[incompatible-method-override] - sums, as tuples do not
-        """Sums of two sets of mass on one frame."""
+        """Sums over the mass of both."""
         return Moments(*(a + b for a, b in zip(self, other, strict=True)))
 
 

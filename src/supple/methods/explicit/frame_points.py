@@ -38,7 +38,7 @@ class FramePoints:
             raise ModelError(f"the arm of a four-point frame must be a positive length, got {self.arm}")
 
     def weights(self, points: FloatArray) -> FloatArray:
-        """W (n, 4) of material points (n, 3)."""
+        """Weights w (n, 4) of material points (n, 3)."""
         local = (points - self.origin) / self.arm
         return np.array([1.0, 0, 0, 0]) + local @ CORNERS.T
 
@@ -49,5 +49,5 @@ class FramePoints:
 
     @property
     def squared_lengths(self) -> FloatArray:
-        """L^2 (6,) of the links: three arms, three diagonals."""
+        """Squared lengths (6,) of the links, m^2: three arms, three diagonals."""
         return self.arm**2 * np.array([1.0, 1, 1, 2, 2, 2])

@@ -23,10 +23,10 @@ Found = TypeVar("Found")
 
 
 def fusion_barrier(stage: Callable[[Given], Found], given: Given) -> Found:
-    """stage(given), both trees of arrays, none of them empty."""
+    """stage(given); `given` and the result are trees of arrays, and no array is empty."""
     first = jax.tree.leaves(given)[0]
     if not isinstance(first, Tracer):
-        return stage(given)  # outside compiled code nothing is fused, and a branch would be compiled alone
+        return stage(given)  # no fusion outside compiled code, where each branch would be compiled by itself
     # True for every number, and for NaN; the compiler cannot derive this.
     holds = ~(first.ravel()[0] < -jnp.inf)
     like = jax.eval_shape(stage, given)

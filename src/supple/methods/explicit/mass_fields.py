@@ -64,7 +64,7 @@ def mass_fields(body: FlexibleBody, points: FramePoints, vectors: FloatArray) ->
 
 
 def isotropic_part(body: FlexibleBody, mass: sparse.csc_array, part: slice) -> sparse.csr_array:
-    """The (N, N) mass matrix of each direction; ModelError where they differ or are coupled."""
+    """The (N, N) mass matrix common to all directions; ModelError where directions differ or are coupled."""
     matrix = sparse.csr_array(mass)
     d = body.dofs_per_node
     rows = [np.arange(i, body.n_nodal, d) for i in range(part.start, part.stop)]

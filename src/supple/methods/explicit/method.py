@@ -15,10 +15,10 @@ __all__ = ["Explicit"]
 
 @dataclass(frozen=True)
 class Explicit(ExplicitRule):
-    """Central differences, with modal parts on four-point frames; a fixed step is that of finite elements.
+    """Central differences, with modal parts on four-point frames. FixedStep sets the step of the elements.
 
-    scheme : of the four-point frames: ProjectedDifference() or PublishedScheme(..)
-    safety : fraction of the step limit that is used, where the run has no FixedStep
+    scheme : time integration of the four-point frames: ProjectedDifference() or PublishedScheme(..)
+    safety : step as a fraction of the step limit, for runs without FixedStep
     largest_ratio : largest number of element steps in one step of the frames; 1: one step for all
     interface_loss : largest relative energy lost or gained between parts with different steps, from one
         output time to the next; above it the ratio is halved, and the interval repeated

@@ -53,7 +53,7 @@ class ModalFrame:
 
     @property
     def spin_bound(self) -> float | None:
-        """Bound of the squared frequencies added by a spin of 1 rad/s, 1/s^2 per (rad/s)^2, or None."""
+        """Bound of the increase of squared frequencies at 1 rad/s, 1/s^2 per (rad/s)^2, or None."""
         if self.model.spin_stiffness is None:
             return None
         mass, _ = self.pencil()
@@ -66,7 +66,7 @@ class ModalFrame:
         return np.einsum("n,nia,nib->ab", stiffness, B, B, optimize=True)
 
     def stiffness_at(self, nodes: NDArray[np.int64], fraction: float) -> FloatArray:
-        """A fraction of the stiffness (N/m) at which each node's effective mass has the modes' step limit."""
+        """Contact stiffness (n,), N/m: `fraction` of that at which a node has the step limit of the modes."""
         mass, stiffness = self.pencil()
         largest = linalg.eigh(stiffness, mass, eigvals_only=True)[-1]
         B = self.motion(nodes)

@@ -31,7 +31,7 @@ from supple.reduction import LinearBasisRecipe, ReducedBody, rayleigh_ritz
 __all__ = ["ModalSubdomain", "modal_subdomain"]
 
 LARGEST_RIGID_PART = 1e-8
-"""Largest product of a mode with a rigid motion of equal mass norm."""
+"""Largest M-product of a mode with a rigid motion, both of unit M-norm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +43,8 @@ class ModalSubdomain(FloatingForm):
     frequencies : (k,)      rad/s, ascending
     mass_damping, stiffness_damping : alpha, 1/s, and beta, s, of the modes
     spin_stiffness : (6, k, k) of `CentrifugalStiffness`, or None
-    yield_stress : Pa, above which a run warns; None: that of the explicit parts of its material, if any
-    Raises ModelError for vectors that contain rigid motion, whose step limit differs from that of the modes.
+    yield_stress : Pa, above which a run warns; None: the lowest of explicit parts of its material, if any
+    Raises ModelError for vectors that contain rigid motion: the step limit would be wrong.
     """
 
     body: FlexibleBody
@@ -72,9 +72,9 @@ class ModalSubdomain(FloatingForm):
         if (worst := float(np.abs(shared).max(initial=0.0))) > LARGEST_RIGID_PART:
             raise ModelError(
                 f"mode {int(np.abs(shared).max(axis=1).argmax()) + 1} of body '{self.body.name}' contains "
-                f"rigid motion (product {worst:.1e}, allowed {LARGEST_RIGID_PART:.0e}), which its frame "
-                "already has, and the step limit would be wrong; make the modes M-orthogonal to rigid "
-                "motion, as modal_subdomain does"
+                f"rigid motion (product {worst:.1e}, allowed {LARGEST_RIGID_PART:.0e}), which the frame "
+                "already has: the step limit would be wrong. Make the modes M-orthogonal to rigid motion, "
+                "as modal_subdomain does"
             )
 
     @property
@@ -186,7 +186,7 @@ class ModalSubdomain(FloatingForm):
 
     @property
     def is_linear(self) -> bool:
-        """Whether it has no spin stiffness."""
+        """Whether it has no centrifugal stiffness."""
         return self.spin_stiffness is None
 
     def lowest_frequency(self) -> float:
@@ -255,19 +255,19 @@ def modal_subdomain(
         V^T M V = I,   R^T M V = 0,   V^T K V = diag(omega^2)
 
     The columns of any basis are made M-orthogonal to the six rigid motions and diagonalised; modes with
-    frequencies above `highest` are omitted. So constraint modes of many interface freedoms do not shorten the
-    step: the highest retained frequency limits it.
+    frequencies above `highest` are omitted. The highest retained frequency limits the step, so constraint
+    modes of many interface freedoms do not shorten it.
 
     body : FlexibleBody     only `stiffening` uses the quadratic strains of its elements
     basis : NormalModes(..), CraigBampton(..), ErrorControlled(..) or any other recipe
     highest : float         rad/s
     damping : LinearRayleighDamping(..)     of the modes; the frame is undamped
-    stiffening : CentrifugalStiffness()     stress of free spin, for bodies that spin faster than about 3 % of
-        their lowest frequency; None: the modes are those at rest for any spin
+    stiffening : CentrifugalStiffness()     for bodies that rotate freely at more than about 3 % of their
+        lowest frequency; None: the stiffness does not depend on the angular velocity
     yield_stress : float    Pa, above which a run warns, because modes stay elastic; None: the lowest of the
         explicit parts of the same material
-    Raises ModelError when no mode is left, for a body with modal coordinates or a damping matrix; errors of
-        the recipe.
+    Raises ModelError if no mode is below `highest`, or the body has modal coordinates or a damping matrix;
+        and the errors of the recipe.
     Source: [Radioss]; docs/theory/explicit.md for the orthogonality.
     """
     refuse_relative_damping(damping, f"modal sub-domain '{body.name}'")
@@ -278,9 +278,9 @@ def modal_subdomain(
         )
     if body.n_modal:
         raise ModelError(
-            f"modal sub-domain '{body.name}': the mass distribution of a body condensed elsewhere, with "
-            "modal coordinates, is unknown; join it to the explicit parts as a reduced body, or give its "
-            "elements"
+            f"modal sub-domain '{body.name}': the mass distribution of a body condensed elsewhere (with "
+            "modal coordinates) is unknown; give its elements, or join it to the explicit parts as a "
+            "reduced body"
         )
     frame = MeanAxisFrame()
     linear = rayleigh_ritz(body, frame, basis.build(body, frame))
@@ -292,7 +292,7 @@ def modal_subdomain(
         )
     alpha, beta = (0.0, 0.0) if damping is None else (damping.alpha, damping.beta)
     vectors = linear.vectors[:, kept]
-    # The sign of a mode is arbitrary; a definite one allows a resume in another process.
+    # The sign of a mode is arbitrary; a fixed sign allows a resume in another process.
     signs = np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(vectors.shape[1])])
     vectors = vectors * signs
     spun = None if stiffening is None else stiffening.matrices(body, vectors)

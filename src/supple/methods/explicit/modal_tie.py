@@ -1,10 +1,10 @@
-"""Two four-point frames tied to each other: the gap between them, and its rows.
+"""Two four-point frames tied to each other: the constraint residual g and its Jacobian.
 
     g_r = 1/l sum_c L_rc . P_2^T (x_1(X_c) - x_2(X_c)) = 0
 
 at points X_c of both interfaces, with combinations L in the axes of the second frame. g is invariant under a
-rigid motion of both parts, so its multipliers conserve linear and angular momentum. Like all sums over nodes
-it is a polynomial in the coordinates: L is contracted with weights and shapes once.
+rigid motion of both parts, so its multipliers conserve linear and angular momentum. Like all sums over nodes,
+g is a polynomial in the coordinates: L is contracted with weights and shapes in advance.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class ModalTie(NamedTuple):
 
 
 def tied_gap(tie: ModalTie, first: FrameState, second: FrameState) -> Array:
-    """G (r,), m."""
+    """Residual g (r,), m."""
     apart = _combined(tie.first, first) - _combined(tie.second, second)
     return tie.per_arm * jnp.einsum("ji,rij->r", arms(second.p), apart)
 
@@ -56,7 +56,7 @@ def tied_rows(tie: ModalTie, first: FrameState, second: FrameState) -> tuple[Gen
 
 
 def _combined(side: TiedSide, at: FrameState) -> Array:
-    """Sum_c L_rci x_j(X_c), (r, 3, 3)."""
+    """Sums over c of L_rci x_j(X_c), (r, 3, 3)."""
     return side.weights @ at.p + (side.shapes @ at.y) @ arms(at.p).T
 
 

@@ -30,7 +30,7 @@ class NodalMotion(Motion):
     nodes: np.ndarray
     """(t, N, 3) positions in space."""
     velocities: np.ndarray
-    """(t, N, 3) over the step before; at the start, at that instant"""
+    """(t, N, 3) means over the previous step; at the start, the initial velocities"""
     accelerations: np.ndarray
     """(t, N, 3)"""
     plastic_strain: np.ndarray

@@ -20,11 +20,11 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class NodeSet(UntiedInterface):
-    """Nodes of a part, with their mean motion as that of the interface, and an equal share of its force each.
+    """Node set as an interface: it moves as the mean of its nodes, which share its force equally.
 
     part : the body of these nodes
     nodes : (n,) their numbers;   position : (3,) their mean, undeformed, in the mesh axes
-    rows : (6, r)       displacement and rotation per coordinate of the part, if not the mean ones
+    rows : (6, r)       displacement and rotation per coordinate of the part; None: the mean of the nodes
     """
 
     part: Any
@@ -35,7 +35,7 @@ class NodeSet(UntiedInterface):
 
     @property
     def averaging(self) -> FloatArray:
-        """(6, n, 3): mean displacement, and rotation of the rigid motion that fits best, per displacement."""
+        """(6, n, 3): mean displacement, and best-fit rotation, per displacement of each node."""
         return averaged_motion(self.part.nodes[self.nodes], np.ones(len(self.nodes)), self.position, 3)
 
     @property

@@ -2,15 +2,15 @@
 
     B(q_n)^T M [x(q_n+1) - 2 x_n + x_n-1] = h^2 {B(q_n)^T f_n - [0; K_L y_n] + G_n^T lambda},   D(p_n+1) = 0
 
-with B = dx/dq, in equal steps; from the discrete Lagrangian 1/(2h) |x(q_n+1) - x(q_n)|_M^2 - h V(y_n). No
-term is neglected, and no force depends on velocity: gyroscopic, centrifugal and Euler forces are included.
-Momentum is exact, energy stays bounded, and the step limit is that of the modes. The unknown increments are
-bilinear,
+with B = dx/dq, for equal steps. It follows from the discrete Lagrangian 1/(2h) |x(q_n+1) - x(q_n)|_M^2 -
+h V(y_n). No term is neglected: gyroscopic, centrifugal and Euler forces are included, without a force that
+depends on velocity. Momentum is conserved exactly, energy stays bounded, and the step limit is that of the
+modes. The increment of a point is bilinear in the unknowns dp and dy,
 
-    x_n+1 - x_n = xi_n dp + P_n Phi dy + dP Phi dy,
+    x_n+1 - x_n = xi_n dp + P_n Phi dy + dP Phi dy.
 
-so the equation is solved for them (positions would lose digits in their differences) by Newton's method with
-the Jacobian frozen at t_n: each pass reduces the error by a factor of the rotation in a step.
+The equation is solved for dp and dy, because differences of positions would lose digits. Newton's method
+keeps the Jacobian of t_n: each iteration multiplies the error by the rotation in a step.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ from supple.methods.explicit.spin_stiffness import spin_products
 __all__ = ["ProjectedDifference"]
 
 Gaps = Callable[[tuple[FrameState, ...]], Array]
-"""Gaps of ties and joints in given states, (R,)."""
+"""Constraint residuals (R,) of ties and joints in given states."""
 
 _MOST_PASSES = 40
-_SMALL = 1e-13  # size of the last correction; the next would be its product with the rotation in a step
+_SMALL = 1e-13  # size of the last correction; the next would be smaller by the rotation in a step
 
 
 class _Tangent(NamedTuple):
@@ -59,7 +59,7 @@ class ProjectedDifference:
         self, model: FrameModel, state: FrameState, force: Generalized, steps: StepLengths
     ) -> tuple[FrameState, Array]:
         """The state after the step, and the link multipliers (6,), N/m; `force` applies at t_n."""
-        after, multipliers, _ = self.step_joined((model,), (state,), (force,), (), _nothing_open, steps)
+        after, multipliers, _ = self.step_joined((model,), (state,), (force,), (), _no_constraints, steps)
         return after[0], multipliers[0]
 
     def step_joined(
@@ -71,10 +71,10 @@ class ProjectedDifference:
         gaps: Gaps,
         steps: StepLengths,
     ) -> tuple[tuple[FrameState, ...], tuple[Array, ...], Array]:
-        """Frames tied or joined to each other, and the multipliers of links (6,) and of what joins them (R,).
+        """Tied or joined frames after the step; multipliers of links (6,), and of ties and joints (R,).
 
         rows : for each frame at t_n, (R, 4, 3) on the points and (R, k) on the modes; () without ties
-        gaps : (R,) of the states at t_n+1, to be closed
+        gaps : constraint residuals (R,) of the states at t_n+1, made zero
         """
         h, mean = steps.after, steps.mean
         frozen, guesses = [], []
@@ -98,7 +98,7 @@ class ProjectedDifference:
     ) -> Array:
         """Work (R,) of the multipliers of ties and joints in a step, J.
 
-        Only the part by finite rotation, as for links, and that of joints with laws.
+        It is zero except for the effect of finite rotation, as for links, and for joints with laws.
         """
         opened = sum(
             own.p.reshape(-1, 12) @ (0.5 * (a.vp + b.vp)).reshape(12) + own.y @ (0.5 * (a.vy + b.vy))
@@ -112,7 +112,7 @@ class ProjectedDifference:
         """Work of links and bilinear motion in a step, due to its finite rotation, J.
 
         With nodal velocities v = B d +- b, b = h P' Phi y', half a step after and before t_n the kinetic
-        energy grows by <M (v+ - v-), (v+ + v-) / 2>; forces do B^T f . d of it, and the rest is
+        energy grows by <M (v+ - v-), (v+ + v-) / 2>. Forces contribute B^T f . d; the remainder is
 
             lambda . G d + 1/2 [(d+ - d-) . B^T M (b+ - b-) + <b+, M b+> - <b-, M b->]
 
@@ -162,11 +162,11 @@ def _bilinear_square(model: FrameModel, dp: Array, dy: Array) -> Array:
 class _Frozen(NamedTuple):
     """Constants over the passes of a frame's step: B_n^T M B_n with the links, factored.
 
-    The modes are eliminated first; the links make the rest regular, even where modes include a uniform
-    strain.
+    The modes are eliminated first; the links make the remaining matrix regular, even where modes include a
+    uniform strain.
 
-    unit : a mass, for scale;   factor : of the links, which scales their rows to the masses
-    spun : (6, k) impulse of the spin stiffness per product of angular velocity after t_n, or None
+    unit : a mass, for scale;   factor : scales the rows of the links to masses
+    spun : (6, k) impulse of the centrifugal stiffness per product of angular velocities after t_n, or None
     after : h, s
     """
 
@@ -195,7 +195,7 @@ def _frozen(model: FrameModel, state: FrameState, force: Generalized, steps: Ste
     )
     spun = None
     if model.spin_stiffness is not None:
-        # Half of the spin before t_n and half of that after it: second order, and reversible.
+        # Half from the angular velocity before t_n, half from that after it: second order, reversible.
         spun = -0.5 * h * mean * (model.spin_stiffness @ y)
         right_y = right_y + spin_products(p, vp) @ spun
     unit = t.sums.Xi[0, 0] + t.sums.Xi[1, 1]
@@ -207,7 +207,7 @@ def _frozen(model: FrameModel, state: FrameState, force: Generalized, steps: Ste
     return _Frozen(model, p, t, right, 1 + drag, unit, factor, border, inverse, spun, h)
 
 
-def _missing(f: _Frozen, d: Generalized, links: Array) -> tuple[Array, Array, Array]:
+def _residuals(f: _Frozen, d: Generalized, links: Array) -> tuple[Array, Array, Array]:
     """Residuals of momentum on points (12,) and modes (k,), and of the links (6,)."""
     moved, bilinear = _momentum(f.t, d), _bilinear(f.model, f.t, *d)
     r_p = (f.right.p - moved.p - bilinear.p).reshape(12) + f.border.T @ links
@@ -217,8 +217,8 @@ def _missing(f: _Frozen, d: Generalized, links: Array) -> tuple[Array, Array, Ar
     return r_p, r_y, -link_residual(f.p + d.p, f.model.squared_lengths) * f.factor
 
 
-def _answer(f: _Frozen, r_p: Array, r_y: Array, r_D: Array) -> tuple[Array, Array, Array]:
-    """Corrections of points (12, ..), modes (k, ..) and links (6, ..) to residuals, or columns of them."""
+def _corrections(f: _Frozen, r_p: Array, r_y: Array, r_D: Array) -> tuple[Array, Array, Array]:
+    """Corrections of points (12, ..), modes (k, ..) and links (6, ..) for residuals, or columns of them."""
     solved = f.inverse @ jnp.concatenate([r_p - f.t.A_py @ r_y / f.modal_mass, r_D])
     dp = solved[:12]
     return dp, (r_y - f.t.A_py.T @ dp) / f.modal_mass, solved[12:]
@@ -229,7 +229,7 @@ class _Bound(NamedTuple):
 
     on_points: Array
     on_modes: Array
-    answers: tuple[Array, Array, Array]
+    responses: tuple[Array, Array, Array]
 
 
 def _bound(frozen: tuple[_Frozen, ...], rows: tuple[Generalized, ...]) -> tuple[tuple[_Bound, ...], Array]:
@@ -237,13 +237,13 @@ def _bound(frozen: tuple[_Frozen, ...], rows: tuple[Generalized, ...]) -> tuple[
     bound, H = [], jnp.zeros(())
     for f, own in zip(frozen, rows, strict=True):
         J_p, J_y = own.p.reshape(-1, 12), own.y
-        Z = _answer(f, J_p.T, J_y.T, jnp.zeros((6, len(J_p))))
+        Z = _corrections(f, J_p.T, J_y.T, jnp.zeros((6, len(J_p))))
         bound.append(_Bound(J_p, J_y, Z))
         H = H + J_p @ Z[0] + J_y @ Z[1]
     return tuple(bound), jnp.linalg.inv(H)
 
 
-def _nothing_open(_states: tuple[FrameState, ...]) -> Array:
+def _no_constraints(_states: tuple[FrameState, ...]) -> Array:
     return jnp.zeros(0)
 
 
@@ -264,20 +264,20 @@ def _increments(
     rows: tuple[Generalized, ...],
     gaps: Gaps,
 ) -> tuple[tuple[Generalized, ...], tuple[Array, ...], Array]:
-    """D, lambda and mu of B_n^T M (x(q_n + d) - x_n) = right + G_n^T lambda + J_n^T mu, D = 0, g = 0.
+    """Increments d, lambda, mu: B_n^T M (x(q_n + d) - x_n) = right + G_n^T lambda + J_n^T mu, D = 0, g = 0.
 
-    Each pass solves frame by frame; the remaining gaps then determine the multipliers (Schur complement).
+    Each iteration solves frame by frame; the remaining residuals g then determine mu (Schur complement).
     """
     bound, inverse = _bound(frozen, rows) if rows else ((), jnp.zeros((0, 0)))
 
     def improve(now: _Pass) -> _Pass:
         changes = []
         for number, f in enumerate(frozen):
-            r_p, r_y, r_D = _missing(f, now.increments[number], now.links[number])
+            r_p, r_y, r_D = _residuals(f, now.increments[number], now.links[number])
             if rows:
                 r_p = r_p + bound[number].on_points.T @ now.pulls
                 r_y = r_y + bound[number].on_modes.T @ now.pulls
-            changes.append(_answer(f, r_p, r_y, r_D))
+            changes.append(_corrections(f, r_p, r_y, r_D))
         pulls = now.pulls
         if rows:
             moved = tuple(
@@ -290,7 +290,7 @@ def _increments(
             more = -inverse @ opened
             pulls = pulls + more
             changes = [
-                tuple(part + Z @ more for part, Z in zip(change, own.answers, strict=True))
+                tuple(part + Z @ more for part, Z in zip(change, own.responses, strict=True))
                 for own, change in zip(bound, changes, strict=True)
             ]
         size = jnp.zeros(())

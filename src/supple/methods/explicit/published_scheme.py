@@ -2,11 +2,12 @@
 
     [M_E  M_C^T; M_C  M_V] [p''; y''] = F + F_gyr + [G^T lambda; -K_L y - C_L y'],   M_C linear in P
 
-It neglects u_L relative to X: the error of momentum is O(u_L / l). The links of the open implementation act
-along the *predicted* link d + h v, in one linear solution, and brake a rotation by 2 pi Omega h per
-revolution. Both are kept to reproduce published results; `ProjectedDifference` has neither error.
+The scheme neglects u_L relative to X: the error of momentum is O(u_L / l). The links of the open
+implementation act along the *predicted* link d + h v, from one linear solution, and reduce the angular
+velocity by the fraction 2 pi Omega h per revolution. Both errors remain to reproduce published results;
+`ProjectedDifference` has neither.
 
-[Radioss] (9)-(25), and its routine FXLINK for `PredictedLinks`.
+Source: [Radioss] (9)-(25), and its routine FXLINK for `PredictedLinks`.
 """
 
 from __future__ import annotations
@@ -36,13 +37,13 @@ class Links(Protocol):
     def accelerations(
         self, inverse_mass: Array, free: Array, p: Array, v: Array, squared_lengths: Array, steps: StepLengths
     ) -> tuple[Array, Array]:
-        """Accelerations (12 + k,) and multipliers (6,); `free`: without links, v (4, 3): velocities."""
+        """Accelerations (12 + k,) and multipliers (6,), from accelerations `free` without links."""
         ...
 
 
 @dataclass(frozen=True)
 class PredictedLinks:
-    """Forces along d + h v in one linear solution, linear in the acceleration; errors fed back."""
+    """Forces along d + h v from one equation linear in the acceleration; length errors are fed back."""
 
     def accelerations(self, inverse_mass, free, p, v, squared_lengths, steps):
         """See `Links`; the rows of the predicted links are on both sides."""

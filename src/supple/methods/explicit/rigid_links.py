@@ -10,17 +10,17 @@ from supple.methods.explicit.frame_points import LINKS
 
 __all__ = ["link_residual", "link_rows", "link_vectors"]
 
-# In NumPy: a process that has only imported this may still fork.
+# NumPy, not JAX: a process that has only imported this module may still fork.
 _SIGNS = np.eye(4)[LINKS[:, 0]] - np.eye(4)[LINKS[:, 1]]
 
 
 def link_vectors(p: Array) -> Array:
-    """D = x_I - x_J (6, 3) of points p (4, 3), or the rate of d from that of p."""
+    """Vectors d = x_I - x_J (6, 3) of points p (4, 3), or their rates from those of the points."""
     return jnp.asarray(_SIGNS) @ p
 
 
 def link_residual(p: Array, squared_lengths: Array) -> Array:
-    """D (6,), m^2."""
+    """Residuals D (6,), m^2."""
     d = link_vectors(p)
     return 0.5 * ((d * d).sum(axis=1) - squared_lengths)
 

@@ -1,10 +1,10 @@
-"""Stiffness added to the modes by the centrifugal stress of a free, spinning body.
+"""Stiffness added to the modes by the centrifugal stress of a free, rotating body.
 
     K_G(Omega) = sum_ab Omega_a Omega_b K_ab,     K_ab = V^T K'(u_ab) V,     K u_ab = load of Omega_a Omega_b
 
 with K'(u) the derivative of the tangent stiffness at rest: the geometric stiffness of the stress of u, and
-the change of the strains by u. Centrifugal loads are quadratic in the angular velocity, stress is linear in
-the loads: six static solutions are sufficient for every spin about every axis.
+the change of the strains by u. Centrifugal loads are quadratic in the angular velocity, and stress is linear
+in the loads, so six static solutions are sufficient for every angular velocity.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1))
 
 @dataclass(frozen=True)
 class CentrifugalStiffness:
-    """Stress of free spin about the centre of mass, as stiffness of the modes.
+    """Stiffness of the modes by the centrifugal stress of free rotation about the centre of mass.
 
-    It is that of the body alone: ties, contacts, loads and tied mass do not add to the stress.
+    The stress is that of the body alone: ties, contacts, loads and tied mass do not add to it.
     """
 
     def matrices(self, body: FlexibleBody, vectors: FloatArray) -> FloatArray:
-        """K_ab (6, k, k), kg per (rad/s)^2 in the units of the modes, in the order of `PAIRS`.
+        """K_ab (6, k, k), 1/s^2 per (rad/s)^2 for mass-normalised modes, in the order of `PAIRS`.
 
-        Each load is in equilibrium with the inertia forces of the free body (inertia relief), the solution
-        M-orthogonal to rigid motion.
+        Each load is in equilibrium with the inertia forces of the free body (inertia relief); the solution
+        is M-orthogonal to rigid motion.
 
         vectors : (n, k)        V, in the coordinates of the body
         Raises ModelError for a body without quadratic strains.
@@ -87,6 +87,6 @@ def largest_of_unit_spin(matrices: FloatArray, mass: FloatArray) -> float:
 
 
 def spinning_step_limit(limit: Array, bound: Array, p: Array, rates: Array) -> Array:
-    """The step limit of a frame that spins, s, from that at rest and the bound of `largest_of_unit_spin`."""
+    """Step limit of a rotating frame, s, from the limit at rest and the bound of `largest_of_unit_spin`."""
     squared = spin_products(p, rates)[:3].sum()
     return 2 / jnp.sqrt((2 / limit) ** 2 + bound * squared)

@@ -40,17 +40,17 @@ def transposed(a: Tensor) -> Tensor:
 
 
 def added(a: Tensor, b: Tensor) -> Tensor:
-    """A + b."""
+    """Sum a + b."""
     return tensor(lambda i, j: a[i][j] + b[i][j])
 
 
 def scaled(factor: Array | float, a: Tensor) -> Tensor:
-    """Factor a."""
+    """Product of a number and a tensor."""
     return tensor(lambda i, j: factor * a[i][j])
 
 
 def product(a: Tensor, b: Tensor) -> Tensor:
-    """A b."""
+    """Product a b."""
     return tensor(lambda i, j: a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j])
 
 
@@ -60,7 +60,7 @@ def symmetric_part(a: Tensor) -> Tensor:
 
 
 def double_dot(a: Tensor, b: Tensor) -> Array:
-    """A : b."""
+    """Double contraction a : b."""
     total = a[0][0] * b[0][0]
     for i, j in [(0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (2, 0), (2, 1), (2, 2)]:
         total = total + a[i][j] * b[i][j]
@@ -68,7 +68,7 @@ def double_dot(a: Tensor, b: Tensor) -> Array:
 
 
 def cofactor(a: Tensor) -> Tensor:
-    """Cof a = det(a) a^-T."""
+    """Cofactor det(a) a^-T."""
 
     def minor(i: int, j: int) -> Array:
         r, s, c, d = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
@@ -78,10 +78,10 @@ def cofactor(a: Tensor) -> Tensor:
 
 
 def determinant(a: Tensor, cof: Tensor) -> Array:
-    """Det a from its first row and its cofactor."""
+    """Determinant, from the first row and the cofactor."""
     return a[0][0] * cof[0][0] + a[0][1] * cof[0][1] + a[0][2] * cof[0][2]
 
 
 def as_array(a: Tensor) -> Array:
-    """(3, 3, ...)."""
+    """Array (3, 3, ...) of the components."""
     return jnp.stack([jnp.stack(row) for row in a])

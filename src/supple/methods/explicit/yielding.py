@@ -26,7 +26,7 @@ Stressed = tuple[float, float, int]
 
 @dataclass(frozen=True, eq=False)
 class _Limit:
-    """Yield stress, Pa, of a modal part, the part that it is taken from, and the stress of its modes."""
+    """Yield stress, Pa, of a modal part, the name of the part that gives it, and the stress of the modes."""
 
     part: ModalSubdomain
     yield_stress: float
@@ -72,7 +72,7 @@ class YieldWatch:
 def yield_watch(system: System, validity: Validity) -> YieldWatch:
     """Prepare the limits of the modal parts of a system.
 
-    For a part without a yield stress it is the lowest of the explicit parts of its material.
+    A part without a yield stress gets the lowest yield stress of the explicit parts of its material.
     """
     found = []
     for part in system.bodies_of(ModalSubdomain).values():
@@ -97,7 +97,7 @@ def _yield_stress(system: System, part: ModalSubdomain) -> tuple[float, str]:
 
 def _yields(own: _Limit, stress: float, time: float, node: int) -> str:
     name, model = own.part.name, own.part.body.model
-    assert model is not None  # of which the stress is
+    assert model is not None  # the stress is that of its elements
     whose = (
         "its yield stress"
         if own.whose == name

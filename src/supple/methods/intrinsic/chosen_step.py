@@ -23,8 +23,9 @@ OF_STABLE = 0.9
 def with_chosen_step(system: System, run: Run) -> Run:
     """The run with a fixed default step, if it has none and the machine has intrinsic bodies.
 
-    An implicit step is a twentieth of the shortest period of the retained modes, of the lowest sixteen at
-    most and without second-order modes; an explicit step is also stable. The output step is a multiple of it.
+    The step is at most a twentieth of the shortest period of the lowest sixteen retained modes, without
+    second-order modes. An explicit step is also below the stability limit. The output step is a multiple of
+    the step.
     """
     bodies = list(system.bodies_of(IntrinsicBody).values())
     if run.step is not None or not bodies:

@@ -20,7 +20,7 @@ from supple.machine import Placed, System
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
-from supple.methods.intrinsic.joined_equations import JoinedInstant, held_forces, held_wrenches
+from supple.methods.intrinsic.joined_equations import JoinedInstant, coupled_forces, coupled_wrenches
 from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine, joined_machine, with_stations
 from supple.methods.intrinsic.line_model import LineState
 from supple.methods.intrinsic.line_slope import system_slope
@@ -65,9 +65,9 @@ def complete_motion(system: System, solution: Solution, rows: NDArray[np.intp]) 
 
         0 = W q + N(q) q + eta + T^T f - A (q' of the run)
 
-    A maps amplitudes of the run to those of all modes. Root and rigid motion are those of the run, and so are
-    the forces f of joints and force elements on stations. The omitted modes follow the motion statically, as
-    in [Wang2015] (37), and the retained modes are corrected for the coupling with them.
+    A maps amplitudes of the run to those of all modes. Root motion, rigid motion, and the forces f of joints
+    and force elements on stations are those of the run. The omitted modes follow the motion statically, as in
+    [Wang2015] (37), and the retained modes are corrected for the coupling with the omitted ones.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def _motions(
         own = solution.motion(placed.body.name, IntrinsicMotion)
         unknown = np.full(np.shape(state.q1), np.nan)
         motion = line_motion(placed, body_of(placed).model, drive, state, unknown, solution.times)
-        # Driven roots are at the position of the drive; the others agree with the run to the last digit.
+        # Positions and rotations of the roots are exactly those of the run.
         found[placed.body.name] = replace(motion, position=own.position, rotation=own.rotation)
     return found
 
@@ -198,7 +198,7 @@ def _rates(lines: _Lines, time: Any, states: States, wrenches: jax.Array | None)
     rates = system_rates(lines.system, time, states)
     if lines.joined is None or wrenches is None:
         return rates
-    pushed = held_forces(lines.joined, states, wrenches)
+    pushed = coupled_forces(lines.joined, states, wrenches)
     return tuple(replace(rate, q1=rate.q1 + own) for rate, own in zip(rates, pushed, strict=True))
 
 
@@ -238,7 +238,7 @@ def _followed(
                 still = jax.tree.map(jnp.zeros_like, unravel(y))
 
                 def pushed(y: jax.Array) -> jax.Array:
-                    forces = held_forces(joined, unravel(y), wrench)
+                    forces = coupled_forces(joined, unravel(y), wrench)
                     return ravel_pytree(
                         tuple(replace(none, q1=own) for none, own in zip(still, forces, strict=True))
                     )[0]
@@ -273,13 +273,13 @@ def _followed(
     return jax.lax.map(at, (times, states, wrenches))
 
 
-def _held(arrays: JoinedArrays, instants: JoinedInstant, multipliers: jax.Array) -> jax.Array:
+def _wrenches_over_time(arrays: JoinedArrays, instants: JoinedInstant, multipliers: jax.Array) -> jax.Array:
     def at(now: JoinedInstant, own: jax.Array) -> jax.Array:
         placed = now._replace(floating=with_stations(arrays, now.floating, now.lines))
-        return held_wrenches(arrays, placed, own)
+        return coupled_wrenches(arrays, placed, own)
 
     return jax.vmap(at)(instants, multipliers)
 
 
 _follow = CachedProgram(_followed, STARTING)
-_wrenches = CachedProgram(_held, STARTING)
+_wrenches = CachedProgram(_wrenches_over_time, STARTING)

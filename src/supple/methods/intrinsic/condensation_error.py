@@ -66,7 +66,7 @@ def condensation_error(body: FlexibleBody, condensed: IntrinsicBody, n_frequenci
     if not 1 <= n_frequencies <= len(known):
         raise ModelError(
             f"body '{body.name}': errors of {n_frequencies} frequencies requested; the condensed body has "
-            f"{len(known)} elastic modes: request at most these"
+            f"{len(known)} elastic modes: request at most this number"
         )
     exact = _exact(body, condensed, n_frequencies)
     return CondensationError(read_only(known[:n_frequencies]), read_only(exact))
@@ -83,9 +83,9 @@ def accurate_condensation(
     support: RootSupport = CLAMPED,
     damping: Damping | None = None,
 ) -> AccurateBody:
-    """A body with the stations needed for its lowest frequencies to be within a tolerance.
+    """A condensed body with enough stations for the errors of its lowest frequencies to be in tolerance.
 
-    The number of segments starts at 6 and doubles until the errors are within it.
+    The number of segments starts at 6 and doubles until the errors are within the tolerance.
 
     Parameters
     ----------

@@ -45,8 +45,8 @@ def condense(
     ----------
     body : FlexibleBody     shells, solids or beams
     path : LoadPath("root", "tip", n_stations=40), LoadPaths for several, or NodeSetPath
-    support : RootSupport   freedoms that the joint of the machine leaves to the root: CLAMPED (also where a
-                            joint prescribes its motion), FREE, BALL, hinged(axis) or sliding(axis)
+    support : RootSupport   motions of the root that its joint leaves free: CLAMPED (also where a joint
+                            prescribes its motion), FREE, BALL, hinged(axis) or sliding(axis)
     n_modes : int           number of lowest elastic modes, extended by second-order modes; default all
     damping : ModalDamping | RayleighDamping | None
 

@@ -21,11 +21,11 @@ __all__ = ["CondensedLine", "clamped_line", "condensed_line"]
 Array = NDArray[np.float64]
 
 LARGEST_RIGID_FORCE = 1e-6
-"""Largest force under rigid motion, relative to that of each freedom alone; more is not round-off."""
+"""Largest force under rigid motion, relative to forces of single freedoms; more is not round-off."""
 ASYMMETRY = 1e-8
 """Largest asymmetry, relative to the largest entry."""
 LARGEST_NEGATIVE = 1e-6
-"""Most negative stiffness relative to the largest principal value; beyond it, not round-off."""
+"""Largest negative principal stiffness relative to the largest positive one; more is not round-off."""
 ROUNDING = 1e-13
 """Coupling of stations relative to the largest mass; below it, stations share no mass."""
 
@@ -38,7 +38,7 @@ class CondensedLine:
     tree : LoadPathTree         positions of the stations, and the parent of each
     stiffness : (6 n, 6 n)      u and theta of each station, global axes; zero forces under rigid motion
     mass : (6 n, 6 n)           symmetric, not negative; massless freedoms are allowed
-    rigid_force : float         relative rigid-body force of the given stiffness, removed from this one
+    rigid_force : float         relative rigid-body force of the given stiffness, removed in `stiffness`
     """
 
     name: str
@@ -105,9 +105,9 @@ def condensed_line(
     left = _rigid_force(K, R, tree)
     if left > LARGEST_RIGID_FORCE:
         raise ModelError(
-            f"line '{name}': rigid motion causes forces of {left:.1e} of its stiffness (at most "
-            f"{LARGEST_RIGID_FORCE:.0e} can be round-off): if it includes a support, use clamped_line; check "
-            "that the points belong to its freedoms, and that rotations are in rad"
+            f"line '{name}': rigid motion causes forces of {left:.1e} times those of single freedoms (at "
+            f"most {LARGEST_RIGID_FORCE:.0e} can be round-off): if the stiffness includes a support, use "
+            "clamped_line; check that the points belong to its freedoms, and that rotations are in rad"
         )
     scale = np.tile(np.repeat([1.0, _length(tree)], 3), tree.n)
     Q = np.linalg.qr(scale[:, None] * R)[0]
@@ -132,7 +132,7 @@ def clamped_line(
 ) -> CondensedLine:
     """Free line from matrices of all stations except the root, which was clamped.
 
-    The forces at the root follow from the others, since rigid motion causes no forces.
+    The stiffness of the root follows from that of the other stations, since rigid motion causes no forces.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def _check_not_negative(name: str, scaled: Array) -> None:
 
 
 def _rigid_force(K: Array, R: Array, tree: LoadPathTree) -> float:
-    """Largest force in K R relative to the sum of those of each freedom alone."""
+    """Largest force in K R relative to the largest in |K| |R|."""
     scale = np.tile(np.repeat([1.0, 1.0 / _length(tree)], 3), tree.n)
     size = np.abs(K) @ np.abs(R) * scale[:, None]
     largest = size.max(initial=0.0)

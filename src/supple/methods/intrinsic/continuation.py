@@ -16,7 +16,7 @@ __all__ = ["placed_at_instant"]
 
 
 def placed_at_instant(placed: Placed, motion: IntrinsicMotion, row: int) -> Placed:
-    """The body placed as in a row of its motion; its first state (`line_start`) has these strains and q_1.
+    """The body placed as in a row of its motion; its first state (`line_start`) is the state of this row.
 
         q_1 = Phi_1^T M ( R(q_2) (d + F c) - T d ) + (0, rates)
 

@@ -42,7 +42,7 @@ __all__ = ["IntrinsicEngine", "intrinsic_engine"]
 
 
 def intrinsic_engine(system: System, run: Run) -> IntrinsicEngine | JoinedEngine:
-    """Engine of a machine with intrinsic bodies: `JoinedEngine` unless ground joints hold the roots alone."""
+    """`IntrinsicEngine` if joints only support the roots on the ground, otherwise `JoinedEngine`."""
     return JoinedEngine(system, run) if is_joined(system) else IntrinsicEngine(system, run)
 
 
@@ -89,7 +89,7 @@ class IntrinsicEngine:
         return ITERATED * self._run.tolerances.residual
 
     def start(self, time: float) -> LineMarchState:
-        """The bodies as placed; with residual modes at rest."""
+        """The bodies as placed; residual modes follow the others statically."""
         begun = first_march_state(self._machine.lines, self.rule, time, self._machine.start)
         # NumPy types as in all later states: JAX would compile once more for Python numbers.
         return jax.tree.map(np.asarray, begun)
@@ -125,7 +125,7 @@ class IntrinsicEngine:
     def leg(
         self, state: LineMarchState, reached: LineMarchState, times: np.ndarray, seconds: float
     ) -> Leg[LineMarchState]:
-        """Checked states from an integration (leading axis: time); it may extend beyond the times."""
+        """Checked states of an integration (leading axis: time), which may extend beyond `times`."""
         good = self._good(reached)[: len(times)]
         n_reached = len(times) if good.all() else int(np.argmin(good))
         stopped = None if good.all() else self._why(reached, n_reached)

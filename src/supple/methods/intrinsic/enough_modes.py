@@ -40,7 +40,8 @@ def enough_modes(
 ) -> EnoughModes:
     """The machine with enough modes for the truncation error of its run to be within a tolerance.
 
-    The number doubles, equal in all these bodies, until `truncation_error` is within it or all are retained.
+    The number of modes, equal in all these bodies, doubles until `truncation_error` is within the tolerance
+    or all modes are retained.
 
     Parameters
     ----------

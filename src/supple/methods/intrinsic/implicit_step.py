@@ -13,7 +13,7 @@ __all__ = ["StepResult", "Tangent", "first_order_coefficients", "implicit_step",
 ROUNDING = 1e-14
 """Rounding error of a rate, relative to its terms."""
 SLOW = 0.1
-"""Part of the residual before; where an iteration leaves more, the tangent is renewed."""
+"""Ratio of successive residuals above which the tangent is renewed."""
 SAME_STEP = 1e-6
 """Relative change of step up to which a tangent is reused."""
 
@@ -42,7 +42,7 @@ class Tangent(NamedTuple):
 
     inverse : (n, n)    of alpha_m - alpha_f gamma h slope; a product with it is faster than two solutions
     step : h of this tangent; negative before the first
-    rounding : rates relative to states, from which the rounding of the rates is small
+    rounding : size of the terms of the rates relative to the states, the scale of rounding errors
     """
 
     inverse: Any
@@ -90,7 +90,7 @@ def implicit_step(
     before : (n,)       y'_0
     tangent : of an earlier step
     tolerance : of the residual, relative to the largest rate
-    most : iterations; after them the residual shows that none converged
+    most : largest number of iterations; the residual of the result shows whether they converged
     """
     alpha_m, alpha_f, gamma = coefficients
 

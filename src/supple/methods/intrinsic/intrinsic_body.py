@@ -72,7 +72,7 @@ class IntrinsicBody(FormDefaults, Summarized):
     expansion : Expansion           map to its nodes
     stations : name -> number       interfaces
     damping : Damping | None        ModalDamping or RayleighDamping
-    complete : IntrinsicBody | None     the same body with all its modes; None if this is it
+    complete : IntrinsicBody | None     the same body with all its modes; None if this body has all
     supported : IntrinsicBody | None    for a released body: the same modes on the support of its root
     """
 
@@ -166,7 +166,7 @@ class IntrinsicBody(FormDefaults, Summarized):
     def nodal_fields(
         self, coordinates: Array, freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[Array, None]:
-        """Linear displacements (N d, t) of elastic amplitudes (t, e), as the input of strains alone."""
+        """Linear displacements (N d, t) of elastic amplitudes (t, e), for strains only."""
         return self.expansion.modes.reshape(-1, self.n_coordinates)[freedoms] @ coordinates.T, None
 
     def truncated(self, n_modes: int) -> IntrinsicBody:
@@ -226,7 +226,7 @@ class IntrinsicBody(FormDefaults, Summarized):
         return result
 
     def node_rotations(self, motion: Motion) -> Array:
-        """Rotation matrices (t, N, 3, 3) of nodes: that of the station with the larger weight for each."""
+        """Rotation matrices (t, N, 3, 3) of nodes: for each, that of its station with the larger weight."""
         larger = self.expansion.weights.argmax(axis=1)
         return self.places(motion)[0][:, self.expansion.stations[np.arange(len(larger)), larger]]
 
@@ -284,7 +284,7 @@ class IntrinsicBody(FormDefaults, Summarized):
     def motion_near(
         self, position: Array, rotation: Array, coordinates: Array, displacement: Array, rates: Array
     ) -> IntrinsicMotion:
-        """States displaced by p (t, 6 + e), with rates p' (t, 6 + e), as at p = 0."""
+        """Motion displaced by p (t, 6 + e); velocities follow from the rates p' (t, 6 + e) as at p = 0."""
         frames = frames_near(position, rotation, displacement, rates)
         amplitudes = self.freedoms(self.forces_of(coordinates)).amplitudes(rates)
         still = np.zeros_like(frames[2]), np.zeros_like(frames[2]), np.zeros_like(amplitudes)
@@ -299,7 +299,7 @@ class IntrinsicBody(FormDefaults, Summarized):
     def section_loads(self, motion: Motion) -> Array:
         """Internal forces and moments (t, n - 1, 6) at the middles of segments, along material axes.
 
-        With RayleighDamping, the elastic part.
+        With RayleighDamping, only the elastic part.
         """
         q2 = self.forces_of(motion.of_type(IntrinsicMotion).coordinates)
         return np.asarray(jax.vmap(lambda q: section_forces(self.model, q))(jnp.asarray(q2)))
@@ -316,7 +316,7 @@ class IntrinsicBody(FormDefaults, Summarized):
 
     @property
     def rotation_limit(self) -> float:
-        """None: rotations are not limited."""
+        """Infinite: rotations are not limited."""
         return np.inf
 
     def lowest_frequency(self) -> float:
@@ -329,8 +329,8 @@ def body_of(placed: Placed) -> IntrinsicBody:
     body = placed.body
     if not isinstance(body, IntrinsicBody):
         raise ModelError(
-            f"body '{body.name}' is {body.kind}; without a time integration this is available for intrinsic "
-            "bodies only: simulate, which supports both kinds, with damping to reach equilibrium"
+            f"body '{body.name}' is {body.kind}; this analysis supports intrinsic bodies only: use a time "
+            "integration instead, with damping to reach equilibrium"
         )
     return body
 

@@ -47,7 +47,7 @@ class IntrinsicModes:
     momenta : (n, 6, k + e)     M Phi_1
     forces : (n - 1, 6, e)      Phi_2
     strains : (n - 1, 6, e)     C Phi_2
-    n_second_order : int        number of elastic modes, the last ones, that are second-order Ritz vectors
+    n_second_order : int        number of the last elastic modes that are second-order Ritz vectors
     """
 
     line: CondensedLine
@@ -212,7 +212,7 @@ def _normal_modes(line: CondensedLine, support: RootSupport) -> tuple[Array, Arr
     order = np.argsort(omega, kind="stable")
     Phi, omega = Phi[:, order], omega[order]
     largest = np.abs(Phi).argmax(axis=0)
-    Phi = Phi * np.sign(Phi[largest, np.arange(e)])  # a definite sign, independent of the solver
+    Phi = Phi * np.sign(Phi[largest, np.arange(e)])  # a fixed sign, independent of the solver
     return T @ R, T @ Phi, omega
 
 

@@ -117,7 +117,7 @@ class JoinedEngine:
         )
 
     def march(self, state: JoinedState, times: np.ndarray) -> Leg[JoinedState]:
-        """Integrate to each of the output times, in one call of the compiled program."""
+        """Integrate to each of the output times, in one compiled call (with sampled controllers, several)."""
         if self._sampling is None:
             return self._leg(state, times)
         legs: list[Leg[JoinedState]] = []
@@ -125,7 +125,7 @@ class JoinedEngine:
         instants = self._sampling.every
         between = instants[(instants > float(state.now.time)) & (instants < times[-1])]
         for stop in np.union1d(between, times):
-            # Called when the run goes on, not in the leg that holds the start.
+            # Controllers due now are called only if the run advances.
             goes_on = stop > float(state.now.time)
             legs.append(self._leg(self._sampled(state) if goes_on else state, np.array([stop])))
             state = legs[-1].last

@@ -1,8 +1,7 @@
 """Equations of motion of lines and floating bodies connected by joints.
 
-The velocities of a station are those of its position, which depends on the strains and the root. They are
-linear in the line's amplitudes q_1, V_s = T(q) q_1, and T^T maps forces of joints and force elements to
-amplitudes:
+The pose of a station follows from the strains and the root. Its velocities are linear in the line's
+amplitudes q_1, V_s = T(q) q_1, and T^T maps forces of joints and force elements to amplitudes:
 
     line            q_1' = .. + T^T (Q - G^T lambda),     (q_2, root)' = S(q) (q_1 + T^T G^T mu)
     floating body   M V' + c + f - Q + G^T lambda = 0,    q' = V + M^-1 G^T mu
@@ -28,7 +27,7 @@ from supple.equations.balance import balance
 from supple.equations.configuration import Configuration, ControlStep, SystemMotion, advance
 from supple.equations.joint_force import constraints
 from supple.equations.places import assembled_vector
-from supple.methods.intrinsic.joined_machine import JoinedArrays, held_places, with_stations
+from supple.methods.intrinsic.joined_machine import JoinedArrays, coupled_places, with_stations
 from supple.methods.intrinsic.line_equations import (
     force_rates,
     line_rates,
@@ -42,8 +41,8 @@ __all__ = [
     "JoinedInstant",
     "JoinedRates",
     "all_velocities",
-    "held_forces",
-    "held_wrenches",
+    "coupled_forces",
+    "coupled_wrenches",
     "joint_equations",
     "joint_rates",
     "motion_residuals",
@@ -94,19 +93,21 @@ def station_twists(arrays: JoinedArrays, states: States, amplitudes: tuple[jax.A
         LineState(none.q1, *shape_rates(model, state, q1))
         for model, state, none, q1 in zip(arrays.lines, states, still, amplitudes, strict=True)
     )
-    (_, rotations), (velocities, turning) = jax.jvp(lambda at: held_places(arrays, at), (states,), (rates,))
+    (_, rotations), (velocities, turning) = jax.jvp(
+        lambda at: coupled_places(arrays, at), (states,), (rates,)
+    )
     skew = (rotations[:, :, :, None] * turning[:, :, None, :]).sum(axis=1)
     spin = jnp.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
     return jnp.concatenate([velocities, spin], axis=1).reshape(-1)
 
 
-def held_forces(arrays: JoinedArrays, states: States, wrenches: jax.Array) -> tuple[jax.Array, ...]:
+def coupled_forces(arrays: JoinedArrays, states: States, wrenches: jax.Array) -> tuple[jax.Array, ...]:
     """T^T f for forces and moments f (6 s,) on the coupled stations: forces on each line's amplitudes."""
     amplitudes = tuple(state.q1 for state in states)
     return jax.vjp(lambda q1: station_twists(arrays, states, q1), amplitudes)[1](wrenches)[0]
 
 
-def held_wrenches(arrays: JoinedArrays, now: JoinedInstant, multipliers: jax.Array) -> jax.Array:
+def coupled_wrenches(arrays: JoinedArrays, now: JoinedInstant, multipliers: jax.Array) -> jax.Array:
     """Forces (global) and moments (own axes) of joints and force elements on coupled stations, (6 s,).
 
     now : with its stations placed,  multipliers : (m,) of the active equations
@@ -128,7 +129,7 @@ def joint_rates(arrays: JoinedArrays, now: JoinedInstant) -> jax.Array:
 
 
 def joint_equations(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array, jax.Array]:
-    """G and G V + dg/dt of the active equations, (m,) each, at an instant with its stations placed."""
+    """Residuals g, and G V + dg/dt, of the active equations, (m,) each; stations of `now` are placed."""
     model, time, at = arrays.model, jnp.asarray(now.time, dtype=float), now.floating
     joints = joint_force.linearized(model, time, at)
     rates = joint_force.constraint_rows(model, joints) @ all_velocities(arrays, now)
@@ -138,8 +139,8 @@ def joint_equations(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array
 
 
 def moved(arrays: JoinedArrays, now: JoinedInstant, change: JoinedRates, time: Any) -> JoinedInstant:
-    """The instant a time later, moved by an increment of the form rate * time."""
-    increment = jnp.concatenate([change.frames, jnp.zeros(6 * arrays.n_held)])
+    """The instant after `time`, moved by the increment `change`, which is rates multiplied by time."""
+    increment = jnp.concatenate([change.frames, jnp.zeros(6 * arrays.n_coupled)])
     lines = jax.tree.map(jnp.add, now.lines, change.lines)
     floating = advance(arrays.model, now.floating, increment)
     return JoinedInstant(
@@ -155,7 +156,7 @@ def seen_motion(
     control: ControlStep | None = None,
 ) -> SystemMotion:
     """Motion of floating bodies and stations as the input of joints, forces and controllers."""
-    accelerations = jnp.concatenate([rates.acceleration, jnp.zeros(6 * arrays.n_held)])
+    accelerations = jnp.concatenate([rates.acceleration, jnp.zeros(6 * arrays.n_coupled)])
     velocities = all_velocities(arrays, now)
     return SystemMotion(now.time, now.floating, velocities, accelerations, multipliers, control)
 
@@ -183,13 +184,13 @@ def motion_residuals(
     )
     amplitudes = tuple(state.q1 for state in now.lines)
     _, back = jax.vjp(lambda q1: station_twists(arrays, now.lines, q1), amplitudes)
-    (held,), (pushed,) = back(-left[n:]), back(push[n:])
+    (forces,), (pushed,) = back(-left[n:]), back(push[n:])
     system = arrays.line_system
     roots = tuple(None if drive is None else drive.twist(now.time) for drive in arrays.drives)
     wrenches = system_wrenches(system, now.lines, now.time, roots)
     lines = []
     for model_, state, rate, wrench, root, force, shift in zip(
-        arrays.lines, now.lines, rates.lines, wrenches, roots, held, pushed, strict=True
+        arrays.lines, now.lines, rates.lines, wrenches, roots, forces, pushed, strict=True
     ):
         first, _ = line_rates(model_, state.q1, state.q2, wrench, root)
         shape = shape_rates(model_, state, state.q1 + shift)

@@ -1,8 +1,8 @@
 """Machine of intrinsic, rigid and reduced bodies with any joints, as arrays for compiled code.
 
-Joints and forces act on an intrinsic body at its stations. Each such station is a massless rigid body in
-their equations, which are those of floating frames. Their forces act on the amplitudes of the line through
-the velocities of its stations.
+Joints and forces act on an intrinsic body at its stations. The equations of joints and forces are those of
+floating frames, where each such station is a massless rigid body. Its forces act on the amplitudes of the
+line through the velocities of the station.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ from supple.methods.intrinsic.strain_integration import rotation_of, station_pla
 __all__ = [
     "JoinedArrays",
     "JoinedMachine",
-    "held_places",
+    "coupled_places",
     "joined_machine",
     "lines_as_stations",
     "seen_element",
@@ -63,28 +63,28 @@ STATIC = {"static": True}
 class JoinedArrays:
     """Arrays of the machine.
 
-    lines : their equations, one per intrinsic body
-    drives : prescribed motions of their roots, or None
-    loads : on their stations; with the force elements if only ground joints hold the lines
+    lines : equations of the intrinsic bodies
+    drives : prescribed motions of the roots of these bodies, or None
+    loads : on their stations; with the force elements if only ground joints support the lines
     model : floating bodies, joints and forces; the coupled stations are massless bodies
-    held : numbers of the coupled stations, line by line
+    coupled : numbers of the coupled stations, line by line
     """
 
     lines: tuple[LineModel, ...]
     drives: tuple[RootDrive | None, ...]
     loads: tuple[StationLoad, ...]
     model: Model
-    held: tuple[tuple[int, ...], ...] = field(metadata=STATIC)
+    coupled: tuple[tuple[int, ...], ...] = field(metadata=STATIC)
 
     @property
-    def n_held(self) -> int:
+    def n_coupled(self) -> int:
         """Number of stations coupled to joints or forces."""
-        return sum(map(len, self.held))
+        return sum(map(len, self.coupled))
 
     @property
     def n_floating(self) -> int:
         """Number of velocities of floating bodies, which are first in the model."""
-        return self.model.n_velocities - 6 * self.n_held
+        return self.model.n_velocities - 6 * self.n_coupled
 
     @property
     def line_system(self) -> LineSystem:
@@ -112,13 +112,13 @@ class LinesAsStations(NamedTuple):
 
     seen : System       floating bodies, and a body for every coupled station
     lines : the placed intrinsic bodies
-    held : numbers of the coupled stations, line by line
+    coupled : numbers of the coupled stations, line by line
     on_lines : System   the lines with the loads on their stations
     """
 
     seen: System
     lines: tuple[Placed, ...]
-    held: tuple[tuple[int, ...], ...]
+    coupled: tuple[tuple[int, ...], ...]
     on_lines: System
 
 
@@ -132,13 +132,13 @@ def lines_as_stations(system: System, also: Sequence[At] = ()) -> LinesAsStation
     others = tuple(placed for placed in system.bodies if placed not in lines)
     _check_roots(lines)
     forces = [load for load in system.loads if isinstance(load, ForceElement)]
-    held = tuple(_held(placed, [*_ends(system, forces), *also]) for placed in lines)
+    coupled = tuple(_coupled(placed, [*_ends(system, forces), *also]) for placed in lines)
     joints = {joint.name: seen_element(system, joint) for joint in system.joints}
     bases = [load for load in system.loads if isinstance(load, BaseAcceleration)]
     nodal = [load for load in system.loads if isinstance(load, NodalLoad)]
     names = {placed.body.name for placed in lines}
     seen = System(
-        [*others, *(_station(p, n) for p, own in zip(lines, held, strict=True) for n in own)],
+        [*others, *(_station(p, n) for p, own in zip(lines, coupled, strict=True) for n in own)],
         list(joints.values()),
         [
             *(
@@ -155,7 +155,7 @@ def lines_as_stations(system: System, also: Sequence[At] = ()) -> LinesAsStation
     )
     own_loads = [load for load in nodal if load.body in names]
     return LinesAsStations(
-        seen, lines, held, System(lines, loads=[*own_loads, *bases], gravity=system.gravity)
+        seen, lines, coupled, System(lines, loads=[*own_loads, *bases], gravity=system.gravity)
     )
 
 
@@ -164,13 +164,13 @@ def joined_machine(system: System, time: float, also: Sequence[At] = ()) -> Join
 
     also : as for `lines_as_stations`
     """
-    seen, lines, held, on_lines = lines_as_stations(system, also)
+    seen, lines, coupled, on_lines = lines_as_stations(system, also)
     arrays = JoinedArrays(
         lines=tuple(body_of(placed).model for placed in lines),
         drives=(None,) * len(lines),
         loads=machine_loads(on_lines),
-        model=station_model(seen, len(seen.bodies) - sum(map(len, held)), None),
-        held=held,
+        model=station_model(seen, len(seen.bodies) - sum(map(len, coupled)), None),
+        coupled=coupled,
     )
     return JoinedMachine(
         system, seen, lines, arrays, tuple(line_start(placed, None, time) for placed in lines)
@@ -191,7 +191,7 @@ def supported_machine(system: System, time: float) -> JoinedMachine:
         drives=made.lines.drives,
         loads=made.lines.loads,
         model=station_model(seen, 0, None),
-        held=((0,), *((),) * len(others)),
+        coupled=((0,), *((),) * len(others)),
     )
     return JoinedMachine(system, seen, tuple(system.bodies), arrays, made.start)
 
@@ -215,7 +215,7 @@ def _ends(system: System, forces: list[ForceElement]) -> list[At]:
     return read + [end for element in elements for end in (element.first, element.second)]
 
 
-def _held(placed: Placed, ends: list[At]) -> tuple[int, ...]:
+def _coupled(placed: Placed, ends: list[At]) -> tuple[int, ...]:
     """Stations of a body among these ends."""
     return tuple(sorted({_number(placed, end) for end in ends if end.body == placed.body.name}))
 
@@ -261,26 +261,26 @@ def _seen_controller(system: System, controller: Controller | SampledController)
     return replace(controller, reads=reads, drives=drives)
 
 
-def held_places(arrays: JoinedArrays, states: States) -> tuple[jax.Array, jax.Array]:
+def coupled_places(arrays: JoinedArrays, states: States) -> tuple[jax.Array, jax.Array]:
     """Positions (s, 3) and rotations (s, 3, 3) of the coupled stations, from the strains."""
     positions, rotations = [jnp.zeros((0, 3))], [jnp.zeros((0, 3, 3))]
-    for model, state, held in zip(arrays.lines, states, arrays.held, strict=True):
+    for model, state, coupled in zip(arrays.lines, states, arrays.coupled, strict=True):
         root = rotation_of(state.quaternion)
-        if held == (0,):
+        if coupled == (0,):
             positions.append(state.position[None])
             rotations.append(root[None])
-        if not any(held):
+        if not any(coupled):
             continue
         places = station_places(model, state.q2, root, state.position)
-        positions.append(places.positions[np.array(held)])
-        rotations.append(places.rotations[np.array(held)])
+        positions.append(places.positions[np.array(coupled)])
+        rotations.append(places.rotations[np.array(coupled)])
     return jnp.concatenate(positions), jnp.concatenate(rotations)
 
 
 def with_stations(arrays: JoinedArrays, floating: Configuration, states: States) -> Configuration:
     """Configuration of all bodies of the model: floating ones as given, stations from the strains."""
-    n = len(arrays.model.sizes) - arrays.n_held
-    positions, rotations = held_places(arrays, states)
+    n = len(arrays.model.sizes) - arrays.n_coupled
+    positions, rotations = coupled_places(arrays, states)
     return Configuration(
         jnp.concatenate([floating.origins[:n], positions]),
         jnp.concatenate([floating.rotations[:n], rotations]),

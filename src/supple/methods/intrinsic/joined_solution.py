@@ -31,7 +31,7 @@ def joined_solution(
     velocities : (t, n)     of all bodies of the model, with the stations
     """
     arrays, seen, times = machine.arrays, machine.seen, np.asarray(now.time)
-    model, still = arrays.model, np.zeros((len(times), 6 * arrays.n_held))
+    model, still = arrays.model, np.zeros((len(times), 6 * arrays.n_coupled))
     accelerations = np.concatenate([rates.acceleration, still], axis=1)
     floating = body_motions(seen, model.slices, now.floating, velocities, accelerations)
     of_joints = joint_multipliers(seen, model.active, multipliers)

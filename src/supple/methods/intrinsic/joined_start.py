@@ -51,7 +51,7 @@ __all__ = [
 ]
 
 OPEN = 1e-6
-"""Largest gap of a joint, relative to the machine's size; and in rad."""
+"""Largest residual of a joint as placed: lengths relative to the machine's size, angles in rad."""
 MOST_REACTIONS, CONVERGED = 100, 1e-12
 """Iterations for joint forces with friction, and their relative change in the last one."""
 
@@ -65,7 +65,7 @@ class JoinedStart(NamedTuple):
 
 
 def joined_start(machine: JoinedMachine, time: float) -> JoinedStart:
-    """Consistent start; velocities are corrected as those of floating bodies are (`start_velocity`).
+    """Consistent start; velocities are corrected as for floating bodies (`start_velocity`).
 
     Raises ModelError for an open joint. Warns RedundantConstraintWarning about joints with redundant
     equations.
@@ -110,7 +110,7 @@ def closed_machine(
     _check_closed(machine, gaps)
     active = np.array(independent_constraints(seen, rows, metric) if known is None else known, dtype=int)
     if len(active) < len(gaps):
-        n_floating = len(arrays.model.sizes) - arrays.n_held
+        n_floating = len(arrays.model.sizes) - arrays.n_coupled
         arrays = replace(arrays, model=station_model(seen, n_floating, tuple(active.tolist())))
         check_friction_known(seen, tuple(active.tolist()))
     return ClosedMachine(arrays, now, active, rows, rates, metric)
@@ -119,7 +119,7 @@ def closed_machine(
 def _begun(
     arrays: JoinedArrays, given: JoinedInstant
 ) -> tuple[JoinedInstant, jax.Array, jax.Array, jax.Array, jax.Array]:
-    """The instant with its stations placed; gaps, rows and rates of its joints; the metric."""
+    """The instant with its stations placed; residuals, Jacobian and rates of the joints; mass matrix."""
     now = given._replace(floating=with_stations(arrays, given.floating, given.lines))
     gaps = constraints(arrays.model, now.time, now.floating)
     return now, gaps, *_rows(arrays, now), velocity_metric(arrays, now)
@@ -219,7 +219,7 @@ def _ordered(machine: JoinedMachine) -> System:
 
 def _rigid_motions(machine: JoinedMachine) -> tuple[list[slice], list[np.ndarray]]:
     """Slice of each body's velocities, and these velocities (n, 6) for rigid motion of its frame."""
-    n_others = len(machine.arrays.model.sizes) - machine.arrays.n_held
+    n_others = len(machine.arrays.model.sizes) - machine.arrays.n_coupled
     parts = list(machine.arrays.model.slices[:n_others])
     motions = [np.eye(part.stop - part.start, 6) for part in parts]
     for placed, state in zip(machine.lines, machine.states, strict=True):

@@ -32,7 +32,7 @@ class JoinedState(NamedTuple):
 
     multipliers : (m,)      of the last step
     control : ControlState | None       of the machine's controllers
-    worst : ()              largest residual of a step so far, relative to the limit
+    worst : ()              largest relative residual of a step so far
     iterations : ()         so far
     """
 
@@ -58,7 +58,7 @@ def joined_step(
         (1 - alpha_m) y'_0 + alpha_m y'_1 = f(y at alpha_f) + joint forces,     g = 0 and g' = 0 at y_1
 
     rho_inf = 1 is the implicit midpoint rule, symmetric in time. States of controllers follow the trapezoidal
-    rule: up to the point of the step where loads act, and over all of it at its end.
+    rule, from the start of the step to the time at which loads act, and from the start to the end.
     """
     alpha_m, alpha_f, gamma = coefficients
     now, before = state.now, state.rates
@@ -147,7 +147,7 @@ def _kinds(arrays: JoinedArrays, rates: JoinedRates, m: int) -> np.ndarray:
 
 
 def _sizes(arrays: JoinedArrays, now: JoinedInstant, m: int) -> jax.Array:
-    """Sizes of states by their rates, as the unit of rounding errors."""
+    """Sizes of the states, in the order of their rates, as the scale of rounding errors."""
     length = jnp.asarray(arrays.model.length, dtype=float)
     frames, first = [jnp.zeros(0)], 0
     for r in _floating_sizes(arrays):
@@ -161,4 +161,4 @@ def _sizes(arrays: JoinedArrays, now: JoinedInstant, m: int) -> jax.Array:
 
 
 def _floating_sizes(arrays: JoinedArrays) -> tuple[int, ...]:
-    return arrays.model.sizes[: len(arrays.model.sizes) - arrays.n_held]
+    return arrays.model.sizes[: len(arrays.model.sizes) - arrays.n_coupled]

@@ -3,9 +3,9 @@
     q_1' = w (q_2 + beta q_2') - d q_1 - Phi_1^T [L_1(x_1) M x_1 + L_2(x_2) e - f]
     q_2' = -w q_1 + Phi_2^T L_1(x_1)^T e,                 e = C x_2
 
-A tensor form stores the couplings of three modes each, N_m^3 numbers. Here the couplings are evaluated at the
-stations: cross products at stations and segments, between a few products of a matrix and a vector. The result
-is the same for any choice of modes, and the power of the couplings is exactly zero.
+A tensor form would store N_m^3 coupling terms. Here the couplings are evaluated at stations and segments, by
+vector products and a few products of a matrix and a vector. The result is the same for any choice of modes,
+and the power of the couplings is exactly zero.
 
 Amplitudes, and all results from them, may have a last axis of cases. The products are then of two matrices,
 and cases are adjacent in memory, several to an instruction.
@@ -120,7 +120,7 @@ def turning_forces(model: LineModel, x1: jax.Array, q1: jax.Array, root: RootTwi
 def momenta(model: LineModel, x1: jax.Array, q1: jax.Array, root: RootTwist | None) -> jax.Array:
     """M x_1 (n, 6) from velocities and their amplitudes."""
     if model.station_masses is not None:
-        # Column by column: compiled into one pass, for one case as for many.
+        # Column by column: compiled into one pass, for one case and for many.
         columns = (_along(model.station_masses[:, :, j], x1) * x1[:, None, j] for j in range(6))
         return sum(columns, jnp.zeros(()))
     p = model.momenta @ q1
@@ -148,7 +148,7 @@ def l2(x2: jax.Array, e: jax.Array) -> jax.Array:
 
 
 def _cross(a: jax.Array, b: jax.Array) -> jax.Array:
-    """A x b by columns: jnp.cross permutes axes, which costs more than the product."""
+    """Vector product by columns: jnp.cross permutes axes, which costs more than the product."""
     a0, a1, a2 = a[:, 0], a[:, 1], a[:, 2]
     b0, b1, b2 = b[:, 0], b[:, 1], b[:, 2]
     return jnp.stack([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0], axis=1)

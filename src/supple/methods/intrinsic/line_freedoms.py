@@ -1,4 +1,4 @@
-"""Small motions of a line: of its axes and elastic amplitudes, from amplitudes of velocities."""
+"""Small motions of a line: its axes and elastic amplitudes, from integrals of the velocity amplitudes."""
 
 from __future__ import annotations
 
@@ -31,12 +31,13 @@ Array = NDArray[np.float64]
 class LineFreedoms:
     """p = shapes @ (y, h) for a line in its bent shape.
 
-    p (6 + e,) is the translation and rotation of the body's axes, along these, and -dq_2 / w of the elastic
-    amplitudes; y (m,) are the integrals of q_1, and h the twists of the root that its support fixes.
+    p (6 + e,) contains the translation and rotation of the body's axes, along these axes, and the changes
+    -dq_2 / w of the elastic amplitudes. y (m,) are the integrals of q_1. h are the twists of the root that
+    its support fixes.
 
     m : number of components of y
     shapes : (6 + e, 6 + e)
-    held_mass : (6 + e, 6 + e)  mass of h, and between h and y, for (y, h)
+    held_mass : (6 + e, 6 + e)  mass matrix for (y, h): only the entries of h, and between h and y
     """
 
     m: int
@@ -44,7 +45,7 @@ class LineFreedoms:
     held_mass: Array
 
     def amplitudes(self, motions: Array) -> Array:
-        """Y (..., m) from motions p (..., 6 + e)."""
+        """Components y (..., m) of motions p (..., 6 + e)."""
         return np.asarray(np.linalg.solve(self.shapes, motions.T).T[..., : self.m], dtype=float)
 
 
@@ -64,7 +65,7 @@ def line_freedoms(model: LineModel, support: RootSupport, root: Array, q2: Array
 
 
 def _rates_by_velocities(model: LineModel, q2: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Twist of the root (6, m + 6) and rates of q_2 (e, m + 6) by q_1 and a further twist of the root."""
+    """Derivatives of the root's twist (6, m + 6) and of q_2' (e, m + 6) by q_1 and an added root twist."""
     m, e = model.velocities.shape[1], section_strains(model, q2)
 
     def rates(both: jax.Array) -> tuple[jax.Array, jax.Array]:

@@ -1,12 +1,12 @@
-"""Released line as a body in a floating frame, for machines with full bodies.
+"""Line with a free root as a body in a floating frame, for machines with full bodies.
 
-Its velocities are u = (V, w, g'): V (global) and w (in its own axes) of its axes, and g' of its elastic
-amplitudes g = -q_2 / omega. The amplitudes of its velocities follow from them linearly,
+The velocities of the body are u = (V, w, g'): the velocity V (global) and angular velocity w (own components)
+of its axes, and the rates of its elastic amplitudes g = -q_2 / omega. The amplitudes q_1 follow linearly,
 
     A(q_2) q_1 = (R^T V, w, g'),        Y = A^-1 diag(R^T, I, I)
 
-with the root's twist in the first six rows and the strain rates, `force_rates`, in the others. The residual
-of its equations, projected on u, balances forces f at its stations, whose velocities are J u:
+with the twist of the axes in the first six rows and the strain rates, `force_rates`, in the others. The
+residual of the line's equations, projected on u, balances forces f at its stations, whose velocities are J u:
 
     Y^T [ q_1' - rates(q_1, q_2) ] + J^T f = 0,        q_1' = Y u' + Y' u
 
@@ -60,7 +60,7 @@ class FrameLine:
     model: LineModel
     root: Any
     loads: tuple[StationLoad, ...]
-    held: tuple[int, ...] = field(metadata=STATIC)
+    coupled: tuple[int, ...] = field(metadata=STATIC)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +128,7 @@ class LineInFrame:
                 angular_acceleration=still,
                 coordinate_accelerations=none,
             )
-            for name, number in zip(self.names, self.arrays.held, strict=True)
+            for name, number in zip(self.names, self.arrays.coupled, strict=True)
         }
 
 
@@ -137,9 +137,9 @@ def lines_in_frames(system: System) -> MachineWithStations:
 
     Raises ModelError for intrinsic bodies with a supported root.
     """
-    seen, lines, held, on_lines = lines_as_stations(system)
-    first, bodies = len(seen.bodies) - sum(map(len, held)), []
-    for placed, stations in zip(lines, held, strict=True):
+    seen, lines, coupled, on_lines = lines_as_stations(system)
+    first, bodies = len(seen.bodies) - sum(map(len, coupled)), []
+    for placed, stations in zip(lines, coupled, strict=True):
         body = body_of(placed)
         own = [load for load in on_lines.loads if getattr(load, "body", body.name) == body.name]
         alone = System([placed], loads=own, gravity=system.gravity)
@@ -152,7 +152,7 @@ def lines_in_frames(system: System) -> MachineWithStations:
 
 
 def _with_frame_rates(placed: Placed) -> Placed:
-    """The body with velocities u of its initial q_1 (`line_start`), if it deforms."""
+    """The body with velocities u of its initial q_1 (`line_start`), if it has initial deformation rates."""
     if not placed.coordinate_rates.any():
         return placed
     body = body_of(placed)
@@ -226,16 +226,16 @@ def _missing(line: FrameLine, state: BodyState) -> tuple[jax.Array, jax.Array]:
     return tuple(jnp.concatenate([state.rotation @ each[:3], each[3:]]) for each in (left, loads))  # ty: ignore[invalid-explicit-return]
 
 
-def _places_of_held(line: FrameLine, origin: Any, rotation: Any, coordinates: Any) -> StationPlaces:
+def _places_of_coupled(line: FrameLine, origin: Any, rotation: Any, coordinates: Any) -> StationPlaces:
     q2 = -line.model.omega * coordinates
     places = station_places(line.model, q2, rotation, origin + rotation @ line.root)
-    held = np.array(line.held, dtype=int)
-    return StationPlaces(places.rotations[held], places.positions[held])
+    coupled = np.array(line.coupled, dtype=int)
+    return StationPlaces(places.rotations[coupled], places.positions[coupled])
 
 
 def _twists(line: FrameLine, state: BodyState, u: jax.Array) -> jax.Array:
     """Velocities, global, and angular velocities, in own axes, of the coupled stations, (6 s,)."""
-    places, rates = jax.jvp(lambda *at: _places_of_held(line, *at), _pose(state), _pose_rates(state, u))
+    places, rates = jax.jvp(lambda *at: _places_of_coupled(line, *at), _pose(state), _pose_rates(state, u))
     spin = jax.vmap(unskew)(jnp.einsum("sji,sjk->sik", places.rotations, rates.rotations))
     return jnp.concatenate([rates.positions, spin], axis=1).reshape(-1)
 
@@ -249,7 +249,7 @@ def _moved(state: BodyState, increment: jax.Array) -> BodyState:
 
 
 def _stations_at(line: FrameLine, state: BodyState) -> tuple[jax.Array, ...]:
-    places = _places_of_held(line, *_pose(state))
+    places = _places_of_coupled(line, *_pose(state))
     u = state.velocity
     motion = jax.jacfwd(lambda v: _twists(line, state, v))(jnp.zeros_like(u))
     _, bias = jax.jvp(lambda s: _twists(line, _moved(state, s * u), u), (jnp.zeros(()),), (jnp.ones(()),))

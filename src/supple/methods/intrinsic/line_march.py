@@ -73,7 +73,7 @@ def march_lines(
 ) -> LineMarchState:
     """The states at output times (t,), each reached in `n_steps` equal steps; leaves have a leading axis.
 
-    It can be mapped over cases (`jax.vmap`), and differentiated in forward and reverse mode.
+    The function can be mapped over cases (`jax.vmap`), and differentiated in forward and reverse mode.
     """
     step = _step_of(system, rule, tolerance, max_iterations)
     tangent = no_tangent(start.rates.size) if isinstance(rule, GeneralizedAlpha) else None

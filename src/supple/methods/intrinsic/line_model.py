@@ -23,7 +23,7 @@ __all__ = ["LineModel", "LineState", "line_model", "rest_state"]
 class LineModel:
     """A line of n stations and n - 1 segments with k rigid and e elastic modes, m = k + e.
 
-    All numbers are data: lines of equal sizes share a compiled program, and derivatives by them exist.
+    All numbers are data: lines of equal sizes share a compiled program, and results can be differentiated.
     """
 
     omega: Any
@@ -53,7 +53,7 @@ class LineModel:
     decay: Any
     """(m,) alpha of Rayleigh damping on velocities, 1/s"""
     retardation: Any
-    """(e,) ratio of viscous to elastic section force for a strain rate of that strain in one second, s"""
+    """(e,) retardation times, s: viscous force = this time multiplied by the elastic force of strain rates"""
     is_chain: bool = field(metadata={"static": True})
 
     @property
@@ -87,8 +87,8 @@ class LineState:
 def line_model(modes: IntrinsicModes, damping: Damping | None = None) -> LineModel:
     """Arrays of the equations of motion for some modes of a line.
 
-    damping : None, ModalDamping of the elastic modes, or RayleighDamping; the modal ratios and beta act on
-        strain rates, for any rotation, alpha on the velocities of the elastic modes
+    damping : None, ModalDamping of the elastic modes, or RayleighDamping; modal ratios and beta act on strain
+        rates, for any rotation; alpha acts on the velocities of the elastic modes
     Raises ModelError for damping defined in a floating frame.
     """
     line, m = modes.line, modes.n_modes

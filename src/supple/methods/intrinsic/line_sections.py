@@ -19,8 +19,8 @@ Array = NDArray[np.float64]
 def line_section_loads(body: Any, motion: Motion, plane: CuttingPlane) -> Array:
     """Force and moment (t, 6) of the part beyond a plane on the part before it, along material axes.
 
-    These are the section forces of the segment cut by the plane, with the moment moved from its middle to the
-    point of the plane; at a station, the mean of both adjacent segments.
+    These are the section forces of the segment cut by the plane, with the moment about the point of the
+    plane. If the plane contains a station, they are the mean of both adjacent segments.
 
     Raises
     ------

@@ -68,7 +68,7 @@ class LineStatics(SteadyEquations):
 
     @property
     def is_discrete(self) -> bool:
-        """True: the velocities of positions, on which forces act, differ from those of modes."""
+        """True: forces act on the velocities of positions, which differ from those of the modes."""
         return True
 
     def start(self) -> StaticState:
@@ -79,7 +79,7 @@ class LineStatics(SteadyEquations):
         """Residual of all freedoms, (N,)."""
         return self.unbalance(state, time).terms
 
-    def unbalance(self, state: StaticState, time: float) -> EquilibriumResidual:  # noqa: ARG002 - drives stand
+    def unbalance(self, state: StaticState, time: float) -> EquilibriumResidual:  # noqa: ARG002 - drives are fixed
         """The residuals at rest."""
         found = jax.device_get(unbalanced_at(*self._terms, state.configuration, state.multipliers))
         residual = found.residual - self.held
@@ -134,7 +134,7 @@ class LineStatics(SteadyEquations):
         motions fixed by the support of a root are among the joints' equations.
         """
         linear, arrays = self._small_motions(state), self.machine.arrays
-        nb = len(arrays.model.sizes) - arrays.n_held
+        nb = len(arrays.model.sizes) - arrays.n_coupled
         axes = np.eye(arrays.n_floating)
         for own, rotation in zip(
             arrays.model.slices[:nb], np.asarray(state.configuration.floating.rotations), strict=False
@@ -222,7 +222,7 @@ class LineStatics(SteadyEquations):
 
     @cached_property
     def _order(self) -> np.ndarray:
-        """Numbers of the bodies' motions, in their order, among those of floating bodies and lines."""
+        """Permutation of motions: from floating bodies, then lines, to the bodies in their order."""
         starts, first = {}, 0
         for placed in (*self._others, *self._lines):
             starts[placed.body.name] = np.arange(first, first + 6 + placed.body.n_coordinates)

@@ -1,12 +1,12 @@
 """Residuals, and their exact derivatives, of lines and floating bodies at rest or in steady rotation.
 
-Small motions y of a line are integrals of its amplitudes of velocities: strains and root change by S(q) y, as
-their rates are S(q) q_1. In a rotating machine they are relative to rotating axes. With q_R(q) the velocities
-of the line's rotation at zero strain rate,
+Small motions y of a line are integrals of its velocity amplitudes q_1: strains and root change by S(q) y, as
+their rates are S(q) q_1. In a rotating machine, y is relative to rotating axes. With the amplitudes q_R(q) of
+the line's steady rotation at zero strain rate,
 
     q_1 = q_R(q) + y',     q_1' = dq_R/dt + y'',     dq = S(q) y
 
-and likewise for frames, with x of their origins along global axes and psi along their own,
+and for frames, with displacements x of the origins along global axes and rotations psi along own axes,
 
     v = w x (r - p) + x',             v' = w x (w x (r - p)) + 2 w x x' + x''
     w_own = A^T w + psi',             w_own' = A^T w x psi' + psi''
@@ -57,8 +57,8 @@ class Unbalanced(NamedTuple):
     """Residual of a steady motion, and its terms.
 
     residual : (N,)         of floating bodies, then of the lines' amplitudes
-    terms : (N, 4)          inertia, internal, applied and joint forces, which add up to it
-    gaps : (m,)             of the joints
+    terms : (N, 4)          inertia, internal, applied and joint forces, which add up to the residual
+    gaps : (m,)             residuals of the joints
     """
 
     residual: Any
@@ -116,7 +116,7 @@ def _turning_lines(
 ) -> tuple[jax.Array, ...]:
     if turning is None:
         return tuple(jnp.zeros_like(state.q1) for state in now.lines)
-    rates = turning.angular_velocities[len(arrays.model.sizes) - arrays.n_held :]
+    rates = turning.angular_velocities[len(arrays.model.sizes) - arrays.n_coupled :]
     return tuple(
         _turning_line(model, None if drive is None else drive.twist(now.time), state, w, turning.point)
         for model, drive, state, w in zip(arrays.lines, arrays.drives, now.lines, rates, strict=True)
@@ -127,7 +127,7 @@ def _turning_frames(
     arrays: JoinedArrays, turning: SteadyTurning | None, now: JoinedInstant, dy: jax.Array, ddy: jax.Array
 ) -> tuple[jax.Array, jax.Array]:
     """Velocities and accelerations (n,) of the floating bodies in steady rotation."""
-    nb = len(arrays.model.sizes) - arrays.n_held
+    nb = len(arrays.model.sizes) - arrays.n_coupled
     if turning is None or not nb:
         return dy, ddy
     places = np.array(arrays.model.frames.starts[:nb])[:, None] + np.arange(3)

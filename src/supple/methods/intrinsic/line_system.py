@@ -49,7 +49,7 @@ def places_of(model: LineModel, drive: RootDrive | None, state: LineState, time:
 def system_wrenches(
     system: LineSystem, states: States, time: Any, roots: tuple[RootTwist | None, ...]
 ) -> list[jax.Array | None]:
-    """Forces and moments on the stations of each line, along their own axes; None on a free line."""
+    """Forces and moments on the stations of each line, along their own axes; None for an unloaded line."""
     if not system.loads:
         return [None] * len(system.lines)
     need_places = any(load.needs_places for load in system.loads)
@@ -66,7 +66,7 @@ def system_wrenches(
 def wrenches_on(
     loads: Sequence[StationLoad], motions: Sequence[MovingStations], time: Any
 ) -> list[jax.Array | None]:
-    """Forces and moments of loads on the stations of each line, for given motions of them."""
+    """Forces and moments of loads on the stations of each line, for given motions of the stations."""
     sums: list[jax.Array | None] = [None] * len(motions)
     for load in loads:
         for line, wrench in load.wrenches(motions, time):

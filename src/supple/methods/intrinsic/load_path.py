@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 ON_THE_CUT = 1e-6
-"""Smallest offset relative to the distance of two stations."""
+"""Distance up to which a node lies on a cut, relative to the distance of two stations."""
 
 
 class BodyStations(NamedTuple):
@@ -110,8 +110,8 @@ def _shares(
 ) -> list[tuple[NDArray[np.intp], Array]]:
     """Nodes of each slice between the ends, and the weight of each.
 
-    A node on a cut is half in either slice, unless both slices have at most two lines of nodes. Their mean
-    motions would then both include that line, so the node belongs to the first slice.
+    A node on a cut counts half in each slice. If both slices have at most two lines of nodes, it belongs to
+    the first slice alone, so that their mean motions do not share a line of nodes.
 
     place : ascending, 0 at the root and 1 at the tip
     """
@@ -137,7 +137,7 @@ def _shares(
 
 
 def _lines(body: FlexibleBody, own: NDArray[np.intp]) -> int:
-    """0 for no nodes, 1 for nodes on a line, otherwise 3 for more than two."""
+    """Number of lines of nodes: 0 without nodes, 1 if all are on one line, otherwise 3 (more than two)."""
     if not len(own):
         return 0
     return 1 if are_collinear(body.nodes[own]) else 3

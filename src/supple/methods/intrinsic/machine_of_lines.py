@@ -93,7 +93,7 @@ class MachineOfLines:
 
 
 def machine_of_lines(system: System, time: float) -> MachineOfLines:
-    """Lines, loads and first states of a machine; ModelError for what intrinsic bodies do not support."""
+    """Lines, loads and initial states of a machine; ModelError for features that lines do not support."""
     check_held_by_ground(system)
     roots = tuple(supported_root(system, placed) for placed in system.bodies)
     lines = LineSystem(
@@ -113,9 +113,9 @@ def check_held_by_ground(system: System) -> None:
         body_of(placed)
     if is_joined(system):
         raise ModelError(
-            "joints hold released bodies, or connect intrinsic bodies: without a time integration, intrinsic "
-            "bodies may only be joined to the ground at their roots, by the support of their modes. "
-            "Simulate, with damping to reach equilibrium"
+            "joints act on released bodies, or connect intrinsic bodies: this analysis supports only joints "
+            "between the ground and the roots of intrinsic bodies, as in the support of their modes. Use a "
+            "time integration instead, with damping to reach equilibrium"
         )
 
 
@@ -158,9 +158,9 @@ def _root_twist(placed: Placed, driven: Array) -> Array:
         if np.abs(missed).max() <= SAME_VELOCITY * max(np.abs(twist).max(), np.abs(driven).max()):
             return driven + allowed @ found[: allowed.shape[1]]
     raise ModelError(
-        f"body '{body.name}' has an initial velocity that its root cannot have: of velocity and angular "
-        f"velocity {np.round(twist, 6).tolist()} along its axes, {np.round(missed, 6).tolist()} is fixed. "
-        "Give the velocity of its joint, or none"
+        f"body '{body.name}' has an initial velocity that its root cannot have: velocity and angular "
+        f"velocity are {np.round(twist, 6).tolist()} along its axes, but the root support excludes "
+        f"{np.round(missed, 6).tolist()}. Give the velocity of its joint, or none"
     )
 
 

@@ -1,8 +1,8 @@
 """Time integration of many cases of one machine of lines: same bodies, other loads, motions and starts.
 
 Where cases share the lines, the Runge-Kutta rule integrates all of them at once, with cases as the last axis
-of all amplitudes. The modes are then read once for all cases, and products are limited by the processor's
-speed, not by memory. Other rules are mapped over the cases.
+of all amplitudes. The modes are then read once for all cases, and products are limited by arithmetic, not by
+memory. Other rules are mapped over the cases.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def march_of_cases(
 ) -> Callable[..., LineMarchState]:
     """Compiled time integration of k cases for one pattern of shared data.
 
-    structure : of a `LineSystem`;  axes : of its leaves
+    structure : tree structure of a `LineSystem`;  axes : of its leaves
 
     The result is a function of those leaves, starts (k, ...), output times (t,) and the tolerance of implicit
     steps. It returns states (k, t, ...).

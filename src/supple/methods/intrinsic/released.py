@@ -1,4 +1,4 @@
-"""Body with a free root in the modes of its supported root, for joints at any station."""
+"""Intrinsic body with a free root, from the modes on its root support, for joints at any station."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ LARGEST_CONDITION = 1e12
 def released(body: IntrinsicBody) -> IntrinsicBody:
     """The same body with a free root: rigid motion R and the elastic modes Phi_1 on its support.
 
-    The modes of a free body have zero force at its root, and converge slowly where a joint holds it; those of
-    the supported body have a force there. Both sets, V = [R, Phi_1], are orthogonalised:
+    The modes of a free body have zero force at its root, and converge slowly if a joint acts there; modes of
+    the supported body have a force there. R and Phi_1, V = [R, Phi_1], are orthogonalised:
 
         V^T M V = L L^T,     L^-1 [0; w] = U S W^T,
         w <- S,     Phi_1 <- V L^-T U,     Phi_2 <- Phi_2 W,     C Phi_2 <- C Phi_2 W

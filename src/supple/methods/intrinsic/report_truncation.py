@@ -24,7 +24,7 @@ LARGEST = 1e-2
 
 
 def truncation_parts(system: System, solution: Solution) -> Mapping[str, ErrorPart]:
-    """Truncation part of the error, by body: that of the run, or computed where the run holds none."""
+    """Truncation part of the error, by body: that of the run, or computed if the run has none."""
     return solution.truncation or {name: _part(each) for name, each in _errors(system, solution).items()}
 
 
@@ -83,7 +83,7 @@ def _warn(system: System, run: Run, name: str, error: TruncationError, where: st
     )
     warn_or_raise(
         f"{where}body '{name}': {body.n_coordinates} modes are too few: {why}, which is {error.largest:.1%} "
-        "of its deflection. Keep more modes, or omit their number, to keep all modes, or as many as a "
+        "of its deflection. Keep more modes, or omit their number: then all modes are kept, or as many as a "
         "given accuracy needs",
         ValidityWarning,
         run.validity,

@@ -40,7 +40,7 @@ def slaved(
 
     kept : number of dynamic modes of each line, with the rigid ones
     inverse : from `inverse_of_high` at a nearby state; default computed here
-    Returns the states, and the change of the last sweep over that of the one before; 0 where none changes.
+    Returns the states, and the ratio of the changes in the last two sweeps; 0 if the last is negligible.
     Source: [Wang2015] (37).
     """
     high = _high(system, kept)
@@ -61,7 +61,7 @@ def slaved(
 
 
 def at_rest_rates(kept: tuple[int, ...], system: LineSystem, rates: States) -> States:
-    """Rates with those of the high modes zero."""
+    """The rates, with zero for the high modes."""
     return tuple(
         replace(
             rate,

@@ -44,14 +44,14 @@ def root_reaction(
     root: RootTwist | None,
     places: StationPlaces,
 ) -> jax.Array:
-    """Force and moment (6,) on the body at its root without its loads, along the root's axes.
+    """Force and moment (6,) on the body at its root, without loads that act there, along the root's axes.
 
     The rate of momentum minus the loads, summed over all stations at their positions:
 
         F = sum R_i h_i,     M = sum R_i m_i + (r_i - r_0) x R_i h_i,     [h; m] = M x_1' + L_1(x_1) M x_1 - f
     """
     x1 = station_velocities(model, state.q1, root)
-    # The alpha damping is a force of the ground, and so part of the root's.
+    # Damping with alpha is an external load on the stations.
     rate = rates.q1 + model.decay * state.q1
     faster = None if root is None else RootTwist(root.rate, root.rate)
     accelerations = station_velocities(model, rate, faster)

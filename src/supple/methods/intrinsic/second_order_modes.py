@@ -1,4 +1,4 @@
-"""Second-order modes: axial, shear and rigid motion of a bent line, beside its lowest modes.
+"""Second-order modes: axial, shear and rigid motion of a bent line, in addition to its lowest modes.
 
 The lowest modes of a slender line bend and twist it. In the bent line they also shorten its projection,
 rotate its velocities and carry force along its tangent, through modes whose frequencies are above those of
@@ -105,7 +105,7 @@ def second_order_shapes(whole: IntrinsicModes, n_lowest: int) -> Array:
     squared = columns.T @ (omega[n_lowest:, None] ** 2 * columns)
     ritz = columns @ np.linalg.eigh(0.5 * (squared + squared.T))[1]
     largest = np.abs(ritz).argmax(axis=0)
-    ritz = ritz * np.sign(ritz[largest, np.arange(number)])  # a definite sign, independent of the solver
+    ritz = ritz * np.sign(ritz[largest, np.arange(number)])  # a fixed sign, independent of the solver
     shapes = np.zeros((e, n_lowest + number))
     shapes[:n_lowest, :n_lowest] = np.eye(n_lowest)
     shapes[n_lowest:, n_lowest:] = ritz

@@ -73,9 +73,9 @@ def section_line(name: str, table: SectionTable, n_stations: int) -> CondensedLi
 
 
 def _moved(arms: Array, *, force: bool = False) -> Array:
-    """Map (n, 6, 6) to the motion of points from that of reference points; arms (n, 3) point to the former.
+    """Map (n, 6, 6) from the motion of reference points to that of points at arms (n, 3) from them.
 
-    force : instead, force and moment at the reference points from those at the points
+    force : instead, the map from force and moment at the points to those at the reference points
     """
     result = np.tile(np.eye(6), (len(arms), 1, 1))
     rows, columns = (slice(3, 6), slice(0, 3)) if force else (slice(0, 3), slice(3, 6))

@@ -19,7 +19,7 @@ STATIC = {"static": True}
 
 
 class MovingStations(NamedTuple):
-    """Positions of the stations of a line, and their velocities, angular ones too (n, 6), in their own axes.
+    """Positions of a line's stations, and their velocities and angular velocities (n, 6) along own axes.
 
     places : StationPlaces | None      None if no load depends on positions
     """
@@ -34,7 +34,7 @@ class StationLoad(Protocol):
     @property
     @abstractmethod
     def needs_places(self) -> bool:
-        """Whether it depends on the positions of stations."""
+        """Whether the load depends on the positions of stations."""
 
     @abstractmethod
     def wrenches(self, motions: Sequence[MovingStations], time: Any) -> Iterator[tuple[int, jax.Array]]:
@@ -65,7 +65,7 @@ class Follower:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class Gravity:
-    """Weight of every station, with eccentric masses, and its inertia force by the acceleration of the base.
+    """Weight and inertia force by base acceleration of every station, including eccentric masses.
 
     mass : (n, 6, 3)    momenta of each station at unit velocities; (6 n, 3 n) if stations share mass
     """
@@ -94,7 +94,7 @@ class Gravity:
 class End:
     """An end of a force element: a station of a line, or a point of the ground (line -1).
 
-    axes : (3, 3)   axes of the element, in those of the station; on the ground, in global axes
+    axes : (3, 3)   axes of the element, in station axes; on the ground, in global axes
     point : (3,)    of the ground
     """
 

@@ -1,4 +1,4 @@
-"""Mass of stations: removal of round-off, and its factor."""
+"""Mass of stations: removal of round-off, and factorisation."""
 
 from __future__ import annotations
 

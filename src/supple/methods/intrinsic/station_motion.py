@@ -56,14 +56,14 @@ class _Now(NamedTuple):
 def station_motion(model: LineModel, root: Array, q2: Array, motion: IntrinsicMotion) -> StationMotion:
     """Positions of the stations, from the strains, and their derivatives, with q_2' from the velocities.
 
-    So velocities are those of the reported positions. The modal velocities, whose energy and momentum are
-    conserved by the time integration, differ from them by the square of a segment's length.
+    The velocities are thus derivatives of the reported positions. The modal velocities, whose energy and
+    momentum the time integration conserves, differ by terms of second order in the segment length.
 
     root : (3,)     of the root in the body's axes, undeformed
     q2 : (t, e)     of the motion
     """
     unknown = np.isnan(motion.accelerations).any()
-    if unknown:  # velocities do not need them
+    if unknown:  # velocities do not depend on accelerations
         names = ("acceleration", "angular_acceleration", "accelerations")
         motion = replace(motion, **{name: np.zeros_like(getattr(motion, name)) for name in names})
     A, w, dw = motion.rotation, motion.angular_velocity, motion.angular_acceleration
@@ -90,7 +90,7 @@ def station_motion(model: LineModel, root: Array, q2: Array, motion: IntrinsicMo
 
 
 def station_twists(model: LineModel, root: Array, motion: IntrinsicMotion) -> Array:
-    """x_1 = Phi_1 q_1 + T t_d (t, n, 6): modal velocities of stations along their axes, plus a drive's."""
+    """x_1 = Phi_1 q_1 + T t_d (t, n, 6): velocities of stations along their axes, by modes and a drive."""
     driven, _ = _driven(model, root, motion)
     return (motion.rates @ np.asarray(model.velocities).T + driven @ np.asarray(model.twists).T).reshape(
         len(driven), -1, 6

@@ -89,7 +89,7 @@ def _identity(like: jax.Array) -> jax.Array:
 
 
 def _products(a: jax.Array, b: jax.Array) -> jax.Array:
-    # Term by term: compiled into one pass, for one case as for many.
+    # Term by term: compiled into one pass, for one case and for many.
     return sum((a[:, :, k, None] * b[:, None, k] for k in range(1, 3)), a[:, :, 0, None] * b[:, None, 0])
 
 

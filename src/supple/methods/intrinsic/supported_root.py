@@ -39,10 +39,10 @@ class SupportedRoot(NamedTuple):
 
 
 def is_joined(system: System) -> bool:
-    """Whether a machine has more than intrinsic bodies whose roots the ground alone supports.
+    """Whether a machine is more than intrinsic bodies that are free, or joined by their roots to the ground.
 
-    A body with a free root and joints makes such a machine: its rigid motion takes part. Controllers, and
-    friction that depends on a joint force, also require it.
+    True for other kinds of bodies, joints between bodies or at a body with a free root, controllers, and
+    friction that depends on a joint force.
     """
     if system.controllers or any(isinstance(load, JointFriction) for load in system.loads):
         return True
@@ -63,8 +63,8 @@ def joints_of(system: System, body: str) -> list[Joint]:
 def supported_root(system: System, placed: Placed) -> SupportedRoot:
     """Support of the root of a body; ModelError for joints that intrinsic bodies do not support.
 
-    They support one joint, between their root and the ground. It must have the support that their modes were
-    computed with.
+    An intrinsic body supports one joint, between its root and the ground. Its modes must have been computed
+    with the support by this joint.
     """
     body = body_of(placed)
     joints = joints_of(system, body.name)

@@ -1,4 +1,4 @@
-"""Truncation error: change of a motion by all modes, and drift of its momentum."""
+"""Truncation error: change of a motion by the omitted modes, and drift of the centre of mass."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class TruncationError:
     """Change of a motion by the omitted modes.
 
     times : (t,)            sampled
-    places : (t,)           RMS distance of the stations, m; infinite where all modes did not converge
+    places : (t,)           RMS distance of the stations, m; infinite where `complete_motion` did not converge
     forces, velocities : (t,)   square roots of shares of strain energy and kinetic energy
     drift : float           of the centre of mass of a free body, from its motion by the loads, m
     deflection : float      largest displacement of a station relative to the root, m
@@ -54,7 +54,7 @@ class TruncationError:
 
     @property
     def largest(self) -> float:
-        """Larger of `places` over the deflection, and `drift` over that or `STIFF` times the length."""
+        """Larger of `places` / deflection, and `drift` / max(deflection, `STIFF` times the length)."""
         size = float(self.places.max(initial=0.0))
         of_places = size / self.deflection if self.deflection else 0.0
         return max(of_places, self.drift / max(self.deflection, STIFF * self.length))
@@ -84,7 +84,7 @@ def truncation_error(
     Parameters
     ----------
     system, solution : a machine with intrinsic bodies, and its run
-    whole : the same bodies with all modes, unless the bodies hold these themselves
+    whole : the same bodies with all modes, unless the bodies contain them (`complete`)
 
     Raises ModelError where no intrinsic body has more modes than are retained.
     Source: [Wang2015] (37), as an error estimate.

@@ -1,4 +1,4 @@
-"""Bulk viscosity: a pressure proportional to the rate of volume, which spreads a front over a few elements.
+"""Bulk viscosity: a pressure from the rate of volume change, which spreads a front over a few elements.
 
     q = rho c_d L (b_1 |tr D| + b_2^2 L / c_d tr(D)^2),    the quadratic part in compression alone
 
@@ -7,9 +7,10 @@ rest. It is a pressure in compression; the linear part is a tension in expansion
 Without it, central differences oscillate behind a front, up to 25 % beyond d'Alembert's solution.
 
 It damps the fastest dilatation of an element by the fraction xi = b s of critical damping, with b = b_1 +
-b_2^2 dt_e |tr D|. The rates are those of the half step before, which shortens the stable step to dt_e (sqrt(1
-+ xi^2) - xi). Steps are chosen at output times. Where a front arrives in between, b is limited to the value
-for which the step is stable.
+b_2^2 dt_e |tr D| and s = omega_d^2 / omega_max^2, from the frequencies of the fastest dilatation and the
+fastest mode. The rates are those of the half step before, which shortens the stable step to dt_e (sqrt(1 +
+xi^2) - xi). Steps are chosen at output times. Where a front arrives in between, b is limited to the value for
+which the step is stable.
 
 Source: [vonNeumann1950] for the quadratic part, [Landshoff1955] for the linear one.
 """
@@ -39,7 +40,7 @@ FloatArray = NDArray[np.float64]
 class BulkViscosity:
     """Coefficients of the bulk viscosity; both zero: none.
 
-    linear : b_1, of critical damping of a plane wave as long as two elements
+    linear : b_1, fraction of critical damping of a plane wave as long as two elements
     quadratic : b_2, which spreads a shock over about b_2 elements, for any strength
     """
 
@@ -63,7 +64,7 @@ class BulkArrays(NamedTuple):
     """Arrays for E elements.
 
     linear, squared : b_1 and b_2^2;   modulus : rho c_d^2, Pa
-    times : (E,) dt_e, s;   shares : (E,) s
+    times : (E,) dt_e, in seconds;   shares : (E,) the ratio s
     """
 
     linear: Array
@@ -73,7 +74,7 @@ class BulkArrays(NamedTuple):
     shares: Array
 
     def coefficients(self, rate: Array) -> Array:
-        """B (.., E) at rates of volume (.., E), 1/s."""
+        """Coefficients b (.., E) at rates of volume change (.., E), 1/s."""
         return self.linear + self.squared * self.times * jnp.maximum(-rate, 0.0)
 
 
@@ -88,7 +89,7 @@ def bulk_arrays(
         return None
     modulus = float(elastic.elasticity[0, 0])
     g = points.gradients * np.sqrt(points.volumes)[:, :, None, None] / np.sqrt(masses)[:, None, None, :]
-    rows = g.reshape(*g.shape[:2], -1)  # rates of volume at the points from motions of unit kinetic energy
+    rows = g.reshape(*g.shape[:2], -1)  # rates of volume change of motions of unit kinetic energy
     largest = np.linalg.eigvalsh(rows @ rows.swapaxes(1, 2))[:, -1]
     numbers = given.linear, given.quadratic**2, modulus, limits, modulus * largest * limits**2 / 4
     return BulkArrays(*(jnp.asarray(each) for each in numbers))
@@ -97,7 +98,7 @@ def bulk_arrays(
 def bulk_pressure(of: BulkArrays, J: Array, before: Array, h: Array) -> tuple[Array, Array]:
     """Pressure q (g, E), Pa, for det F from `before` to J in a step h, and its work per volume, J/m^3.
 
-    The rate of volume is that between both ends of the step, independent of rotations of any size.
+    The rate of volume change follows from det F at both ends of the step: rotations do not contribute.
     """
     swelling = 2 * (J - before) / (J + before)
     bears = jnp.maximum(0.5 * (of.times / h - h / of.times) / of.shares, 0.0)
@@ -106,7 +107,7 @@ def bulk_pressure(of: BulkArrays, J: Array, before: Array, h: Array) -> tuple[Ar
 
 
 def bulk_share(of: BulkArrays, F: Tensor, dF: Tensor) -> Array:
-    """Xi (E,) of elements at rest at their worst point, for a gradient F that changes at the rate dF, 1/s."""
+    """Fraction xi (E,) at the worst point of each element, for a gradient F that changes at rate dF, 1/s."""
     cof = cofactor(F)
     rate = sum(dF[i][j] * cof[i][j] for i in range(3) for j in range(3)) / determinant(F, cof)
     return of.shares * of.coefficients(rate).max(axis=0)

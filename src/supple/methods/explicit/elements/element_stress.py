@@ -15,13 +15,13 @@ __all__ = ["von_mises"]
 
 
 def von_mises(law: Law, block: SolidBlock, x: Array, state: Any) -> Array:
-    """Sqrt(3/2 s : s) (g, E), Pa, at positions x (3, N); s the deviator of sigma = P F^T / J.
+    """Stress sqrt(3/2 s : s) (g, E), Pa, at positions x (3, N); s is the deviator of sigma = P F^T / J.
 
-    A law without an increment returns its present stress, also beyond yield.
+    With a zero increment, the law returns its present stress, also beyond yield.
     """
     F = deformation(block, x[:, block.nodes])
-    answer = law.respond(F, scaled(0.0, F), state)
-    sigma = scaled(1 / answer.volume_ratio, product(answer.stress, transposed(F)))
+    response = law.respond(F, scaled(0.0, F), state)
+    sigma = scaled(1 / response.volume_ratio, product(response.stress, transposed(F)))
     mean = (sigma[0][0] + sigma[1][1] + sigma[2][2]) / 3
     deviator = tensor(lambda i, j: sigma[i][j] - mean if i == j else sigma[i][j])
     return jnp.sqrt(1.5 * double_dot(deviator, deviator))

@@ -23,7 +23,7 @@ FloatArray = NDArray[np.float64]
 
 
 def hourglass_vectors(corners: FloatArray, gradient: FloatArray) -> FloatArray:
-    """Gamma (E, 4, 8) of cells with corners (E, 8, 3) and mean gradient (E, 3, 8)."""
+    """Vectors gamma (E, 4, 8) of cells with corners (E, 8, 3) and mean gradient (E, 3, 8)."""
     xi, eta, zeta = reference_nodes(CellType.HEXA8).T
     patterns = np.stack([xi * eta, eta * zeta, zeta * xi, xi * eta * zeta])
     return patterns - np.einsum("ak,eki,eil->eal", patterns, corners, gradient, optimize=True)

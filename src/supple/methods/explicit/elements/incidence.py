@@ -1,7 +1,7 @@
-"""Sum of element forces at nodes by gathering: each node reads the element corners that meet there.
+"""Sum of element forces at nodes by gathering the element corners that meet at each node.
 
-A scatter with repeated addresses is several times slower on a processor, and its order of summation varies on
-an accelerator. The order here is fixed, so that a resumed run is equal in every digit.
+A scatter with repeated addresses is several times slower on a CPU, and its order of summation varies on a
+GPU. The order here is fixed, so that a resumed run is equal in every digit.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ __all__ = ["gathered", "incidence"]
 
 
 def incidence(nodes: NDArray[np.int64], n_nodes: int) -> NDArray[np.int64]:
-    """Places of each node among the corners, (most, N), in `nodes.ravel()`; its size for none.
+    """Indices into `nodes.ravel()` of the corners at each node, (most, N), padded with `nodes.size`.
 
-    nodes : (k, E)
+    nodes : (k, E) nodes of the elements
     """
     flat = nodes.ravel()
     count = np.bincount(flat, minlength=n_nodes)
@@ -33,6 +33,6 @@ def gathered(values: Array, table: Array) -> Array:
     flat = values.reshape(len(values), -1)
     padded = jnp.concatenate([flat, jnp.zeros((len(values), 1))], axis=1)
     total = padded[:, table[0]]
-    for row in range(1, len(table)):  # a few rows, when the program is traced
+    for row in range(1, len(table)):  # few rows: unrolled when the program is traced
         total = total + padded[:, table[row]]
     return total

@@ -2,18 +2,18 @@
 
     U = 1/2 d^T K d,    d = [T (x - x_c) - (X - X_c);  log(T R)],    T = A_0^T A
 
-with the rest axes A_0 and the current ones A of the triangle (along its first side, across, normal), nodal
-triads R, unity at rest, and the stiffness K of the undeformed element. Strains are small, rotations of any
-size. Force and moment are the exact gradient of U, which is invariant under rigid motion: momentum is
-conserved. log uses the series of the sine, exact to 1e-6 for 0.3 rad between a node and its element.
+with the axes of the triangle at rest A_0 and at present A (along its first side, across, normal), nodal
+triads R (the identity at rest), and the stiffness K of the undeformed element. Strains are small, rotations
+of any size. Force and moment are the exact gradient of U. U is invariant under rigid motion, so momentum is
+conserved. log uses the arcsine series, exact to 1e-6 for 0.3 rad between a node and its element.
 
-Where the material yields, the stress at layers through the thickness replaces K: with the membrane strain
+Where the material yields, the stress at layers through the thickness replaces K. With the membrane strain
 B_m d, the curvature B_b d at the three mid-sides p, and the layers z_l of weight w_l,
 
     f_d = sum_pl A/3 w_l (B_m + z_l B_b)^T sigma_pl + K_h d,     sigma_pl in plane stress
 
-with K_h the stiffness of the drilling rotations, which stays elastic. Force and moment follow as above, from
-f_d . delta d. Strain is total, relative to the triangle at rest: it must stay small, plastic or not.
+with the elastic stiffness K_h of the drilling rotations. Force and moment follow as above, from f_d .
+delta d. The strain is the total strain from the triangle at rest: it must stay small, also plastic strain.
 
 Source of the corotational form: T. Belytschko, B. J. Hsieh, Int. J. Numer. Methods Eng. 7 (1973) 255-271.
 """
@@ -52,7 +52,7 @@ class LayerArrays(NamedTuple):
 
     membrane : (3, 18, E), bending : (p, 3, 18, E)      strain xx yy xy and curvature from d, at p points
     drilling : (18, 18, E) K_h;   area : (E,)
-    heights, weights : (l,) m, of a sum of the thickness
+    heights, weights : (l,) m; the weights sum to the thickness
     """
 
     membrane: Array
@@ -71,7 +71,7 @@ class ShellBlock(NamedTuple):
     stiffness : (18, 18, E)     ux uy uz rx ry rz a node, axes of the mesh
     to_stress : (l, 6, 18, E)   stress in l layers from d, Pa
     node_table, spin_table      the corners at each node and triad
-    layers : LayerArrays        None of a block that does not yield
+    layers : LayerArrays        None for a block that does not yield
     """
 
     nodes: Array
@@ -111,7 +111,7 @@ def shell_block(
     n_spins: int,
     layers: LayerArrays | None = None,
 ) -> ShellBlock:
-    """The arrays of a block; nodes, spins (E, 3), corners (E, 3, 3) at rest, the rest with elements first."""
+    """Block from arrays with elements first: nodes, spins (E, 3) and corners at rest (E, 3, 3)."""
     about = corners - corners.mean(axis=1, keepdims=True)
     axes = np.asarray(_axes(jnp.asarray(corners.transpose(2, 1, 0))))
     return ShellBlock(
@@ -219,5 +219,5 @@ def _deformation(block: ShellBlock, corners: Array, turned: Array) -> Array:
 
 
 def _crossed(turn: Array, triads: Array) -> Array:
-    """Turn x column of each triad: turn (3, k, E), triads (3, 3, k, E)."""
+    """Vector product of the rotation `turn` (3, k, E) and each column of the triads (3, 3, k, E)."""
     return jnp.cross(turn[:, None], triads, axis=0)

@@ -84,7 +84,7 @@ def solid_block(
 
 
 def hourglass_stiffness(points: SolidPoints, elastic: Isotropic, hourglass: float) -> np.ndarray:
-    """Kappa (E,), N/m: kappa |gamma|^2 is the fraction `hourglass` of (lambda + 2 mu) V |b|^2 / 3."""
+    """Stiffness kappa (E,), N/m: kappa |gamma|^2 is `hourglass` times (lambda + 2 mu) V |b|^2 / 3."""
     b = (points.gradients[:, 0] ** 2).sum(axis=(1, 2)) / 3
     norm = (points.gamma**2).sum(axis=2).max(axis=1, initial=0.0)
     free = np.where(norm > 0, norm, 1.0)
@@ -114,7 +114,7 @@ def block_force(
     beta : stiffness damping, s; None omits its operations
     """
     g, gamma = block.gradients, block.gamma
-    # Separate, so that an increment which the law does not read is not computed.
+    # Separate stages: the increment is not computed if the law does not use it.
     corners = fusion_barrier(lambda of: of[:, block.nodes], x)
     moves = fusion_barrier(lambda of: of[:, block.nodes], dx)
     F = fusion_barrier(lambda of: deformation(block, of), corners)

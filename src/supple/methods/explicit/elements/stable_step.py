@@ -2,9 +2,9 @@
 
     omega_max(M, K) <= max_e omega_max(M_e, K_e),   dt <= 2 / omega_max       (Irons and Treharne 1971)
 
-The element's own eigenvalue is exact at rest, from A A^T of A = sqrt(V) D^(1/2) B M_e^(-1/2), with six rows
-per strain point; the hourglass stiffness adds at most its own eigenvalue. For deformed elements, the bound is
-proportional to the smallest stretch of the element.
+At rest, the element's own eigenvalue is exact, from A A^T with A = sqrt(V) D^(1/2) B M_e^(-1/2), six rows
+per strain point. The hourglass stiffness adds at most its own eigenvalue. For deformed elements, the limit is
+multiplied by the smallest stretch, divided by sqrt(det F) where the volume has grown.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def element_limits(
 
 
 def smallest_stretch(block: SolidBlock, x: Array) -> Array:
-    """Factor (E,) on the limits at rest: the smallest stretch of each element at positions x (3, N)."""
+    """Factor (E,) on the limits at rest: smallest stretch / max(1, sqrt(det F)), at positions x (3, N)."""
     F = as_array(deformation(block, x[:, block.nodes]))
     C = jnp.einsum("kige,kjge->geij", F, F)
     stretch = jnp.sqrt(jnp.maximum(jnp.linalg.eigvalsh(C)[..., 0], 0.0))

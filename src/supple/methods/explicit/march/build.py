@@ -42,8 +42,8 @@ IntArray = NDArray[np.int64]
 class Built:
     """A system prepared for time integration.
 
-    nodes : explicit part to the numbers of its nodes in the model
-    blocks : explicit part to its blocks among those of the model
+    nodes : numbers in the model of the nodes of each explicit part, by its name
+    blocks : slice of the model's blocks for each explicit part, by its name
     framed : modal parts and rigid bodies
     """
 
@@ -61,9 +61,9 @@ class Built:
 
 
 def built(system: System, method: Explicit, time: float = 0.0) -> Built:
-    """The model of a system from a time on.
+    """Prepare a system for time integration from a time.
 
-    Raises ModelError for ties whose nodes do not match, nodes that begin inside an obstacle, and open joints.
+    Raises ModelError for ties whose nodes do not match, nodes that start inside an obstacle, and open joints.
     """
     explicit = [placed for placed in system.bodies if placed.body.kind == "explicit"]
     numbers, x, v = _numbered(system, explicit)
@@ -128,7 +128,7 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
 
 
 def _movable(system: System, numbers: dict[str, IntArray], v: FloatArray) -> FloatArray:
-    """(3, N) 1, or 0 for fixed nodes, which begin at rest."""
+    """(3, N) 1, or 0 for fixed components; their velocities in v are set to zero."""
     movable = np.ones((3, len(v)))
     for support in system.supports:
         held = numbers[support.nodes.body][system.node_numbers(support.nodes)]
@@ -238,7 +238,7 @@ def _tied(system: System, tie: Tie, numbers: dict[str, IntArray], x: FloatArray)
 
 
 def _check_tied_once(tied: list[TiedNodes], x: FloatArray) -> None:
-    """Raise ModelError for an explicit node on two frames: both would have its mass, and one its position."""
+    """Raise ModelError for an explicit node tied twice: two frames would include its mass."""
     nodes = np.concatenate([each.nodes for each in tied] or [np.empty(0, dtype=np.int64)])
     found, counts = np.unique(nodes, return_counts=True)
     if (counts > 1).any():
@@ -258,7 +258,7 @@ def _check_not_held(system: System, tied: list[TiedNodes], numbers: dict[str, In
             if min(support.axes, default=3) < 3 and np.isin(each.nodes, held).any():
                 raise ModelError(
                     f"support of '{support.nodes}': some of its nodes are tied to '{each.part}', which moves "
-                    "them; leave these out of the support"
+                    "them; omit these nodes from the support"
                 )
 
 
@@ -271,7 +271,7 @@ def _stiffness(contact: Contact, masses: FloatArray, short: float) -> FloatArray
 def _touching(
     system: System, numbers: dict[str, IntArray], x: FloatArray, mass: FloatArray, short: float
 ) -> tuple[tuple[NodesTouching, ...], tuple[int, ...], float]:
-    """Explicit nodes in contact with obstacles, numbers of these, and largest stiffness over mass, 1/s^2."""
+    """Explicit nodes in contact, numbers of their obstacles, and largest stiffness over mass, 1/s^2."""
     touching, obstacle_of, largest = [], [], 0.0
     for number, contact in enumerate(system.rigid_contacts):
         if contact.nodes.body in numbers:

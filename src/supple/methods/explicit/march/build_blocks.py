@@ -1,4 +1,4 @@
-"""Element blocks of explicit sub-domains in the model, and the lumped mass of its nodes."""
+"""Element blocks of explicit sub-domains in the model, and the lumped mass of the nodes."""
 
 from __future__ import annotations
 

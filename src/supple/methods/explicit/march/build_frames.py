@@ -44,7 +44,7 @@ IntArray = NDArray[np.int64]
 class MarchNodes:
     """Nodes of the model.
 
-    numbers : of the nodes of each explicit part;   x : (N, 3) at the start;   mass : (N,) kg
+    numbers : node numbers of each explicit part;   x : (N, 3) at the start;   mass : (N,) kg
     skins : points of modal parts in contact;   tied : nodes tied to frames
     short : step limit of the explicit nodes, s
     """
@@ -62,13 +62,13 @@ class Framed:
     """Frames of the model.
 
     frames : parts and bodies in the order of the model, with their integrated modes
-    arrays, states : of each, at the start;   obstacles : those in contact with it
-    surfaces, contact_rate : contacts between parts, 1/s^2
+    arrays, states : of each frame at the start;   obstacles : numbers of the obstacles of each frame
+    surfaces : contacts between parts;   contact_rate : their largest stiffness over nodal mass, 1/s^2
     joined : ties, joints and step limits
     machine : the frames as a system of floating bodies with their joints and forces, or None
-    change : correction of their initial state by joints; None without joints
-    stores, stored : groups of force elements that store energy, and their energy at the start, J
-    control : of the controllers, None without any
+    change : correction of the initial state by joints; None without joints
+    stores, stored : whether each group of force elements stores energy, and the energy at the start, J
+    control : state of the controllers; None without controllers
     """
 
     frames: dict[str, ModalFrame]
@@ -221,7 +221,7 @@ def _frame(
         jnp.asarray(shapes @ frame.turned),
         tuple(touching),
         frame_chart(frame),
-        jnp.asarray(jnp.inf),  # once all contacts are known
+        jnp.asarray(jnp.inf),  # set when all contacts are known
         None if frame.spin_bound is None else jnp.asarray(frame.spin_bound),
     )
     rates = np.concatenate([part.twist, part.coordinate_rates])
@@ -236,7 +236,7 @@ def _modal_stiffness(contact: Contact, frame: ModalFrame, nodes: IntArray) -> Fl
 
 
 def check_outside(contact: Contact, points: FloatArray) -> None:
-    """Raise ModelError for a point (n, 3) in space that begins inside the obstacle of a contact."""
+    """Raise ModelError if one of the points (n, 3) in space starts inside the obstacle of a contact."""
     gap = np.asarray(contact.obstacle.gap(jnp.asarray(points.T))[0])
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     if gap.min() < -1e-6 * size:

@@ -1,4 +1,4 @@
-"""Ties, joints and force elements of frames: independent multipliers, and the step limit of the whole."""
+"""Ties, joints and force elements of frames: independent multipliers, and the common step limit."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _REDUNDANT = 1e-8
-"""Smallest mobility of a multiplier, given those before it, relative to its mobility alone."""
+"""Smallest mobility of a constraint with all constraints before it closed, relative to that without them."""
 
 
 @dataclass(frozen=True, eq=False)
 class JoinedFrames:
     """Ties of frames to each other, and their joints.
 
-    ties, tied : with independent multipliers only, and the two frames of each
+    ties, tied : ties with their independent multipliers, and the numbers of the two frames of each
     machine : the frames as floating bodies, with independent equations of joints
     numbers : of the frames that multipliers join;   driven : (m,) 1 for equations with a law, else 0
     limited, step_limit : frames with ties, joints or force elements, and the step limit of all of them, s
@@ -72,8 +72,8 @@ def joined_frames(
 ) -> JoinedFrames:
     """Ties, joints and forces between the frames of a system.
 
-    states : of the frames at the start;   penalties : (6 + k, 6 + k) of the contacts of each, or None
-    Raises ModelError: a scheme other than the default, parts that do not match.
+    states : of the frames at the start;   penalties : contact stiffness (6 + k, 6 + k) of each, or None
+    Raises ModelError for a scheme other than ProjectedDifference, and for parts that do not match.
     """
     ties, pairs = modal_ties(system, frames)
     if machine is None or not (ties or machine.active or machine.forces):

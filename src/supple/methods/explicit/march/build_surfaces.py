@@ -1,7 +1,7 @@
 """Arrays of contacts between parts: points of modal surfaces, stiffness, step limits.
 
-The contact points of a modal part, on either side, become massless explicit nodes tied to it. They are
-treated as all tied nodes: the frame determines their positions, and their forces act on it.
+The contact points of a modal part, on either side, become massless explicit nodes tied to it. Like all tied
+nodes, they have positions determined by the frame, and their forces act on the frame.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class TiedNodes:
-    """Explicit nodes tied to a modal part: their numbers, and their corners among its nodes with weights."""
+    """Explicit nodes (n,) tied to a modal part: its nodes (n, c) as `corners`, with weights (n, c)."""
 
     part: str
     nodes: IntArray
@@ -43,7 +43,7 @@ class TiedNodes:
 
 @dataclass(frozen=True, eq=False)
 class ModalSkin:
-    """Points of a modal part in contact with others: their numbers in the model, and among its nodes."""
+    """Contact points of a modal part: `nodes` are their numbers in the model, `corners` those in the part."""
 
     part: str
     nodes: IntArray
@@ -102,7 +102,7 @@ def touching_surfaces(
         np.add.at(on_nodes, nodes, stiffness)
         for node, bound in corner_stiffness(x[nodes], stiffness, corners, x).items():
             on_nodes[node] += bound
-    # Twice: the bound of a difference by the sum of both sides.
+    # Factor 2: (a - b)^2 <= 2 a^2 + 2 b^2.
     on_nodes *= 2.0
     tied_here = np.zeros(len(x), dtype=bool)
     penalties: dict[str, FloatArray] = {}

@@ -22,7 +22,7 @@ IntArray = NDArray[np.int64]
 
 
 def within(tie: Tie, points: FloatArray) -> float:
-    """Largest distance between the two sides of a tie, m."""
+    """Largest allowed distance between the two sides of a tie, m."""
     return tie.within * max(float(np.linalg.norm(np.ptp(points, axis=0))), 1e-300)
 
 
@@ -41,7 +41,7 @@ def met_material(system: System, tie: Tie, x: FloatArray) -> tuple[IntArray, Flo
 def modal_ties(
     system: System, frames: Mapping[str, ModalFrame]
 ) -> tuple[tuple[ModalTie, ...], tuple[tuple[int, int], ...]]:
-    """Ties of modal parts to each other, and the numbers of their frames; ModelError where none match."""
+    """Ties of modal parts to each other, and the numbers of their frames; ModelError for unmatched nodes."""
     order = list(frames)
     between = [tie for tie in system.ties if tie.nodes.body in frames]
     return (
@@ -73,6 +73,6 @@ def _tie(system: System, tie: Tie, frames: Mapping[str, ModalFrame]) -> ModalTie
 
 
 def _reached(frame: ModalFrame, motion: FloatArray) -> FloatArray:
-    """(3 n, 6 + k): motion of points per motion of the part of unit kinetic energy (times 2)."""
+    """(3 n, 6 + k): motion of points per motion v of the part with v^T M v = 1."""
     factor = np.linalg.cholesky(frame.pencil()[0])
     return linalg.solve_triangular(factor, motion.reshape(-1, motion.shape[2]).T, lower=True).T

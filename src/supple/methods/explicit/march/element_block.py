@@ -61,7 +61,7 @@ class BlockState(NamedTuple):
 class Forces(NamedTuple):
     """Forces of a block at an instant.
 
-    force, hourglass : (3, N);   moment : (3, r) on the triads, None of solids
+    force, hourglass : (3, N);   moment : (3, r) on the triads, None for solids
     plastic, viscous : work of the step that led here, J;   smallest : det F of the worst point, or None
     """
 
@@ -110,7 +110,7 @@ def with_contact(limit: Array, rate: Array) -> Array:
 
 
 class BlockRule(Protocol):
-    """Static arguments of a block of elements in compiled code; `own` are its arrays."""
+    """Static arguments of a block of elements in compiled code; `own` denotes the arrays of the block."""
 
     def start(self, own: Any) -> BlockState:
         """Undeformed state."""

@@ -1,4 +1,4 @@
-"""Forces on frames besides contacts and explicit nodes, by the terms shared with all methods."""
+"""Forces on frames except those of contacts and explicit nodes, by the terms shared with all methods."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ __all__ = [
 
 
 class FrameForces(NamedTuple):
-    """Forces on each frame: without stored energy; with stored energy at rest; and by their rates."""
+    """Forces on each frame: without stored energy (given), with it at rest (stored), by rates (dragged)."""
 
     given: tuple[Generalized, ...]
     stored: tuple[Generalized, ...]
@@ -86,7 +86,7 @@ def frame_motion(
 ) -> SystemMotion:
     """The frames as floating bodies at t_n, with the rates of the step before.
 
-    control, step : of controllers, one step of this length before
+    control : state of the controllers one step earlier;   step : length of that step, s
     """
     charts = tuple(each.chart for each in frames)
     rates = velocity(charts, states)
@@ -97,7 +97,7 @@ def frame_motion(
 
 
 def storing_elements(machine: Model, loads: Iterable[Any]) -> tuple[bool, ...]:
-    """Whether the elements of each group store energy: nothing but their ends drives them."""
+    """Whether each group of elements stores energy: it defines an energy, and no law drives it in time."""
     wrenches = [type(load).wrenches for load in loads if type(load).energy is not ForceElement.energy]
     return tuple(
         group.wrenches in wrenches and (group.law is None or isinstance(group.law, Constant))

@@ -87,9 +87,9 @@ def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array)
 def _advanced(
     model: MarchModel, methods: Methods, state: MarchState, forces: list[Generalized], steps: StepLengths
 ) -> tuple[tuple[FrameState, ...], Array, Array, Array]:
-    """The frames after the step, joined ones together.
+    """The frames after the step; joined frames are solved together.
 
-    Also their work by finite rotation and that of the joints' laws, J, and the joint multipliers (m,).
+    Also returns the works by finite rotation and by joint laws, J, and the joint multipliers (m,).
     """
     scheme, frames, joined = methods.explicit.scheme, state.frames, methods.joined
     after, links = list(frames), [jnp.zeros(6)] * len(frames)
@@ -150,7 +150,7 @@ def _gaps(
     moved: tuple[FrameState, ...],
     time: Array,
 ) -> Array:
-    """Gaps of ties and joints, with the joined frames in their new positions."""
+    """Residuals of ties and joints, with the joined frames in their new positions."""
     every = list(frames)
     for number, own in zip(methods.joined, moved, strict=True):
         every[number] = own
@@ -170,7 +170,7 @@ def _works(
 ) -> Array:
     """Internal, damping, external, contact, nodal works: force times mean rate times mean step.
 
-    forces : external, contact, of the nodes, of elements at rest, by their rates
+    forces : external, contact, nodal; of elements that store energy: at rest, and by their rates
     """
     vp, vy = 0.5 * (old.vp + new.vp), 0.5 * (old.vy + new.vy)
     model = arrays.model

@@ -56,8 +56,7 @@ class Recorded(NamedTuple):
 def _march_to(
     model: MarchModel, methods: Methods, state: MarchState, fixed: Array, times: Array
 ) -> tuple[MarchState, Recorded]:
-    """Integrate through output times (t,); rows after one with trouble repeat it, as do times already
-    reached.
+    """Integrate through output times (t,); after a failure or for times already reached, the row is repeated.
 
     fixed : fixed step of the explicit nodes, s; 0: the stable step
     """
@@ -67,7 +66,7 @@ def _march_to(
         new = _interval(model, methods, state, fixed, end)
         over = (trouble > 0) | (end <= state.time)
         new = jax.tree.map(lambda a, b: jnp.where(over, a, b), state, new)
-        row, trouble = _judged(model, methods, new, trouble)
+        row, trouble = _checked(model, methods, new, trouble)
         return (new, trouble), row
 
     (state, _), rows = lax.scan(one, (state, jnp.asarray(0)), times)
@@ -77,7 +76,7 @@ def _march_to(
 def _chosen_steps(
     model: MarchModel, methods: Methods, state: MarchState, fixed: Array, span: Array
 ) -> tuple[Array, Array, Array]:
-    """Step of the explicit nodes, explicit steps in one of the frames, and number of these in a span."""
+    """Element step, s, number of element steps in one frame step, and number of frame steps in a span."""
     short = _nodes_limit(model, state, methods.explicit.safety)
     short = jnp.where(fixed > 0, fixed, short)
     if not model.frames:
@@ -93,7 +92,7 @@ def _chosen_steps(
 
 
 def _nodes_limit(model: MarchModel, state: MarchState, safety: float) -> Array:
-    """Step of the explicit nodes, s: a fraction of the limit of their elements in their present state."""
+    """Element step, s: `safety` times the limit of the elements in their present state."""
     short = with_contact(jnp.asarray(jnp.inf), model.contact_rate)
     for block, own in zip(model.blocks, state.blocks, strict=True):
         short = jnp.minimum(short, block.longest_step(state.x, state.v, own.alive, model.contact_rate))
@@ -151,7 +150,7 @@ def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Arr
 
 
 def _size(state: MarchState) -> Array:
-    """Largest energy of a run so far, without the kinetic one, J."""
+    """Energy scale of the run so far, without kinetic energy, J."""
     e = state.energies
     return jnp.abs(state.initial) + jnp.abs(e.external) + e.plastic + jnp.abs(e.damping)
 
@@ -164,7 +163,7 @@ def _marched(
     end: Array,
     most: Array | float = float("inf"),
 ) -> MarchState:
-    """Integrate to an output time, or until over `most` J is lost at the interface at a ratio above 1."""
+    """Integrate to an output time; stop if the interface loses over `most` J at a ratio above 1."""
     h, ratio, n = _chosen_steps(model, methods, state, fixed, end - state.time)
     before = state.energies.interface
 
@@ -181,7 +180,9 @@ def _marched(
     return state._replace(time=jnp.where(done == n, end, state.time))
 
 
-def _judged(model: MarchModel, methods: Methods, state: MarchState, trouble: Array) -> tuple[Recorded, Array]:
+def _checked(
+    model: MarchModel, methods: Methods, state: MarchState, trouble: Array
+) -> tuple[Recorded, Array]:
     row = _recorded(model, methods, state, trouble, jnp.zeros(()))
     e = state.energies._replace(kinetic=row.energies[0])
     held = e.kinetic + e.internal + e.plastic + e.hourglass + e.contact + e.damping + e.interface
@@ -238,13 +239,15 @@ def _recorded(
         done = frame_step(model, methods, state, long)
         pulls = done.pulls
         for arrays, at, new in zip(model.frames, state.frames, done.frames, strict=True):
-            # At the start the rates are those of that instant.
+            # At the start, the rates are the initial ones.
             share = jnp.where(state.frame_before > 0, 0.5, 0.0)
             change = new.vp - at.vp, new.vy - at.vy
             rates = tuple(own + share * by for own, by in zip((at.vp, at.vy), change, strict=True))
             frames.append((at.p, at.y, *rates, *(by / mean for by in change)))
-            led = (tied_positions(arrays, new) - state.x[:, arrays.nodes]) / long
-            acceleration = acceleration.at[:, arrays.nodes].set((led - state.v[:, arrays.nodes]) / mean)
+            tied_rates = (tied_positions(arrays, new) - state.x[:, arrays.nodes]) / long
+            acceleration = acceleration.at[:, arrays.nodes].set(
+                (tied_rates - state.v[:, arrays.nodes]) / mean
+            )
     return Recorded(
         state.x,
         state.v,
@@ -272,5 +275,5 @@ recorded = CachedProgram(_recorded)
 """A recorded state.
 
     Rates of frames at t_n, accelerations and multipliers are those of a trial of the next step.
-    first : length of the trial at the start, s; later it is that of the step before
+    first : length of the trial at the start, s; later trials have the length of the previous step
 """

@@ -30,7 +30,7 @@ __all__ = ["Energies"]
 class NodesTouching(NamedTuple):
     """Nodes in contact with an obstacle.
 
-    nodes : (n,) of the explicit nodes, or of a modal part's own points below
+    nodes : (n,) numbers of explicit nodes, or of nodes of a modal part
     stiffness : (n,) N/m
     weights, shapes : (n, 4), (n, 3, k) of a modal part's points; None for explicit nodes
     """
@@ -48,7 +48,7 @@ class FrameArrays(NamedTuple):
     nodes : (n,)            explicit nodes tied to it, at weights (n, 4) and shapes (n, 3, k)
     touching : tuple of NodesTouching       contacts of its own points
     chart : the floating frame of its points
-    step_limit : at rest, s;   spin_bound : increase of squared frequencies by a spin of 1 rad/s, or None
+    step_limit : at rest, s;   spin_bound : increase of squared frequencies at 1 rad/s, or None
     """
 
     model: FrameModel
@@ -98,9 +98,9 @@ class Methods:
     """Static arguments of the compiled time integration.
 
     blocks : law and deletion of each
-    obstacles : those of contacts, explicit ones first;   frame_obstacles : numbers per frame
+    obstacles : of the rigid contacts, in their order;   frame_obstacles : numbers per frame
     obstacle_of : number of the obstacle of each contact of explicit nodes
-    tied : the two frames of each of their ties
+    tied : numbers of the two frames of each tie
     joined : numbers of the frames with ties or joints, ascending
     stores : for each group of force elements on frames, whether it stores energy
     explicit : Explicit     of the run
@@ -154,9 +154,9 @@ class MarchState(NamedTuple):
     blocks : state of each
     smallest : det F of the worst point so far
     obstacle_forces : (o, 3) from explicit nodes, at t_n;   initial : energy at the start, J
-    ratio_bound : largest number of explicit steps in one of the frames, limited by the interface
-    control : of the controllers, None without any
-    ratio_wait, ratio_patience : output times before a larger ratio is tried, and after the next failure
+    ratio_bound : largest number of element steps in one frame step, limited by the interface loss
+    control : state of the controllers; None without controllers
+    ratio_wait, ratio_patience : output times before a larger ratio is tried; this wait after a failure
     """
 
     time: Array

@@ -26,16 +26,18 @@ __all__ = ["begun", "kinetic", "march_step"]
 
 
 def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array, ratio: Array) -> MarchState:
-    """The state `ratio` explicit steps of h later, in one step of the frames."""
+    """The state after one frame step, which is `ratio` element steps of h."""
     if not model.frames:
         return nodal_step(
             model, methods, state, h, jnp.zeros_like(state.v), jnp.zeros((len(methods.obstacles), 3))
         )
     long = ratio * h
     done = frame_step(model, methods, state, long)
-    led = state.v
+    tied_rates = state.v
     for arrays, frame in zip(model.frames, done.frames, strict=True):
-        led = led.at[:, arrays.nodes].set((tied_positions(arrays, frame) - state.x[:, arrays.nodes]) / long)
+        tied_rates = tied_rates.at[:, arrays.nodes].set(
+            (tied_positions(arrays, frame) - state.x[:, arrays.nodes]) / long
+        )
     old = state.energies
     energies = old._replace(
         internal=old.internal + done.internal,
@@ -50,7 +52,7 @@ def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array,
         end = frame_motion(model.machine, model.frames, done.frames, state.time + long, state.control, long)
         state = state._replace(control=stepped(model.machine, end))
     state = lax.fori_loop(
-        0, ratio, lambda _, s: nodal_step(model, methods, s, h, led, done.on_obstacles), state
+        0, ratio, lambda _, s: nodal_step(model, methods, s, h, tied_rates, done.on_obstacles), state
     )
     # Tied nodes end at their positions on the frame, to round-off.
     x = state.x
@@ -60,9 +62,9 @@ def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array,
 
 
 def nodal_step(
-    model: MarchModel, methods: Methods, state: MarchState, h: Array, led: Array, from_frames: Array
+    model: MarchModel, methods: Methods, state: MarchState, h: Array, tied_rates: Array, from_frames: Array
 ) -> MarchState:
-    """The explicit nodes after a step h; those tied to frames move at the rates `led` (3, N)."""
+    """The explicit nodes after a step h; those tied to frames move at the rates `tied_rates` (3, N)."""
     mean = 0.5 * (state.before + h)
     drag = 0.5 * mean * model.alpha
     # Points of modal surfaces have no mass: the frames move them.
@@ -71,7 +73,7 @@ def nodal_step(
     tied = jnp.zeros(len(model.mass), dtype=bool)
     for arrays in model.frames:
         tied = tied.at[arrays.nodes].set(True)
-    v = jnp.where(tied, led, v)
+    v = jnp.where(tied, tied_rates, v)
     middle = 0.5 * (state.v + v)
     obstacles, driven, given = _moved(model, state, from_frames, mean, h)
     x = state.x + h * v
@@ -115,7 +117,7 @@ def nodal_step(
 def _moved(
     model: MarchModel, state: MarchState, from_frames: Array, mean: Array, h: Array
 ) -> tuple[tuple[ObstacleState, ...], Array, Array]:
-    """Obstacles after a step, the work of driven ones, and the work done on all of them."""
+    """Obstacles after a step, external work (drives and gravity), and work of contact on all of them."""
     moved, driven, given, gravity = [], jnp.zeros(()), jnp.zeros(()), gravity_at(model, state.time)
     for number, at in enumerate(state.obstacles):
         force = state.obstacle_forces[number] + from_frames[number]

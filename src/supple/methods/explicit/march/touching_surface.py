@@ -94,7 +94,7 @@ def touching_surface(
 def corner_stiffness(
     nodes: FloatArray, stiffness: FloatArray, corners: IntArray, x: FloatArray
 ) -> dict[int, float]:
-    """Bound of sum k w_i by node number of a surface, N/m: as many nodes as fit side by side.
+    """Bound of sum k w_i, N/m, by surface node number, for touching nodes at their closest spacing.
 
     nodes : (n, 3) positions of the touching nodes;   x : (N, 3) of all
     """
@@ -108,7 +108,7 @@ def corner_stiffness(
     else:
         density = 0.0
     least, all_of = float(stiffness.max()), float(stiffness.sum())
-    # Times 1.5: the spacing of nodes may be less even than their mean distance.
+    # Factor 1.5 for uneven spacing of the nodes.
     return {
         int(node): min(max(least, 1.5 * density * float(tributary[node])), all_of)
         for node in np.unique(corners)

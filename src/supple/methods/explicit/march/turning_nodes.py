@@ -34,7 +34,7 @@ class TriadState(NamedTuple):
 
 
 def turned(spins: Spins, state: TriadState, mean: Array, h: Array) -> tuple[TriadState, Array, Array]:
-    """Triads after a step h, the work of the moments, and that of the damping, J.
+    """Triads after a step h, the work of the moments, and the energy lost by damping, J.
 
     J w' = m in space, since the inertia is equal about all axes: angular momentum is conserved exactly.
     """
@@ -47,7 +47,7 @@ def turned(spins: Spins, state: TriadState, mean: Array, h: Array) -> tuple[Tria
 
 
 def _turned(angle: Array, triads: Array) -> Array:
-    """Exp(angle) triads, by Rodrigues' formula."""
+    """Triads multiplied by exp(angle), by Rodrigues' formula."""
     square = (angle * angle).sum(axis=0)
     safe = jnp.where(square > 1e-16, square, 1.0)
     size = jnp.sqrt(safe)

@@ -65,7 +65,7 @@ class J2Plasticity:
 
     def respond(self, F: Tensor, dF: Tensor, state: PlasticState) -> MaterialResponse:
         """Stress at F after the increment dF."""
-        # By stages; otherwise the compiler recomputes each tensor for every component that reads it.
+        # Separate stages: otherwise the compiler recomputes each tensor for every component that uses it.
         inverse = fusion_barrier(_middle_inverse, (F, dF))
         L = fusion_barrier(lambda of: product(*of), (dF, inverse))
         Q = fusion_barrier(_turn, L)

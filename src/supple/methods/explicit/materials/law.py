@@ -64,16 +64,16 @@ def lame(material: Isotropic) -> tuple[float, float]:
 
 
 def linear_stress(material: Isotropic, strain: Tensor) -> Tensor:
-    """Lambda tr(e) I + 2 mu e of a symmetric tensor."""
+    """Stress lambda tr(e) I + 2 mu e of a symmetric strain tensor e."""
     first, mu = lame(material)
     pressure = first * (strain[0][0] + strain[1][1] + strain[2][2])
     return tensor(lambda i, j: 2 * mu * strain[i][j] + (pressure if i == j else 0.0))
 
 
 def viscous_stress(material: Isotropic, beta: Array, F: Tensor, dF: Tensor, h: Array) -> tuple[Tensor, Array]:
-    """P (Tensor) of the second Piola-Kirchhoff stress beta C : E', and its work in the step per volume.
+    """First Piola-Kirchhoff stress P = F S of S = beta C : E', and its work per volume in the step.
 
-    It resists the rate of strain and no rotation; about the undeformed state it is Rayleigh's beta K.
+    Rotation does not cause this stress. About the undeformed state it is Rayleigh damping with beta K.
     """
     rate = scaled(1 / h, symmetric_part(product(transposed(F), dF)))
     S = scaled(beta, linear_stress(material, rate))

@@ -6,7 +6,7 @@ the normal stresses and in the shear, both Hooke's law and the von Mises stress 
     s+ = s+_trial / (1 + c E / (3 (1 - nu))),   s- = s-_trial / (1 + 2 mu c),   t = t_trial / (1 + 2 mu c)
     q(c)^2 = 1/4 s+^2 + 3/4 s-^2 + 3 t^2,       q(c) = sigma_y(eps_p + 2/3 c q(c))
 
-is one equation for the multiplier c, whose left side falls and whose right side grows.
+The last equation determines the multiplier c: its left side decreases with c, its right side increases.
 
 Source: J. C. Simo, R. L. Taylor, "A return mapping algorithm for plane stress elastoplasticity", Int. J.
 Numer. Methods Eng. 22 (1986) 649-670.
@@ -29,7 +29,7 @@ _SMALL = 1e-12  # relative correction of the multiplier; the next one would be i
 
 
 class LayerState(NamedTuple):
-    """Plastic strain xx yy xy (3, ...), the shear an engineering one, and the equivalent one (...)."""
+    """Plastic strain xx yy xy (3, ...) with engineering shear, and equivalent plastic strain (...)."""
 
     tensor: Array
     strain: Array
@@ -77,7 +77,7 @@ def _multiplier(law: J2Plasticity, trial: tuple[Array, Array, Array], strain: Ar
     first = law.hardening.yield_stress(strain)
     trial_mises = _mises(total, apart, shear)
     yields = trial_mises > first
-    # With hardening c is smaller than this bound, and without hardening equal; so a little above it.
+    # An upper bound of c, which c can reach only without hardening; 1 % is added.
     high = jnp.where(yields, 1.01 * (trial_mises / first - 1) / slow, 0.0)
 
     def unfinished(carry: tuple[Array, Array, Array, Array, Array]) -> Array:

@@ -1,4 +1,4 @@
-"""Consistent initial states of many load cases: the common part is computed once, the rest is mapped."""
+"""Consistent initial states of many load cases: the common part is computed once, forces case by case."""
 
 from __future__ import annotations
 
@@ -64,10 +64,10 @@ class BatchStart(NamedTuple):
 
 
 def batch_start(cases: Sequence[System], run: Run) -> BatchStart:
-    """Models and consistent states of cases, equal to those that `initial_state` finds one by one.
+    """Models and consistent states of cases, equal to those of `initial_state` for each case.
 
-    Cases with the bodies, joints and initial motion of the first case differ in their forces alone. They take
-    its positions, velocities and redundant equations, and their accelerations solve its equations,
+    Cases with the bodies, joints and initial motion of the first case differ in their forces alone. Their
+    positions, velocities and redundant equations are those of the first case; their accelerations solve
 
         M vdot + G^T lambda = - forces,      G vdot = - d2g/dt2 at constant velocity
     """
@@ -87,7 +87,7 @@ def batch_start(cases: Sequence[System], run: Run) -> BatchStart:
     if alike:
         machine = CompiledMachine(first, model)
         for number, (acceleration, multipliers) in zip(
-            alike, _answers(machine, state, [models[i] for i in alike]), strict=True
+            alike, _accelerations(machine, state, [models[i] for i in alike]), strict=True
         ):
             states[number] = state._replace(
                 acceleration=acceleration, auxiliary=acceleration, multipliers=multipliers
@@ -96,7 +96,7 @@ def batch_start(cases: Sequence[System], run: Run) -> BatchStart:
 
 
 def _initial_state(system: System, run: Run) -> tuple[Model, State]:
-    """Initial state of one case, without a frozen tangent on devices that map cases (all but processors)."""
+    """Initial state of one case; without a frozen tangent on devices other than CPUs, which map the cases."""
     model, state = initial_state(system, run.times[0], run.step_control.first, run.validity)
     return model, state if jax.default_backend() == "cpu" else state._replace(kept=None)
 
@@ -109,7 +109,7 @@ def _starts_alike(first: System, model: Model, system: System, own: Model) -> bo
             return False
         return all(map(np.array_equal, jax.tree.leaves(one), jax.tree.leaves(other)))
 
-    # Carried joint forces and inputs of controllers change the forces: such a start is computed by itself.
+    # Forces that depend on joint forces or controllers differ further: each start is computed separately.
     if model.reads_reactions or own.reads_reactions or model.controllers or own.controllers:
         return False
     if [placed.body for placed in system.bodies] != [placed.body for placed in first.bodies]:
@@ -123,7 +123,7 @@ def _starts_alike(first: System, model: Model, system: System, own: Model) -> bo
     )
 
 
-def _answers(machine: CompiledMachine, state: State, models: list[Model]) -> list[tuple[Any, Any]]:
+def _accelerations(machine: CompiledMachine, state: State, models: list[Model]) -> list[tuple[Any, Any]]:
     """Accelerations and multipliers of models that differ in their forces."""
     velocity = np.asarray(state.velocity)
     terms = machine.joint_terms(float(state.time), state.configuration, velocity)
@@ -134,7 +134,7 @@ def _answers(machine: CompiledMachine, state: State, models: list[Model]) -> lis
     )
     bias = np.tile(terms.acceleration_bias, (len(forces), 1))
     solved = bordered_solve(mass, terms.jacobian, -forces.T, -bias.T)
-    return [(answer[:n], answer[n:]) for answer in solved.T]
+    return [(column[:n], column[n:]) for column in solved.T]
 
 
 def _forces(models: list[Model], state: State) -> np.ndarray:

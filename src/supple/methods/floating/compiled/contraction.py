@@ -5,13 +5,14 @@ correction in an earlier step of the same run, relative to the tolerance,
 
     s_1' <= s_1 max(1, s_0' / s_0)^2
 
-is predicted for the next one, if a single correction solved that step, and the next step is no longer and
-its residual not much larger. If the prediction is far below the tolerance, the corrected iterate is accepted
-without another evaluation. The residual is measured again at regular intervals, and always in a step with
-several corrections.
+is predicted for a later step, if a single correction solved the measured step, the later step is not longer,
+and its residual is not much larger. If the prediction is far below the tolerance, the corrected iterate is
+accepted without another evaluation. The residual is measured again at regular intervals, and always in a step
+with several corrections.
 
-The prediction requires smooth terms, as inertia, elastic forces, joints and nodal loads are. Laws of force
-elements and controllers may have kinks within a step, so machines with such elements are always evaluated.
+The prediction requires smooth terms, such as inertia, elastic forces, joints and nodal loads. Laws of force
+elements and controllers may have kinks within a step, so for machines with force elements or controllers the
+residual is always evaluated.
 Source: [HairerWanner1996], section IV.8, also uses the contraction of an earlier step.
 """
 
@@ -71,7 +72,7 @@ def measured(
     """The contraction after an accepted step.
 
     sizes : (2,)    residuals before and after its last correction
-    corrections : number of corrections in the step; after several there is no prediction
+    corrections : number of corrections in the step; after more than one there is no prediction
     evaluated : whether the residual at its end was evaluated
     """
     anew = Contraction(sizes[0], sizes[1], step, known.phase)

@@ -1,7 +1,7 @@
 """Time integration up to one instant as a function that JAX differentiates in forward mode.
 
-Derivatives taken through the iterations of a step would have the error of the iteration's tangent. These are
-the derivatives of the discrete motion, by the implicit function theorem (`sensitivity_step`), and do not
+Derivatives taken through the iterations of a step would have the error of the iteration's tangent. Here they
+are derivatives of the discrete motion, by the implicit function theorem (`sensitivity_step`), and do not
 depend on the iteration.
 """
 

@@ -45,7 +45,7 @@ class ByLapack:
 class ByLoops:
     """Gaussian elimination in compiled loops for matrices up to `largest`; LAPACK is faster beyond.
 
-    Devices other than processors use their library, since a loop there is a sequence of separate programs.
+    Devices other than CPUs use their own library, since a loop there is a sequence of separate programs.
     """
 
     largest: int = 48
@@ -64,8 +64,8 @@ class ByLoops:
 
 _ROWS_BESIDE_SIDES = range(25, 44), 44
 _ROWS_IN_PLACE = range(13, 32), 32
-"""The compiler unrolls rows with so many numbers, which takes up to twice the time. They are padded with
-zeros to the length from which it keeps the loop over them and vectorises it."""
+"""Row lengths that the compiler unrolls, which takes up to twice the time, and the length to which such rows
+are padded with zeros, because from there the compiler vectorises the loop over a row."""
 
 
 def solve_bordering_column(augmented: jax.Array) -> jax.Array:
@@ -141,7 +141,7 @@ def _exchanged(matrix: jax.Array) -> jax.Array:
 
     start = start, jnp.zeros(n, dtype=bool), jnp.zeros(n, dtype=int)
     matrix, _, order = jax.lax.fori_loop(0, n, exchange, start)
-    # The place of each row in the order; not by sorting, which would call a library.
+    # Inverse of the permutation; not by sorting, which would call a library.
     return matrix[order][:, jnp.argmax(order == rows[:, None], axis=1)]
 
 

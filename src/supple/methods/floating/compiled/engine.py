@@ -101,7 +101,7 @@ def _tangent_arrays(kept: FrozenInverse | None) -> dict[str, np.ndarray]:
 
 
 def _resumed_tangent(model: Model, known: Mapping[str, Any]) -> FrozenInverse | None:
-    """The recorded tangent; an empty one where a recorded part holds none."""
+    """The recorded tangent, or an empty one if none was recorded."""
     if not freezes_tangent(model):
         return None
     fresh = no_tangent(model)
@@ -164,7 +164,7 @@ class CompiledEngine:
         )
 
     def march(self, state: State, times: np.ndarray) -> Leg[State]:
-        """Integrate to each of the output times; sampled controllers are called at their instants."""
+        """Integrate to each of the output times; sampled controllers are called at their sample times."""
         if self._sampling is None:
             return self._marched(state, times)
         sampling, model = self._sampling, self._model
@@ -174,7 +174,7 @@ class CompiledEngine:
         """Integrate to each of the output times, in a few calls of the compiled program."""
         began = clock.perf_counter()
         stops, outputs = self._stops.on_the_way(float(state.time), times)
-        # The last stop is repeated, where nothing is left to compute: all calls share one program.
+        # Repeating the last stop adds no computation, and all calls share one program.
         calls = np.pad(stops, (0, -len(stops) % STOPS_AT_ONCE), mode="edge").reshape(-1, STOPS_AT_ONCE)
         program = self._program.compiled(self._model, self._controls, state, calls[0])
         ready = clock.perf_counter()
@@ -210,7 +210,7 @@ class CompiledEngine:
         """The motion of a leg."""
         assert self._model is not None
         kept = leg.last.kept
-        if kept is not None and leg.stopped is not None:  # beyond the last output time
+        if kept is not None and leg.stopped is not None:  # a tangent from beyond the last output time
             kept = no_tangent(self._model)
         found = as_solution(self._system, self._model, leg.states, leg.statistics, kept)
         quick = np.array(float(self._program is QUICK_MARCH))
@@ -247,7 +247,7 @@ def as_solution(
 ) -> Solution:
     """Stacked states (leading axis: time) as a solution.
 
-    kept : frozen tangent at the end, which the states do not hold
+    kept : frozen tangent at the end, which the states do not contain
     """
     states = jax.tree.map(np.asarray, states)
     motion, ending = system_motion(states), engine_state(model, states, kept)
@@ -262,7 +262,7 @@ def system_motion(states: State) -> SystemMotion:
 
 
 def engine_state(model: Model, states: State, kept: FrozenInverse | None = None) -> dict[str, np.ndarray]:
-    """Data for an exact resume beyond the motion at the end (`kept` as in `as_solution`)."""
+    """Data that an exact resume requires besides the motion at the end (`kept` as in `as_solution`)."""
     return {
         "active": np.array(model.active, dtype=float),
         "auxiliary": states.auxiliary[-1],

@@ -33,7 +33,7 @@ class EveryStep(NamedTuple):
 
     solution: Solution
     outputs: np.ndarray
-    """(t,) whether each of these times is an output time"""
+    """(k,) indices of the output times among the times of the solution"""
 
 
 def as_outputs(solution: Solution) -> EveryStep:

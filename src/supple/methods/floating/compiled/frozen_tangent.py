@@ -16,12 +16,12 @@ A step with a frozen tangent may also end without a last evaluation (`contractio
 
 is predicted: the error of a tangent grows with its age. Where ten times that is below the tolerance, the
 corrected iterate is accepted. A tangent whose measured contraction does not allow this is renewed in the next
-step; where that happens at once, the next steps have a tangent each.
+step. If that already holds at age one, each of the next steps computes its own tangent.
 
 The iteration starts from the accelerations of the last step, or from their linear extrapolation over the last
 two steps if that was closer to the end of the last step. The smaller the first residual, the older a tangent
 may be.
-Source: [BrenanCampbellPetzold1996], section 5.2, for keeping a factor by its rate.
+Source: [BrenanCampbellPetzold1996], section 5.2, for reuse of factors according to the convergence rate.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ __all__ = [
 ]
 
 SLOWEST = 0.1
-"""Rate beyond which a frozen tangent is renewed."""
+"""Ratio of successive residuals above which a frozen tangent is renewed."""
 SHARE = 0.1
 """Part of the tolerance that the residual must reach after a correction with a frozen tangent."""
 MARGIN = 10.0
@@ -70,9 +70,9 @@ class FrozenInverse(NamedTuple):
     inverse: AnyArray
     """(n, n) inverse of the tangent without joints, translations in body axes"""
     step: AnyArray
-    """Size of the step that it belongs to, s; 0 where there is none yet, or where it must be renewed"""
+    """Size of the step of the inverse, s; 0 where there is none yet, or where it must be renewed"""
     age: AnyArray
-    """Steps since it was computed"""
+    """Steps since the inverse was computed"""
     before: AnyArray
     """Residual relative to the tolerance before a measured correction; 0 where none was measured"""
     after: AnyArray
@@ -93,7 +93,7 @@ class FrozenInverse(NamedTuple):
 
 
 def freezes_tangent(model: Model) -> bool:
-    """Whether a tangent costs more than a solution with a frozen one; depends on the structure alone."""
+    """Whether a frozen tangent saves time; depends on the structure of the model alone."""
     dear = any(group.r >= _FEWEST and group.cubic is not None for group in model.groups)
     return dear and is_predictable(model) and tree_layout(model) is None
 

@@ -30,13 +30,13 @@ from supple.programs.program_cache import CachedProgram
 
 __all__ = ["KinematicEngine"]
 
-_HELD = ("rigid", "reduced", "full", "intrinsic")
+_KINDS = ("rigid", "reduced", "full", "intrinsic")
 _INSTANTS_AT_ONCE = 128
 MOST_ITERATIONS = 20
 _REACTIONS, _CONVERGED = 60, 1e-9
-"""Iterations for friction that depends on joint forces, and the relative change of these at convergence."""
+"""Iterations for friction that depends on joint forces; relative change of these forces at convergence."""
 DEAD_POINT = 1e-9
-"""Smallest singular value of the joints' Jacobian over its largest, rotations times the machine's size."""
+"""Smallest over largest singular value of the joints' Jacobian, with rotations times the machine's size."""
 
 
 class Instant(NamedTuple):
@@ -60,7 +60,7 @@ class Instant(NamedTuple):
 def of_frames(terms: JointTerms, parts: Sequence[slice]) -> JointTerms:
     """Constraint terms of joints between rigid bodies: without columns for deformation.
 
-    parts : position of each body's velocities, those of its frame in the first six
+    parts : slice of each body's velocities; the first six are those of its frame
     """
     jacobian = np.zeros_like(terms.jacobian)
     for part in parts:
@@ -70,7 +70,7 @@ def of_frames(terms: JointTerms, parts: Sequence[slice]) -> JointTerms:
 
 
 class _ConstrainedMachine(CompiledMachine):
-    """Machine with constraints independent for its frames; in a closed loop, deformable bodies have more."""
+    """Machine whose redundant constraints are those of rigid bodies, more than those of deformable ones."""
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
         """Constraint terms of bodies that keep their shape."""
@@ -85,10 +85,11 @@ def check_held(system: System, run: Run) -> None:
             "integrate it, or leave out the controllers"
         )
     for placed in system.bodies:
-        if placed.body.kind not in _HELD:
+        if placed.body.kind not in _KINDS:
             raise ModelError(
                 f"body '{placed.body.name}' is {placed.body.kind}, but a kinematic run moves bodies without "
-                "deformation: place a RigidBody, or another body, whose placed shape is then kept fixed"
+                "deformation: place a RigidBody, or a reduced, full or intrinsic body, which then keeps its "
+                "placed shape"
             )
         if placed.body.n_coordinates:
             message = (
@@ -121,8 +122,8 @@ def not_closed(time: float) -> str:
     """Message for a run that ends because the joints cannot be closed."""
     return (
         f"the joints cannot be closed at t = {time:.6g}: the machine is at a dead point, or its laws "
-        "prescribe positions out of reach of its bodies. Prescribe another motion, one that determines the "
-        "machine throughout; where it moves far from one instant to the next, take a shorter step"
+        "prescribe positions that its bodies cannot reach. Prescribe a motion that determines the machine at "
+        "all times; if the machine moves far in one step, take a shorter step"
     )
 
 
@@ -227,7 +228,7 @@ def _instant(
 
 
 def _next_instant(model: Model, before: Instant, time: jax.Array) -> Instant:
-    """The machine at another time, found from its position at an instant before."""
+    """The machine at a new time, from its state at the previous instant."""
     frames = np.concatenate([np.arange(part.start, part.start + 6) for part in model.slices])
     n = model.n_velocities
 

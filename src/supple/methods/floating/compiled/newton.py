@@ -82,7 +82,7 @@ def newton_pass(
     """
     converged = trial.converged | stagnant
     trial = trial._replace(converged=converged)
-    correct = _correction_where_needed if model.n_velocities < _FEWEST_IN_TURN else _correction_in_turn
+    correct = _correction_where_needed if model.n_velocities < _FEWEST_SEQUENTIAL else _correction_sequential
     predicted = jnp.zeros((), dtype=bool)
     if is_predictable(model):
         predicted = (
@@ -115,13 +115,13 @@ def _correction_where_needed(
     )
 
 
-def _correction_in_turn(
+def _correction_sequential(
     elimination: DenseElimination, model: Model, rule: StepRule, start: State, *evaluated: Any
 ) -> tuple[jax.Array, jax.Array]:
-    """`_correction_where_needed` case after case; a case copies its arguments, so without load tables."""
+    """`_correction_where_needed`, case by case; arguments are copied, so loads are evaluated before."""
     held = model.loads_at(start.time + rule.h)
     return sequential_vmap(partial(_correction_where_needed, elimination), held, rule, start, *evaluated)
 
 
-_FEWEST_IN_TURN = 16
+_FEWEST_SEQUENTIAL = 16
 """Fewest velocities of a system whose cases of a batch are corrected one after the other, not mapped."""

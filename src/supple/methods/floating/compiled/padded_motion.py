@@ -30,7 +30,7 @@ def with_padding_coordinates(system: System) -> System:
             coordinate_rates=padded_with_zeros(placed.coordinate_rates, body.padding),
         )
 
-    if not _roomy(system):
+    if not _padded_bodies(system):
         return system
     return replace(system, bodies=tuple(filled(placed) for placed in system.bodies))
 
@@ -45,8 +45,8 @@ def in_own_coordinates(system: System, solution: Solution) -> Solution:
     return _resized(system, solution, lambda own, body: own[..., : body.r])
 
 
-def _roomy(system: System) -> dict[str, ReducedBody]:
-    """The bodies that are run with padding coordinates."""
+def _padded_bodies(system: System) -> dict[str, ReducedBody]:
+    """The bodies with padding coordinates, by name."""
     return {name: body for name, body in system.bodies_of(ReducedBody).items() if body.padding}
 
 
@@ -54,11 +54,11 @@ def _resized(
     system: System, solution: Solution, to_size: Callable[[np.ndarray, ReducedBody], np.ndarray]
 ) -> Solution:
     """A solution with another number of coordinates."""
-    roomy = _roomy(system)
-    if not roomy:
+    padded = _padded_bodies(system)
+    if not padded:
         return solution
     bodies = dict(solution.bodies)
-    for name, body in roomy.items():
+    for name, body in padded.items():
         motion = solution.motion(name, FloatingMotion)
         sized = {item: to_size(getattr(motion, item), body) for item in _OF_COORDINATES}
         bodies[name] = replace(motion, **sized)

@@ -29,7 +29,7 @@ __all__ = [
 
 
 def program_pair(function: Callable[..., Any]) -> tuple[CachedProgram, CachedProgram]:
-    """Two programs of a function of an elimination and of arrays: of fast steps, and of fast compilation."""
+    """Two programs of a function whose first argument is an elimination: fast steps, and fast compilation."""
     well = CachedProgram(partial(function, ByLoops()), MARCHING)
     return well, CachedProgram(partial(function, ByLapack()), STARTING)
 

@@ -1,8 +1,8 @@
 """Compiled time integration with derivatives along some directions, advanced with each step.
 
-States are those of the run without derivatives; a rejected step leaves the derivatives unchanged. They are
-derivatives of the discrete motion: the number of steps between two stops is fixed, and their size varies with
-the stops.
+States are those of the run without derivatives; a rejected step leaves the derivatives unchanged. The
+derivatives are those of the discrete motion, with a fixed number of steps between two stops; the step size
+varies with the stops.
 """
 
 from __future__ import annotations

@@ -42,7 +42,7 @@ _MOST = 20
 
 
 class Carried(NamedTuple):
-    """The part of the state at the start of a step that its result depends on."""
+    """The part of the state at the start of a step on which the result of the step depends."""
 
     time: AnyArray
     configuration: Configuration
@@ -90,7 +90,7 @@ def changed_by_step(
     """Derivatives after an accepted step; nan where they do not converge.
 
     model_change : for each leaf of the model (p, ..), None for a constant one
-    end, end_change : the stop to which the step is one of several equal ones, and its derivatives (p,)
+    end, end_change : the next stop, reached in equal steps, and its derivatives (p,)
     """
     rule = StepRule(controls.coefficients, (end - before.time) / equal_steps(before, end))
     equations, varied = _equations(model, controls, model_change, before, end)

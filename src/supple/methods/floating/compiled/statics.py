@@ -114,7 +114,7 @@ class CompiledStatics(SteadyEquations):
         return self.machine.moved(configuration, increment)
 
     def bodies_at(self, configuration: Configuration) -> Configuration:
-        """The same configuration: it is that of the bodies."""
+        """The configuration itself, which is that of the bodies."""
         return configuration
 
     def linear_equations(self, state: StaticState, time: float) -> LinearEquations:
@@ -151,7 +151,10 @@ class CompiledStatics(SteadyEquations):
 def compiled_statics(
     system: System, turning: SteadyTurning | None, time: float, known: tuple[int, ...] | None = None
 ) -> CompiledStatics:
-    """Equations of a machine of rigid and reduced bodies with closed joints; `known` ones are independent."""
+    """Equations of a machine of rigid and reduced bodies with closed joints.
+
+    known : numbers of independent constraint equations, if the bodies are placed with closed joints
+    """
     machine = CompiledMachine(system, build_model(system, known))
     if known is not None:
         return CompiledStatics(machine, placed_configuration(system), turning)
@@ -164,7 +167,7 @@ def _with_states(
 ) -> tuple[np.ndarray, np.ndarray]:
     """An augmented matrix extended by the states of controllers, and the scale of each state.
 
-    The new rows and columns are scaled to the size of those of the matrix.
+    The new rows and columns are scaled to the size of the entries of the matrix.
     """
     if not control.size:
         return bordered, np.zeros(0)

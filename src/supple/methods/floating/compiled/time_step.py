@@ -192,10 +192,10 @@ def substep(
 def march(
     elimination: DenseElimination, model: Model, controls: Controls, start: State, stops: jax.Array
 ) -> tuple[State, State]:
-    """Simulate to each of the stops (k,), ascending; the final state, and the states there, stacked.
+    """Integrate to each of the stops (k,), ascending; the final state, and the stacked states at the stops.
 
-    It ends before the first stop that repeats the previous one; the rows from there on are zero. After a
-    failed step the state does not change any more: the caller must check `failed`.
+    Integration ends before the first stop that repeats the previous one; the rows from there on are zero.
+    After a failed step the state does not change any more: the caller must check `failed`.
     """
     shown = start._replace(kept=None)
     rows = jax.tree.map(lambda leaf: jnp.zeros((len(stops), *jnp.shape(leaf)), jnp.result_type(leaf)), shown)

@@ -1,16 +1,16 @@
 """Elimination of the linear equations of a step along a tree, one body after another.
 
 Each body has a front: the part of the matrix with its own unknowns (velocities and the multipliers of its
-joint), the velocities of its parent, and the border. With `o` its own and `q` the other unknowns, after its
-children,
+joint), the velocities of its parent, and the border. With `o` for its own and `q` for the other unknowns,
+after the elimination of its children,
 
     F = [ F_oo  F_oq ]      F_oo^-1,   up = F_oo^-1 F_oq,   down = F_qo F_oo^-1
         [ F_qo  0    ]      remainder for its parent:  - F_qo F_oo^-1 F_oq
 
-All fronts have one size; missing unknowns are decoupled ones. So one compiled loop serves all bodies: the
-program does not grow with their number, and the work is proportional to it. `F_oo` is inverted with row
-exchanges. It is regular, because a body on its joint with a fixed parent has inertia in every remaining
-direction. Source: multifrontal elimination [DuffReid1983].
+All fronts have one size; unused places hold decoupled unknowns. So one compiled loop serves all bodies. The
+work is proportional to the number of bodies; the size of the program does not depend on it. `F_oo` is
+inverted with row exchanges. `F_oo` is regular, because a body on its joint with a fixed parent has inertia in
+every remaining direction. Source: multifrontal elimination [DuffReid1983].
 """
 
 from __future__ import annotations

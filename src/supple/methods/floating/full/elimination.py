@@ -31,7 +31,7 @@ class LoadedElimination(NamedTuple):
     responses: np.ndarray
     """`Z`, (n, k), k = 6 p + 12, frame vectors in body components"""
     turn: np.ndarray
-    """Unknowns with body components from unknowns with global components, (k, k)"""
+    """Map of unknowns with global components to unknowns with body components, (k, k)"""
     seen: np.ndarray
     """`L` times the particular part, (k,)"""
     seen_responses: np.ndarray

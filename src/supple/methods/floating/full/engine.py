@@ -126,7 +126,7 @@ class FullEngine:
         before, stopped = state, None
         stops, outputs = self._stops.on_the_way(state.state.time, times)
         for number, end in enumerate(stops):
-            if end > state.state.time:  # controllers due at the last time are called when the run goes on
+            if end > state.state.time:  # controllers due at the last time are called when the run continues
                 state = state._replace(state=self._sampled(state.state))
             state, residual = self._to_output(state, float(end))
             if residual is not None:
@@ -160,11 +160,11 @@ class FullEngine:
         return machine.accelerated(state._replace(control=step._replace(start=control)))
 
     def _to_output(self, march: March, end: float) -> tuple[March, np.ndarray | None]:
-        """Steps up to an output time; the relative residual instead of None when the smallest step fails."""
+        """Steps up to an output time, and the relative residual if the smallest step fails, else None."""
         control, method = self._run.step_control, self._run.second_order_method
         while march.state.time < end:
             remaining = end - march.state.time
-            # A whole number of equal steps to the output time; 1e-9 forgives the rounding of their quotient.
+            # A whole number of equal steps to the output time; 1e-9 allows for rounding of the quotient.
             h = remaining / max(np.ceil(remaining / march.step * (1 - 1e-9)), 1.0)
             rule = StepRule(method.coefficients, h)
             step = ImplicitStep(self._machine, march.state, h, rule, self._run.tolerances)
@@ -218,7 +218,7 @@ class FullEngine:
         states, last = leg.states
         machine, ending = self._machine, states[-1]
         control = ending.control
-        # Internal state of bodies with stations, which the motions do not hold.
+        # Internal state of bodies with stations, which the motions do not contain.
         by_velocity = {"velocity": ending.velocity, "acceleration": ending.acceleration}
         return full_solution(
             machine,

@@ -1,8 +1,8 @@
 """Frozen tangent of the whole machine for several iterations and steps, reconstructed from few numbers.
 
-It is the tangent of an earlier iterate with zero deformation rates and accelerations relative to the frames;
-the error from both is of the size of the deformation in one step. So it depends on few numbers. A recorded
-run stores them, and the resumed run has the same iterations.
+The frozen tangent is that of an earlier iterate, with zero deformation rates and accelerations relative to
+the frames; the error of this is of the size of the deformation in one step. It then depends on few numbers. A
+recorded run stores these numbers, so that a resumed run has the same iterations.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _FIELDS = ("rotation", "angular_velocity", "angular_acceleration", "acceleration
 
 
 class FrozenTangent(NamedTuple):
-    """Eliminated interiors, and the states that they were computed for."""
+    """Eliminated interiors, and the states for which they were computed."""
 
     eliminations: tuple[Elimination, ...]
     states: tuple[InteriorState, ...]
@@ -36,7 +36,7 @@ class FrozenTangent(NamedTuple):
     symmetric: bool
     """Whether only the symmetric parts of the interiors' tangents were factored"""
     proven: bool = False
-    """Whether an iteration with it has reduced the correction tenfold"""
+    """Whether an iteration with this tangent has reduced the correction tenfold"""
 
 
 def frozen_tangent(
@@ -58,7 +58,7 @@ def frozen_tangent(
 
 
 def serves(tangent: FrozenTangent, factors: StepFactors) -> bool:
-    """Whether the tangent is of nearly the same step factors."""
+    """Whether the tangent belongs to nearly the same step factors."""
     return bool(np.allclose(factors, tangent.factors, rtol=SIMILAR, atol=0.0))
 
 

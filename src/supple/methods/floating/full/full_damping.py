@@ -45,7 +45,7 @@ class FullDamping:
 
 
 def full_damping(full: FullBody) -> FullDamping:
-    """Damping of a full body by its damping option; ModelError for an option that does not fit it."""
+    """Damping of a full body by its damping option; ModelError for an option that does not fit the body."""
     body, damping = full.body, full.damping
     none, no_columns = csc_array(body.mass.shape), np.empty((body.n, 0))
     own = none if body.damping is None else body.damping
@@ -72,7 +72,7 @@ def _interface_motion(body: FlexibleBody, held: Frame) -> Array:
 
 
 def _seen_from(body: FlexibleBody, held: Frame) -> Array:
-    """The part of P^T M P beside M, P = I - R G: W W^T - U U^T, (n, 12).
+    """Columns [W, U], (n, 12), of P^T M P - M = W W^T - U U^T, with P = I - R G.
 
     U = M R L^-T and W = U - G^T L, with R^T M R = L L^T.
     """

@@ -33,7 +33,7 @@ __all__ = ["FullInterior", "InteriorForces", "InteriorState", "prepare_interior"
 
 
 MOST_PREPARED = 4
-"""Number of prepared bodies that a process stores."""
+"""Largest number of prepared bodies in the cache of a process."""
 
 _right_jacobian = jax.jit(rotation_right_jacobian)
 _forces = jax.jit(nodal_forces)
@@ -42,14 +42,14 @@ _forces_by_places = jax.jit(forces_by_places)
 
 
 class _LoadOnNodes(NamedTuple):
-    """A nodal load with its numbers on the device of JAX: the table of a long run has many megabytes."""
+    """A nodal load with its arrays on the JAX device: the load table of a long run has many megabytes."""
 
     nodes: np.ndarray
     prepared: PreparedLoad
 
 
 class _LoadForces(NamedTuple):
-    """Forces of a load on its nodes (k,), body components, and their derivative by the frame's rotation."""
+    """Forces of a load on its k nodes, body components, and their derivative by the frame's rotation."""
 
     nodes: np.ndarray
     forces: np.ndarray
@@ -217,7 +217,7 @@ class FullInterior:
         return csr_array(-(on_freedoms.T @ by_nodes @ seen))
 
     def frame_mass(self, state: InteriorState) -> np.ndarray:
-        """Mass matrix of the body in rigid motion, for the velocities of its frame (three global first)."""
+        """Mass matrix (6, 6) of the body in rigid motion: global translations, rotations in body axes."""
         corner = self.inertia.border(self._motion(state), StepFactors(0.0, 0.0)).corner.copy()
         corner[:, :3] = corner[:, :3] @ state.rotation.T
         corner[:3] = state.rotation @ corner[:3]
@@ -284,7 +284,7 @@ def prepare_interior(index: int, full: FullBody, loads: tuple[NodalLoad, ...]) -
 
 @lru_cache(maxsize=MOST_PREPARED)
 def _unloaded_interior(full: FullBody) -> FullInterior:
-    """Interior of a body without loads; shared by its equilibrium, every round and its error estimate."""
+    """Interior of a body without loads; shared by equilibrium, self-correction and error estimate."""
     body = full.body
     inertia = FullInertia(body)
     damping = full_damping(full)

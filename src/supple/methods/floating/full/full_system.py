@@ -76,7 +76,7 @@ _border_matrices = CachedProgram(_matrices)
 
 
 class FullSystem:
-    """A system with full bodies, ready for stepping; it holds no state of the motion.
+    """A system with full bodies, ready for stepping; the state of the motion is kept elsewhere.
 
     It is also the `StartingMachine` of its engine.
 
@@ -115,7 +115,7 @@ class FullSystem:
         return tuple(known[index] for index in range(len(self.system.bodies)))
 
     def _seen_slices(self) -> tuple[slice, ...]:
-        """`_border_slices` with own velocities of bodies with stations instead of the stations'."""
+        """`_border_slices`, but for bodies with stations their own velocities instead of the stations'."""
         parts = list(self.border_slices)
         first = max((parts[index].stop for index in self._others), default=0)
         for line in self.lines:
@@ -244,7 +244,7 @@ class FullSystem:
         return state._replace(control=ControlStep(control, np.zeros(())))
 
     def evaluate(self, state: FullState, by_position: float) -> Evaluation:
-        """All residuals at a state; the factor `by_position` of the step scales those of the constraints."""
+        """All residuals at a state; the factor `by_position` of the step scales constraint residuals."""
         stations = self.stations(state.configuration, state.velocity)
         motion = self.border_motion(state, stations)
         terms = jax.tree.map(np.asarray, _border_terms(self.model, motion))
@@ -337,7 +337,7 @@ class FullSystem:
         return found
 
     def under(self, evaluation: Evaluation, forces: np.ndarray) -> Evaluation:
-        """The evaluation with other unbalanced forces (n of the border) than those evaluated."""
+        """The evaluation with its unbalanced forces replaced by `forces` on the border."""
         interiors = []
         for interior in self.interiors:
             own = -forces[self.border_slices[interior.index]]
@@ -358,7 +358,7 @@ class FullSystem:
         return np.sqrt(np.sum([_squares_by_kind(residual[part]) for part in self.slices], axis=0))
 
     def without(self, evaluation: Evaluation, forces: np.ndarray) -> Evaluation:
-        """The evaluation without forces (n,); its relative residual is unchanged."""
+        """The evaluation minus forces (n,); its relative residual is unchanged."""
         border = np.zeros(self.model.n_velocities)
         for index, (part, own) in enumerate(zip(self.border_slices, self.slices, strict=True)):
             if index not in self.interior_of and index not in self.line_of:
@@ -520,7 +520,7 @@ class FullSystem:
         )
 
     def metric(self, configuration: Configuration) -> np.ndarray:  # noqa: ARG002
-        """Unit metric: interface motions, which have no mass of their own, scale the rows."""
+        """Unit matrix, because the interface motions in the rows have no mass of their own."""
         return np.eye(max(part.stop for part in self.joint_slices))
 
     def _border_mass(self, configuration: Configuration) -> np.ndarray:
@@ -530,7 +530,7 @@ class FullSystem:
         )
 
     def frame_masses(self, configuration: Configuration) -> np.ndarray:
-        """Mass matrices of the frames: full bodies by node, lines by themselves, others compiled."""
+        """Mass matrices (nb, 6, 6) of the bodies for motion of their frames."""
         border = self._border_mass(configuration)
         masses = np.zeros((len(self.slices), 6, 6))
         at_rest = self.state_at(0.0, configuration, np.zeros(self.n))
@@ -551,7 +551,7 @@ class FullSystem:
         return found
 
     def kinetic_energies(self, configuration: Configuration, velocity: np.ndarray) -> np.ndarray:
-        """Kinetic energies: full bodies by node, lines by themselves, others compiled."""
+        """Kinetic energies (nb,) of the bodies."""
         border = self.to_border(velocity, self.stations(configuration, velocity))
         products = border * (self._border_mass(configuration) @ border)
         energies = np.array([products[part].sum() / 2 for part in self.border_slices])
@@ -571,7 +571,7 @@ class FullSystem:
         terms: JointTerms,  # noqa: ARG002 - the border evaluates them again
         joint_residual: np.ndarray,
     ) -> np.ndarray:
-        """`M x + G^T y + D^T z = 0`, `G x = - residual`, `D x = - D velocity` of every full body."""
+        """Solution x of `M x + G^T y + D^T z = 0`, `G x = - residual`, `D x = - D velocity`."""
         drifts = tuple(
             -interior.frame_rows @ velocity[self._coordinates(interior)] for interior in self.interiors
         )
@@ -635,17 +635,17 @@ class FullSystem:
         bias = self.joint_terms(state.time, state.configuration, state.velocity).acceleration_bias
         none = tuple(np.zeros(6) for _ in self.interiors)
         still, targets = np.zeros(self.n), (-bias, none)
-        # The correction from zero acceleration is the acceleration; the state may hold another one.
+        # The correction from zero acceleration is the acceleration; that of the state may differ.
         begun = state._replace(acceleration=still, frame_multipliers=none)
 
-        def answered(carried: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
+        def solved(carried: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
             at = self.evaluate(begun._replace(multipliers=carried), 0.0)
             change, more, frames = self.correction(at, targets, still, StepFactors(0.0, 0.0))
             return change, carried + more, frames
 
-        acceleration, multipliers, frame_multipliers = found = answered(np.zeros(len(bias)))
+        acceleration, multipliers, frame_multipliers = found = solved(np.zeros(len(bias)))
         if self.model.reads_reactions:
-            acceleration, multipliers, frame_multipliers = converged_reactions(answered, found)
+            acceleration, multipliers, frame_multipliers = converged_reactions(solved, found)
         return state._replace(
             acceleration=acceleration,
             auxiliary=acceleration,

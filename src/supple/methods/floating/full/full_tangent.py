@@ -28,8 +28,8 @@ from supple.methods.floating.full.full_damping import FullDamping
 __all__ = ["LARGEST_TURN", "Factored", "FullTangent", "TangentPoint", "full_tangent"]
 
 LARGEST_TURN = 0.02
-"""Change of angular velocity times step up to which a linear body's factor is reused, by the contraction of
-Newton's iteration."""
+"""Change of angular velocity times step up to which a linear body's factor is reused: Newton's iteration
+still contracts fast."""
 
 SYMMETRIC = ("mass", "euler", "centrifugal")
 """Inertia matrices with a symmetric part."""
@@ -116,12 +116,12 @@ class FullTangent:
         return self._factored(point, factorize_general(self._matrix(self._data(point, self.constant))))
 
     def symmetric(self, point: TangentPoint) -> Factored:
-        """Factor of its symmetric part, on the existing symbolic analysis."""
+        """Factor of the symmetric part of the tangent, on the existing symbolic analysis."""
         data = self._data(point, self._symmetric_constant)
         return self._factored(point, self._analysed.refactorize(self._matrix(data)))
 
     def serving(self, point: TangentPoint) -> Factored:
-        """As `exact`, but the last factor of a linear body is reused while it converges fast."""
+        """As `exact`, but the last factor of a linear body is reused while the iteration converges fast."""
         if not self.full.is_linear:
             return self.exact(point)
         factored = self._cache.serving(point)
@@ -188,7 +188,7 @@ def full_tangent(
         assembly = body.assembly
         ones = np.ones(len(assembly.indices))
         elastic = csc_array((ones, assembly.indices, assembly.indptr), shape=body.mass.shape)
-    # Added as ones, so that entries that are zero at rest keep their place.
+    # The nonlinear stiffness enters as ones, so that entries that are zero at rest keep their place.
     one_way = sum((abs(matrix) for group in matrices.values() for matrix in group), start=elastic)
     pattern = csc_array(one_way + one_way.T)
     pattern.sort_indices()

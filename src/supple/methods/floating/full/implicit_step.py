@@ -26,7 +26,7 @@ class Stepped(NamedTuple):
     iterations: int
     factorizations: int
     decades: float
-    """Reduction of the residual by all iterations together"""
+    """Reduction of the residual by all iterations, as a decimal logarithm"""
     kept: FrozenTangent | None
     """Frozen tangent for the next step; None if that computes its own"""
 

@@ -47,7 +47,7 @@ class KinematicInstant(NamedTuple):
 
 
 class _ConstrainedSystem(FullSystem):
-    """Full system with constraints independent for its frames."""
+    """Full system whose redundant constraints are those of rigid bodies."""
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
         """Constraint terms of bodies that keep their shape."""
@@ -116,7 +116,7 @@ class FullKinematicEngine:
         return full_solution(self._machine, states, leg.statistics, kept)
 
     def _next(self, before: KinematicInstant, time: float) -> KinematicInstant | None:
-        """The machine at another time, found from its position; None if the joints cannot be closed."""
+        """The machine at a new time, from the previous instant; None if the joints cannot be closed."""
         machine, start = self._machine, before.state
         h, none = time - start.time, np.zeros(machine.n)
         foreseen = machine.moved(start.configuration, h * start.velocity + h**2 / 2 * start.acceleration)
@@ -160,13 +160,13 @@ class FullKinematicEngine:
         """Multipliers that balance the forces on the frames."""
         machine = self._machine
 
-        def answered(multipliers: np.ndarray) -> tuple[None, np.ndarray]:
+        def solved(multipliers: np.ndarray) -> tuple[None, np.ndarray]:
             at = machine.evaluate(state._replace(multipliers=multipliers), 0.0)
             left = machine.residual_of(at)[self._frames]
             return None, multipliers - np.linalg.solve(jacobian.T, left)
 
-        found = answered(np.zeros(len(machine.model.active)))
-        return (converged_reactions(answered, found) if machine.model.reads_reactions else found)[1]
+        found = solved(np.zeros(len(machine.model.active)))
+        return (converged_reactions(solved, found) if machine.model.reads_reactions else found)[1]
 
     @property
     def _frames(self) -> np.ndarray:

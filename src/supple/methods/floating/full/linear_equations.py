@@ -104,7 +104,7 @@ def _line_parts(body: StationBody, line: LineEvaluation) -> tuple[Any, ...]:
 
 
 def _along_axes(rotations: np.ndarray, n: int) -> np.ndarray:
-    """Map of velocities (n,) along the axes of some frames, six for each, to those along global axes."""
+    """Map (n, n) of velocities along the axes of frames, six for each, to velocities along global axes."""
     axes = np.eye(n)
     for number, rotation in enumerate(rotations):
         axes[6 * number : 6 * number + 3, 6 * number : 6 * number + 3] = rotation
@@ -164,7 +164,7 @@ def _by_body(machine: FullSystem, parts: Mapping[int, Any], *, square: bool = Tr
 def _interior(machine: FullSystem) -> np.ndarray:
     """Numbers of full bodies' coordinates among all freedoms, without those that fix their rigid motion.
 
-    In a machine without full bodies, those of the coordinates of bodies with stations.
+    In a machine without full bodies: numbers of the coordinates of bodies with stations.
     """
     found = [np.zeros(0, dtype=int)]
     for interior in machine.interiors:

@@ -4,19 +4,19 @@ Each iteration evaluates the exact equations and solves for a correction with a 
 
     x_1 = x_0 - T^-1 r(x_0),       rate = |x_2 - x_1| / |x_1 - x_0|
 
-`T` is first the symmetric part of the tangent, L D L^T. It is reused over iterations and steps while an
-iteration reduces the correction tenfold (rate below 0.1), or while the next iteration reaches the tolerance;
-then it is renewed. Where a new symmetric tangent converges more slowly, as with the skew-symmetric terms of
-high angular velocities, the unsymmetric tangent replaces it and is reused in the same way. Corrections that
-do not become smaller are undone.
+`T` is first the symmetric part of the tangent, L D L^T. It is reused over iterations and steps as long as the
+rate is below 0.1 or the next iteration is predicted to reach the tolerance; otherwise it is renewed. Where a
+new symmetric tangent converges more slowly, as with the skew-symmetric terms of high angular velocities, the
+unsymmetric tangent replaces it and is reused in the same way. Corrections that do not become smaller are
+undone.
 
-Where this does not converge, Newton's method with the exact tangent of every iterate solves the step from its
-start. The tangent affects the iterations alone: a step ends where the exact equations hold to the tolerance
-(with a frozen tangent to a tenth of it, if rounding allows), or where a correction changes nothing. The
-second criterion requires a tangent that is new or has converged tenfold before: with a positive definite
-symmetric part and a skew-symmetric rest, the correction bounds the exact one.
+If the modified iteration does not converge, Newton's method with the exact tangent of every iterate solves
+the step from its start. The tangent affects the iterations alone: a step ends where the exact equations hold
+to the tolerance (with a frozen tangent to a tenth of it, if rounding allows), or where a correction changes
+nothing. The second criterion requires a tangent that is new, or whose rate was below 0.1 before: with a
+positive definite symmetric part and a skew-symmetric remainder, the correction bounds the exact one.
 
-Source: [BrenanCampbellPetzold1996], section 5.2, for renewing a factor by its rate.
+Source: [BrenanCampbellPetzold1996], section 5.2, for renewal of factors according to the convergence rate.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ from supple.methods.floating.full.predictor import Unknowns, unknowns_of
 __all__ = ["SLOWEST", "NewtonIteration", "exact_newton", "modified_newton"]
 
 SLOWEST = 0.1
-"""Rate beyond which a frozen tangent is renewed."""
+"""Ratio of successive corrections above which a frozen tangent is renewed."""
 
 SHARE = 0.1
-"""Part of the tolerance that a frozen tangent must reach.
+"""Part of the tolerance that an iteration with a frozen tangent must reach.
 
-Its remaining residual lies in the directions of its error, among others stiff directions of little mass.
-Newton's method converges quadratically, so it ends far below the tolerance.
+The remaining residual lies in the directions of the tangent's error, among them stiff directions of little
+mass. Newton's method converges quadratically, so its residual ends far below the tolerance.
 """
 
 NewtonIteration = Callable[[ImplicitStep, Unknowns, FrozenTangent | None], Stepped]
@@ -81,7 +81,7 @@ def _modified(step: ImplicitStep, predicted: Unknowns, kept: FrozenTangent | Non
         if kept is None:
             try:
                 kept = step.tangent(at, symmetric=symmetric)
-            except AccuracyError:  # of this tangent; that of Newton's method may be regular
+            except AccuracyError:  # singular; the exact tangents of Newton's method may be regular
                 break
             made += 1
         tried = step.corrected(at, kept, trusted=new or kept.proven)

@@ -30,8 +30,8 @@ __all__ = ["FullStatics", "full_statics"]
 class FullStatics(SteadyEquations):
     """`Equations` by sparse bordered steps.
 
-    Their tangent is that of `full_linear_equations`, with the derivative of the frames' velocities by their
-    positions. Without it, equilibria at speeds above the first natural frequency would not converge.
+    The tangent is that of `full_linear_equations`, which includes the derivative of the frames' velocities by
+    their positions. Without this derivative, equilibria above the first natural frequency would not converge.
     """
 
     machine: FullSystem
@@ -109,7 +109,7 @@ class FullStatics(SteadyEquations):
         return self.machine.moved(configuration, increment)
 
     def bodies_at(self, configuration: Configuration) -> Configuration:
-        """The same configuration: it is that of the bodies."""
+        """The configuration itself, which is that of the bodies."""
         return configuration
 
     def constraint_rows(self, state: StaticState, time: float) -> np.ndarray:
@@ -170,7 +170,7 @@ class StaticTangent:
         )
         moved = np.zeros(0)
         if linear.size:
-            # The machine's response to each state closes the equations of the states.
+            # Schur complement: the equations of the states, with the machine's response to each state.
             by_motion = linear.by_position + linear.by_velocity / np.sqrt(self.k)
             own = np.eye(linear.size) / np.sqrt(self.k) - linear.by_state - by_motion @ self.motions
             moved = np.linalg.solve(own, control.rates + by_motion @ motion)
@@ -195,7 +195,10 @@ def full_statics(
     time: float,
     known: tuple[int, ...] | None = None,
 ) -> FullStatics:
-    """Equations of a machine with full bodies and closed joints; `known` equations are independent."""
+    """Equations of a machine with full bodies and closed joints.
+
+    known : numbers of independent constraint equations, if the bodies are placed with closed joints
+    """
     prepared = FullSystem(machine, known)
     if known is not None:
         return FullStatics(prepared, placed_configuration(prepared.system), turning)
