@@ -20,13 +20,13 @@ def averaged_motion(
         u = mean of u_a,     J theta = sum_a w_a r_a x u_a,     J = sum_a w_a (r_a.r_a I - r_a r_a^T)
         u_v = u + theta x (position - centroid),     theta_v = theta
 
-    About an axis that leaves the displacements unchanged (nodes on one line, a single node), theta is the
-    weighted mean of the nodes' own rotations. A rigid motion is reproduced exactly; hence the transpose
+    A rotation that moves no node (of a single node, or about the line of collinear nodes) is the weighted
+    mean of the nodes' own rotations. A rigid motion is reproduced exactly; hence the transpose
     distributes a force and a moment at the position over the nodes with the same resultant.
 
     Parameters
     ----------
-    points   : (k, 3), on solids not all on one line;  weights : (k,) positive;  position : (3,)
+    points   : (k, 3), not all on one line if nodes have no rotations;  weights : (k,) positive;  position : (3,)
     Returns
     -------
     (6, k, dofs_per_node)   (u_v, theta_v) as a linear map of the nodes' freedoms

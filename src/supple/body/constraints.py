@@ -28,7 +28,7 @@ IntArray = NDArray[np.int64]
 _NOTHING = 1e-12
 # Relative to the largest pivot of rows scaled to one: a smaller pivot marks a dependent row.
 _REDUNDANT = 1e-9
-# Preference for elimination: first the freedom named in the file, never one of a joint's interface.
+# Preference for elimination: first the freedom named in the file, last the freedoms of an interface.
 _NAMED, _LAST = 1e3, 1e-4
 # Relative to the terms that cancel in a rigid motion.
 _RIGID = 1e-6
@@ -47,7 +47,7 @@ def eliminate(
 
     Parameters
     ----------
-    given : of nodal freedoms u = expansion @ q;  rigid_modes : (n, 6) of q
+    given : constraints on the nodal freedoms u = expansion @ q;  rigid_modes : (n, 6) of q
     last : (n,) coordinates to keep where another can be eliminated
     held : whether the constraints may support the body
     Raises
@@ -137,7 +137,7 @@ def together(rows: sparse.csr_array, named: IntArray, last: NDArray[np.bool_]) -
 
 
 def _groups(rows: sparse.csr_array) -> Iterator[IntArray]:
-    """Rows (k,) that share freedoms with each other."""
+    """Groups of rows (k,) that share freedoms, directly or through other rows."""
     if rows.indptr.size == 1:
         return
     shared = sparse.csr_array(abs(rows) @ abs(rows).T)

@@ -74,7 +74,7 @@ def deck_body(
 ) -> FlexibleBody:
     """A free body from a deck; joints replace its supports.
 
-    interfaces : with node sets of the deck; None: its rigid ties and weighted means, by their names
+    interfaces : their nodes may be node sets of the deck; None: its rigid ties and weighted means, by name
     part : one of several disconnected parts (`deck_parts`)
 
     Raises
@@ -98,8 +98,8 @@ def deck_model(
 ) -> FiniteElementModel:
     """Finite-element model of a deck with a single part: its cells, springs, masses and ties.
 
-    held : with the deck's own supports as constraints; in a free body, joints replace them and springs to
-        ground, which are supports too
+    held : whether to keep the deck's own supports, as constraints, and its springs to ground; a free body
+        omits both, and joints replace them
 
     Raises
     ------
@@ -238,7 +238,7 @@ def _sections(deck: Deck) -> tuple[Section, ...]:
 
 
 def _along_cells(deck: Deck, given: DeckElements) -> FloatArray | None:
-    """Directions of walls; the first side of the cell replaces a direction normal to it."""
+    """Directions of walls; the first side of a cell replaces a direction normal to the cell."""
     if given.directions is None:
         return None
     corners, towards = deck.nodes[given.nodes], np.array(given.directions)
@@ -250,7 +250,7 @@ def _along_cells(deck: Deck, given: DeckElements) -> FloatArray | None:
         number = int(np.argmax(across))
         warnings.warn(
             f"{deck.path}, line {given.lines[number]}: the material direction of {given.name} "
-            f"{given.ids[number]} (one of {across.sum()}) is normal to it; the first side is used",
+            f"{given.ids[number]} (one of {across.sum()}) is normal to its surface; its first side is used",
             SuppleWarning,
             stacklevel=5,
         )
@@ -340,7 +340,7 @@ def _material(material: IsotropicMaterial | AnisotropicMaterial) -> Isotropic | 
 def _turns(deck: Deck) -> bool:
     """Whether anything beside the elements has a rotational freedom.
 
-    A weighted mean rotates its reference node, and so whatever else is rigidly tied to it.
+    A weighted mean rotates its reference node, and so the nodes tied rigidly to the reference node.
     """
     turned = [mean.reference for mean in deck.means if any(mean.components[3:])]
     if any(np.isin(turned, [*tie.nodes, tie.reference]).any() for tie in deck.rigid):

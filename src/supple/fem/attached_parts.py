@@ -60,7 +60,10 @@ class _Shares:
         )
 
     def holders(self, group: IntArray, nodes: IntArray, n: int, called: Callable[[int], str]) -> IntArray:
-        """The first part (n,) that contains all nodes of each group; members (k,) are (group, nodes)."""
+        """The first part (n,) that contains all nodes of each group.
+
+        group, nodes : (k,) group and node of each member
+        """
         sizes = np.bincount(group, minlength=n)
         inside = [np.bincount(group[np.isin(nodes, own)], minlength=n) == sizes for own in self.parts]
         found = np.array(inside)
