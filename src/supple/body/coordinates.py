@@ -44,7 +44,7 @@ class Coordinates:
     """Coordinates q of a body, and their expansion to its nodes.
 
     whole : csc (n_nodal, n0)   u = whole @ q0; q0 : triples of free nodes, of rigid pieces, modal coordinates
-    rest : csc (n0, n)          q0 = rest @ q; None where q0 = q, as if only rigid pieces tie nodes
+    rest : csc (n0, n)          q0 = rest @ q; None where q0 = q, as with rigid pieces alone
     rigid_modes : (n, 6);  stiffness, mass : csc (n, n), T^T A T
     freedoms : (n,) nodal freedom of each coordinate, for messages; modal coordinates have later numbers
     sets : the rigid pieces

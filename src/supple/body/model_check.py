@@ -394,8 +394,10 @@ def _grounding(
     worst = float(ratios[row, motion])
     if worst <= tolerance:
         return Finding("free of supports", f"rigid-body residual {worst:.0e} of the forces that cancel")
-    place = _freedom(int(row), labels, dofs_per_node)
-    seen = f"{RIGID_NAMES[motion]} leaves {worst:.1e} of the forces that should cancel, most at {place}"
+    seen = (
+        f"{RIGID_NAMES[motion]} leaves {worst:.1e} of the forces that should cancel, most at "
+        f"{_freedom(int(row), labels, dofs_per_node)}"
+    )
     factor = _unit_of_nodes(K, R, dofs_per_node, tolerance)
     if factor is not None:
         return Finding(

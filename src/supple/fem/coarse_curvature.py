@@ -47,7 +47,7 @@ def curvature_over_thickness(mesh: Mesh, shells: list[Section]) -> tuple[FloatAr
 
 
 def _thickness(section: Section) -> float:
-    """Thickness of a plain wall of equal bending stiffness; infinite without bending or membrane stiffness."""
+    """Thickness of a plain wall of equal bending stiffness; infinite without bending or membrane."""
     wall = section.property
     assert isinstance(wall, HomogeneousSection | LaminateSection)
     stretching = np.trace(wall.membrane)

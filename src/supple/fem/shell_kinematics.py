@@ -14,8 +14,8 @@ Only differences of the r_i, and the part of m_k along its side, have energy. V 
 least-squares fits to the sides: s_k . b = s_k . b_k and s_k . t = s_k . t_k; V vanishes at constant
 curvature. For a rigid rotation rho and small rotations delta_i relative to it (exp(theta_i) = exp(rho)
 exp(delta_i)), the strains are those of delta_i, with errors of order rho^3 delta and rho^4: the coefficients
-cancel all terms up to rho^2 delta. Without them the curvature is too small by a part rho^2/3, and bending of a
-rotated facet causes drilling strain, which makes it too stiff by (rho h / t)^2.
+cancel all terms up to rho^2 delta. Without them the curvature is too small by a part rho^2/3, and bending of
+a rotated facet causes drilling strain, which makes it too stiff by (rho h / t)^2.
 """
 
 from __future__ import annotations

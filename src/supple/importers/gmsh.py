@@ -107,7 +107,7 @@ def _line(text: str, place: int) -> int:
 
 
 def _blocks(path: Path, read: GmshFile, names: dict[tuple[int, int], str]) -> list[tuple[int, CellBlock]]:
-    """Dimension of each block, and its cells in the order of the file's nodes, physical groups as sets."""
+    """Dimension and cells of each block, with node numbers from 0 and the physical groups as sets."""
     blocks = []
     for elements in read.blocks:
         cells, known = numbers_of(read.tags, elements.nodes)

@@ -68,7 +68,7 @@ def read_vtu(
 ) -> Mesh:
     """Mesh of a VTU file: its cells of the highest dimension; several pieces are one mesh.
 
-    Integers on cells define sets NAME_VALUE (also of nodes); values 0 and 1 on points a node set NAME.
+    Integers on cells define sets NAME_VALUE (also of nodes). Values 0 and 1 on points define a node set NAME.
 
     Parameters
     ----------

@@ -49,7 +49,7 @@ def read_ties(model: AbaqusModel, rows: Rows) -> None:
 
 
 def _tied_contacts(model: AbaqusModel) -> Iterator[ScopedBlock]:
-    """*CONTACT PAIR with TIED, or whose interaction has PRESSURE-OVERCLOSURE=TIED as CalculiX writes it."""
+    """*CONTACT PAIR with TIED, or with an interaction of PRESSURE-OVERCLOSURE=TIED (CalculiX)."""
     interaction, tied = "", set[str]()
     for placed in model.blocks:
         options = placed.block.options

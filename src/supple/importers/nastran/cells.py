@@ -27,7 +27,7 @@ FloatArray = NDArray[np.float64]
 class _Solid:
     """Number of corners of a solid, its linear and quadratic cell, and the card's field of each node.
 
-    edges : corners of each middle node, as the card lists them
+    edges : the two corners of each middle node, in the order of the card
     """
 
     corners: int
@@ -128,7 +128,7 @@ def by_id(cards: Sequence[BulkCard], what: str) -> dict[int, BulkCard]:
 class Properties:
     """The properties of elements of one kind, each read once and named by its card.
 
-    A card with elements of different data of their own (offset, thickness, added mass) gives several
+    If the elements of a card differ in their own data (offset, thickness, added mass), the card gives several
     properties: pshell_7, pshell_7_2.
     """
 
@@ -238,7 +238,7 @@ _MIRRORED = {
 
 
 def _turned_outwards(kind: CellType, nodes: IntArray, reading: DeckReading) -> IntArray:
-    """Cells with their base ordered about the direction to their top; Nastran accepts both orders."""
+    """Cells with a base that is right-handed about the direction to the top; Nastran accepts both orders."""
     n = kind.n_corners
     x = reading.positions(nodes[:, :n])
     base = 3 if n in (4, 6) else 4

@@ -145,7 +145,7 @@ def read_nastran_deck(path: str | Path) -> Deck:
             parts[number] = _deck(start_reading(part, file))
         elif number not in repeated:
             line = part.cards[0].line if part.cards else 0
-            what = "masses of a case of its own" if kind == "MASSID" else "a part that is no model by grids"
+            what = "a separate mass case" if kind == "MASSID" else "a part without grids"
             absent.append(LeftOut(f"BEGIN {kind}", 1, line, f"{what}: {name}"))
     deck = replace(deck, left_out=(*deck.left_out, *absent))
     return assembled(deck, parts, file, reading.grids) if parts else deck
@@ -323,7 +323,7 @@ def _parameters(cards: list[BulkCard]) -> dict[str, float]:
 
 
 def _scalar_points(file: BulkFile) -> IntArray:
-    """Ids of SPOINT and EPOINT, a list or ID1 THRU ID2, and of scalar elements, as in Nastran."""
+    """Ids of SPOINT and EPOINT, a list or ID1 THRU ID2, and of points that only scalar elements define."""
     ids: dict[int, None] = {}
     for card in file.named("SPOINT", "EPOINT"):
         if card.word(1) == "THRU":

@@ -345,4 +345,4 @@ SHAPES = {
     "HAT1": SectionShape(5, _hat1),
     "DBOX": SectionShape(10, _dbox),
 }
-"""The shapes of PBARL and PBEAML, in the order of sizes DIM1, DIM2 .."""
+"""The shapes of PBARL and PBEAML; arguments in the order of the sizes DIM1, DIM2 .."""
