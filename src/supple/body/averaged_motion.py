@@ -26,7 +26,9 @@ def averaged_motion(
 
     Parameters
     ----------
-    points   : (k, 3), not all on one line if nodes have no rotations;  weights : (k,) positive;  position : (3,)
+    points   : (k, 3), not all on one line if dofs_per_node is 3
+    weights  : (k,) positive
+    position : (3,)
     Returns
     -------
     (6, k, dofs_per_node)   (u_v, theta_v) as a linear map of the nodes' freedoms

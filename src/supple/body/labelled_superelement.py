@@ -261,7 +261,7 @@ def _modal_freedoms(nodes: NodeTable, *matrices: LabelledMatrix) -> IntArray:
     is_modal = np.isin(labels @ [width, 1], nodes.modal @ [width, 1]) | (labels[:, 1] == 0)
     modal = labels[is_modal]
     grids = np.flatnonzero((modal[:, 1] == 0) & numbers_of(nodes.ids, modal[:, 0])[1])
-    # In HDF5 files, which have no QSET, modal coordinates have arbitrary ids, which may equal those of grids.
+    # Without QSET or SPOINT cards, as in HDF5 files, the ids of modal coordinates may equal those of grids.
     if grids.size and len(nodes.modal):
         raise ModelError(
             f"{matrices[0].source}: component 0 of grid {modal[grids[0], 0]}, which is not a scalar point; "

@@ -109,7 +109,7 @@ def _element_forces(block: QuadraticStrain, corners: Array, freedoms: Array) -> 
     left = Rotation.from_matrix((back[:, None] @ nodal).reshape(-1, 3, 3)).as_rotvec().reshape(-1, k, 3)
     local = internal_force(block, np.concatenate([seen, left], axis=2).reshape(n_elements, -1))
     local = local.reshape(n_elements, k, 6)
-    # Moments are conjugate to changes of rotation vectors; for rotation, to infinitesimal rotations instead.
+    # Moments conjugate to rotation vectors are made conjugate to infinitesimal rotations, then rotated.
     spin = _solved(_left_jacobian(left).swapaxes(2, 3), local[..., 3:])
     moments = (_left_jacobian(freedoms[..., 3:]).swapaxes(2, 3) @ (spin @ back)[..., None])[..., 0]
     return np.concatenate([local[..., :3] @ back, moments], axis=2)

@@ -34,7 +34,7 @@ SparseArray = Any
 
 # Entries held at once while many elements are evaluated: 2 MiB, within a processor's cache.
 CHUNK = 2**18
-# Factor on CHUNK for `works`: the elements of a larger portion share more nodes, and each node is used once.
+# Factor on CHUNK for `works`: elements of a larger portion share more nodes, whose forces are used once.
 LARGER_FOR_WORKS = 4
 
 

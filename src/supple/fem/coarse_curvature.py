@@ -47,7 +47,7 @@ def curvature_over_thickness(mesh: Mesh, shells: list[Section]) -> tuple[FloatAr
 
 
 def _thickness(section: Section) -> float:
-    """Thickness of a plain wall of equal bending stiffness; infinite without bending or membrane."""
+    """Thickness of a plain wall that bends equally; infinite without membrane or bending stiffness."""
     wall = section.property
     assert isinstance(wall, HomogeneousSection | LaminateSection)
     stretching = np.trace(wall.membrane)

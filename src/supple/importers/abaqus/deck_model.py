@@ -458,7 +458,7 @@ def _faces(elements: ElementBlock, places: IntArray, label: str) -> list[IntArra
     if label or whole_line:
         face = face_nodes(kind, label)
         if len(face) == 3 and kind.family is not Family.SOLID and (kind.n_nodes != 3 or whole_line):
-            # An edge of three nodes is two segments; only beams list the middle node between the ends.
+            # An edge of three nodes is two segments; beams and rods list its middle node between the ends.
             a, b, c = face if whole_line else (face[0], face[2], face[1])
             return [nodes[:, [a, b]], nodes[:, [b, c]]]
         return [nodes[:, face]] if face else []

@@ -55,7 +55,7 @@ _FITS = {
     Family.BEAM: SectionOfBeams,
 }
 _INCOMPATIBLE = ("C3D8I", "C3D8R", "SC8R")
-"""Elements with incompatible modes, or with one integration point, for which they are a substitute."""
+"""Elements with incompatible modes, and those with one integration point, which get such modes instead."""
 _SECTIONS = (
     "SOLIDSECTION", "SHELLSECTION", "SHELLGENERALSECTION", "MEMBRANESECTION", "MEMBRANE", "BEAMSECTION",
     "BEAMGENERALSECTION",

@@ -4,6 +4,7 @@
 /node_ids              (N,) int         labels; default 1 .. N
 /freedoms              (n, 2) int       node id and component (1 to 6) of each row; 0: a modal coordinate
 /stiffness, /mass      groups with data, indices, indptr of a compressed sparse column matrix (n, n)
+/damping               likewise; optional
 /node_sets/NAME        (k,) int         node ids; optional
 
 The file may come from other programs, so it is copied before reading: see `copied_hdf5`.

@@ -106,7 +106,7 @@ class DeckReading:
         return left_out_by_card(self._left)
 
     def chosen_sets(self, command: str, adder: str, sets: set[int]) -> set[int]:
-        """Sets selected by case control, also by SPCADD; without case control, the set if it is the only one."""
+        """Sets selected by case control, also by SPCADD; without case control, a set that is the only one."""
         number = self.case.number(command)
         if number is None:
             if self.case.present or len(sets) != 1:
