@@ -38,15 +38,15 @@ def averaged_motion(
     arms = points - centroid
     spread = (arms * shares[:, None]).T @ arms
     inertias, axes = np.linalg.eigh(np.trace(spread) * np.eye(3) - spread)
-    seen = inertias > COLLINEAR**2 * inertias[-1]
+    resolved = inertias > COLLINEAR**2 * inertias[-1]
 
     motion = np.zeros((6, len(points), dofs_per_node))
-    J_inverse = (axes[:, seen] / inertias[seen]) @ axes[:, seen].T
+    J_inverse = (axes[:, resolved] / inertias[resolved]) @ axes[:, resolved].T
     moment_of_displacement = np.swapaxes(cross_of_axes(arms), -1, -2)
     motion[:3, :, :3] = shares[:, None] * np.eye(3)[:, None, :]
     motion[3:, :, :3] = np.einsum("ij,a,ajk->iak", J_inverse, shares, moment_of_displacement)
     if dofs_per_node == 6:
-        unseen = axes[:, ~seen] @ axes[:, ~seen].T
-        motion[3:, :, 3:] = shares[:, None] * unseen[:, None, :]
+        unresolved = axes[:, ~resolved] @ axes[:, ~resolved].T
+        motion[3:, :, 3:] = shares[:, None] * unresolved[:, None, :]
     motion[:3] += np.einsum("ij,jak->iak", cross_of_axes(position - centroid), motion[3:])
     return motion

@@ -49,6 +49,6 @@ def section_softness(body: FlexibleBody, interface: BodyInterface) -> Array:
     for axis, unit in enumerate(np.eye(3)):
         pulling[:, :3, axis] = -np.cross(unit, forces[:, :3, axis])
     pulling = body.expansion.T @ pulling.reshape(-1, 3)
-    answers = body.constrained(held).solve(np.hstack([moments, pulling]))
-    compliance = np.sum(moments * answers[:, :3], axis=0)
-    return np.sum(pulling * answers[:, 3:], axis=0) / compliance
+    responses = body.constrained(held).solve(np.hstack([moments, pulling]))
+    compliance = np.sum(moments * responses[:, :3], axis=0)
+    return np.sum(pulling * responses[:, 3:], axis=0) / compliance

@@ -33,7 +33,7 @@ __all__ = ["Coordinates", "coordinates", "rigid_sets"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Relative to the stiffest rotation of a node: smaller values are rounding.
+# A stiffness below this share of the stiffest rotation of a node is rounding.
 _NO_STIFFNESS = 1e-10
 # Largest size of a dense tie, in numbers: 160 MB.
 _LARGEST_TIE = 2e7

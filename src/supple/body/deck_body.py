@@ -58,7 +58,7 @@ __all__ = ["deck_body", "deck_connections", "deck_mesh", "deck_model", "refuse_o
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Relative to the terms that cancel when the ends of a spring move rigidly.
+# Allowed elongation of a spring whose ends move rigidly, relative to the terms that cancel.
 _RIGID = 1e-6
 # Smallest sine of the angle between a wall normal and its material direction for a usable projection.
 _ALONG = 2e-3

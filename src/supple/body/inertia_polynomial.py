@@ -179,7 +179,7 @@ class InertiaPolynomial:
         own = (rotary @ rotations).reshape(-1, 3, 3)
         turns, result = blocks.turns[:, None, None], np.zeros((3, 3, len(rotations)))
         for j, cross in enumerate(_CROSS):
-            # (e_j x u) . p = u . (p x e_j); for a rotation only J e_i is rotated: the rest depends on
+            # (e_j x u) . p = u . (p x e_j). For a rotation only J e_i is rotated; other terms depend on
             # positions.
             places = np.where(turns, 0.0, cross.T @ rotations.reshape(-1, 3, 3))
             through = (beside.T @ places.reshape(-1, 3)).reshape(-1, 3, 3)

@@ -26,9 +26,9 @@ __all__ = ["StaticallyTied", "massless_motions", "tie_statically"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Relative to the energy of freedoms that move alone: a smaller energy is zero.
+# An energy below this share of that of freedoms that move alone is zero.
 _REGULAR = 1e-9
-# Relative to the largest entry: smaller entries of a tie are rounding.
+# Entries of a tie below this share of the largest are rounding.
 _NO_TIE = 1e-11
 
 

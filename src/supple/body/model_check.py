@@ -33,8 +33,8 @@ FloatArray = NDArray[np.float64]
 LOWEST_FREQUENCIES = "lowest free frequencies"
 """Name of the finding that lists them, in cycles per unit of time."""
 
-# Relative to the highest eigenvalue computed: rigid modes come out at some 1e-9 of it, the slowest elastic
-# modes of slender parts at some 1e-4.
+# Eigenvalues below this share of the highest computed one are zero. Those of rigid modes are some 1e-9 of it,
+# those of the slowest elastic modes of slender parts some 1e-4.
 ZERO_MODE = 1e-6
 # Difference of the mass matrix from the mass of the mesh: far above the quadrature error on curved cells.
 MASS_AGREEMENT = 0.02
@@ -380,7 +380,7 @@ def _positive_mass(made: Coordinates, mass: sparse.csc_array, labels: NDArray[np
 
 
 def _rigid_energy(K: sparse.csc_array, R: FloatArray) -> FloatArray:
-    """r^T K r relative to r^T diag(K) r, for each rigid motion about the centroid of the body."""
+    """r^T K r relative to r^T diag(K) r, for each rigid motion r, rotations about the mesh origin."""
     alone = np.einsum("ij,i,ij->j", R, np.abs(K.diagonal()), R)
     energy = np.einsum("ij,ij->j", R, K @ R)
     return np.divide(np.abs(energy), alone, out=np.zeros(6), where=alone > 0)

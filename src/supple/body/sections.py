@@ -22,7 +22,7 @@ __all__ = ["CuttingPlane", "Sections", "section_loads"]
 Array = NDArray[np.float64]
 
 ROUNDING = 1e-9
-"""Relative to the size of the body: points nearer to the plane count as on it."""
+"""Points nearer to the plane than this share of the size of the body count as on it."""
 
 ROOM = 2**22
 """Numbers of forces in memory at a time."""

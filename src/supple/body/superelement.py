@@ -47,7 +47,7 @@ def superelement(
     dofs_per_node   : 3 or 6
     damping         : (n, n) N s/m, likewise; None without
     interfaces      : as for `flexible_body`, with node numbers
-    recovery        : interior points, which become nodes of the body after the others
+    recovery        : interior points, which become the last nodes of the body
     rigid_tolerance : largest |K R| relative to the forces that cancel in it; about the relative precision of
         the printed matrices
     Raises

@@ -146,7 +146,7 @@ def point_masses(attached: Attached, dofs_per_node: int) -> CellMass | None:
     if (shared := (i // d != j // d) & (entries.data != 0)).any():
         raise ModelError(
             f"{np.count_nonzero(shared)} terms of concentrated masses act between nodes; each mass must have "
-            "one node: remove the others from the model"
+            "one node: remove these masses from the model"
         )
     nodes, place = np.unique(i // d, return_inverse=True)
     blocks = np.zeros((len(nodes), 6, 6))

@@ -50,7 +50,8 @@ class BeamSection:
 
     Raises
     ------
-    ModelError   values that are not finite or not positive; I12^2 beyond I1 I2; a direction of length zero
+    ModelError   an area that is not positive; other values that are negative or not finite; I12^2 not below
+                 I1 I2; a direction of length zero
     """
 
     material: Isotropic

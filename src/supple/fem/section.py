@@ -51,7 +51,7 @@ class Section:
 
     Raises
     ------
-    ModelError   per-cell arrays of another shape, or not finite
+    ModelError   per-cell arrays of another shape, not finite, or for another kind of cell
     """
 
     cell_type: CellType

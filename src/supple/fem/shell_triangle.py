@@ -215,7 +215,7 @@ def _gradients(xy: FloatArray, phi: FloatArray) -> FloatArray:
         G[:, V] += fit[:, side] @ np.stack([t[:, 1], -t[:, 0]], axis=1)
     G[:, V] += G[:, (WX, WY)]
     if phi.any():
-        # V is the bending part of the mismatches; in a wall with shear the rest causes no bending.
+        # V is the bending part of the mismatches; in a wall with shear, their shear part causes no bending.
         sheared = fit * (phi / (1 + phi))[..., None, None]
         for side, ends in enumerate(SIDES):
             t = G[:, ROTATION[ends, :2]].mean(axis=1)

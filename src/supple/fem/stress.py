@@ -71,7 +71,7 @@ class StressLayers:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the layers; empty for solids alone."""
+        """Names of the layers; an empty name for solids alone."""
         walls = ("bottom", "middle", "top") if self.walls > 1 else ("solid",) * self.walls
         if not self.ends:
             return walls if self.walls > 1 else ("",)

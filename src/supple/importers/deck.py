@@ -83,7 +83,7 @@ class WallProperty:
 
     membrane, coupling, bending : (3, 3) A, N/m; B, N; D, N m; order xx, yy, xy
     shear : (2, 2) transverse shear stiffness, order xz, yz, N/m; None if rigid
-    mass_per_area, rotary_inertia_per_area : kg/m^2, kg, the latter about the surface of the nodes
+    mass_per_area : kg/m^2;  rotary_inertia_per_area : kg, about the surface of the nodes
     thickness : m, for pictures
     mass_moment_per_area : first moment of the mass along the normal, kg/m; 0 if the nodes are in the middle
     """

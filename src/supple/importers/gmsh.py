@@ -58,8 +58,8 @@ def read_gmsh(
         name: np.unique(np.concatenate([b.cells[b.sets[name]].ravel() for _, b in blocks if name in b.sets]))
         for name in dict.fromkeys(name for _, block in blocks for name in block.sets)
     }
-    asked = [each for each in blocks if only in each[1].sets] or blocks
-    highest = max(dimension for dimension, _ in asked)
+    selected = [each for each in blocks if only in each[1].sets] or blocks
+    highest = max(dimension for dimension, _ in selected)
     by_type: dict[str, list[CellBlock]] = {}
     for dimension, block in blocks:
         if dimension == highest:

@@ -27,7 +27,7 @@ __all__ = ["NodeSection", "flat_section", "sections_along", "shared_pieces"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Relative to the extent along the axis: largest distance between nodes of one plane.
+# Largest distance between nodes of one plane, relative to the extent along the axis.
 _SAME_PLANE = 1e-6
 # Deviation of a section from a plane, relative to the extent of its cells along the normal.
 _FLAT = 0.1

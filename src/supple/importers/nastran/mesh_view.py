@@ -52,8 +52,8 @@ def read_nastran(
     if missing:
         first = missing[0]
         raise ImportFormatError(
-            f"{path}, line {first.line}: {first.card}: {first.count} {first.meaning}; a mesh of the rest has "
-            "holes: correct them, or remove them"
+            f"{path}, line {first.line}: {first.card}: {first.count} {first.meaning}; without them the mesh "
+            "has holes: correct them, or remove them"
         )
     if not deck.elements:
         raise ImportFormatError(f"{path}: no elements that are cells; is this a mesh file, and complete?")

@@ -112,7 +112,7 @@ def _grid_list(card: BulkCard, words: list[tuple[int, str]], reading: DeckReadin
 
 
 def _rbe2(card: BulkCard, reading: DeckReading, turning: NDArray[np.bool_], rigid: list[RigidTie]) -> None:
-    """EID GN CM GM1 .. [ALPHA]: components CM of the others follow GN rigidly, in the axes of each."""
+    """EID GN CM GM1 .. [ALPHA]: components CM of grids GM1 .. follow GN rigidly, in the axes of each."""
     ties = _components(card, card.word(2), "its components")
     reference = reading.node(card, 1, "the grid GN")
     listed = _grid_list(card, _listed_grids(card), reading)
