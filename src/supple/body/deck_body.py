@@ -166,7 +166,7 @@ def refuse_omitted_cards(deck: Deck, allowed: Sequence[str] = ()) -> None:
 
 
 def deck_mesh(deck: Deck) -> Mesh:
-    """The mesh of a deck with a single part; node sets, element sets and properties are cell sets."""
+    """The mesh of a deck with a single part; element sets and properties are cell sets, ties are node sets."""
     cells: dict[CellType, list[DeckElements]] = {}
     for each in deck.elements:
         cells.setdefault(each.kind, []).append(each)

@@ -50,8 +50,8 @@ class BeamSection:
 
     Raises
     ------
-    ModelError   an area that is not positive; other values that are negative or not finite; I12^2 not below
-                 I1 I2; a direction of length zero
+    ModelError   an area that is not positive; negative second moments, factors or masses; values that are not
+                 finite; I12^2 not below I1 I2; a direction of length zero
     """
 
     material: Isotropic
