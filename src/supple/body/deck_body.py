@@ -112,10 +112,10 @@ def deck_model(
     mesh = deck_mesh(deck)
     springs, dashpots = deck.springs, deck.dashpots
     if not held:
-        _warn_of_what_is_left(deck)
+        _warn_of_ground_springs(deck)
         springs, dashpots = ([_free(deck, terms) for terms in given] for given in (springs, dashpots))
     sections = _sections(deck)
-    d = 6 if _turns(deck) or any(section.turns_nodes() for section in sections) else 3
+    d = 6 if _has_rotations(deck) or any(section.turns_nodes() for section in sections) else 3
     attached = Attached(
         springs=linear_strains([*_spring_terms(springs, d), *_matrix_terms(deck.stiffnesses, d)], d),
         mass=_nodal_matrix(deck.masses, deck.inertias, len(deck.node_ids), d),
@@ -166,7 +166,7 @@ def refuse_omitted_cards(deck: Deck, allowed: Sequence[str] = ()) -> None:
 
 
 def deck_mesh(deck: Deck) -> Mesh:
-    """The mesh of a deck with a single part; element sets and properties are cell sets, ties are node sets."""
+    """The mesh of a deck with a single part; element sets and properties are cell sets, ties node sets."""
     cells: dict[CellType, list[DeckElements]] = {}
     for each in deck.elements:
         cells.setdefault(each.kind, []).append(each)
@@ -337,7 +337,7 @@ def _material(material: IsotropicMaterial | AnisotropicMaterial) -> Isotropic | 
     return _isotropic(material)
 
 
-def _turns(deck: Deck) -> bool:
+def _has_rotations(deck: Deck) -> bool:
     """Whether anything beside the elements has a rotational freedom.
 
     A weighted mean rotates its reference node, and so the nodes tied rigidly to the reference node.
@@ -515,7 +515,7 @@ def _free(deck: Deck, terms: ScalarTerms) -> ScalarTerms:
     return own
 
 
-def _warn_of_what_is_left(deck: Deck) -> None:
+def _warn_of_ground_springs(deck: Deck) -> None:
     ground = [int(line) for terms in (*deck.springs, *deck.dashpots) for line in terms.lines[_ground(terms)]]
     if ground:
         warnings.warn(

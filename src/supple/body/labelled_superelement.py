@@ -233,7 +233,7 @@ def nodal_matrices(
     T = None if recovery is None else in_order(recovery, labels).matrix
     K, M, *C = (matrix[freedoms][:, freedoms] for matrix in (K, M, *C))
     if nodes.axes is not None:
-        turn = _turned(nodes.axes[kept], dofs_per_node)
+        turn = _to_mesh_axes(nodes.axes[kept], dofs_per_node)
         turn = sparse.csr_array(sparse.block_diag([turn, sparse.eye_array(len(modal))], format="csr"))
         K, M, *C = (turn @ matrix @ turn.T for matrix in (K, M, *C))
         T = None if T is None else T @ turn.T
@@ -298,7 +298,7 @@ def _on_kept(connection: Connection, kept: NDArray[np.bool_], number: IntArray) 
     return replace(connection, nodes=number[connection.nodes[members]])
 
 
-def _turned(axes: NDArray[np.float64], dofs_per_node: int) -> sparse.csr_array:
+def _to_mesh_axes(axes: NDArray[np.float64], dofs_per_node: int) -> sparse.csr_array:
     """Block diagonal matrix from freedoms in each node's own axes to those in the mesh axes."""
     blocks = np.repeat(axes, dofs_per_node // 3, axis=0)
     return sparse.csr_array(sparse.bsr_array((blocks, np.arange(len(blocks)), np.arange(len(blocks) + 1))))

@@ -133,7 +133,7 @@ def floating_interface_motion(interface: Interface, motion: FloatingMotion) -> I
     moved, rate, second = (q @ interface.motion.T for q in shapes)
     place, turned = place_in_frame(interface, motion.coordinates)
     point = _in_space(motion, place[:, None], rate[:, None, :3], second[:, None, :3])
-    own = np.einsum("tij,tj->ti", turned, _turning(interface.cubic_turn, moved[:, 3:], rate[:, 3:]))
+    own = np.einsum("tij,tj->ti", turned, _angular_velocity(interface.cubic_turn, moved[:, 3:], rate[:, 3:]))
     return InterfaceMotion(
         in_space(motion.position, motion.rotation, place[:, None])[:, 0],
         motion.rotation @ turned,
@@ -143,7 +143,7 @@ def floating_interface_motion(interface: Interface, motion: FloatingMotion) -> I
     )
 
 
-def _turning(cubic_turn: float, theta: Array, rate: Array) -> Array:
+def _angular_velocity(cubic_turn: float, theta: Array, rate: Array) -> Array:
     """T(phi) dphi (t, 3), the angular velocity in the rotated axes:
 
     T(phi) dphi = dphi - (1 - cos p)/p^2 phi x dphi + (p - sin p)/p^3 phi x (phi x dphi),   p = |phi|

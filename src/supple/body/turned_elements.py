@@ -125,7 +125,7 @@ def _moved(interface: BodyInterface) -> NDArray[np.int64]:
     return interface.tied_nodes if len(interface.tied_nodes) else interface.node_ids
 
 
-def _turn(piece: _Piece, motion: Array) -> tuple[Array, Array]:
+def _rotation_vector(piece: _Piece, motion: Array) -> tuple[Array, Array]:
     """Rotation vector (3,) of a piece, and its derivative with respect to the rotational freedoms theta."""
     theta, c = motion[3:], piece.cubic_turn
     factor = 1 + c * theta @ theta
@@ -134,7 +134,7 @@ def _turn(piece: _Piece, motion: Array) -> tuple[Array, Array]:
 
 def _place(nodal: Array, nodes: Array, piece: _Piece, motion: Array) -> None:
     """Move the nodes of a rigid piece with its motion."""
-    phi, _ = _turn(piece, motion)
+    phi, _ = _rotation_vector(piece, motion)
     arms = nodes[piece.nodes] - piece.position
     nodal[piece.nodes, :3] = motion[:3] + Rotation.from_rotvec(phi).apply(arms) - arms
     nodal[piece.nodes, 3:] = phi[: nodal.shape[1] - 3]
@@ -142,7 +142,7 @@ def _place(nodal: Array, nodes: Array, piece: _Piece, motion: Array) -> None:
 
 def _on_virtual_node(forces: Array, nodes: Array, piece: _Piece, motion: Array) -> Array:
     """Force and moment (6,); the moment is conjugate to the rotational freedoms of the piece."""
-    phi, by_freedom = _turn(piece, motion)
+    phi, by_freedom = _rotation_vector(piece, motion)
     own = forces[piece.nodes]
     arms = Rotation.from_rotvec(phi).apply(nodes[piece.nodes] - piece.position)
     moment = _left_jacobian(phi).T @ np.cross(arms, own[:, :3]).sum(axis=0)

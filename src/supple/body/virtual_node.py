@@ -105,7 +105,7 @@ def interface_motions(
             tied = pieces[number] if turns_finitely else tied
             number += 1
         else:
-            _check_turns(node, nodes, dofs_per_node, expansion)
+            _check_rotations(node, nodes, dofs_per_node, expansion)
             averages = averaged_motion(nodes[node.node_ids], node.weights, node.position, dofs_per_node)
             dofs = (node.node_ids[:, None] * dofs_per_node + np.arange(dofs_per_node)).ravel()
             columns = np.broadcast_to(dofs, (6, dofs.size)).ravel()
@@ -119,7 +119,7 @@ def interface_motions(
     return tuple(result)
 
 
-def _check_turns(
+def _check_rotations(
     node: VirtualNode, nodes: NDArray[np.float64], dofs_per_node: int, expansion: sparse.csc_array
 ) -> None:
     """Check that collinear nodes have rotations, whose mean is the rotation about their line."""

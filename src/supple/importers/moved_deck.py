@@ -44,7 +44,7 @@ def moved_deck(deck: Deck, Q: FloatArray, shift: FloatArray) -> Deck:
     ----------
     Q : (3, 3) orthogonal, det +1 or -1 (mirrored);  shift : (3,)
     """
-    turn = _Turn(np.asarray(Q, dtype=np.float64), 6 * len(deck.node_ids))
+    turn = _ChangedAxes(np.asarray(Q, dtype=np.float64), 6 * len(deck.node_ids))
     kept = tuple(mean for mean in deck.means if turn.keeps(mean.components))
     lost = [mean for mean in deck.means if not turn.keeps(mean.components)]
     left = [
@@ -64,7 +64,7 @@ def moved_deck(deck: Deck, Q: FloatArray, shift: FloatArray) -> Deck:
 
 
 @dataclass(frozen=True, eq=False)
-class _Turn:
+class _ChangedAxes:
     """Rotated or mirrored axes. n_freedoms : of nodes; those of scalar points, without axes, come after."""
 
     Q: FloatArray

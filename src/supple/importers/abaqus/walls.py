@@ -181,7 +181,7 @@ def _plies(
     if len(set(named)) > 1:
         turns = iter(axes)
         rows = [(*fields(text), "", "", "")[3] for _, text in block.data]
-        angles = [_turn(first, next(turns)) if row and row.upper() in named else None for row in rows]
+        angles = [_angle_between(first, next(turns)) if row and row.upper() in named else None for row in rows]
         if any(angle is None for angle in angles):
             model.report.leave_out_block(block, "plies along axes that are not rotated about one normal")
             return None
@@ -189,7 +189,7 @@ def _plies(
     return tuple(found), first
 
 
-def _turn(first: Orientation | None, other: Orientation | None) -> float | None:
+def _angle_between(first: Orientation | None, other: Orientation | None) -> float | None:
     """Angle from the first direction of `first` to that of `other` about their common normal, at one point.
 
     None without a common normal, or if either is distributed.

@@ -219,7 +219,7 @@ def _solid_cells(
         nodes = grids_named(chosen, reading, 2, solid.corners)
         if wanted:
             nodes = np.concatenate([nodes, middles.of(chosen, solid, nodes)], axis=1)[:, list(solid.order)]
-        nodes = _turned_outwards(kind, nodes, reading)
+        nodes = _oriented_outwards(kind, nodes, reading)
         ids, lines = integers(chosen, 0, "the element id"), np.array([card.line for card in chosen])
         axes = _material_axes(properties.found[of], system, nodes, reading, chosen)
         bends = kind is CellType.HEXA8 and (bubble or psolid.name != "PSOLID")
@@ -237,7 +237,7 @@ _MIRRORED = {
 }
 
 
-def _turned_outwards(kind: CellType, nodes: IntArray, reading: DeckReading) -> IntArray:
+def _oriented_outwards(kind: CellType, nodes: IntArray, reading: DeckReading) -> IntArray:
     """Cells with a base that is right-handed about the direction to the top; Nastran accepts both orders."""
     n = kind.n_corners
     x = reading.positions(nodes[:, :n])

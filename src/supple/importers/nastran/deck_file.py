@@ -211,7 +211,7 @@ def _deck(reading: DeckReading) -> Deck:
     read_point_elements(reading, materials)
     matrices = read_matrices(reading)
     read_multipoint_constraints(reading)
-    turning = _turning(reading, elements, [*chain(*matrices.values())])
+    turning = _with_rotations(reading, elements, [*chain(*matrices.values())])
     rigid, means = read_ties(reading, turning)
     node_sets = read_supports(reading, {n for tie in rigid for n in tie.nodes.tolist() if not turning[n]})
     read, passed_over = _counted(reading.file)
@@ -248,7 +248,7 @@ def _deck(reading: DeckReading) -> Deck:
     )
 
 
-def _turning(
+def _with_rotations(
     reading: DeckReading, elements: list[DeckElements], matrices: list[NodalMatrix]
 ) -> NDArray[np.bool_]:
     """Grids (N,) whose rotations elements, springs, masses, matrices, constraints or ties act on."""
