@@ -268,7 +268,7 @@ def test_the_worst_freedom_is_named(beam, labels):
 
 def test_nodes_in_another_unit_than_the_matrices(beam, labels):
     found = refused(matrices_of(beam, labels, positions=1000 * beam.grids))["free of supports"]
-    assert "would leave none if all coordinates were 0.001 times as large" in found.seen
+    assert "all would cancel if the coordinates were 0.001 times as large" in found.seen
     assert "different units of length" in found.remedy
 
 
