@@ -181,7 +181,9 @@ def _plies(
     if len(set(named)) > 1:
         turns = iter(axes)
         rows = [(*fields(text), "", "", "")[3] for _, text in block.data]
-        angles = [_angle_between(first, next(turns)) if row and row.upper() in named else None for row in rows]
+        angles = [
+            _angle_between(first, next(turns)) if row and row.upper() in named else None for row in rows
+        ]
         if any(angle is None for angle in angles):
             model.report.leave_out_block(block, "plies along axes that are not rotated about one normal")
             return None
