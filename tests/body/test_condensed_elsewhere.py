@@ -379,7 +379,7 @@ def test_a_recovery_matrix_that_misses_rigid_motion(beam):
     relative = T.copy()
     relative[:, :12] = 0.0
     with pytest.raises(
-        ModelError, match=r"deviates from rigid motion by .* at point 109 uy; give it for absolute"
+        ModelError, match=r"deviates from rigid motion by .* at point 109 uy; it needs absolute"
     ):
         superelement(
             *("arm", beam.grids, beam.stiffness, beam.mass),
