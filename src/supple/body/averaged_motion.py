@@ -20,13 +20,15 @@ def averaged_motion(
         u = mean of u_a,     J theta = sum_a w_a r_a x u_a,     J = sum_a w_a (r_a.r_a I - r_a r_a^T)
         u_v = u + theta x (position - centroid),     theta_v = theta
 
-    About an axis that leaves the displacements unchanged (nodes on one line, a single node), theta is the
-    weighted mean of the nodes' own rotations. A rigid motion is reproduced exactly; hence the transpose
+    A rotation that moves no node (of a single node, or about the line of collinear nodes) is the weighted
+    mean of the nodes' own rotations. A rigid motion is reproduced exactly; hence the transpose
     distributes a force and a moment at the position over the nodes with the same resultant.
 
     Parameters
     ----------
-    points   : (k, 3), on solids not all on one line;  weights : (k,) positive;  position : (3,)
+    points   : (k, 3), not all on one line if dofs_per_node is 3
+    weights  : (k,) positive
+    position : (3,)
     Returns
     -------
     (6, k, dofs_per_node)   (u_v, theta_v) as a linear map of the nodes' freedoms
@@ -36,15 +38,15 @@ def averaged_motion(
     arms = points - centroid
     spread = (arms * shares[:, None]).T @ arms
     inertias, axes = np.linalg.eigh(np.trace(spread) * np.eye(3) - spread)
-    seen = inertias > COLLINEAR**2 * inertias[-1]
+    resolved = inertias > COLLINEAR**2 * inertias[-1]
 
     motion = np.zeros((6, len(points), dofs_per_node))
-    J_inverse = (axes[:, seen] / inertias[seen]) @ axes[:, seen].T
+    J_inverse = (axes[:, resolved] / inertias[resolved]) @ axes[:, resolved].T
     moment_of_displacement = np.swapaxes(cross_of_axes(arms), -1, -2)
     motion[:3, :, :3] = shares[:, None] * np.eye(3)[:, None, :]
     motion[3:, :, :3] = np.einsum("ij,a,ajk->iak", J_inverse, shares, moment_of_displacement)
     if dofs_per_node == 6:
-        unseen = axes[:, ~seen] @ axes[:, ~seen].T
-        motion[3:, :, 3:] = shares[:, None] * unseen[:, None, :]
+        unresolved = axes[:, ~resolved] @ axes[:, ~resolved].T
+        motion[3:, :, 3:] = shares[:, None] * unresolved[:, None, :]
     motion[:3] += np.einsum("ij,jak->iak", cross_of_axes(position - centroid), motion[3:])
     return motion

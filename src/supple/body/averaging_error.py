@@ -1,18 +1,18 @@
 """Error of an averaging interface on a deformable section that has rotated relative to the frame.
 
 The nodal forces that represent a moment m, F_a = w_a (J^-1 m) x r_a, keep their directions of the undeformed
-body. On a section rotated by phi about the axis n of m, the part p m phi, p_a = - n x F_a(n), is
-self-equilibrated and deforms the section by d = phi m K^-1 p. The mean rotation, taken in the same
-directions, includes d: the joint is at sin phi + phi p.d. With c = p K^-1 p and the
+body. On a section rotated by phi about the axis n of m, they include a self-equilibrated part m phi p,
+p_a = - n x F_a(n), which deforms the section by d = phi m K^-1 p. The mean rotation is taken in the same
+directions and includes d: the rotation of the joint is sin phi + phi p.d. With c = p K^-1 p and the
 potential
 
     Pi = U(phi) + d K d / 2 - m (phi + phi p.d),
 
-the rotation of the joint is too large by m c phi^2, and the moment on the body by m^2 c phi.
+the rotation of the joint is too large by m c phi^2, and the moment on the body is too large by m^2 c phi.
 
-A beam of compliance C = L / E I under a force at its other end, to which the frame is fixed: m = 2 phi / C.
-Each of the two is an error of 3 phi^2 c / C in its deflection. A moment alone, m = phi / C, gives
-2 phi^2 c / C of the rotation.
+Example: a beam of compliance C = L / E I under a force at its other end, to which the frame is fixed, has
+m = 2 phi / C. Each of the two errors changes its deflection by 3 phi^2 c / C. Under a moment alone,
+m = phi / C, the error of the rotation is 2 phi^2 c / C.
 Source: derived here; theory page on interfaces.
 """
 
@@ -33,11 +33,11 @@ DEFLECTION_ERROR = 6.0
 
 
 def section_softness(body: FlexibleBody, interface: BodyInterface) -> Array:
-    """C / C (3,) of an averaging interface about the axes of the body; zeros for a rigid section.
+    """Softness c / C (3,) of an averaging interface about the axes of the body; zeros for a rigid section.
 
-    C : compliance of its rotation to the moment, with the next interface fixed, or balanced by inertia
+    C : rotation per moment, with the first other interface fixed; without one, balanced by inertia
     """
-    # Only interfaces that average displacements have the arcsine of a rotation.
+    # cubic_turn > 0 marks interfaces that average displacements: their motion is sin(phi).
     if body.is_linear or interface.cubic_turn <= 0:
         return np.zeros(3)
     others = [other for other in body.interfaces if other is not interface]
@@ -49,6 +49,6 @@ def section_softness(body: FlexibleBody, interface: BodyInterface) -> Array:
     for axis, unit in enumerate(np.eye(3)):
         pulling[:, :3, axis] = -np.cross(unit, forces[:, :3, axis])
     pulling = body.expansion.T @ pulling.reshape(-1, 3)
-    answers = body.constrained(held).solve(np.hstack([moments, pulling]))
-    compliance = np.sum(moments * answers[:, :3], axis=0)
-    return np.sum(pulling * answers[:, 3:], axis=0) / compliance
+    responses = body.constrained(held).solve(np.hstack([moments, pulling]))
+    compliance = np.sum(moments * responses[:, :3], axis=0)
+    return np.sum(pulling * responses[:, 3:], axis=0) / compliance

@@ -76,7 +76,7 @@ class BodyForm(Protocol):
         ...
 
     def positions(self, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> NDArray[np.float64]:
-        """Positions (t, k, 3) of all or some nodes in space, for every use of a motion in space.
+        """Positions (t, k, 3) of all or some nodes in space.
 
         Raises ModelError for a node number outside the body.
         """
@@ -103,7 +103,7 @@ class BodyForm(Protocol):
 
         Raises ModelError for a form without a frame.
         displacement : p (t, 6 + r)
-        rates : p' (t, 6 + r)     as at p = 0
+        rates : p' (t, 6 + r)     converted to velocities at p = 0
         """
         ...
 
@@ -146,7 +146,10 @@ class BodyForm(Protocol):
         ...
 
     def sections(self, model: FiniteElementModel | None, /) -> Sections:
-        """Its sections, by elements where these carry the forces; ModelError for a form without sections."""
+        """Its sections, cut through the elements of `model` if these carry the forces.
+
+        Raises ModelError for a form without sections.
+        """
         ...
 
     def section_softness(self, interface: str, /) -> np.ndarray:

@@ -50,7 +50,7 @@ class BodySource:
     connections : RBE2 and RBE3 elements that can be interfaces
     numbers : node numbers for the node ids of its file
     mesh, model : mesh and elements, also for a linear body; None for matrices
-    ties_itself : whether its rigid connections are tied without interfaces
+    ties_itself : whether rigid connections are constraints even if no interface uses them
     """
 
     check: Callable[[int], ModelCheck]
@@ -65,7 +65,7 @@ class BodySource:
 def elements_source(
     mesh: Mesh, assemble: Callable[[], FiniteElementModel], connections: Sequence[Connection] = ()
 ) -> BodySource:
-    """A mesh with elements by `assemble`."""
+    """The body of a mesh; `assemble` makes its elements."""
     model = cache(assemble)
     return BodySource(
         lambda n_frequencies: check_elements(model(), n_frequencies=n_frequencies),

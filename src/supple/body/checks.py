@@ -89,7 +89,7 @@ def check_moves_rigidly(
 def rigid_force_ratios(stiffness: sparse.csc_array, rigid_modes: NDArray[np.float64]) -> NDArray[np.float64]:
     """|K R| (n, 6) by row, relative to the largest forces that can cancel there.
 
-    They are bounded by |K_ij| <= sqrt(K_ii K_jj).
+    The forces that can cancel are bounded by |K_ij| <= sqrt(K_ii K_jj).
     """
     force = np.abs(stiffness @ rigid_modes)
     root = np.sqrt(np.maximum(stiffness.diagonal(), 0))[:, None]

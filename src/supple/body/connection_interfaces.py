@@ -36,7 +36,7 @@ def connection_named(name: str, connections: Sequence[Connection]) -> Connection
 def check_rigid_connections(
     body: str, file: str, connections: Sequence[Connection], taken: Container[str | None]
 ) -> None:
-    """ModelError for an RBE2 that is not an interface: it would stiffen the body in the file.
+    """ModelError for an RBE2 that is not an interface: without it the body is softer than in the file.
 
     body, file : names, for the message
     taken : names of the connections, or of equal node sets, that rigid interfaces use

@@ -24,13 +24,13 @@ __all__ = ["eliminate", "together"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Relative to a row's largest entry: smaller entries are rounding.
+# Entries below this share of a row's largest are rounding.
 _NOTHING = 1e-12
-# Relative to the largest pivot of rows scaled to one: a smaller pivot marks a dependent row.
+# A pivot below this share of the largest one, of rows scaled to one, marks a dependent row.
 _REDUNDANT = 1e-9
-# Preference for elimination: first the freedom named in the file, never one of a joint's interface.
+# Preference for elimination: first the freedom named in the file, last the freedoms of an interface.
 _NAMED, _LAST = 1e3, 1e-4
-# Relative to the terms that cancel in a rigid motion.
+# Allowed residual of a row in a rigid motion, relative to the terms that cancel.
 _RIGID = 1e-6
 
 
@@ -47,7 +47,7 @@ def eliminate(
 
     Parameters
     ----------
-    given : of nodal freedoms u = expansion @ q;  rigid_modes : (n, 6) of q
+    given : constraints on the nodal freedoms u = expansion @ q;  rigid_modes : (n, 6) of q
     last : (n,) coordinates to keep where another can be eliminated
     held : whether the constraints may support the body
     Raises
@@ -137,7 +137,7 @@ def together(rows: sparse.csr_array, named: IntArray, last: NDArray[np.bool_]) -
 
 
 def _groups(rows: sparse.csr_array) -> Iterator[IntArray]:
-    """Rows (k,) that share freedoms with each other."""
+    """Groups of rows (k,) that share freedoms, directly or through other rows."""
     if rows.indptr.size == 1:
         return
     shared = sparse.csr_array(abs(rows) @ abs(rows).T)

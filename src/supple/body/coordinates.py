@@ -2,9 +2,9 @@
 
     u = T q,    T = T_rigid T_constraints T_fixed T_massless
 
-Rigid pieces replace their nodes' freedoms by the six of a virtual node; constraints eliminate one freedom
-each; rotations without stiffness (of nodes of solids beside shells) are fixed; massless freedoms follow the
-others statically.
+Six freedoms of a virtual node replace those of the nodes of a rigid piece. Each constraint eliminates one
+freedom. Rotations without stiffness (of nodes of solids beside shells) are fixed. Massless freedoms follow
+the others statically.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ __all__ = ["Coordinates", "coordinates", "rigid_sets"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Relative to the stiffest rotation of a node: smaller values are rounding.
+# A stiffness below this share of the stiffest rotation of a node is rounding.
 _NO_STIFFNESS = 1e-10
 # Largest size of a dense tie, in numbers: 160 MB.
 _LARGEST_TIE = 2e7
@@ -43,10 +43,10 @@ _LARGEST_TIE = 2e7
 class Coordinates:
     """Coordinates q of a body, and their expansion to its nodes.
 
-    whole : csc (n_nodal, n0)   u from coordinates q0: triples of free nodes, then of rigid pieces; modal ones
-    rest : csc (n0, n)          q0 from q; the identity where only rigid pieces tie nodes
+    whole : csc (n_nodal, n0)   u = whole @ q0; q0 : triples of free nodes, of rigid pieces, modal coordinates
+    rest : csc (n0, n)          q0 = rest @ q; None where q0 = q, as with rigid pieces alone
     rigid_modes : (n, 6);  stiffness, mass : csc (n, n), T^T A T
-    freedoms : (n,) the nodal freedom of each, for messages; modal ones are numbered after them
+    freedoms : (n,) nodal freedom of each coordinate, for messages; modal coordinates have later numbers
     sets : the rigid pieces
     n_modal : number of coordinates of q0 without a node
     bare : nodal freedoms that have no mass and follow statically
@@ -75,14 +75,14 @@ class Coordinates:
         return self.whole if self.rest is None else sparse.csc_array(self.whole @ self.rest)
 
     def last_coordinates(self, k: int) -> sparse.csr_array:
-        """The motion (k, n) of the last k coordinates of q0 in triples, those of rigid interfaces."""
+        """Rows (k, n) of q0 = rest @ q: the last k coordinates in triples, those of rigid interfaces."""
         rows = self._rows
         end = rows.indptr.size - 1 - self.n_modal
         return sparse.csr_array(rows[end - k : end])
 
     @property
     def threes(self) -> sparse.csr_array | None:
-        """The coordinates in triples from q, (n0 - n_modal, n); None where they equal q."""
+        """Rows (n0 - n_modal, n) of q0 = rest @ q: the coordinates in triples; None where they equal q."""
         if self.rest is None and not self.n_modal:
             return None
         rows = self._rows
@@ -113,7 +113,7 @@ def rigid_sets(
 
     Raises
     ------
-    ModelError   two interfaces of one piece
+    ModelError   two interfaces on one piece
     """
     given = [*interfaces, *((each.name, each.nodes, each.position) for each in attached.rigid)]
     if not attached.rigid:
@@ -154,8 +154,8 @@ def coordinates(
 ) -> Coordinates:
     """The coordinates that remain after ties, constraints, fixed rotations and static condensation.
 
-    n_interfaces : the last sets are interfaces, whose coordinates are kept
-    n_modal : the last rows of the matrices are modal coordinates, which rigid motions do not move
+    n_interfaces : number of interfaces, the last sets; their coordinates are kept
+    n_modal : number of modal coordinates, the last rows of the matrices; zero in rigid motions
     tolerance : relative mass that counts as zero
     held : whether constraints may support the body; displacements without stiffness are then fixed as well
 
@@ -212,7 +212,7 @@ def coordinates(
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """Matrices and rigid motions of the remaining coordinates: `kept`, among the first ones."""
+    """Matrices and rigid motions of the remaining coordinates, and their numbers `kept` in q0."""
 
     K: sparse.csc_array
     M: sparse.csc_array
@@ -294,7 +294,8 @@ def _bare(
         remedy = (
             "mass cannot be negative"
             if diagonal[own] < 0
-            else "a rigid interface needs mass in every motion: give its material a density, or average it"
+            else "a rigid interface needs mass in every motion: give its material a density, or use an "
+            "averaging interface"
         )
         raise ModelError(
             f"body '{body}': node {node} {FREEDOM_NAMES[component]} has the mass {diagonal[own]:.3e} (one of "

@@ -54,7 +54,7 @@ class RayleighDamping:
 
     @property
     def retardation_time(self) -> float:
-        """Retardation time beta, s: viscous stress over the elastic stress of equal strain in 1 s."""
+        """Retardation time beta, s: the viscous stress is beta C eps_dot."""
         return self.beta
 
     def linearized(self) -> LinearRayleighDamping:
@@ -67,7 +67,7 @@ class LinearRayleighDamping:
     """C = alpha P^T M P + beta K with the stiffness of the undeformed body, as in the literature.
 
     Where a part of a stiff body has rotated by theta relative to the frame, beta K resists further rotation
-    with forces of order theta^2; RayleighDamping does not. P as there.
+    with forces of order theta^2; RayleighDamping does not. P is as in RayleighDamping.
 
     alpha in 1/s, beta in s; neither negative. held : name of an interface
     """
@@ -139,7 +139,7 @@ class ModalDamping:
     the damping is the same in every frame. Without `held` they are motions relative to the body's frame, P is
     the identity, and the damping depends on the frame.
 
-    ratios : one for all modes, or one per mode from the lowest up; modes beyond the last take the last ratio
+    ratios : one for all modes, or one per mode from the lowest up; the last applies to all higher modes
     n_modes : number of damped modes, from the lowest up; by default all, which a full body does not allow
     held : name of an interface
     """
@@ -201,20 +201,20 @@ def refuse_relative_damping(damping: Damping | None, what: str) -> None:
     if damping is not None and damping.held is not None:
         raise ModelError(
             f"{what}: its damping is relative to the interface '{damping.held}', which needs a body in a "
-            "floating frame can; leave held out"
+            "floating frame; leave held out"
         )
 
 
 def damping_matrix(
     damping: Damping | None, body: FlexibleBody, columns: NDArray[np.float64], stiffness: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """D (k, k) of a body at rest that moves by some columns, by its option; zero without one.
+    """Damping matrix D (k, k) of a body at rest, for motions V along some columns; zero without damping.
 
-    With the interface of the option clamped, the columns move as P V, of mass V^T P^T M P V.
+    Relative to an interface `held`, the motions are P V, with the mass matrix V^T P^T M P V.
 
     columns : V (n, k)          M-orthonormal
     stiffness : (k, k)          V^T K V
-    Raises ModelError when the body has no interface of that name.
+    Raises ModelError when the body has no interface `held`.
     """
     mass = np.eye(columns.shape[1])
     if damping is None:

@@ -58,7 +58,7 @@ __all__ = ["deck_body", "deck_connections", "deck_mesh", "deck_model", "refuse_o
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Relative to the terms that cancel when the ends of a spring move rigidly.
+# Allowed elongation of a spring whose ends move rigidly, relative to the terms that cancel.
 _RIGID = 1e-6
 # Smallest sine of the angle between a wall normal and its material direction for a usable projection.
 _ALONG = 2e-3
@@ -74,7 +74,7 @@ def deck_body(
 ) -> FlexibleBody:
     """A free body from a deck; joints replace its supports.
 
-    interfaces : with node sets of the deck; None: its rigid ties and weighted means, by their names
+    interfaces : their nodes may be node sets of the deck; None: its rigid ties and weighted means, by name
     part : one of several disconnected parts (`deck_parts`)
 
     Raises
@@ -98,8 +98,8 @@ def deck_model(
 ) -> FiniteElementModel:
     """Finite-element model of a deck with a single part: its cells, springs, masses and ties.
 
-    held : with the deck's own supports as constraints; in a free body, joints replace them and springs to
-        ground, which are supports too
+    held : whether to keep the deck's own supports, as constraints, and its springs to ground; a free body
+        omits both, and joints replace them
 
     Raises
     ------
@@ -112,10 +112,10 @@ def deck_model(
     mesh = deck_mesh(deck)
     springs, dashpots = deck.springs, deck.dashpots
     if not held:
-        _warn_of_what_is_left(deck)
+        _warn_of_ground_springs(deck)
         springs, dashpots = ([_free(deck, terms) for terms in given] for given in (springs, dashpots))
     sections = _sections(deck)
-    d = 6 if _turns(deck) or any(section.turns_nodes() for section in sections) else 3
+    d = 6 if _has_rotations(deck) or any(section.turns_nodes() for section in sections) else 3
     attached = Attached(
         springs=linear_strains([*_spring_terms(springs, d), *_matrix_terms(deck.stiffnesses, d)], d),
         mass=_nodal_matrix(deck.masses, deck.inertias, len(deck.node_ids), d),
@@ -166,7 +166,7 @@ def refuse_omitted_cards(deck: Deck, allowed: Sequence[str] = ()) -> None:
 
 
 def deck_mesh(deck: Deck) -> Mesh:
-    """The mesh of a deck with a single part; node sets, element sets and properties are cell sets."""
+    """The mesh of a deck with a single part; element sets and properties are cell sets, ties node sets."""
     cells: dict[CellType, list[DeckElements]] = {}
     for each in deck.elements:
         cells.setdefault(each.kind, []).append(each)
@@ -238,7 +238,7 @@ def _sections(deck: Deck) -> tuple[Section, ...]:
 
 
 def _along_cells(deck: Deck, given: DeckElements) -> FloatArray | None:
-    """Directions of walls; the first side of the cell replaces a direction normal to it."""
+    """Directions of walls; the first side of a cell replaces a direction normal to the cell."""
     if given.directions is None:
         return None
     corners, towards = deck.nodes[given.nodes], np.array(given.directions)
@@ -250,7 +250,7 @@ def _along_cells(deck: Deck, given: DeckElements) -> FloatArray | None:
         number = int(np.argmax(across))
         warnings.warn(
             f"{deck.path}, line {given.lines[number]}: the material direction of {given.name} "
-            f"{given.ids[number]} (one of {across.sum()}) is normal to it; the first side is used",
+            f"{given.ids[number]} (one of {across.sum()}) is normal to its surface; its first side is used",
             SuppleWarning,
             stacklevel=5,
         )
@@ -337,10 +337,10 @@ def _material(material: IsotropicMaterial | AnisotropicMaterial) -> Isotropic | 
     return _isotropic(material)
 
 
-def _turns(deck: Deck) -> bool:
+def _has_rotations(deck: Deck) -> bool:
     """Whether anything beside the elements has a rotational freedom.
 
-    A weighted mean rotates its reference node, and so whatever else is rigidly tied to it.
+    A weighted mean rotates its reference node, and so the nodes tied rigidly to the reference node.
     """
     turned = [mean.reference for mean in deck.means if any(mean.components[3:])]
     if any(np.isin(turned, [*tie.nodes, tie.reference]).any() for tie in deck.rigid):
@@ -515,7 +515,7 @@ def _free(deck: Deck, terms: ScalarTerms) -> ScalarTerms:
     return own
 
 
-def _warn_of_what_is_left(deck: Deck) -> None:
+def _warn_of_ground_springs(deck: Deck) -> None:
     ground = [int(line) for terms in (*deck.springs, *deck.dashpots) for line in terms.lines[_ground(terms)]]
     if ground:
         warnings.warn(

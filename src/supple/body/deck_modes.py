@@ -28,9 +28,9 @@ MORE_MODES = 6
 
 
 def deck_models(deck: Deck, *, held: bool = False) -> dict[str, FiniteElementModel]:
-    """Models of the parts of a deck, by name, largest first; springs may resist rigid motion.
+    """Models of the parts of a deck, by name, largest first.
 
-    Errors as for `deck_model`; its warnings are not given.
+    Errors as for `deck_model`, whose warnings are suppressed.
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SuppleWarning)
@@ -39,7 +39,7 @@ def deck_models(deck: Deck, *, held: bool = False) -> dict[str, FiniteElementMod
 
 
 def mass_of_models(models: Sequence[FiniteElementModel]) -> MassProperties:
-    """Mass, centre and inertia about it of several models together."""
+    """Mass, centre of mass, and inertia about it, of several models together."""
     own = [rigid_mass_properties(each.mass, each.mesh.nodes, each.dofs_per_node) for each in models]
     total = sum(each.mass for each in own)
     centre = sum((each.mass * each.centre for each in own), np.zeros(3)) / (total or 1.0)
@@ -51,15 +51,15 @@ def mass_of_models(models: Sequence[FiniteElementModel]) -> MassProperties:
 
 
 def deck_mass(deck: Deck) -> MassProperties:
-    """Mass, centre and inertia about it of all parts of a deck; errors as for `deck_model`."""
+    """Mass, centre of mass, and inertia about it, of all parts of a deck; errors as for `deck_model`."""
     return mass_of_models(list(deck_models(without_scalar_points(deck), held=True).values()))
 
 
 def deck_frequencies(deck: Deck, n: int, *, held: bool = False) -> FloatArray:
     """The n lowest natural frequencies of all parts, cycles per unit of time, ascending.
 
-    For a free deck the elastic modes; at its own supports all modes, including any remaining rigid motion.
-    Parts without mass have none.
+    A free deck gives its elastic modes; a deck at its own supports (`held`) gives all modes, including any
+    remaining rigid motion. Parts without mass are skipped.
 
     Raises
     ------

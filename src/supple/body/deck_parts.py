@@ -22,7 +22,7 @@ IntArray = NDArray[np.int64]
 def deck_parts(deck: Deck) -> dict[str, Deck]:
     """The connected parts of a deck, largest first: {"part_1": .., "part_2": ..}; "" for a single part.
 
-    Nodes without use and scalar points are in none of them.
+    No part includes unused nodes or scalar points.
     """
     deck = without_scalar_points(deck)
     n, links = len(deck.node_ids), deck_links(deck)
@@ -85,7 +85,7 @@ def named_part(deck: Deck, name: str | None) -> Deck:
 
     Raises
     ------
-    ModelError   several parts and no name; another name
+    ModelError   several parts and no name; an unknown name
     """
     if name is not None and name in deck.superelements:
         return named_part(deck.superelements[name], None)
@@ -107,9 +107,10 @@ def named_part(deck: Deck, name: str | None) -> Deck:
 
 
 def deck_links(deck: Deck) -> IntArray:
-    """Pairs (L, 2) of nodes connected by something beside cells; ties and means from their reference node.
+    """Pairs (L, 2) of nodes connected by something other than cells.
 
-    An isolated node is paired with itself.
+    The first node of each connection is paired with all its nodes, itself included; ties and means start with
+    their reference node.
     """
     stars = [np.array(nodes, dtype=np.int64) for nodes in _stars(deck)]
     pairs = [np.column_stack([np.full(len(nodes), nodes[0]), nodes]) for nodes in stars]

@@ -27,8 +27,9 @@ __all__ = ["FlexibleBody"]
 class FlexibleBody(Summarized):
     """A free elastic body; build it with `flexible_body` or `superelement`, which check it.
 
-    Its n coordinates q are the nodal freedoms left after rigid pieces, constraints and freedoms without mass
-    or stiffness are eliminated (`coordinates`), then six for each rigid piece: u_nodal = expansion @ q.
+    Its n coordinates q are the nodal freedoms that remain after elimination of rigid pieces, constraints and
+    freedoms without mass or stiffness (`coordinates`), then six for each rigid piece:
+    u_nodal = expansion @ q.
 
     nodes         : (N, 3) m, in the mesh axes
     dofs_per_node : 3 (ux uy uz) or 6 (.. rx ry rz)
@@ -42,12 +43,12 @@ class FlexibleBody(Summarized):
     force         : evaluation of its internal force, linear or from quadratic strains
     rotation_operator : csc (3 P, n_nodal), rotation vectors at P points; None where rotations are unknown
     rotation_limit    : rad, largest rotation relative to the body's frame for which its kinematics hold
-    threes : if more than rigid interfaces ties the nodes: coordinates q0 in triples, of free nodes and rigid
-        pieces, as q0 = rest @ q, and their mass (n0, n0); None where q0 = q
+    threes : the map `rest` (n0, n) to coordinates in triples q0 = rest @ q, of free nodes and rigid pieces,
+        and their mass (n0, n0); None where q0 = q, as with rigid interfaces alone
     damping       : csc (n, n), N s/m, from its files; None without. Options of a reduction add to it
     linearized_from : the same body with quadratic strains, if it was linearised; None otherwise
-    n_modal : modal coordinates among q, of a condensed model: no node has them, their mass is not in
-        `nodal_mass`, and only masses of recovered points among `threes` rotate with the frame
+    n_modal : number of modal coordinates in q, of a condensed model. They belong to no node, and their mass
+        is not in `nodal_mass`. Of their motion, only the masses of recovered points rotate with the frame
     """
 
     name: str
@@ -138,7 +139,7 @@ class FlexibleBody(Summarized):
         return constrained_factor(self.stiffness, constraint, grounded=self.grounded_stiffness)
 
     def lowest_modes(self, n_modes: int, constraint: ArrayLike | sparse.sparray | None = None) -> Eigenpairs:
-        """The lowest modes under D q = 0, D (m, n), proven complete; of the free body without D."""
+        """The lowest modes under D q = 0, D (m, n), proven complete; without D, those of the free body."""
         rows = constraint_rows(constraint, self.n)
         found = lowest_modes(
             self.stiffness, self.mass, n_modes, constraint=rows, grounded=self.grounded_stiffness

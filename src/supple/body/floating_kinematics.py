@@ -16,12 +16,12 @@ __all__ = ["floating_positions", "in_space", "node_displacements"]
 
 Array = NDArray[np.float64]
 
-# Numbers of the displacement field in memory at a time (32 MiB): a long run of a large body would not fit.
+# Numbers of the displacement field in memory at a time (32 MiB); the field of a long run may not fit.
 _FIELD_NUMBERS = 2**22
 
 
 class Deforming(Protocol):
-    """A body as the kinematics need it: its nodes, and their displacements by coordinates."""
+    """The members of a body that the kinematics use."""
 
     @property
     def nodes(self) -> np.ndarray:

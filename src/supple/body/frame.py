@@ -51,7 +51,10 @@ class MeanAxisFrame:
 
 
 def smaller_rotations(frame: Frame | None) -> str:
-    """Remedy that reduces a body's rotation relative to its frame; frame : None for one without."""
+    """Remedy that reduces a body's rotation relative to its frame.
+
+    frame : None for a body without frame option
+    """
     split = "split the body (split = { parts = 2 } in a case file, split_body in Python)"
     return split if isinstance(frame, MeanAxisFrame) else f"choose a mean-axis frame, or {split}"
 

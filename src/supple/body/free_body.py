@@ -49,7 +49,7 @@ def free_body(
 ) -> FlexibleBody:
     """A checked free body: coordinates after ties, M = T^T M_nodal T and K likewise.
 
-    n_modal : the last rows of the matrices are modal coordinates, which rigid motions do not move
+    n_modal : number of modal coordinates, the last rows of the matrices; zero in rigid motions
     recovery : of points that become nodes without own mass
     """
     node_ids = None if model is None else model.mesh.node_ids
@@ -79,7 +79,7 @@ def free_body(
         tolerance=rigid_tolerance,
     )
     M, K = made.mass, made.stiffness
-    # Before elimination: afterwards the size of cancelled forces is lost.
+    # Checked before elimination, which loses the size of the forces that cancel.
     R = np.vstack([nodal_rigid_modes(nodes, dofs_per_node), np.zeros((n_modal, 6))])
     check_moves_rigidly(name, "stiffness", K_nodal, R, dofs_per_node, rigid_tolerance)
     C = None
@@ -133,7 +133,7 @@ def free_body(
 def _threes(
     made: Coordinates, nodal_mass: sparse.csc_array
 ) -> tuple[sparse.csc_array, sparse.csc_array] | None:
-    """Coordinates in triples from the body's, and their mass without modal ones, which do not rotate."""
+    """Map from q to the coordinates in triples, and their mass; without modal coordinates."""
     rest = made.threes
     if rest is None:
         return None
@@ -143,7 +143,7 @@ def _threes(
 
 
 def _of_nodes(masses: NDArray[np.float64]) -> sparse.csc_array:
-    """Masses and moments of inertia (N, 1 or 2) on the freedoms of the nodes."""
+    """Masses and moments of inertia (N, 1 or 2) as a diagonal matrix of the nodal freedoms."""
     return sparse.csc_array(sparse.diags_array(np.repeat(masses, 3)))
 
 
@@ -152,7 +152,7 @@ def _with_points(
     points: sparse.csc_array,
     masses: NDArray[np.float64],
 ) -> tuple[sparse.csc_array, sparse.csc_array] | None:
-    """Coordinates in threes with displacements (3 P, n) of points behind them, and their masses."""
+    """`_threes`, followed by displacements (3 P, n) of points and their masses (P,)."""
     if of_nodes is None:
         return None
     rest, mass = of_nodes
@@ -166,7 +166,7 @@ def _with_points(
 def _widened(
     mass: sparse.csc_array, rotations: sparse.csc_array | None, n: int
 ) -> tuple[sparse.csc_array, sparse.csc_array | None]:
-    """The same for n nodal freedoms, of which the last have neither mass nor a rotation."""
+    """Mass and rotation operator, widened to n nodal freedoms; the added ones have no mass or rotation."""
     k = n - (mass.indptr.size - 1)
     wide = sparse.csc_array(sparse.block_diag([mass, sparse.csc_array((k, k))], format="csc"))
     if rotations is None:
@@ -176,7 +176,7 @@ def _widened(
 
 
 def _quadratic_force(model: FiniteElementModel, made: Coordinates) -> QuadraticStrainForce:
-    """Ties of second order, unless the elements' strains see less of a rotation than they would."""
+    """Force of the elements, with second-order ties if all strains vanish in a rotation."""
     if not made.sets or not model.strains_vanish_in_rotation:
         return QuadraticStrainForce(model, made.expansion)
     expansion = with_virtual_nodes(made.whole, model.dofs_per_node, len(made.sets))

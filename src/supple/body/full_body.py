@@ -25,7 +25,7 @@ __all__ = ["FullBody"]
 class FullBody(FloatingForm):
     """All coordinates of a flexible body in a floating frame, attached to the frame by six multipliers.
 
-    body : FlexibleBody    nonlinear where it has quadratic strains; `body.linearized()` otherwise
+    body : FlexibleBody    nonlinear if it has quadratic strains; give `body.linearized()` for a linear one
     frame : NodalFixedFrame | MeanAxisFrame
     damping : RayleighDamping(...), LinearRayleighDamping(...), ModalDamping(ratios, n_modes) or None
     """
@@ -79,7 +79,7 @@ class FullBody(FloatingForm):
 
     @property
     def uses_interface_motions(self) -> bool:
-        """True: its other freedoms are unknowns of a sparse method only."""
+        """True: only a sparse method has all its coordinates as unknowns."""
         return True
 
     @property

@@ -12,8 +12,8 @@ from supple.errors import ModelError
 
 __all__ = ["inertia_gram"]
 
-HELD = 2**22
-"""Numbers of the nine fields of a block of columns in memory at once."""
+_BLOCK_NUMBERS = 2**22
+"""Numbers in memory at once: nine fields for each column of a block."""
 
 
 def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
@@ -46,7 +46,7 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
     turned[:3] = np.moveaxis(cross_of_axes(by_basis[:3].T), 0, 1)
     turned[3:] = (energy.by_both @ V).swapaxes(1, 2)
     among, rates = np.zeros((r, 3, r, 3)), np.zeros((r, 3, r))
-    at_once = max(1, HELD // (9 * max(body.n, 1)))
+    at_once = max(1, _BLOCK_NUMBERS // (9 * max(body.n, 1)))
     for start in range(0, r, at_once):
         some = slice(start, start + at_once)
         fields = V[:, some]
@@ -54,7 +54,7 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
         among[:, :, some] = np.tensordot(V, energy.spin_products(fields), axes=(0, 2)).swapaxes(2, 3)
     rigid, turned = R.T @ (body.mass @ R), turned.reshape(6, 3 * r)
     among, rates = among.reshape(3 * r, 3 * r), rates.reshape(3 * r, r)
-    # From the nodal mass, which reveals where the two masses disagree; it excludes modal coordinates.
+    # From the nodal mass, so that a disagreement of the two masses shows; it lacks modal coordinates.
     nodal = V if body.n_modal else body.expansion @ V
     own = nodal.T @ ((body.mass if body.n_modal else body.nodal_mass) @ nodal)
     gram = np.block([[rigid, turned, by_basis], [turned.T, among, rates], [by_basis.T, rates.T, own]])

@@ -9,9 +9,8 @@ angular velocity is `w`. The angular velocity of a node with the inertia J in it
           + 1/2 w J (theta x (theta x w) - theta x theta')                           + O(|theta|^3)
 
 The third power is omitted; `w x theta` represents the gyroscopic moment. A mass that couples the rotations of
-two nodes, consistent or condensed, is a bilinear form: theta of one node is its first argument, of the other
-its second. A mass that couples translations to rotations is that of a point beside its node, at u + theta x
-c.
+two nodes, consistent or condensed, is a bilinear form of the theta of both nodes. A mass that couples
+translations to rotations is that of a point beside its node, at u + theta x c.
 """
 
 from __future__ import annotations
@@ -44,20 +43,20 @@ _ROUNDING = 1e-14
 
 @dataclass(frozen=True, eq=False)
 class InertiaPolynomial:
-    """Coefficients, in the body's coordinates, of the kinetic energy about the frame's origin at rest.
+    """Coefficients of the kinetic energy, in the body's coordinates, with the frame's origin at rest.
 
         T = 1/2 q' M q' + w_i (P_i . q' + q B_i q') + 1/2 w_i w_j (J_ij + 2 k_ij . q + q Z_ij q)
 
-    with `P_i` the columns of M R of the rotations. All come from the 3 x 3 blocks of the mass matrix. Blocks
-    m I between two translations, those of points, have B_i = - m e_i x and Z_ij = - m e_i x e_j x: their
-    products need one product with M only.
+    where `P_i` are the columns of M R for rotations. All follow from the 3 x 3 blocks of the mass matrix.
+    Blocks m I between two translations, those of points, have B_i = - m e_i x and Z_ij = - m e_i x e_j x;
+    their products need one product with M only.
     """
 
     body: FlexibleBody
 
     @property
     def _rest(self) -> Any:
-        """Coordinates in triples from the body's; None where the body's are in triples."""
+        """Map from the body's coordinates to those in triples; None where they are equal."""
         return None if self.body.threes is None else self.body.threes[0]
 
     @property
@@ -131,7 +130,7 @@ class InertiaPolynomial:
         data[blocks.of_rotation] = mass[blocks.of_rotation] @ _TWICE[i, j]
         if not blocks.rotary.any():
             return blocks.matrix(data, chosen)
-        # Symmetric in i, j and in both arguments: nothing else contributes to the energy.
+        # Only the part symmetric in i, j and in both arguments contributes to the energy.
         inertia, second = mass[blocks.rotary], np.zeros_like(data)
         for a, b in ((i, j), (j, i)):
             turned = _AXES[b][:, None] * inertia[:, None, a] - inertia[:, a, b, None, None] * _AXES
@@ -170,7 +169,7 @@ class InertiaPolynomial:
         """`k_ij` (3, 3, n); k_ii is the load of a unit angular velocity about i at rest.
 
         Only k_ij + k_ji enters the energy. The skew part is chosen so that 2 w_j k_ij . q' is the Coriolis
-        moment, J' w + w x (P . q'), as for points e_i x x and e_j x q.
+        moment, J' w + w x (P . q'). For points, k_ij . q = m (e_i x x) . (e_j x q).
         """
         blocks, mass = self._blocks, self._blocks.mass.data
         rotations = self._rigid_modes[:, 3:]
@@ -180,7 +179,7 @@ class InertiaPolynomial:
         own = (rotary @ rotations).reshape(-1, 3, 3)
         turns, result = blocks.turns[:, None, None], np.zeros((3, 3, len(rotations)))
         for j, cross in enumerate(_CROSS):
-            # (e_j x u) . p = u . (p x e_j); for a rotation only J e_i is rotated: the rest depends on
+            # (e_j x u) . p = u . (p x e_j). For a rotation only J e_i is rotated; other terms depend on
             # positions.
             places = np.where(turns, 0.0, cross.T @ rotations.reshape(-1, 3, 3))
             through = (beside.T @ places.reshape(-1, 3)).reshape(-1, 3, 3)

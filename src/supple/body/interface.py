@@ -28,8 +28,8 @@ __all__ = [
 class RigidInterface:
     """Nodes that move as one rigid body with a virtual node (RBE2): u_a = u_v + theta_v x (x_a - x_v).
 
-    On shells the nodes also rotate with it, theta_a = theta_v. Their own freedoms are eliminated. The strains
-    of adjacent elements include their rotation to second order (`second_order_tie`).
+    On shells the nodes also rotate with the virtual node, theta_a = theta_v. The freedoms of the nodes are
+    eliminated. The strains of adjacent elements include theta_v to second order (`second_order_tie`).
 
     nodes    : name of a node set, or node numbers
     position : (3,) of the virtual node; the centroid of the nodes when omitted
@@ -105,7 +105,7 @@ class UntiedInterface:
 
     @property
     def tied_nodes(self) -> NDArray[np.int64]:
-        """None."""
+        """Empty."""
         return np.empty(0, dtype=np.int64)
 
 

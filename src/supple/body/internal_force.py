@@ -1,6 +1,6 @@
 """Evaluation of the internal force of a body: from its stiffness alone, or from quadratic strains.
 
-This is independent of the elements of the body: a linearised body keeps its elements.
+The choice is independent of the elements of the body: a linearised body keeps its elements.
 """
 
 from __future__ import annotations
@@ -64,8 +64,8 @@ class QuadraticStrainForce:
 
     model : FiniteElementModel
     expansion : csc (n_nodal, n)    T of the nodal freedoms u = T q; rows of virtual nodes may follow
-    rigid_sets : tied to second order in their rotation, virtual nodes last among the coordinates; empty:
-        tied linearly by T
+    rigid_sets : sets tied to second order in their rotation, the coordinates of their virtual nodes last;
+        empty: T ties all nodes linearly
     """
 
     model: FiniteElementModel = field(repr=False)

@@ -45,13 +45,13 @@ __all__ = [
 
 IntArray = NDArray[np.int64]
 
-# Rounding of printed entries: a row of some hundred entries cancels to this many times the error of one.
+# In a rigid motion, a row of some hundred printed entries leaves this many times the rounding of one entry.
 ROUNDED_ROWS = 100.0
 
 
 @dataclass(frozen=True, eq=False)
 class NodalMatrices:
-    """Stiffness and mass by node, in the mesh axes, for the nodes that have any; then modal coordinates.
+    """Stiffness and mass in the mesh axes, of the nodes that have either, then of modal coordinates.
 
     nodes           : (N, 3);  node_ids : (N,) labels
     stiffness, mass : csc (n, n), n = N * dofs_per_node + n_modal;  damping : likewise, or None
@@ -76,7 +76,7 @@ class NodalMatrices:
 
     @property
     def all_ids(self) -> IntArray:
-        """Labels of the nodes of its body, with recovered points after the others."""
+        """Labels of the nodes of the body; recovered points come last."""
         return self.node_ids if self.recovery is None else np.concatenate([self.node_ids, self.recovery.ids])
 
     @property
@@ -89,8 +89,8 @@ class NodalMatrices:
 class MatrixFiles:
     """Files of a linear body from another program, full or condensed.
 
-    Condensed: boundary grids and modal coordinates (Craig-Bampton), defined by QSET and SPOINT cards of the
-    mesh file, or by the component 0 in the matrix file. See `superelement`.
+    A condensed model has boundary grids and modal coordinates (Craig-Bampton). QSET and SPOINT cards of the
+    mesh file, or the component 0 in the matrix file, define the modal coordinates. See `superelement`.
 
     nodes           : Abaqus or CalculiX .inp, Nastran .bdf, or HDF5
     stiffness, mass : DMIG .pch, OUTPUT4 .op4, OUTPUT2 .op2, HDF5, Abaqus .mtx, CalculiX .sti and .mas
@@ -117,8 +117,8 @@ def read_labelled_superelement(
 ) -> FlexibleBody:
     """A linear body from the matrices of another program and the file of its nodes, full or condensed.
 
-    interfaces : with node sets of the mesh file, or node numbers; None: its RBE2 and RBE3 elements, or
-        without any, each boundary grid of a condensed model (grid_ID)
+    interfaces : on node sets of the mesh file, or node numbers; None: the RBE2 and RBE3 elements of the mesh
+        file, or if it has none, each boundary grid of a condensed model with rotations (grid_ID)
     Raises
     ------
     ImportFormatError   files that cannot be read
@@ -151,7 +151,7 @@ def labelled_superelement(
     *,
     rigid_tolerance: float | None = None,
 ) -> FlexibleBody:
-    """A linear body from nodal matrices; interfaces default to those of the mesh file.
+    """A linear body from nodal matrices; interfaces as for `read_labelled_superelement`.
 
     Raises
     ------
@@ -193,9 +193,9 @@ def nodal_matrices(
 
     Modal coordinates come last.
 
-    Nodes without stiffness and mass (reference points) are left out, and so are rotations when none has any
-    (solids, in programs whose nodes always have six freedoms). A node without a rotational entry, beside
-    nodes with one, keeps the rotation, fixed at zero.
+    Nodes without stiffness and mass (reference points) are left out. Rotations are left out if no node has
+    entries for them (solids, in programs whose nodes always have six freedoms); otherwise nodes without such
+    entries have rotations fixed at zero.
 
     Raises
     ------
@@ -233,7 +233,7 @@ def nodal_matrices(
     T = None if recovery is None else in_order(recovery, labels).matrix
     K, M, *C = (matrix[freedoms][:, freedoms] for matrix in (K, M, *C))
     if nodes.axes is not None:
-        turn = _turned(nodes.axes[kept], dofs_per_node)
+        turn = _to_mesh_axes(nodes.axes[kept], dofs_per_node)
         turn = sparse.csr_array(sparse.block_diag([turn, sparse.eye_array(len(modal))], format="csr"))
         K, M, *C = (turn @ matrix @ turn.T for matrix in (K, M, *C))
         T = None if T is None else T @ turn.T
@@ -255,13 +255,13 @@ def nodal_matrices(
 
 
 def _modal_freedoms(nodes: NodeTable, *matrices: LabelledMatrix) -> IntArray:
-    """Freedoms (k, 2) of the matrices without a node: scalar points, and those of a QSET."""
+    """Freedoms (k, 2) that belong to no node: scalar points, and freedoms in a QSET."""
     labels = np.unique(np.concatenate([matrix.freedoms for matrix in matrices]), axis=0)
     width = 7
     is_modal = np.isin(labels @ [width, 1], nodes.modal @ [width, 1]) | (labels[:, 1] == 0)
     modal = labels[is_modal]
     grids = np.flatnonzero((modal[:, 1] == 0) & numbers_of(nodes.ids, modal[:, 0])[1])
-    # The numbers of modal coordinates in HDF5 files are arbitrary.
+    # Without QSET or SPOINT cards, as in HDF5 files, the ids of modal coordinates may equal those of grids.
     if grids.size and len(nodes.modal):
         raise ModelError(
             f"{matrices[0].source}: component 0 of grid {modal[grids[0], 0]}, which is not a scalar point; "
@@ -298,7 +298,7 @@ def _on_kept(connection: Connection, kept: NDArray[np.bool_], number: IntArray) 
     return replace(connection, nodes=number[connection.nodes[members]])
 
 
-def _turned(axes: NDArray[np.float64], dofs_per_node: int) -> sparse.csr_array:
+def _to_mesh_axes(axes: NDArray[np.float64], dofs_per_node: int) -> sparse.csr_array:
     """Block diagonal matrix from freedoms in each node's own axes to those in the mesh axes."""
     blocks = np.repeat(axes, dofs_per_node // 3, axis=0)
     return sparse.csr_array(sparse.bsr_array((blocks, np.arange(len(blocks)), np.arange(len(blocks) + 1))))

@@ -1,4 +1,4 @@
-"""Mass, centre and inertia of a mass matrix, from its rigid motions, and of a mesh, by volume integrals."""
+"""Mass, centre and inertia: of a mass matrix from rigid motions, of a mesh by integration."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def rigid_mass_properties(mass: Any, nodes: FloatArray, dofs_per_node: int) -> M
     mass : sparse (n, n), of N * dofs_per_node nodal freedoms, then of modal coordinates;  nodes : (N, 3)
     Returns
     -------
-    MassProperties   centre and inertia are zero where the mass is
+    MassProperties   without positive mass, the centre is the mean of the nodes and the inertia is zero
     """
     # About the centroid of the nodes, so that the inertia is not a small difference of large numbers.
     middle = nodes.mean(axis=0)
@@ -65,7 +65,7 @@ def rigid_mass_properties(mass: Any, nodes: FloatArray, dofs_per_node: int) -> M
 def centre_of_gram(gram: FloatArray) -> FloatArray:
     """Centre of mass (3,) from R^T M R (6, 6), relative to the point of the rotations.
 
-    The coupling of u_i with theta_j is m (e_j x r)_i: its skew part holds m times the centre.
+    The coupling of u_i with theta_j is m (e_j x r)_i, whose skew part is m times the centre.
     """
     C, total = gram[:3, 3:6], np.trace(gram[:3, :3]) / 3
     return np.array([C[1, 2] - C[2, 1], C[2, 0] - C[0, 2], C[0, 1] - C[1, 0]]) / (2 * total)
@@ -128,7 +128,7 @@ def _moments(
 def _beam_moments(
     line: BeamLine, x: FloatArray, section: LineSection
 ) -> tuple[float, FloatArray, FloatArray, FloatArray]:
-    """The same for beams between nodes x (E, 2, 3), from the inertia of the section at three positions."""
+    """`_moments` of beams between nodes x (E, 2, 3), from the inertia of the section at three positions."""
     s, weights = np.polynomial.legendre.leggauss(3)
     s = (1 + s) / 2
     ends = x + line.arms @ line.axes
@@ -165,7 +165,7 @@ def _solid_moments(kind: CellType, x: FloatArray) -> tuple[float, FloatArray, Fl
 
 
 def _simplex_moments(x: FloatArray, share: FloatArray | None = None) -> tuple[float, FloatArray, FloatArray]:
-    """The same for lines (E, 2, 3) or triangles (E, 3, 3), weighted by a share (E,) if given."""
+    """Size, int x and int x x^T over lines (E, 2, 3) or triangles (E, 3, 3), weighted by `share` (E,)."""
     k, sizes, s = x.shape[1], _sizes(x), x.sum(axis=1)
     if share is not None:
         sizes = share * sizes

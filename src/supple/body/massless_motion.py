@@ -2,12 +2,12 @@
 
 Too few integration points leave a consistent mass matrix positive semidefinite: with four in a ten-node
 tetrahedron, some motions of nodes of a single cell have no mass. Where the stiffness is regular on these
-motions Z (M Z = 0), static equilibrium ties them to the rest:
+motions Z (M Z = 0), static equilibrium ties them to the other freedoms:
 
     Z^T K u = 0,    u_e = - (Z^T K_e)^-1 Z^T K_k u_k,    u = T u_k
 
-for as many eliminated freedoms e as there are columns in Z, and the kept ones k. T^T M T is positive
-definite, and T maps the rigid motions of the kept freedoms to those of all.
+with as many eliminated freedoms e as Z has columns, and the kept freedoms k. T^T M T is positive definite,
+and T maps the rigid motions of the kept freedoms to those of all freedoms.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ __all__ = ["StaticallyTied", "massless_motions", "tie_statically"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Relative to the energy of freedoms that move alone: a smaller energy is zero.
+# An energy below this share of that of freedoms that move alone is zero.
 _REGULAR = 1e-9
-# Relative to the largest entry: smaller entries of a tie are rounding.
+# Entries of a tie below this share of the largest are rounding.
 _NO_TIE = 1e-11
 
 
 def massless_motions(mass: sparse.csc_array, tolerance: float) -> FloatArray:
     """Motions Z (n, k) with M Z = 0, in the units of each freedom: k = 0 where M is positive definite.
 
-    tolerance : eigenvalue of the mass scaled to a unit diagonal below which it counts as zero; every freedom
-        must have mass
+    tolerance : eigenvalues of M, scaled to a unit diagonal, count as zero below this; every freedom must have
+        mass
 
     Raises
     ------
@@ -77,11 +77,11 @@ def tie_statically(
 
     Raises
     ------
-    ModelError  motions without stiffness, or that the eligible freedoms cannot represent
+    ModelError  motions without stiffness, or motions that the eligible freedoms cannot represent
     """
     n, k = motions.shape
     forces = motions.T @ stiffness
-    # Relative to the energy of freedoms that move alone, so that a motion without stiffness is allowed.
+    # Energies relative to those of freedoms that move alone: zero for a motion without stiffness.
     alone = motions.T @ (stiffness.diagonal()[:, None] * motions)
     soft = int((linalg.eigvalsh(forces @ motions, alone) <= _REGULAR).sum())
     if soft:

@@ -33,10 +33,10 @@ FloatArray = NDArray[np.float64]
 LOWEST_FREQUENCIES = "lowest free frequencies"
 """Name of the finding that lists them, in cycles per unit of time."""
 
-# Relative to the highest eigenvalue computed: rigid modes come out at some 1e-9 of it, the slowest elastic
-# modes of slender parts at some 1e-4.
+# Eigenvalues below this share of the highest computed one are zero. Those of rigid modes are some 1e-9 of it,
+# those of the slowest elastic modes of slender parts some 1e-4.
 ZERO_MODE = 1e-6
-# Difference of the mass matrix from the mass of the mesh: far more than quadrature on curved cells errs.
+# Difference of the mass matrix from the mass of the mesh: far above the quadrature error on curved cells.
 MASS_AGREEMENT = 0.02
 # Difference between the three masses of R^T M R: rounding of entries printed with few digits.
 SAME_MASS = 1e-4
@@ -72,7 +72,7 @@ class ModelCheck:
 
     mass         : mass, centre and inertia of the mass matrix in rigid motion
     rigid_energy : (6,) strain energy of the six rigid motions relative to that of their nodes moving alone
-    n_zero_modes : modes without strain energy, 6 for a free body; None where they could not be counted
+    n_zero_modes : number of modes without strain energy, 6 for a free body; None if not computed
     frequencies  : cycles per unit of time, of the lowest elastic modes of the free body
     """
 
@@ -357,7 +357,7 @@ def _coordinates(
         return None, [Finding("positive mass", seen, Verdict.REFUSED, remedy)]
     found = [_positive_mass(made, M, labels, dofs_per_node)]
     if made.n_fixed:
-        seen = f"{made.n_fixed} of nodes, which are fixed to the body"
+        seen = f"{made.n_fixed}, which are fixed"
         found.append(Finding("rotations without stiffness", seen))
     if beside.rigid or beside.constraints is not None:
         rows = 0 if beside.constraints is None else len(beside.constraints.labels)
@@ -380,7 +380,7 @@ def _positive_mass(made: Coordinates, mass: sparse.csc_array, labels: NDArray[np
 
 
 def _rigid_energy(K: sparse.csc_array, R: FloatArray) -> FloatArray:
-    """r^T K r relative to r^T diag(K) r, for each rigid motion about the centroid of the body."""
+    """r^T K r relative to r^T diag(K) r, for each rigid motion r, rotations about the mesh origin."""
     alone = np.einsum("ij,i,ij->j", R, np.abs(K.diagonal()), R)
     energy = np.einsum("ij,ij->j", R, K @ R)
     return np.divide(np.abs(energy), alone, out=np.zeros(6), where=alone > 0)
@@ -394,12 +394,15 @@ def _grounding(
     worst = float(ratios[row, motion])
     if worst <= tolerance:
         return Finding("free of supports", f"rigid-body residual {worst:.0e} of the forces that cancel")
-    seen = f"{RIGID_NAMES[motion]} leaves {worst:.1e}, most at {_freedom(int(row), labels, dofs_per_node)}"
+    seen = (
+        f"{RIGID_NAMES[motion]} leaves {worst:.1e} of the forces that should cancel, most at "
+        f"{_freedom(int(row), labels, dofs_per_node)}"
+    )
     factor = _unit_of_nodes(K, R, dofs_per_node, tolerance)
     if factor is not None:
         return Finding(
             "free of supports",
-            f"{seen}, and would leave none if all coordinates were {factor:.6g} times as large",
+            f"{seen}; all would cancel if the coordinates were {factor:.6g} times as large",
             Verdict.REFUSED,
             "nodes and matrices are in different units of length: use the same for both",
         )
@@ -414,7 +417,7 @@ def _grounding(
 
 
 def _unit_of_nodes(K: sparse.csc_array, R: FloatArray, dofs_per_node: int, tolerance: float) -> float | None:
-    """Factor on the coordinates of nodes with rotations that makes K R = 0; None if there is none."""
+    """Factor on the node coordinates that makes K R = 0; None without one, or without nodal rotations."""
     if dofs_per_node == 3:
         return None
     turning = R.copy()
@@ -428,7 +431,7 @@ def _unit_of_nodes(K: sparse.csc_array, R: FloatArray, dofs_per_node: int, toler
 
 
 def wave_speed(nodes: FloatArray, stiffness: Any, mass: Any, *, dofs_per_node: int) -> float:
-    """Node spacing times sqrt(K_ii / M_ii), the medians: some 2 to 6 times the speed of sound.
+    """Median node spacing times the median sqrt(K_ii / M_ii): some 2 to 6 times the speed of sound.
 
     Parameters as for `check_model`; at least two nodes.
     """

@@ -70,7 +70,7 @@ class FloatingForm(FormDefaults):
         return floating_interface_motion(self.interface(name), motion.of_type(FloatingMotion))
 
     def sections(self: Any, model: FiniteElementModel | None, /) -> Sections:
-        """Sections by its elements; ModelError for a rigid body, and without elements."""
+        """Sections through its elements; ModelError for a rigid body, and without elements."""
         if not self.n_coordinates:
             return FormDefaults.sections(self, model)
         if model is None:
@@ -83,7 +83,7 @@ class FloatingForm(FormDefaults):
     def motion_near(
         self, position: Array, rotation: Array, coordinates: Array, displacement: Array, rates: Array
     ) -> FloatingMotion:
-        """Motion displaced by p (t, 6 + r), at rates p' (t, 6 + r) as at p = 0."""
+        """Motion displaced by p (t, 6 + r), with rates p' (t, 6 + r) converted to velocities at p = 0."""
         frames = frames_near(position, rotation, displacement, rates)
         still, q = np.zeros_like(frames[2]), coordinates + displacement[:, 6:]
         return FloatingMotion(*frames[:2], q, *frames[2:], rates[:, 6:], still, still, np.zeros_like(q))
@@ -94,7 +94,7 @@ def frames_near(
 ) -> tuple[Array, Array, Array, Array]:
     """Positions, rotations, velocities and angular velocities of frames displaced by p = (A^T dR, psi, ..).
 
-    displacement, rates : (t, 6 + r)    rates as at p = 0
+    displacement, rates : p, p' (t, 6 + r)    rates are converted to velocities at p = 0
     """
     turned = rotation @ Rotation.from_rotvec(displacement[:, 3:6]).as_matrix()
     return position + displacement[:, :3] @ rotation.T, turned, rates[:, :3] @ rotation.T, rates[:, 3:6]
@@ -133,7 +133,7 @@ def floating_interface_motion(interface: Interface, motion: FloatingMotion) -> I
     moved, rate, second = (q @ interface.motion.T for q in shapes)
     place, turned = place_in_frame(interface, motion.coordinates)
     point = _in_space(motion, place[:, None], rate[:, None, :3], second[:, None, :3])
-    own = np.einsum("tij,tj->ti", turned, _turning(interface.cubic_turn, moved[:, 3:], rate[:, 3:]))
+    own = np.einsum("tij,tj->ti", turned, _angular_velocity(interface.cubic_turn, moved[:, 3:], rate[:, 3:]))
     return InterfaceMotion(
         in_space(motion.position, motion.rotation, place[:, None])[:, 0],
         motion.rotation @ turned,
@@ -143,7 +143,7 @@ def floating_interface_motion(interface: Interface, motion: FloatingMotion) -> I
     )
 
 
-def _turning(cubic_turn: float, theta: Array, rate: Array) -> Array:
+def _angular_velocity(cubic_turn: float, theta: Array, rate: Array) -> Array:
     """T(phi) dphi (t, 3), the angular velocity in the rotated axes:
 
     T(phi) dphi = dphi - (1 - cos p)/p^2 phi x dphi + (p - sin p)/p^3 phi x (phi x dphi),   p = |phi|

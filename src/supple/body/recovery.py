@@ -3,8 +3,8 @@
     u_points = T [u_boundary; eta],      T R = R_points
 
 Masses on these points and on the nodes add information that the matrices lack: in which direction modal
-coordinates move the mass. They are the nonnegative masses whose sum is nearest to the mass matrix, scaled by
-its diagonal:
+coordinates move the mass. These masses are nonnegative, and their mass matrix is nearest to that of the body,
+both scaled by its diagonal:
 
     M  ~  sum_a m_a T_a^T T_a + sum_a J_a Theta_a^T Theta_a,      m_a, J_a >= 0
 """
@@ -26,7 +26,7 @@ __all__ = ["Recovery"]
 
 FloatArray = NDArray[np.float64]
 
-# Of a rigid motion, relative to the size of the body: rounding of matrices printed with few digits.
+# Allowed deviation from rigid motion, relative to the size of the body, for matrices printed with few digits.
 _MOVES_RIGIDLY = 1e-4
 _MOST_MASSES = 1500
 _LARGEST_MISS = 0.05
@@ -45,7 +45,7 @@ class Recovery:
     matrix: FloatArray
 
     def check(self, body: str, nodes: FloatArray, dofs_per_node: int, n: int) -> None:
-        """ModelError for matrices of the wrong size, or that do not move rigidly with the nodes."""
+        """ModelError for a matrix of the wrong size, or if its points do not move rigidly with the nodes."""
         if self.matrix.shape != (3 * len(self.points), n):
             raise ModelError(
                 f"body '{body}': the recovery matrix has shape {self.matrix.shape}; {len(self.points)} "
@@ -62,9 +62,8 @@ class Recovery:
         if miss.size and not miss[worst] <= _MOVES_RIGIDLY:  # NaN fails too
             raise ModelError(
                 f"body '{body}': the recovery matrix deviates from rigid motion by {miss[worst]:.1e} at "
-                f"point {self.ids[worst // 3]} u{'xyz'[worst % 3]}; give it for absolute displacements, its "
-                "columns in the order of the matrices, boundary freedoms and modal coordinates alike, in "
-                "basic axes"
+                f"point {self.ids[worst // 3]} u{'xyz'[worst % 3]}; it needs absolute displacements in basic "
+                "axes, and columns in the order of the matrices (boundary freedoms and modal coordinates)"
             )
 
     def masses(
@@ -72,8 +71,8 @@ class Recovery:
     ) -> tuple[FloatArray, FloatArray] | None:
         """Masses (N, 1 or 2) of the nodes, of translations and rotations, and of the points (P,).
 
-        None where they differ from the body's mass, or its centre, by more than 5 %, as for points in only a
-        part of it, or where there are too many points.
+        None if the body has too many points, if the masses miss its mass by more than 5 %, or if they miss
+        its centre by more than 5 % of the radius of gyration (as for points in only a part of the body).
         """
         n, n_nodes, parts = len(mass), len(nodes), dofs_per_node // 3
         if n_nodes * parts + len(self.points) > _MOST_MASSES:

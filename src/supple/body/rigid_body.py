@@ -19,7 +19,7 @@ from supple.summary import Summarized, Summary, point
 
 __all__ = ["RigidBody"]
 
-# Inertias given with few digits may violate the triangle inequality in the last one (thin discs, rods).
+# Inertias given with few digits may violate the triangle inequality in the last digit (thin discs, rods).
 ROUNDING = 1e-6
 
 
@@ -77,7 +77,7 @@ class RigidBody(FloatingForm, Summarized):
 
     @property
     def n_coordinates(self) -> int:
-        """None."""
+        """Zero."""
         return 0
 
     @property
@@ -117,7 +117,7 @@ class RigidBody(FloatingForm, Summarized):
 
     @property
     def rotation_limit(self) -> float:
-        """None: there is no rotation relative to the frame."""
+        """Infinite: a rigid body has no rotation relative to its frame."""
         return np.inf
 
     def _position(self, what: str, given: ArrayLike) -> NDArray[np.float64]:

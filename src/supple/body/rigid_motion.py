@@ -24,7 +24,7 @@ def cross_of_axes(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
-# Nodes count as collinear when their spread normal to the best-fit line is this fraction of that along it.
+# Nodes are collinear if their spread normal to the best-fit line is below this fraction of that along it.
 COLLINEAR = 1e-6
 
 

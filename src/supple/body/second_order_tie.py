@@ -11,8 +11,8 @@ remains a cubic polynomial and the energy a sum of squares:
     eps = B T q + 1/2 [ N(GTq, GTq) + B Q(q, q) ]
 
 When the interface rotates, the elements beside it keep a strain of order theta^3, an energy of order theta^6.
-It is least where they have rotated by arctan |theta|, to third order: the angle of a joint at the interface
-(`BodyInterface.cubic_turn`).
+This energy is least where the elements have rotated by arctan |theta|, to third order. That is the angle of a
+joint at the interface (`BodyInterface.cubic_turn`).
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def second_order_strains(
 
     Parameters
     ----------
-    blocks : of the elements, linear in u = T q
+    blocks : strains of the elements in u = T q, tied linearly
     nodes : (N, 3)
     rigid_sets : (node numbers (k,), position of the virtual node (3,)) each; no node in two of them
     Returns
@@ -58,7 +58,7 @@ def second_order_strains(
 def tied_parts(
     block: QuadraticStrain, nodes: FloatArray, dofs_per_node: int, rigid_sets: Sequence[RigidSet]
 ) -> Iterator[tuple[IntArray, QuadraticStrain]]:
-    """For one block: parts by number of touching sets, with the numbers of their elements in it."""
+    """Parts of a block by the number of rigid sets at an element, each with its element numbers."""
     set_of = np.full(len(nodes), -1)
     arms = np.zeros((len(nodes), 3))
     for number, (node_ids, position) in enumerate(rigid_sets):
@@ -107,7 +107,7 @@ def _parts(
 def _tied(block: QuadraticStrain, virtual: IntArray, arms: FloatArray, dofs_per_node: int) -> QuadraticStrain:
     """Elements with c virtual nodes (E, c) and the arms (E, c, k, 3) of their nodes, 0 where not tied.
 
-    Solids beside shells have 3 of the 6 freedoms of their nodes, and the rotations of virtual nodes.
+    Solids beside shells use 3 of the 6 freedoms of their nodes, and the rotations of the virtual nodes.
     """
     n_elements, n_points, n_strains, n = block.B.shape
     d, (c, k) = block.G.shape[2], arms.shape[1:3]

@@ -30,7 +30,7 @@ def section_beams(table: SectionTable, n_elements: int | None = None) -> FiniteE
 
     Raises
     ------
-    ModelError      no element
+    ModelError      fewer than one element
     """
     if n_elements is not None and n_elements < 1:
         raise ModelError(f"a chain of beams needs at least one element, not {n_elements}")
@@ -45,7 +45,7 @@ def section_beams(table: SectionTable, n_elements: int | None = None) -> FiniteE
     beam = np.stack([x, np.cross(z, x), z], axis=1)
 
     def along_beams(matrices: Array, end: int) -> Array:
-        """Matrices of the sections at one end of the beams, in the axes of these."""
+        """Matrices of the sections at one end of the beams, in the axes of the beams."""
         own = slice(end, n + end)
         turn = np.zeros((n, 6, 6))
         turn[:, :3, :3] = turn[:, 3:, 3:] = beam @ axes[own]

@@ -22,7 +22,7 @@ __all__ = ["CuttingPlane", "Sections", "section_loads"]
 Array = NDArray[np.float64]
 
 ROUNDING = 1e-9
-"""Relative to the size of the body: points nearer to the plane count as on it."""
+"""Points nearer to the plane than this share of the size of the body count as on it."""
 
 ROOM = 2**22
 """Numbers of forces in memory at a time."""
@@ -32,7 +32,7 @@ ROOM = 2**22
 class CuttingPlane:
     """A plane across an undeformed body, in the axes of its mesh.
 
-    point : (3,)     on it, m; moments are about this point of the section
+    point : (3,)     a point of the plane, m, about which moments are taken
     normal : (3,)    towards the far side; of any length
     """
 
@@ -60,11 +60,11 @@ class _Layer(NamedTuple):
     freedoms: NDArray[np.int64]
     """(m,) nodal freedoms of these elements in the body"""
     blocks: tuple[QuadraticStrain, ...]
-    """renumbered to these freedoms"""
+    """strains of these elements, renumbered to `freedoms`"""
     shares: tuple[Array, ...]
     """(E,) per block: plus one half before the section, minus one half beyond it"""
     cut: NDArray[np.int64]
-    """(k, d) positions of the freedoms of the section's nodes among them"""
+    """(k, d) positions of the freedoms of the section's nodes in `freedoms`"""
     places: Array
     """(k, 3) of these nodes, undeformed"""
 
@@ -83,11 +83,11 @@ def section_loads(body: Any, model: FiniteElementModel, motion: Motion, plane: C
 
         F = sum_n f_n,   M = sum_n (x_n + u_n - p) x f_n + m_n
 
-    over the nodes n that elements on both sides share, where f, m are the internal forces of the elements
-    before the plane, and those beyond with the other sign, averaged; the two differ by the loads on these
-    very nodes. Either part is thus in equilibrium for any mesh, and distributed loads cause an error of
-    second order. The position of an element is the mean of its nodes. `p` is the point of the plane, moved by
-    the mean displacement of the nodes.
+    over the nodes n that elements on both sides share. f, m are the mean of the internal forces of elements
+    before the plane and of those beyond it with opposite sign; the two differ by the loads on these nodes.
+    Both parts are thus in equilibrium for any mesh, and distributed loads cause an error of second order. The
+    mean of its nodes determines the side of an element. `p` is the point of the plane, moved by the mean
+    displacement of the nodes n.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def section_loads(body: Any, model: FiniteElementModel, motion: Motion, plane: C
 
     Raises
     ------
-    ModelError   another model; a plane that cuts nothing, or cuts beside a rigid interface
+    ModelError   another model; a plane without elements on both sides, or beside a rigid interface or tie
     """
     if len(model.mesh.nodes) != len(body.nodes) or not np.array_equal(model.mesh.nodes, body.nodes):
         raise ModelError(f"body '{body.name}' was not made of this model; give the model it was made of")

@@ -34,11 +34,11 @@ def superelement(
 ) -> FlexibleBody:
     """A linear body from nodes and matrices, full or condensed.
 
-    Rows after those of the nodes are modal coordinates of a condensed model (Craig-Bampton): rigid motions do
-    not change them, and K R = 0 for the others. Matrices do not contain the direction in which a modal
-    coordinate moves the mass, so its motion does not rotate with the body's frame, nor change its inertia:
-    angular velocities must be well below its frequency. Recovered points throughout the body supply the
-    direction (`Recovery`).
+    Rows after those of the nodes are modal coordinates of a condensed model (Craig-Bampton). They are zero in
+    the rigid motions R, and K R = 0. The matrices lack the direction in which a modal coordinate moves the
+    mass. This motion therefore neither rotates with the body's frame nor changes the body's inertia, and
+    angular velocities must be well below the frequency of the mode. Recovered points throughout the body
+    supply the direction (`Recovery`).
 
     Parameters
     ----------
@@ -47,9 +47,9 @@ def superelement(
     dofs_per_node   : 3 or 6
     damping         : (n, n) N s/m, likewise; None without
     interfaces      : as for `flexible_body`, with node numbers
-    recovery        : interior points, which become nodes of the body after the others
-    rigid_tolerance : largest |K R| relative to the forces that cancel in it; about the last digit of the
-        matrices
+    recovery        : interior points, which become the last nodes of the body
+    rigid_tolerance : largest |K R| relative to the forces that cancel in it; about the relative precision of
+        the printed matrices
     Raises
     ------
     ModelError   as for `flexible_body`
@@ -98,7 +98,7 @@ def read_superelement(
 ) -> FlexibleBody:
     """A linear body from Matrix Market files; `nodes` is a file with a dense (N, 3) array.
 
-    recovery, points : (3 P, n) and (P, 3), of interior points of a condensed model
+    recovery, points : files of arrays (3 P, n) and (P, 3), of interior points of a condensed model; give both
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Stress at rigid interfaces: recovery from the strains that include their second-order ties.
 
 Nodes tied linearly move apart by theta^2 / 2 when their interface rotates by theta relative to the frame. The
-strains of adjacent elements do not include this (`second_order_tie`), so the recovered ones must not either.
+strains of adjacent elements exclude this motion (`second_order_tie`), and so must the recovered strains.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 
 class Tied(Protocol):
-    """Interface data for the recovery, full or reduced."""
+    """Data of an interface for the recovery, of a full or reduced body."""
 
     @property
     def position(self) -> np.ndarray:
@@ -54,7 +54,7 @@ class InnerPiece:
 def inner_pieces(
     pieces: Sequence[RigidPiece], nodes: Array, dofs_per_node: int, interfaces: Sequence[Tied]
 ) -> tuple[InnerPiece, ...]:
-    """The rigid pieces of a body that are in no interface; pieces that share nodes are merged."""
+    """The rigid pieces of a body that belong to no interface; pieces that share nodes are merged."""
     if not pieces:
         return ()
     taken = np.concatenate([np.empty(0, dtype=np.int64), *(each.tied_nodes for each in interfaces)])

@@ -7,8 +7,8 @@ rotated by the mean rotation R of its nodes, which leaves only its deformation,
     u_a' = R^T (x_a - mean x) - (X_a - mean X),      phi_a' = log(R^T exp(phi_a)),
 
 and a rigid interface positions its nodes by its exact rotation. The force is that of the element at u', phi',
-rotated back. Its difference from the body's own force is the error of the body's kinematics. Solids are
-invariant already: for them only the ties matter.
+rotated back. Its difference from the body's own force is the error of the body's kinematics. The strains of
+solids are invariant to rotation, so for solids only the ties matter.
 """
 
 from __future__ import annotations
@@ -109,7 +109,7 @@ def _element_forces(block: QuadraticStrain, corners: Array, freedoms: Array) -> 
     left = Rotation.from_matrix((back[:, None] @ nodal).reshape(-1, 3, 3)).as_rotvec().reshape(-1, k, 3)
     local = internal_force(block, np.concatenate([seen, left], axis=2).reshape(n_elements, -1))
     local = local.reshape(n_elements, k, 6)
-    # Moments are conjugate to changes of rotation vectors; to rotate them they must be conjugate to spins.
+    # Moments conjugate to rotation vectors are made conjugate to infinitesimal rotations, then rotated.
     spin = _solved(_left_jacobian(left).swapaxes(2, 3), local[..., 3:])
     moments = (_left_jacobian(freedoms[..., 3:]).swapaxes(2, 3) @ (spin @ back)[..., None])[..., 0]
     return np.concatenate([local[..., :3] @ back, moments], axis=2)
@@ -125,8 +125,8 @@ def _moved(interface: BodyInterface) -> NDArray[np.int64]:
     return interface.tied_nodes if len(interface.tied_nodes) else interface.node_ids
 
 
-def _turn(piece: _Piece, motion: Array) -> tuple[Array, Array]:
-    """Rotation vector (3,) of a piece, and its derivative with respect to that of the freedoms."""
+def _rotation_vector(piece: _Piece, motion: Array) -> tuple[Array, Array]:
+    """Rotation vector (3,) of a piece, and its derivative with respect to the rotational freedoms theta."""
     theta, c = motion[3:], piece.cubic_turn
     factor = 1 + c * theta @ theta
     return factor * theta, factor * np.eye(3) + 2 * c * np.outer(theta, theta)
@@ -134,7 +134,7 @@ def _turn(piece: _Piece, motion: Array) -> tuple[Array, Array]:
 
 def _place(nodal: Array, nodes: Array, piece: _Piece, motion: Array) -> None:
     """Move the nodes of a rigid piece with its motion."""
-    phi, _ = _turn(piece, motion)
+    phi, _ = _rotation_vector(piece, motion)
     arms = nodes[piece.nodes] - piece.position
     nodal[piece.nodes, :3] = motion[:3] + Rotation.from_rotvec(phi).apply(arms) - arms
     nodal[piece.nodes, 3:] = phi[: nodal.shape[1] - 3]
@@ -142,7 +142,7 @@ def _place(nodal: Array, nodes: Array, piece: _Piece, motion: Array) -> None:
 
 def _on_virtual_node(forces: Array, nodes: Array, piece: _Piece, motion: Array) -> Array:
     """Force and moment (6,); the moment is conjugate to the rotational freedoms of the piece."""
-    phi, by_freedom = _turn(piece, motion)
+    phi, by_freedom = _rotation_vector(piece, motion)
     own = forces[piece.nodes]
     arms = Rotation.from_rotvec(phi).apply(nodes[piece.nodes] - piece.position)
     moment = _left_jacobian(phi).T @ np.cross(arms, own[:, :3]).sum(axis=0)

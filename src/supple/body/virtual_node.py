@@ -30,7 +30,7 @@ class VirtualNode:
 
     @property
     def is_rigid(self) -> bool:
-        """Whether its nodes follow it (rigid) instead of it following them (averaging)."""
+        """Whether the nodes follow the virtual node (rigid); otherwise it follows the nodes (averaging)."""
         return self.weights is None
 
 
@@ -45,7 +45,7 @@ def virtual_nodes(
     """Resolve interfaces given by node numbers; ModelError for each kind of invalid interface.
 
     labels : (N,) ids of the nodes, for messages; by default their numbers
-    tied : nodes of rigid pieces of the body, which rotate with these
+    tied : nodes of rigid pieces of the body, which rotate with their piece
     """
     labels = np.arange(len(nodes)) if labels is None else labels
     held_by: dict[int, str] = {}
@@ -91,7 +91,7 @@ def interface_motions(
 ) -> tuple[BodyInterface, ...]:
     """The motion (6, n) of each virtual node.
 
-    rigid_motions : (6 k, n) of the k rigid ones, in order;  pieces : the nodes tied to each
+    rigid_motions : (6 k, n) of the k rigid virtual nodes, in order;  pieces : the nodes tied to each
     turns_finitely : whether the body's strains allow finite rotation of its parts relative to the frame
     """
     n_nodal = dofs_per_node * len(nodes)
@@ -105,7 +105,7 @@ def interface_motions(
             tied = pieces[number] if turns_finitely else tied
             number += 1
         else:
-            _check_turns(node, nodes, dofs_per_node, expansion)
+            _check_rotations(node, nodes, dofs_per_node, expansion)
             averages = averaged_motion(nodes[node.node_ids], node.weights, node.position, dofs_per_node)
             dofs = (node.node_ids[:, None] * dofs_per_node + np.arange(dofs_per_node)).ravel()
             columns = np.broadcast_to(dofs, (6, dofs.size)).ravel()
@@ -119,18 +119,18 @@ def interface_motions(
     return tuple(result)
 
 
-def _check_turns(
+def _check_rotations(
     node: VirtualNode, nodes: NDArray[np.float64], dofs_per_node: int, expansion: sparse.csc_array
 ) -> None:
-    """Check for nodal rotations about a line of collinear nodes, whose mean is the rotation about it."""
+    """Check that collinear nodes have rotations, whose mean is the rotation about their line."""
     if dofs_per_node == 3 or not are_collinear(nodes[node.node_ids]):
         return
     rotations = (node.node_ids[:, None] * 6 + np.arange(3, 6)).ravel()
     if (np.diff(sparse.csr_array(expansion.tocsr()[rotations]).indptr) == 0).any():
         raise ModelError(
-            f"interface '{node.name}': its {len(node.node_ids)} nodes lie on one line or point, and of these "
-            "some are of solids, which have no rotations, so it cannot carry a rotation; give at least three "
-            "nodes that are not on a line"
+            f"interface '{node.name}': its {len(node.node_ids)} nodes lie on one line or point, and some are "
+            "of solids, which have no rotations, so it cannot carry a rotation; give at least three nodes "
+            "that are not on a line"
         )
 
 

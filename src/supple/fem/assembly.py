@@ -34,7 +34,7 @@ SparseArray = Any
 
 # Entries held at once while many elements are evaluated: 2 MiB, within a processor's cache.
 CHUNK = 2**18
-# Factor on this for works: a larger portion shares more nodes, whose forces are applied once to all columns.
+# Factor on CHUNK for `works`: elements of a larger portion share more nodes, whose forces are used once.
 LARGER_FOR_WORKS = 4
 
 
@@ -215,7 +215,7 @@ class Assembly:
     def _along(
         self, X: FloatArray, numbers: Callable[[QuadraticStrain], int], *, larger: int = 1
     ) -> Iterator[_Portion]:
-        """All elements in portions, along the columns of X (n, m); `numbers` is the storage per block."""
+        """All elements in portions, along the columns of X (n, m); `numbers` is the storage per element."""
         for block, gather in zip(self.blocks, self.gathers, strict=True):
             n_elements, _, _, n_e = block.B.shape
             for elements in _ranges(n_elements, numbers(block), larger):
@@ -287,7 +287,7 @@ def assemble_strains(
 
 
 def _congruence(nodal: NodeSparsity, T: SparseArray) -> tuple[csr_array, IntArray, IntArray]:
-    """Pattern of T^T K T, and the map from the entries of K to its entries.
+    """Pattern of T^T K T, and the map from the entries of K to those of T^T K T.
 
     Entry (a, b) of K adds T_ai T_bj of itself to entry (i, j), for all entries i of row a and j of row b.
     """
@@ -309,7 +309,7 @@ def _congruence(nodal: NodeSparsity, T: SparseArray) -> tuple[csr_array, IntArra
 
 
 def _stacked(pieces: Iterable[tuple[Array, int]], n: int) -> Array:
-    """Arrays (e, ...) one after the other in an array of n rows, each with the row where it ends.
+    """Arrays (e, ...), each given with the row where it ends, copied into one array of n rows.
 
     A concatenation would store all of them at once: twice the memory, which costs more than the arithmetic.
     """

@@ -60,7 +60,10 @@ class _Shares:
         )
 
     def holders(self, group: IntArray, nodes: IntArray, n: int, called: Callable[[int], str]) -> IntArray:
-        """The first part (n,) that contains all nodes of each group; members (k,) are (group, nodes)."""
+        """The first part (n,) that contains all nodes of each group.
+
+        group, nodes : (k,) group and node of each member
+        """
         sizes = np.bincount(group, minlength=n)
         inside = [np.bincount(group[np.isin(nodes, own)], minlength=n) == sizes for own in self.parts]
         found = np.array(inside)
@@ -69,7 +72,7 @@ class _Shares:
             ids = ", ".join(str(i) for i in self.node_ids[np.unique(nodes[group == lost[0]])[:6]])
             raise ModelError(
                 f"{called(int(lost[0]))} (one of {lost.size}) acts between nodes of several parts: {ids}; "
-                "move the cut away from it, or remove it from the model and join the parts by it"
+                "move the cut away from these nodes, or remove it from the model and join the parts by it"
             )
         return found.argmax(axis=0)
 
@@ -143,7 +146,7 @@ def point_masses(attached: Attached, dofs_per_node: int) -> CellMass | None:
     if (shared := (i // d != j // d) & (entries.data != 0)).any():
         raise ModelError(
             f"{np.count_nonzero(shared)} terms of concentrated masses act between nodes; each mass must have "
-            "one node: remove the others from the model"
+            "one node: remove these masses from the model"
         )
     nodes, place = np.unique(i // d, return_inverse=True)
     blocks = np.zeros((len(nodes), 6, 6))

@@ -112,9 +112,10 @@ def beam_strain(
         m_z = t_z - g_y + 1/3 (g_x t_z - t_x g_z) + 1/6 t_x t_y
 
     k is the rotation of one end relative to the other, log(R_1^T R_2); m_y and m_z are the rotation of the
-    sections relative to the chord. All hold to second order; the factors 1/3 and 1/6 also cancel the third
-    order of a rigid rotation. Their stiffness is `chord_stiffness`; for a section with its axes at the centre
-    it is E A L for eps, (G J, E I2, E I1) / L for k, 12 E I / (L (1 + phi)) for m, phi the shear flexibility.
+    sections relative to the chord. The strains hold to second order; the factors 1/3 and 1/6 also cancel the
+    third order of a rigid rotation. Their stiffness is `chord_stiffness`. For a section with its axes at the
+    centre it is E A L for eps, (G J, E I2, E I1) / L for k, and 12 E I / (L (1 + phi)) for m, where phi is
+    the shear flexibility.
 
     An end on an arm o moves by u + theta x o + 1/2 theta x (theta x o); a rigid rotation then leaves strains
     of third order, as at a rigid interface. Released freedoms follow the others by the linear stiffness, so
@@ -124,8 +125,8 @@ def beam_strain(
     ----------
     dofs : int array (E, 12)    ux uy uz rx ry rz of either node
     kinematics : ShellKinematics
-            kinematics without in-plane gradients (VON_KARMAN) are for small rotations: only the slopes of the
-            chord enter, in eps, and k and m stay linear
+            kinematics without in-plane gradients (VON_KARMAN) are for small rotations: only eps has quadratic
+            terms, of the slopes of the chord; k and m stay linear
     released : bool array (E, 12) or None       as in `Section`
     Source: J. S. Przemieniecki, Theory of Matrix Structural Analysis (1968), eq. (5.116), the stiffness at
     rest; the quadratic terms: docs/theory/quadratic_strain.md.

@@ -1,7 +1,7 @@
 """Beam sections: flexibility and inertia per length of the cross-section of a beam.
 
-Every section returns matrices (6, 6) at positions along the beam, in its axes x (along), y and z: forces
-N, V_y, V_z and moments M_x, M_y, M_z; velocities of x, y, z and rotations about them.
+Every section returns matrices (6, 6) at positions along the beam, in its axes x (along), y and z. Rows are
+forces N, V_y, V_z and moments M_x, M_y, M_z; those of inertia are along x, y, z, then about x, y, z.
 """
 
 from __future__ import annotations
@@ -44,13 +44,14 @@ class BeamSection:
     mass_centre : (y, z)                of the mass from the shear centre, m
     rotary : float array (3,) or None   inertia per length about x, y, z through the mass centre, kg m;
              density times I1 + I2, I2, I1 (and -I12 between y and z) when None
-    second : BeamSection or None        the section at the second end of a tapered beam; its values vary
-             linearly in between (inertia: its matrix)
+    second : BeamSection or None        the section at the second end of a tapered beam; the values above and
+             the inertia matrix vary linearly between the ends
     geometry : SectionGeometry or None  its outline and the points of stress recovery
 
     Raises
     ------
-    ModelError   values that are not finite or not positive; I12^2 beyond I1 I2; a direction of length zero
+    ModelError   an area that is not positive; negative second moments, factors or masses; values that are not
+                 finite; I12^2 not below I1 I2; a direction of length zero
     """
 
     material: Isotropic
@@ -111,9 +112,9 @@ class BeamSection:
     def flexibility(self, places: FloatArray) -> FloatArray:
         """Strains and curvatures (p, 6, 6) by forces and moments, at fractions (p,) of the length.
 
-        About the neutral axis 1/EA, the inverse of E [I2 -I12; -I12 I1], 1/(K G A) and 1/GJ; the eccentricity
-        of the neutral axis makes a force N at the shear centre cause bending. Rows that are not carried are
-        zero.
+        About the neutral axis, the entries are 1/EA, the inverse of E [I2 -I12; -I12 I1], 1/(K G A) and 1/GJ.
+        An eccentric neutral axis makes a force N at the shear centre cause bending. Rows of forces that the
+        section does not carry are zero.
         """
         return np.array([_flexibility(self._at(s)) for s in places])
 
@@ -142,7 +143,7 @@ class CoupledBeamSection:
                                         about the beam's axis; N, N m, N m^2
     mass : float array (6, 6)           per length, of the motion of the axis; kg/m, kg, kg m
     orientation : float array (3,)      a direction in the x-y plane; `Section.directions` overrides it
-    second : CoupledBeamSection or None     the section at the second end; matrices between are linear
+    second : CoupledBeamSection or None     the section at the second end; matrices vary linearly in between
 
     Raises
     ------
@@ -197,7 +198,7 @@ class RodSection:
     area : float                        m^2
     J : float                           torsion constant, m^4; 0 for none
     mass_per_length : float or None     kg/m; density times area when None
-    torsion_arm : float                 c of the shear stress c M_x / J, m; 0 where torsion has none
+    torsion_arm : float                 c of the shear stress c M_x / J, m; 0 to omit this stress
 
     Raises
     ------

@@ -24,7 +24,7 @@ def end_forces(block: QuadraticStrain, length: FloatArray, section: LineSection 
 
         N = Q_1 / L,  M_x = Q_2,  M_y = Q_3 -+ Q_5 / 2,  M_z = Q_4 -+ Q_6 / 2,  V_z = Q_5 / L,  V_y = -Q_6 / L
 
-    The part on the side of the second end exerts them on the part on the side of the first, in the axes of
+    These are the forces of the part towards the second end on the part towards the first end, in the axes of
     the section. A rod has Q_1, and Q_2 if it resists torsion.
 
     length : (E,) from end to end, m
@@ -81,7 +81,7 @@ def stress_by_forces(section: LineSection | RodSection, end: int) -> FloatArray:
 
 
 def line_to_global(axes: FloatArray) -> FloatArray:
-    """Global components (E, 6, 6) of stress in the axes (E, 3, 3) of lines, of which xx, xz, xy occur."""
+    """Global components (E, 6, 6) of the stress of lines from xx, xz, xy in their axes (E, 3, 3)."""
     turned = np.zeros((len(axes), 6, 6))
     x = axes[:, 0]
     for column, other, factor in ((XX, 0, 0.5), (XZ, 2, 1.0), (XY, 1, 1.0)):

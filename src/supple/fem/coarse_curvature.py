@@ -30,7 +30,7 @@ COARSEST = np.radians(45.0)
 
 
 def curvature_over_thickness(mesh: Mesh, shells: list[Section]) -> tuple[FloatArray, FloatArray]:
-    """`|det K| h^3 / t` of the triangles of some sections, 0 without bending stiffness; their areas; (E,).
+    """`|det K| h^3 / t` (E,) of triangles, 0 without bending stiffness, and their areas (E,).
 
     h^2 is twice the area, t the thickness of a plain wall of the same bending stiffness.
     """
@@ -47,7 +47,7 @@ def curvature_over_thickness(mesh: Mesh, shells: list[Section]) -> tuple[FloatAr
 
 
 def _thickness(section: Section) -> float:
-    """Thickness of a plain wall of equal bending stiffness; infinite without one of its stiffnesses."""
+    """Thickness of a plain wall that bends equally; infinite without membrane or bending stiffness."""
     wall = section.property
     assert isinstance(wall, HomogeneousSection | LaminateSection)
     stretching = np.trace(wall.membrane)
@@ -63,8 +63,8 @@ def warn_of_coarse_curvature(mesh: Mesh, shells: list[Section]) -> None:
         return
     warnings.warn(
         f"{coarse.sum()} of {(number > 0).sum()} triangles of curved walls are large for their thickness: "
-        f"(angle between neighbours)^2 x size / thickness reaches {number.max():.2g}, and above {COARSE:g} a "
-        "wall of double curvature is too stiff, by tens of per cent at 10; refine the mesh there",
+        f"(angle between neighbours)^2 x size / thickness reaches {number.max():.2g}. Above {COARSE:g} a "
+        "doubly curved wall is too stiff, at 10 by tens of per cent; refine the mesh there",
         SuppleWarning,
         stacklevel=6,
     )

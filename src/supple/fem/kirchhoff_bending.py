@@ -1,8 +1,9 @@
 """Discrete Kirchhoff triangle (DKT): plate bending with a deflection and two rotations at three nodes.
 
-The slopes beta of the normal (u = z beta_x, v = z beta_y) are quadratic over the triangle; Kirchhoff's beta
-= -grad w holds at the corners and, along each side, at its middle, where w is cubic on the side and the
-slope normal to the side is the mean of its ends. No deflection is needed inside.
+The slopes beta of the normal (u = z beta_x, v = z beta_y) are quadratic over the triangle. Kirchhoff's
+condition, beta = -grad w, holds at the corners and, for the component along a side, at its middle. On a side
+w is cubic, and the slope normal to the side at its middle is the mean of its ends. No deflection is needed
+inside.
 
 Right-handed rotations: beta_x = ry, beta_y = -rx. Along a side of direction s the cubic deflection w makes
 the slope at the middle mean(beta) - 3/2 s m, with the mismatch m = dw/l + s.mean(beta) of Kirchhoff's
@@ -10,7 +11,7 @@ condition.
 
 A wall with transverse shear (discrete Kirchhoff-Mindlin triangle, DKMT) divides the mismatch of a side as a
 beam along the side would: with phi = 12 D / (H l^2), bending takes m / (1 + phi), transverse shear
-m phi / (1 + phi). For a wall rigid in shear, phi = 0, it is the DKT; so nothing locks, however thin.
+m phi / (1 + phi). For a wall rigid in shear, phi = 0, the element is the DKT, so thin walls do not lock.
 
 Sources: J.-L. Batoz, K.-J. Bathe, L.-W. Ho, "A study of three-node triangular plate bending elements",
 Int. J. Numer. Methods Eng. 15 (1980) 1771-1812; I. Katili, "A new discrete Kirchhoff-Mindlin element based on
@@ -46,8 +47,8 @@ def curvature(xy: FloatArray, points: FloatArray, phi: FloatArray) -> FloatArray
     Returns
     -------
     float array (E, p, 3, 12)       curvature xx, yy, xy (twice the twist) from rx ry of the three corners,
-                                    then from a plane vector for each side (12, 23, 31), whose part along
-                                    the side is its mismatch
+                                    then from a plane vector for each side (12, 23, 31), whose component
+                                    along the side is the mismatch
     """
     gradients = _quadratic_gradients(xy, points)
     slopes = _slopes(xy, phi)
@@ -84,7 +85,8 @@ def side_shear_flexibility(xy: FloatArray, bending: FloatArray, shear: FloatArra
 def transverse_shear(xy: FloatArray, points: FloatArray, phi: FloatArray) -> FloatArray:
     """Transverse shear strains xz, yz (E, p, 2, 12), linear over each triangle; columns as of `curvature`.
 
-    Along a side its tangential part is phi / (1 + phi) times the mismatch; at a corner both sides give it.
+    The component along a side is phi / (1 + phi) times the mismatch; both sides at a corner define the strain
+    there.
     """
     s = side_directions(xy)
     share = (phi / (1 + phi))[..., None] * s

@@ -113,7 +113,7 @@ def _between_nodes(parts: list[tuple[NDArray[np.int64], FloatArray]], n_nodes: i
 def _scaled_diagonal(mass: FloatArray) -> FloatArray:
     diagonal = np.einsum("ekk->ek", mass)
     total, own = mass.sum(axis=(1, 2)), diagonal.sum(axis=1)
-    # Cells without density have neither.
+    # Both sums are zero in cells without density.
     scaled = diagonal * np.divide(total, own, out=np.zeros_like(total), where=own != 0)[:, None]
     return scaled[:, :, None] * np.eye(mass.shape[1])
 

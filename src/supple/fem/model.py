@@ -60,10 +60,10 @@ class FiniteElementModel:
     dofs_per_node : int                     3 (ux uy uz), or 6 (and rx ry rz) if any element has nodal
         rotations
     sections : tuple of Section             assignment of properties to cells
-    mass : csc_array (n, n)                 consistent mass, kg and kg m^2
+    mass : csc_array (n, n)                 mass by `mass_of`, and concentrated masses, kg and kg m^2
     stiffness : csc_array (n, n)            linear stiffness, the tangent of the undeformed body
     rotation_limit : float                  largest rotation, rad, relative to the frame; infinite for solids
-    kinematics : ShellKinematics            of shells; solids and beams have one kind only
+    kinematics : ShellKinematics            of shells and beams; solids have one kind only
     attached : Attached                     springs, masses and ties of nodes, beside the elements
     mass_of : MassRule                      of cells: consistent_mass, or CellMass.lumped
     """
@@ -164,8 +164,8 @@ def finite_element_model(
     Parameters
     ----------
     given : the sections of all cells
-    kinematics : of shells
-    attached : in the freedoms of nodes that have `dofs_per_node`
+    kinematics : of shells and beams
+    attached : springs, masses and ties, in freedoms of `dofs_per_node` per node
     dofs_per_node : 3 or 6; by default 3 where there are only solids
     mass_of : mass rule of each cell: consistent_mass, or CellMass.lumped
 
@@ -408,7 +408,7 @@ def _cell_mass(mesh: Mesh, section: Section) -> CellMass:
 def nodal_freedoms(
     nodes: NDArray[np.int64], dofs_per_node: int, first: int | None = None
 ) -> NDArray[np.int64]:
-    """Numbers (E, k d) of the freedoms of cells' nodes (E, k), node by node; the first d of each node."""
+    """Numbers (E, k d) of freedoms of nodes (E, k), node by node; only the `first` ones of each, if given."""
     own = np.arange(dofs_per_node if first is None else first)
     return (nodes[:, :, None] * dofs_per_node + own).reshape(len(nodes), -1)
 

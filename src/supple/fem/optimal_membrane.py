@@ -4,7 +4,7 @@ The stiffness is basic + higher order: the basic part takes the constant strain 
 alone passes the patch test), the higher-order part resists the deviation of the drilling rotations from the
 mean rotation. Pure bending in the plane is exact for a rectangle of two triangles of any aspect ratio.
 
-The drilling rotations of this file are deviations d_i = rz_i - (v,x - u,y)/2 from the mean rotation of the
+The drilling rotations in this file are deviations d_i = rz_i - (v,x - u,y)/2 from the mean rotation of the
 linear displacement, in the plane of the element.
 
 Source: C. A. Felippa, "A study of optimal membrane triangles with drilling freedoms", Comput. Methods Appl.

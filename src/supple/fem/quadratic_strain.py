@@ -186,7 +186,7 @@ def pair_forces(block: QuadraticStrain, X: FloatArray) -> FloatArray:
     stress = block.weighted_D @ _directions(block.B, X)
     stiff_B = block.weighted_D @ block.B
     forces = np.empty((*block.dofs.shape, m * (m + 1) // 2))
-    # One direction and all later ones: its arrays stay small, those of all pairs would not.
+    # One direction and all later ones at a time: the arrays of all pairs at once would be large.
     start = 0
     for j in range(m):
         pairs = slice(start, start + m - j)
@@ -202,9 +202,9 @@ def pair_forces(block: QuadraticStrain, X: FloatArray) -> FloatArray:
 def force_parts(block: QuadraticStrain, X: FloatArray) -> Iterator[FloatArray]:
     """The parts of the internal force in m directions, one after the other; p is the number of pairs j <= k.
 
-        sum_g w B^T D N(G x_j, G x_k)                       (E, n, p)   first
-        sum_g w G^T N(G x_j)^T D B x_k                      (E, n, m)   of every j
-        sum_g w G^T N(G x_i)^T D N(G x_j, G x_k)            (E, n, p)   of every i
+        sum_g w B^T D N(G x_j, G x_k)                       (E, n, p)   once
+        sum_g w G^T N(G x_j)^T D B x_k                      (E, n, m)   for every j
+        sum_g w G^T N(G x_i)^T D N(G x_j, G x_k)            (E, n, p)   for every i
 
     Parameters
     ----------
@@ -228,8 +228,8 @@ def strain_pair_forces(
 
         f_p = sum_g w B^T D N(G x_first(p), G x_second(p))
 
-    It is the first of the three terms of `pair_forces`: it balances the stress of N(x, y), without the
-    quadratic strain of x or y together with the response.
+    This is the first of the three terms of `pair_forces`. It balances the stress of N(x, y); products of x or
+    y with the response are not included.
 
     Parameters
     ----------
@@ -242,7 +242,7 @@ def strain_pair_forces(
     a = _directions(block.G, X)
     stiff_B = block.weighted_D @ block.B
     forces = np.empty((*block.dofs.shape, len(first)))
-    # One direction and all its partners: its arrays stay small, those of all pairs would not.
+    # One direction and all its partners at a time: the arrays of all pairs at once would be large.
     for j in np.unique(first):
         pairs = np.flatnonzero(first == j)
         second_strain = _contract(block.N, a[..., j]) @ a[..., second[pairs]]

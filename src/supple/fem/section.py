@@ -42,7 +42,7 @@ class Section:
     released : bool array (E, 12) or None       freedoms of the ends of beams, in the axes of the beam, that
                                                 carry no force or moment
     reduced : bool                              of HEXA20: reduced integration by eight points, plus a share
-        of fourteen
+        of a rule with fourteen
     incompatible : bool                         of HEXA8: incompatible modes, which remove locking in bending
     mass_share : float array (E,) or None       of shells: the fraction of a cell's area that has mass
     surface_curvature : float array (E, 3, 3) or None
@@ -51,7 +51,7 @@ class Section:
 
     Raises
     ------
-    ModelError   per-cell arrays of another shape, or not finite
+    ModelError   per-cell arrays of another shape, not finite, or for another kind of cell
     """
 
     cell_type: CellType

@@ -42,10 +42,11 @@ class SectionStress:
     ----------
     nodes : int array (E, k)
     arrays : QuadraticStrain                    strain at g points
-    of_strain : float array (E, l', 6, s)       tensors at l' places of a point from its strain: 1 in solids,
-                                                the heights in shells, the points of both ends of beams
+    of_strain : float array (E, l', 6, s)       tensors at l' places of a point from the strain of the point:
+                                                one place in solids, the heights in shells, the recovery
+                                                points of both ends in beams
     to_nodes : float array (k, l, g l')         from these tensors to l layers at each node of the cell
-    first_layer : int array (E, k)              first of these layers at the node
+    first_layer : int array (E, k)              number, among the layers of the node, of the first of these l
     share : float array (E, k)                  weight of the cell in the nodal average
     """
 

@@ -25,8 +25,8 @@ STIFFER = 1e4
 def shear_share(model: FiniteElementModel, shapes: NDArray[np.float64]) -> NDArray[np.float64]:
     """Ratio (k,) of transverse shear energy to that of all strains, in motions of small strain.
 
-    Only homogeneous walls that are rigid in shear count: their energy with the shear factor 5/6, from the
-    forces of their bending. It is the relative decrease of the square of a frequency.
+    The shear energy is that of homogeneous walls that are modelled as rigid in shear, evaluated from their
+    bending with the shear factor 5/6. The ratio is the relative decrease of the square of a frequency.
 
     shapes : (n, k) nodal displacements and rotations of the model
     """

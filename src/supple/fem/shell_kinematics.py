@@ -13,9 +13,9 @@ k, of direction s_k, t_k is the mean rotation of its ends and b_k = t_k x z the 
 Only differences of the r_i, and the part of m_k along its side, have energy. V = grad w + b and Y = t are
 least-squares fits to the sides: s_k . b = s_k . b_k and s_k . t = s_k . t_k; V vanishes at constant
 curvature. For a rigid rotation rho and small rotations delta_i relative to it (exp(theta_i) = exp(rho)
-exp(delta_i)), the strains keep delta_i, and otherwise terms of order rho^3 delta and rho^4: the coefficients
-cancel all terms up to rho^2 delta. Without them the curvature lacks a part rho^2/3, and the drilling takes
-the bending of a rotated facet for in-plane bending: too stiff by (rho h / t)^2.
+exp(delta_i)), the strains are those of delta_i, with errors of order rho^3 delta and rho^4: the coefficients
+cancel all terms up to rho^2 delta. Without them the curvature is too small by a part rho^2/3, and bending of
+a rotated facet causes drilling strain, which makes it too stiff by (rho h / t)^2.
 """
 
 from __future__ import annotations

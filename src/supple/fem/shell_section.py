@@ -88,7 +88,7 @@ class HomogeneousSection:
 
     @property
     def rotary_inertia_per_area(self) -> float:
-        """About the nodes: density times t^3/12, and the mass at its offset, kg."""
+        """Density times t^3/12 plus the mass at its offset, about the nodes, kg."""
         return self.material.density * self.thickness**3 / 12 + self.mass_per_area * self.offset**2
 
     @property

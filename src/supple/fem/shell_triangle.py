@@ -1,17 +1,19 @@
 """Flat shell triangle: optimal membrane + discrete Kirchhoff bending, quadratic in its nodal rotations.
 
-Six freedoms a node, ux uy uz rx ry rz in global axes; the rotations are true rotation vectors. The element
-has one point with 18 strains (supple.fem.shell_kinematics), from which the resultants follow linearly: with
-the strain eps_m of the middle surface and the curvature kappa, linear over the triangle,
+A node has six freedoms, ux uy uz rx ry rz in global axes; the rotations are true rotation vectors. The
+element has one point with 18 strains (supple.fem.shell_kinematics). These determine linearly the strain eps_m
+of the middle surface, the curvature kappa and the transverse shear gamma, both linear over the triangle, and
+the drilling d. The strain energy is
 
-    U/A = 1/2 e^T A_s e + 1/2 mean(kappa^T D_f kappa),    e = eps_m + A_s^-1 B_s kappa_1
+    U = A/2 [e^T A_s e + mean(kappa^T D_f kappa) + mean(gamma^T H gamma)] + 1/2 d^T K_h d
+    e = eps_m + A_s^-1 B_s kappa_1
 
-and 1/2 d^T K_h d of the drilling d, with the section's stiffness A_s, B_s, D_s, the area A, and kappa_1 the
-curvature of rotations that are linear over the triangle; for a wall with transverse shear also
-A/2 mean(gamma^T H gamma). D_f = D_s - B_s A_s^-1 B_s is the bending stiffness of a wall that is free to
-stretch: an eccentric wall bends about its own mid-surface, as if on rigid arms. In a facet of a curved
-surface, eps_m and d are reduced by the effects of the bending of that surface (supple.fem.curved_facet). The
-displacement gradients are constant, and the foreshortening converges at second order.
+with the area A, the section's stiffness A_s, B_s, D_s, H (gamma = 0 in a wall rigid in shear), and kappa_1
+the curvature of rotations that are linear over the triangle. D_f = D_s - B_s A_s^-1 B_s is the bending
+stiffness of a wall that is free to stretch: an eccentric wall bends about its own mid-surface, as if on rigid
+arms. In a facet of a curved surface, eps_m and d are reduced by the effects of the bending of that surface
+(supple.fem.curved_facet). The displacement gradients are constant, and the foreshortening converges at second
+order.
 """
 
 from __future__ import annotations
@@ -213,7 +215,7 @@ def _gradients(xy: FloatArray, phi: FloatArray) -> FloatArray:
         G[:, V] += fit[:, side] @ np.stack([t[:, 1], -t[:, 0]], axis=1)
     G[:, V] += G[:, (WX, WY)]
     if phi.any():
-        # V is the bending part of the mismatches; in a wall with shear the rest causes no bending.
+        # V is the bending part of the mismatches; in a wall with shear, their shear part causes no bending.
         sheared = fit * (phi / (1 + phi))[..., None, None]
         for side, ends in enumerate(SIDES):
             t = G[:, ROTATION[ends, :2]].mean(axis=1)

@@ -106,8 +106,8 @@ def _of_gradients(gradients: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _incompatible_gradients(element: SolidElement, corners: FloatArray, jacobian: FloatArray) -> FloatArray:
     """Gradients (E, p, 3, 3) of  1 - xi^2, 1 - eta^2, 1 - zeta^2,  by the Jacobian at the centre.
 
-    They are scaled by its determinant over that of the point, so that constant stress does no work on them
-    and any element passes the patch test (Taylor, Beresford and Wilson, Int. J. Numer. Meth. Eng. 10, 1976).
+    A factor, det J at the centre over det J at the point, makes constant stress do no work on them, so any
+    element passes the patch test (Taylor, Beresford and Wilson, Int. J. Numer. Meth. Eng. 10, 1976).
     """
     centre = _jacobian(corners, shape_gradients(element.cell_type, np.zeros((1, 3))))
     reference = -2.0 * element.strain_rule.points[:, :, None] * np.eye(3)
@@ -202,7 +202,7 @@ _INCOMPATIBLE_HEXA8 = replace(SOLID_ELEMENTS[CellType.HEXA8], incompatible=True)
 
 
 def solid_element(kind: CellType, *, reduced: bool = False, incompatible: bool = False) -> SolidElement:
-    """The element of a cell type; a HEXA20 may have reduced integration, a HEXA8 incompatible motions."""
+    """The element of a cell type; a HEXA20 may have reduced integration, a HEXA8 incompatible modes."""
     if reduced and kind is CellType.HEXA20:
         return _REDUCED_HEXA20
     return _INCOMPATIBLE_HEXA8 if incompatible and kind is CellType.HEXA8 else SOLID_ELEMENTS[kind]

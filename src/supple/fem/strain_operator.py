@@ -53,7 +53,7 @@ class _Part(NamedTuple):
         return np.einsum("psk,kp->sp", self.products, products)
 
     def on_products(self, stress: Array) -> Array:
-        """The transpose: (k, P) of stresses (s, P)."""
+        """The transpose of `by_products`: (k, P) from stresses (s, P)."""
         if isinstance(self.products, csr_array):
             return self.products.T @ stress
         return np.einsum("psk,sp->kp", self.products, stress)
@@ -74,7 +74,7 @@ class StrainOperator:
     parts: tuple[_Part, ...]
 
     def force(self, q: Array, rates: Array, retardation_time: float) -> Array:
-        """Force (n,) of the stresses `D (eps + tau eps_dot)`, elastic and of Kelvin and Voigt's damping.
+        """Force (n,) of the stresses `D (eps + tau eps_dot)`, elastic and of Kelvin-Voigt damping.
 
         q, rates : (n,); retardation_time : tau, s, 0 for none
         """

@@ -1,7 +1,7 @@
 """Stress recovery: second Piola-Kirchhoff stress at points of the cells and at nodes; von Mises stress.
 
 All stresses are in global axes, components xx yy zz yz xz xy; for small strains they are the true stresses
-in axes that rotate with the material. Strains likewise, with engineering shears.
+in axes that rotate with the material. Strains are in global axes too, with engineering shears.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class StressLayers:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the layers; empty for solids alone."""
+        """Names of the layers; an empty name for solids alone."""
         walls = ("bottom", "middle", "top") if self.walls > 1 else ("solid",) * self.walls
         if not self.ends:
             return walls if self.walls > 1 else ("",)
@@ -81,14 +81,14 @@ class StressLayers:
         )
 
     def largest(self, values: FloatArray) -> FloatArray:
-        """Largest values (..., 1 + ends), of solids and shells, then of each beam end, of values (..., l)."""
+        """Largest of values (..., l): in solids and shells, then in each beam end, (..., 1 + ends)."""
         ends = values[..., self.walls :].reshape(*values.shape[:-1], self.ends, self.points)
         walls = values[..., : self.walls].max(axis=-1, initial=0.0)
         return np.concatenate([walls[..., None], ends.max(axis=-1, initial=0.0)], axis=-1)
 
     @property
     def outer(self) -> tuple[int, ...]:
-        """Layers that contain the largest von Mises stress, which is convex and, through a wall, linear."""
+        """Layers with the largest von Mises stress: it is convex in the stress, linear through a wall."""
         walls = (0, 2) if self.walls > 1 else (0,) * self.walls
         return (*walls, *range(self.walls, self.count))
 

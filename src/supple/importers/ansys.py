@@ -128,8 +128,8 @@ def _shape(path: Path, routine: int, number: int, nodes: IntArray) -> tuple[str,
     name, n = next(((name, n) for types, name, n in _SHAPES if routine in types), ("", 0))
     if not name:
         raise ImportFormatError(
-            f"{path}: element {number} is of type {routine}, which is not read; solids 185 to 187 and 285, "
-            "shells 181 and 281, beams and links 180, 188, 189 and their forerunners are"
+            f"{path}: element {number} is of type {routine}, which is not read; supported are solids 185 to "
+            "187 and 285, shells 181 and 281, beams and links 180, 188, 189, and their forerunners"
         )
     nodes = nodes[:n]
     if len(nodes) < n or (nodes <= 0).any():

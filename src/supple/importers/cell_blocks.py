@@ -48,7 +48,9 @@ def file_mesh(
     node_sets: dict[str, IntArray],
     node_ids: IntArray | None = None,
 ) -> FileMesh:
-    """The cells of the highest dimension, quadrilaterals cut into triangles; sets of others are node sets.
+    """The cells of the highest dimension, with quadrilaterals cut into triangles.
+
+    Sets of cells of a lower dimension become node sets.
 
     Raises
     ------

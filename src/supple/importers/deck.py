@@ -83,8 +83,8 @@ class WallProperty:
 
     membrane, coupling, bending : (3, 3) A, N/m; B, N; D, N m; order xx, yy, xy
     shear : (2, 2) transverse shear stiffness, order xz, yz, N/m; None if rigid
-    mass_per_area, rotary_inertia_per_area : kg/m^2, kg, the latter about the surface of the nodes
-    thickness : m, for pictures and stresses
+    mass_per_area : kg/m^2;  rotary_inertia_per_area : kg, about the surface of the nodes
+    thickness : m, for pictures
     mass_moment_per_area : first moment of the mass along the normal, kg/m; 0 if the nodes are in the middle
     """
 
@@ -164,7 +164,7 @@ class DeckElements:
     offsets : (C, 2, 3) of the ends of beams from their nodes
     released : (C, 12) released freedoms of beam ends, in the beam's axes
     reduced : whether HEXA20 cells have reduced integration
-    incompatible : whether HEXA8 cells have incompatible motions
+    incompatible : whether HEXA8 cells have incompatible modes
     mass_share : (C,) fraction of the area of shells that has mass; None if all
     """
 
@@ -258,9 +258,9 @@ class Deck:
     nodes, node_ids : (N, 3), (N,) all nodes of the file, also those that no element uses
     node_sets : {name: (k,) numbers};  element_sets : {name: (k,) element ids}
     masses, stiffnesses, dampings : matrices between freedoms
-    springs, dashpots, inertias : terms with values k, c, m;  constraints : terms without
+    springs, dashpots, inertias : terms with values k, c, m;  constraints : terms without values
     held : constraints of the deck's own supports, which a free body does not have
-    read, passed_over : {card: number}; the latter have no effect on a body
+    read : {card: number} of cards that were read;  passed_over : likewise, of cards without effect on a body
     left_out : cards that would change the body
     notes : assumptions of the reader, one sentence each
     superelements : {name: deck} of parts that can be separate bodies

@@ -1,4 +1,4 @@
-"""Exodus II meshes (.exo, .e, .ex2, .g): netCDF, classic or of HDF5.
+"""Exodus II meshes (.exo, .e, .ex2, .g) in classic netCDF or HDF5 files.
 
 Source: L. A. Schoof, V. R. Yarberry, EXODUS II: a finite element data model, SAND92-2137, 1994.
 """
@@ -64,8 +64,8 @@ def read_exodus(
 ) -> Mesh:
     """Mesh of an Exodus file: its cells of the highest dimension, its blocks as cell sets.
 
-    Node sets and side sets become node sets. Without names they and the blocks are called
-    nodeset_ID, sideset_ID, block_ID.
+    Node sets and side sets become node sets. Sets and blocks without names are called nodeset_ID, sideset_ID
+    and block_ID.
 
     Parameters
     ----------

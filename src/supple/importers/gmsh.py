@@ -58,8 +58,8 @@ def read_gmsh(
         name: np.unique(np.concatenate([b.cells[b.sets[name]].ravel() for _, b in blocks if name in b.sets]))
         for name in dict.fromkeys(name for _, block in blocks for name in block.sets)
     }
-    asked = [each for each in blocks if only in each[1].sets] or blocks
-    highest = max(dimension for dimension, _ in asked)
+    selected = [each for each in blocks if only in each[1].sets] or blocks
+    highest = max(dimension for dimension, _ in selected)
     by_type: dict[str, list[CellBlock]] = {}
     for dimension, block in blocks:
         if dimension == highest:
@@ -107,7 +107,7 @@ def _line(text: str, place: int) -> int:
 
 
 def _blocks(path: Path, read: GmshFile, names: dict[tuple[int, int], str]) -> list[tuple[int, CellBlock]]:
-    """Dimension of each block, and its cells in the order of the file's nodes, physical groups as sets."""
+    """Dimension and cells of each block, with node numbers from 0 and the physical groups as sets."""
     blocks = []
     for elements in read.blocks:
         cells, known = numbers_of(read.tags, elements.nodes)

@@ -146,7 +146,7 @@ class _Section:
         return int(self.converted([self._bytes[:end].strip()], np.int64)[0])
 
     def integer(self, *, wide: bool = False) -> int:
-        """One whole number; of 4 bytes, or of the size of a count."""
+        """One whole number, of 4 bytes or, if `wide`, of the size of a count."""
         return int(self.integers(1, wide=wide)[0])
 
     def integers(self, n: int, *, wide: bool = False) -> IntArray:

@@ -11,7 +11,7 @@ from supple.importers.matrices.matrix_file import DMIG_SUFFIXES
 
 __all__ = ["files_read_with"]
 
-# Of Abaqus and CalculiX, then of BeamDyn, then of Nastran, where a name in quotes may run over several lines.
+# Inclusions in files of Abaqus and CalculiX, BeamDyn, and Nastran; a quoted name of Nastran may span lines.
 _INCLUDE = re.compile(
     r"""^\s*(?: \*INCLUDE\b[^=\n]*=[ \t]*"?(?P<keyword>[^"\n]+)
             | (?P<mark>['"])(?P<blade>[^\n]*?)(?P=mark)\s+BldFile\b

@@ -9,9 +9,9 @@ from supple.importers.text_file import file_lines, is_file
 
 DEEPEST_INCLUSION = 20  # nested; more means a file that includes itself
 MOST_INCLUSIONS = 1000
-"""Of one model. Twenty files that each include the next one three times would make 3^20."""
+"""Largest number in one model. Twenty files that each include the next one three times would make 3^20."""
 MOST_INCLUDED_CHARACTERS = 2**30
-"""In all included files together, each counted as often as it is included."""
+"""Largest number in all included files together, each counted as often as it is included."""
 
 
 def included_file(name: str, *folders: Path) -> Path:
@@ -52,7 +52,7 @@ def _any_case(folder: Path, words: str) -> Path | None:
 
 
 class Inclusions:
-    """Reads a file and those it includes, and counts."""
+    """Reader of a file and the files it includes; limits their number and size."""
 
     def __init__(self, remedy: str) -> None:
         self._remedy = remedy

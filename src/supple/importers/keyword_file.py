@@ -71,7 +71,7 @@ def read_keyword_file(path: Path) -> KeywordFile:
     ImportFormatError   a file missing, or including itself; data before the first keyword
     """
     inclusions = Inclusions("export the model as text (.inp)")
-    file = KeywordFile(path, tuple(_meaning(path, inclusions.lines(path), inclusions, 0)), ())
+    file = KeywordFile(path, tuple(_expanded(path, inclusions.lines(path), inclusions, 0)), ())
     blocks: list[KeywordBlock] = []
     header, line, data = "", 0, []
     for i, (_, _, text) in enumerate(file.lines):
@@ -93,12 +93,12 @@ def read_keyword_file(path: Path) -> KeywordFile:
 
 
 def fields(text: str) -> list[str]:
-    """Comma-separated fields of a data line; a comma at its end announces another line."""
+    """Comma-separated fields of a data line, without the commas at its end that announce another line."""
     return [field.strip() for field in text.rstrip(", \t").split(",")]
 
 
 def integers(file: KeywordFile, block: KeywordBlock) -> IntegerRows:
-    """All fields of a block's data as integers; ImportFormatError names the line of one that is not."""
+    """All fields of a block's data as integers; ImportFormatError names the line of any other field."""
     rows = [fields(text) for _, text in block.data]
     counts = np.array([len(row) for row in rows], dtype=np.int64)
     lines = np.repeat(np.array([i for i, _ in block.data], dtype=np.int64), counts)
@@ -109,7 +109,7 @@ def integers(file: KeywordFile, block: KeywordBlock) -> IntegerRows:
 
 
 def numbered_points(file: KeywordFile, block: KeywordBlock) -> NumberedPoints:
-    """Points of a block whose lines are `id, x, y, z`; ImportFormatError names a line that is not."""
+    """Points of a block whose lines are `id, x, y, z`; ImportFormatError names any other line."""
     rows = [fields(text) for _, text in block.data]
     lines = np.array([i for i, _ in block.data], dtype=np.int64)
     for i, row in zip(lines, rows, strict=True):
@@ -152,7 +152,9 @@ def _is_number(word: str, *, whole: bool) -> bool:
     return True
 
 
-def _meaning(path: Path, lines: list[str], inclusions: Inclusions, depth: int) -> list[tuple[Path, int, str]]:
+def _expanded(
+    path: Path, lines: list[str], inclusions: Inclusions, depth: int
+) -> list[tuple[Path, int, str]]:
     """Lines of a file without comments, with included files inserted."""
     found = []
     for number, line in enumerate(lines, start=1):
@@ -163,7 +165,7 @@ def _meaning(path: Path, lines: list[str], inclusions: Inclusions, depth: int) -
             name = text.partition("=")[2].strip().strip('"').replace("\\", "/")
             target = path.parent / name
             below = inclusions.included(path, number, target, depth + 1)
-            found += _meaning(target, below, inclusions, depth + 1)
+            found += _expanded(target, below, inclusions, depth + 1)
         else:
             found.append((path, number, text))
     return found

@@ -62,7 +62,7 @@ def orthotropic_ply(
     thickness: float,
     angle: float = 0.0,
 ) -> Ply:
-    """Ply from engineering constants, Pa; a transverse shear modulus of 0 counts as rigid.
+    """Ply from engineering constants, Pa; it is rigid in transverse shear if G13 or G23 is 0.
 
         Q11 = E1 / (1 - nu12 nu21),  Q12 = nu12 E2 / (1 - nu12 nu21),  Q22 = E2 / (1 - nu12 nu21),  Q66 = G12
 
@@ -88,7 +88,7 @@ def laminate(plies: Sequence[Ply], *, bottom: float | None = None, added_mass: f
 
     Parameters
     ----------
-    bottom : float or None   z of the lower face from the surface of the nodes, m; None: half the thickness
+    bottom : float or None   z of the lower face from the surface of the nodes, m; None: nodes in the middle
     added_mass : float       non-structural, kg/m^2, spread over the thickness
     Source: K. Rohwer, Transverse shear stiffness of composite and sandwich finite elements, Composite
     Structures 5 (1986) 253; R. M. Jones, eq. (4.22)-(4.24).

@@ -22,7 +22,7 @@ Tie = TypeVar("Tie", RigidTie, WeightedMean)
 
 @dataclass(frozen=True, eq=False)
 class CommonNodes:
-    """Common nodes (k,) of two decks, which are given by name."""
+    """Common nodes (k,) of two decks, `first` and `second`, given by name."""
 
     first: str
     second: str
@@ -31,7 +31,7 @@ class CommonNodes:
 
 
 def merged_decks(decks: Mapping[str, Deck], common: Sequence[CommonNodes]) -> Deck:
-    """One deck of all decks, each also in `superelements`, with its elements and nodes in sets of its name.
+    """One deck of all decks, each also in `superelements`; sets of its name list its elements and nodes.
 
     Sets, properties and ties are renamed to NAME.SET, except those of the first deck. Common nodes have the
     position and id of the first deck with this node; an id that is in use is replaced by a free one.

@@ -38,18 +38,18 @@ def moved_deck(deck: Deck, Q: FloatArray, shift: FloatArray) -> Deck:
 
     u -> Q u, and rotations, which are axial vectors, theta -> det(Q) Q theta. The node order of a mirrored
     cell is reversed, so that its normal is the mirrored normal. The second axis of a wall and of a beam is
-    then opposite to the mirrored one, and terms of their stiffness that are odd in it change sign.
+    then opposite to the mirrored axis, and stiffness terms that are odd in this axis change sign.
 
     Parameters
     ----------
     Q : (3, 3) orthogonal, det +1 or -1 (mirrored);  shift : (3,)
     """
-    turn = _Turn(np.asarray(Q, dtype=np.float64), 6 * len(deck.node_ids))
+    turn = _ChangedAxes(np.asarray(Q, dtype=np.float64), 6 * len(deck.node_ids))
     kept = tuple(mean for mean in deck.means if turn.keeps(mean.components))
     lost = [mean for mean in deck.means if not turn.keeps(mean.components)]
     left = [
         LeftOut(
-            mean.name, 1, mean.line, "some of its components follow in axes that are rotated with its part"
+            mean.name, 1, mean.line, "it has only some components, in axes that are rotated with its part"
         )
         for mean in lost
     ]
@@ -64,8 +64,8 @@ def moved_deck(deck: Deck, Q: FloatArray, shift: FloatArray) -> Deck:
 
 
 @dataclass(frozen=True, eq=False)
-class _Turn:
-    """Rotated or mirrored axes. n_freedoms: of nodes; scalar points follow, which have no axes."""
+class _ChangedAxes:
+    """Rotated or mirrored axes. n_freedoms : of nodes; those of scalar points, without axes, come after."""
 
     Q: FloatArray
     n_freedoms: int
@@ -82,7 +82,7 @@ class _Turn:
         return np.block([[self.Q, np.zeros((3, 3))], [np.zeros((3, 3)), axial]])
 
     def expansion(self, freedoms: IntArray) -> sparse.csr_array:
-        """Rows (k, n) of freedoms in the new ones: u_j = sum_i whole_ij u'_i."""
+        """Rows (k, n) that express freedoms by the new ones: u_j = sum_i whole_ij u'_i."""
         n = int(max(self.n_freedoms, freedoms.max(initial=-1) + 1))
         placed = freedoms < self.n_freedoms
         factors = np.where(placed[:, None], self.whole.T[freedoms % 6], np.eye(6)[freedoms % 6])
@@ -173,7 +173,7 @@ def mirrored_order(kind: CellType) -> IntArray:
 
 
 def _mirrored_beam(given: BeamValues) -> BeamValues:
-    """Its z, normal to plane 1, is the opposite of the mirrored one."""
+    """The mirrored section; its z axis, normal to plane 1, is opposite to the mirrored z axis."""
     (y, z), (own_y, own_z) = given.neutral, given.mass_centre
     geometry = None if given.geometry is None else given.geometry.mirrored()
     return replace(given, I12=-given.I12, neutral=(y, -z), mass_centre=(own_y, -own_z), geometry=geometry)

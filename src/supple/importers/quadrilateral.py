@@ -19,7 +19,7 @@ def split_quadrilaterals(nodes: NDArray[np.float64], quads: NDArray[np.int64]) -
     corners = nodes[quads]
     diagonal_02 = np.linalg.norm(corners[:, 2] - corners[:, 0], axis=1)
     diagonal_13 = np.linalg.norm(corners[:, 3] - corners[:, 1], axis=1)
-    inside_02, inside_13 = _turn_alike(corners, _ALONG_02), _turn_alike(corners, _ALONG_13)
+    inside_02, inside_13 = _same_orientation(corners, _ALONG_02), _same_orientation(corners, _ALONG_13)
     take_02 = inside_02 & ((diagonal_02 <= diagonal_13) | ~inside_13)
     return np.where(take_02[:, None, None], quads[:, _ALONG_02], quads[:, _ALONG_13]).reshape(-1, 3)
 
@@ -41,10 +41,10 @@ def split_quadratic_surfaces(nodes: NDArray[np.float64], surfaces: NDArray[np.in
 def crossed_quadrilaterals(nodes: NDArray[np.float64], quads: NDArray[np.int64]) -> NDArray[np.int64]:
     """Numbers (k,) of the quadrilaterals that no diagonal cuts into triangles of the same orientation."""
     corners = nodes[quads]
-    return np.flatnonzero(~_turn_alike(corners, _ALONG_02) & ~_turn_alike(corners, _ALONG_13))
+    return np.flatnonzero(~_same_orientation(corners, _ALONG_02) & ~_same_orientation(corners, _ALONG_13))
 
 
-def _turn_alike(corners: NDArray[np.float64], triangles: list[list[int]]) -> NDArray[np.bool_]:
+def _same_orientation(corners: NDArray[np.float64], triangles: list[list[int]]) -> NDArray[np.bool_]:
     """Whether the normals of both triangles point to the same side."""
     x = corners[:, triangles]
     normals = np.cross(x[:, :, 1] - x[:, :, 0], x[:, :, 2] - x[:, :, 0])

@@ -61,14 +61,14 @@ def _elements(given: DeckElements, own: NDArray[np.bool_], number: IntArray) -> 
 
 
 def kept_elements(given: DeckElements, own: NDArray[np.bool_]) -> DeckElements:
-    """Some (C,) of the cells."""
+    """The cells where `own` (C,) is true."""
     arrays = ("nodes", "ids", "lines", "directions", "offsets", "released", "mass_share")
     values = {name: getattr(given, name) for name in arrays}
     return replace(given, **{name: None if array is None else array[own] for name, array in values.items()})
 
 
 def kept_terms(given: ScalarTerms, own: NDArray[np.bool_]) -> ScalarTerms:
-    """Some of the rows (rows,)."""
+    """The rows where `own` (rows,) is true."""
     kept, count = own[given.rows], np.cumsum(own) - 1
     return ScalarTerms(
         rows=count[given.rows[kept]],

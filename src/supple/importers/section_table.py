@@ -26,7 +26,7 @@ SMALLEST_STIFFNESS = 1e-9
 NO_SECTION = 1e-3
 """Tolerance of an inertia, relative to the mass, or to the mass times the radius of gyration."""
 LEAST_COSINE = 0.5
-"""Largest angle between the curve and the normal of a section."""
+"""Smallest cosine of the angle between the curve and the normal of a section."""
 
 UPPER = np.triu_indices(6)
 """Row and column of the 21 numbers of a symmetric matrix: the upper triangle, row by row."""

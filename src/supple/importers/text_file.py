@@ -42,7 +42,7 @@ def file_text(path: Path | Traversable, remedy: str = "export it as text") -> st
     """The characters of a text file: in the encoding of its byte-order mark, else in UTF-8, else in Latin-1.
 
     Numbers and keywords are the same in the last two; accented names may use either.
-    ImportFormatError for a file that is missing, unreadable or binary; `remedy` is for the last.
+    ImportFormatError for a file that is missing, unreadable or binary; `remedy` is for a binary file.
     """
     content = file_content(path)
     for mark, encoding in _MARKS:

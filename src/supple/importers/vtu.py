@@ -68,7 +68,7 @@ def read_vtu(
 ) -> Mesh:
     """Mesh of a VTU file: its cells of the highest dimension; several pieces are one mesh.
 
-    Integers on cells define sets NAME_VALUE (also of nodes); values 0 and 1 on points a node set NAME.
+    Integers on cells define sets NAME_VALUE (also of nodes). Values 0 and 1 on points define a node set NAME.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def read_vtu(
     if not points:
         raise file.error("no Piece with cells")
     return file_mesh(
-        path, np.concatenate(points), _turned(np.concatenate(points), blocks), node_sets
+        path, np.concatenate(points), _reoriented(np.concatenate(points), blocks), node_sets
     ).to_mesh(only=only, unused_nodes=unused_nodes)
 
 
@@ -238,7 +238,7 @@ def _integers(file: _File, piece: ElementTree.Element, where: str, n: int) -> di
     return found
 
 
-def _turned(nodes: NDArray[np.float64], blocks: list[CellBlock]) -> list[CellBlock]:
+def _reoriented(nodes: NDArray[np.float64], blocks: list[CellBlock]) -> list[CellBlock]:
     """Wedges with bottom and top exchanged if the axis runs from top to bottom."""
     result = []
     for block in blocks:

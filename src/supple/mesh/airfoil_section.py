@@ -65,8 +65,8 @@ class AirfoilSection:
         """
         x = np.asarray(x, dtype=np.float64)
         first, second = _sides(self.outline)
-        # Of points with the same x/c, the one nearest the leading edge comes first: the end of a blunt base
-        # is its corner, not the middle that some outlines also list.
+        # Of points with the same x/c, only the one nearest the leading edge is used: a side with a blunt base
+        # ends at the corner, not at the middle of the base, which some outlines also list.
         both = np.array([_interpolate(side, x) for side in (first, second)])
         ends = np.array([_interpolate(side, np.ones(1)) for side in (first, second)])
         ramp = np.clip(1 - (1 - x) / self.trailing_edge.value, 0, 1)

@@ -50,9 +50,9 @@ class ShearWebs:
 class BladeGrid:
     """Numbers of cells around each side (nose panel, cap, aft panel), over the webs' depth, along the span.
 
-    `centre_splits` lists quadrilaterals (segment from the root, panel from the trailing edge over the lower
-    side) that are divided into four triangles about their centre, instead of two: one node and two triangles
-    more each.
+    `centre_splits` lists quadrilaterals that are divided into four triangles about their centre instead of
+    two, as (segment from the root, panel from the trailing edge over the lower side). Each adds one node and
+    two triangles.
     """
 
     nose_panel: int = 4
@@ -94,8 +94,8 @@ def loft_blade(stations: BladeStations, webs: ShearWebs, grid: BladeGrid = Blade
 
     Rings of nodes are at equal steps of span from the root to the webs' start, to their end, to the tip.
     Around a ring nodes are at equal arcs between trailing edge, aft web, fore web and leading edge. The webs
-    are straight between the skins. With `s` segments, `n` nodes around, webs of `w` segments and `d` cells
-    depth there are
+    are straight between the skins. With `s` segments, `n` nodes around, webs of `w` segments and a depth of
+    `d` cells, and no centre splits, there are
         N = n (s + 1) + 2 (w + 1)(d - 1) nodes,   F = 2 n s + 4 w d triangles.
 
     Parameters

@@ -24,7 +24,7 @@ SHAPE_POINTS = read_only((1 - np.cos(np.linspace(0, np.pi, N_SHAPE_POINTS))) / 2
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BladeStations:
-    """The outer shape of a blade at stations along its span; between them monotone cubics (PCHIP).
+    """The outer shape of a blade at stations along its span, with monotone cubics (PCHIP) between them.
 
     The pitch axis is z, from the root; x points to the upper (suction, downwind) side, y to the trailing
     edge. The point (x/c, y/c) of a section is at

@@ -19,7 +19,7 @@ def box_beam(length: float, width: float, height: float, n_length: int, n_width:
 
     Parameters
     ----------
-    length, width, height : float         m, the latter two between mid-surfaces
+    length, width, height : float         m; width and height between mid-surfaces
     n_length, n_width, n_height : int     cells along x, y, z, two triangles each
     Returns
     -------

@@ -23,12 +23,13 @@ _PYRAMID_FACES = ((0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4))
 class CellType(Enum):
     """A cell shape; its nodes are ordered as in meshio, which is also the order of Abaqus and CalculiX.
 
-    Corners come first: a triangle turns about its normal; a tetrahedron's fourth node lies on the normal side
-    of the first three, a pyramid's fifth on that of its base; hexahedra and wedges list their bottom, then
-    their top, both turning about the axis from bottom to top. Mid-edge nodes follow, in the order of `edges`.
+    Corners come first. The corners of a triangle are right-handed about its normal. The fourth node of a
+    tetrahedron is on the normal side of the first three, the fifth node of a pyramid on the normal side of
+    its base. Hexahedra and wedges list their bottom, then their top, both right-handed about the axis from
+    bottom to top. Mid-edge nodes follow, in the order of `edges`.
 
     Attributes: meshio_name, n_nodes, n_corners, dimension (1 line, 2 surface, 3 solid), edges (of corners),
-    faces (of corners, turning about the outward normal; a triangle is its own face, a line has none).
+    faces (of corners, right-handed about the outward normal; a triangle is its own face, a line has none).
     """
 
     LINE2 = ("line", 2, 2, 1, ((0, 1),), ())

@@ -56,7 +56,7 @@ def check_ids(
     node_ids: IntArray,
     cell_ids: Mapping[CellType, IntArray],
 ) -> None:
-    """Raise MeshError where there is not one id a node and cell, or two nodes share one."""
+    """Raise MeshError unless each node and cell has one id, and node ids differ."""
     if node_ids.shape != np.shape(nodes)[:1]:
         raise MeshError(f"node ids have shape {node_ids.shape} for {len(nodes)} nodes; give one id a node")
     unique, count = np.unique(node_ids, return_counts=True)
@@ -225,8 +225,8 @@ def _check_flat_triangles(nodes: FloatArray, triangles: IntArray, names: _Names)
 def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray, names: _Names) -> None:
     """Check that the Jacobian det dx/dxi of the cell's own map is positive at its strain points.
 
-    Elsewhere, above all at nodes, a coarse cell with curved sides may have a negative one, with correct mass
-    and stiffness.
+    Elsewhere, above all at nodes, the Jacobian of a coarse cell with curved sides may be negative; its mass
+    and stiffness are still correct.
     """
     corners, ids = nodes[array], names.cell_ids[kind]
     extent = np.ptp(corners, axis=1).max(axis=1)

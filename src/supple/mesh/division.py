@@ -136,7 +136,7 @@ class Cut:
 
     first, second : numbers of the parts, the first lower
     nodes : int array (k,)      numbers, in the whole mesh, of the common nodes
-    name : of these nodes in either part; cuts with one name have the same nodes
+    name : of these nodes in both parts; cuts with the same name have the same nodes
     """
 
     first: int
@@ -152,9 +152,9 @@ class Cut:
 class DividedMesh:
     """A mesh in parts.
 
-    parts : of the mesh; a node set belongs to the part that contains all of it, otherwise each of its nodes
-        to the first part that contains it
-    cuts : between them; two parts with several common sections have several
+    parts : of the mesh; a node set belongs to the part that contains all its nodes. Without such a part, each
+        node of the set belongs to the first part that contains the node
+    cuts : between the parts; two parts with several common sections have several cuts
     """
 
     whole: Mesh
@@ -167,7 +167,7 @@ class DividedMesh:
 
     @property
     def ties(self) -> Mapping[str, Cut]:
-        """The cuts by unique names: that of their nodes, with the parts where several cuts share these."""
+        """The cuts by unique names: that of their nodes, with the parts if several cuts have this name."""
         count = Counter(cut.name for cut in self.cuts)
         return {
             cut.name if count[cut.name] == 1 else f"{cut.name} {cut.first + 1}-{cut.second + 1}": cut
@@ -197,7 +197,7 @@ Cuts = Callable[[Mesh, Sequence[CellNumbers], Sequence[IntArray]], tuple[Cut, ..
 def cuts_at_sections(
     mesh: Mesh, cells: Sequence[CellNumbers], members: Sequence[IntArray]
 ) -> tuple[Cut, ...]:
-    """A cut for each connected piece of the common nodes of two parts: cut-1, cut-2, .."""
+    """A cut for each connected piece of the common nodes of two parts, named cut-1, cut-2, .."""
     pieces = (
         (first, second, nodes)
         for first, second in combinations(range(len(cells)), 2)
@@ -209,7 +209,7 @@ def cuts_at_sections(
 
 
 def cuts_at_nodes(mesh: Mesh, _cells: Sequence[CellNumbers], members: Sequence[IntArray]) -> tuple[Cut, ...]:
-    """A cut for each shared node, from the first part that contains it to each other one: node-ID."""
+    """Cuts at each shared node, from the first part that contains it to each other one; named node-ID."""
     nodes, count = np.unique(np.concatenate(members), return_counts=True)
     shared = nodes[count > 1]
     inside = np.array([np.isin(shared, own) for own in members])
@@ -253,7 +253,7 @@ def _nodes(mesh: Mesh, cells: CellNumbers) -> IntArray:
 
 
 def _loose_nodes(mesh: Mesh, members: Sequence[IntArray]) -> list[IntArray]:
-    """Nodes without cells, connected by springs, masses or ties, by the part that they are linked to.
+    """Nodes without cells of each part, linked to its nodes by springs, masses or ties.
 
     Nodes that are linked to each other belong to one part: the first that contains all nodes they are linked
     to.
@@ -276,7 +276,7 @@ def _loose_nodes(mesh: Mesh, members: Sequence[IntArray]) -> list[IntArray]:
         node = mesh.node_ids[np.flatnonzero(loose)[~holders.any(axis=0)][0]]
         raise MeshError(
             f"node {node} belongs to no cell, and springs, masses or ties link it to several parts; move the "
-            "cut away from these, or remove them and join the parts by them"
+            "cut away from it, or remove these links from the model and join the parts by them"
         )
     owner = holders.argmax(axis=0)
     return [np.flatnonzero(loose)[owner == part] for part in range(len(members))]

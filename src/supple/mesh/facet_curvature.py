@@ -15,11 +15,11 @@ CREASE = np.radians(20.0)
 ONE_SURFACE = 0.9
 """Least share of the squares of heights that a quadratic fit must explain; below it there is a crease."""
 SAME_NORMAL = 0.1
-"""Relative to the largest difference of nearby normals: smaller differences are zero."""
+"""Differences of normals count as zero below this share of the largest difference nearby."""
 FLAT = 1e-6
 """Difference of normals, rad, below which there is no curvature."""
 DETERMINED = 1e-3
-"""Relative to the largest eigenvalue of a fit: smaller ones are undetermined by the neighbours."""
+"""Share of the largest eigenvalue of a fit below which the neighbours do not determine a curvature."""
 
 SYMMETRIC = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 1.0], [1.0, 0.0]]])
 
@@ -28,18 +28,19 @@ def facet_curvature(nodes: FloatArray, triangles: IntArray, crease: float = CREA
     """Curvature tensors of the surface through triangles and their neighbours, in global axes.
 
     Over the plane of each triangle the height `z = 1/2 x^T K x + linear` that vanishes at its corners is
-    fitted to the corners of its neighbours across smooth edges, and of theirs, by least squares with the
-    weights `1/distance^4`: exact on a quadratic surface, also at its rim. Of all equally good K it is the
-    smallest.
+    fitted to the corners of its neighbours across smooth edges, and of their neighbours, by least squares
+    with the weights `1/distance^4`: exact on a quadratic surface, also at its rim. Among equally good fits,
+    the smallest K is used.
 
-    K is zero at creases, where no quadratic surface fits, or none fits across a folded edge; and where a
-    triangle and its surroundings have only two normals, which may also be a fold of two planes.
+    K is zero at creases, where no quadratic surface fits the triangle or its neighbour across a folded edge.
+    K is also zero where a triangle and its surroundings have only two normals: this may be a fold of two
+    planes.
 
     Parameters
     ----------
     nodes : float array (N, 3)      m
     triangles : int array (E, 3)    with an area
-    crease : float                  angle of the least crease, rad
+    crease : float                  smallest angle of a crease, rad
     Returns
     -------
     float array (E, 3, 3)           1/m, symmetric, in the plane of each triangle; z along its normal
@@ -111,9 +112,9 @@ def _linear(points: FloatArray) -> FloatArray:
 def _bends(
     normal: FloatArray, beside: IntArray
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
-    """Whether (E,) the normals of a triangle, its neighbours and theirs differ, and whether only two do.
+    """Whether the normals near each triangle differ (E,), and whether only two of them do (E,).
 
-    Also (E, 3) the sides across which they differ.
+    Near are its neighbours and their neighbours. Also the sides (E, 3) across which the normals differ.
     """
     near = np.concatenate([beside, beside[beside].reshape(len(beside), -1)], axis=1)
     # Triangles of opposite orientation have the opposite normal.

@@ -15,7 +15,8 @@ def feature_edges(
 ) -> IntArray:
     """Edges (k, 2) of a single triangle, or of two at an angle above the fold angle.
 
-    Where more than two meet, an inner wall joins the skin, and the edge is not part of the outer shape.
+    Where more than two triangles meet, an inner wall joins the skin, and the edge is not part of the outer
+    shape.
     """
     sides = _sides(triangles)
     normal = _normals(nodes, triangles)

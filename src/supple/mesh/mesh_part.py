@@ -30,7 +30,7 @@ class MeshPart:
     cells: Mapping[CellType, IntArray]
 
     def numbers(self, nodes: IntArray) -> IntArray:
-        """Numbers, in the part, of nodes of the whole mesh, all of which it must contain."""
+        """Numbers in the part of nodes of the whole mesh; the part must contain all of them."""
         return np.searchsorted(self.nodes, nodes)
 
 
@@ -43,7 +43,7 @@ def mesh_part(
 ) -> MeshPart:
     """The part of a mesh formed by some of its cells, with the links between its nodes.
 
-    Cell sets keep their members in the part, and are left out if there are none.
+    Cell sets are restricted to the part; empty ones are left out.
 
     Parameters
     ----------

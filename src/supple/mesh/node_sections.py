@@ -4,8 +4,8 @@ A tie of parts along a surface that zigzags through a row of cells makes this wh
 nodes is flat, and every cell is on one side of it. There are two families:
 
 planes   normal to an axis, through nodes, that no cell crosses
-layers   of nodes at an equal number of steps from cell to cell from an end of the mesh, if they are flat:
-   the rows of a mesh swept along a curve
+layers   nodes at an equal number of steps, from cell to cell, from one end of the mesh, if these nodes are
+   in a plane: the rows of a mesh swept along a curve
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ __all__ = ["NodeSection", "flat_section", "sections_along", "shared_pieces"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Relative to the extent along the axis: largest distance between nodes of one plane.
+# Largest distance between nodes of one plane, relative to the extent along the axis.
 _SAME_PLANE = 1e-6
 # Deviation of a section from a plane, relative to the extent of its cells along the normal.
 _FLAT = 0.1
@@ -37,8 +37,8 @@ _FLAT = 0.1
 class NodeSection:
     """A cut of a mesh between its cells.
 
-    position : along the axis, of the nodes on it
-    below : bool (E,) for each kind of cell, whether it is on the lower side; called for few sections
+    position : of its nodes along the axis
+    below : computes, for each cell type, whether the cells (E,) are on the lower side
     is_plane : whether it is normal to the axis; otherwise its nodes may not be in a plane
     """
 
@@ -47,7 +47,7 @@ class NodeSection:
     is_plane: bool
 
     def contains(self, other: NodeSection) -> bool:
-        """Whether the lower side of another section, and some cell more, is on the lower side of this one."""
+        """Whether the lower side of this section contains that of another, and at least one more cell."""
         mine, others = self.below(), other.below()
         pairs = [(mine[kind], others[kind]) for kind in mine]
         return all((own | ~lower).all() for own, lower in pairs) and any(
@@ -108,7 +108,7 @@ def shared_pieces(
 
 
 def _is_flat(mesh: Mesh, sides: Sequence[Mapping[CellType, IntArray]], nodes: IntArray) -> bool:
-    """Whether one piece is flat: the plane nearest to its nodes separates the cells of the two sides."""
+    """Whether the nodes of one piece are near a plane, relative to the extent of the cells normal to it."""
     touching = [_touching(mesh, side, nodes) for side in sides]
     low, high = (mesh.nodes[np.unique(np.concatenate([c.ravel() for c in own]))] for own in touching)
     towards = high.mean(axis=0) - low.mean(axis=0)
@@ -132,7 +132,7 @@ def _planes(mesh: Mesh, along: FloatArray) -> Iterator[NodeSection]:
     near = _SAME_PLANE * np.ptp(along)
     extents = [(along[cells].min(axis=1), along[cells].max(axis=1)) for cells in mesh.cells.values()]
     low, high = (np.concatenate(ends) for ends in zip(*extents, strict=True))
-    thick = high - low > 2 * near  # the others are in a plane normal to the axis, and cross none
+    thick = high - low > 2 * near  # thin cells lie in a plane normal to the axis and cross no plane
     low, high = np.sort(low[thick]), np.sort(high[thick])
     levels = np.unique(along)
     levels = levels[np.concatenate([[True], np.diff(levels) > near])]

@@ -25,10 +25,10 @@ FACE_TRIANGLES = {
 def outer_faces(mesh: Mesh, *, middles: bool = False) -> list[IntArray]:
     """Faces (F, k) of all cells, by their number of nodes, each oriented by its outward normal.
 
-    Faces shared by two solid cells, of one type or two, are interior and left out; a shell has the side of
-    its triangles' normals.
+    Faces shared by two solid cells, of one type or two, are interior and left out. The faces of a shell are
+    its triangles.
 
-    middles : with the mid-edge nodes of quadratic cells, between the corners, or the corners alone
+    middles : whether to include the mid-edge nodes of quadratic cells, between the corners
     """
     found: list[IntArray] = []
     for size in (3, 4):

@@ -21,7 +21,7 @@ _QUADRATIC = {
 def to_quadratic(mesh: Mesh) -> Mesh:
     """The mesh with the quadratic type of each solid cell, TETRA10 for TETRA4; edges stay straight.
 
-    New nodes follow the old; one joins a node set when both ends of its edge are members.
+    New nodes follow the old; a new node joins a node set when both ends of its edge are members.
 
     Raises
     ------

@@ -18,7 +18,7 @@ _CORNERS = {
         (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1),
     ),
 }  # fmt: skip
-"""Parents of tetrahedron, pyramid, wedge and hexahedron, by their number."""
+"""Corners of the parents of tetrahedron, pyramid, wedge and hexahedron, by their number."""
 
 
 @cache
@@ -77,9 +77,10 @@ def _powers(points: NDArray[np.float64], exponents: NDArray[np.int64]) -> NDArra
 def _exponents(cell_type: CellType) -> NDArray[np.int64]:
     """Exponents (k, 4) of the functions of a cell.
 
-    Tetrahedra have the complete polynomials of degree 1 or 2; hexahedra and wedges the serendipity ones; so
-    do pyramids, with x y / (1 - z), and x and y times it, which are of this degree on every face and make the
-    cell compatible with its neighbours.
+    Tetrahedra have the complete polynomials of degree 1 or 2, hexahedra and wedges the serendipity
+    polynomials. Pyramids have the complete polynomials, x y / (1 - z) and, for degree 2, x and y times this
+    function. These rational functions are of the same degree on every face and make the cell compatible with
+    its neighbours.
     Source: G. Bedrosian, "Shape functions and integration formulas for three-dimensional finite element
     analysis", Int. J. Numer. Methods Eng. 35 (1992) 95-108.
     """

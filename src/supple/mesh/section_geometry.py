@@ -16,11 +16,11 @@ Point = tuple[float, float]
 Loop = tuple[Point, ...]
 
 ROUND_POINTS = 8
-"""Points on a circle: the bending stress between two of them is at most 8 % above the larger of theirs."""
+"""Points on a circle; the bending stress between two of them is at most 8 % above the larger of the two."""
 ROUND_CORNERS = 16
 """Corners of the polygon that represents a circle."""
 SAME_PLACE = 1e-9
-"""Relative to the size of a section."""
+"""Largest distance between coincident points, relative to the size of a section."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,8 @@ class SectionGeometry:
 
     Raises
     ------
-    MeshError   positions that are not finite; a number of shears other than that of the points, or none
+    MeshError   positions that are not finite; torsion_shear neither empty nor as long as points; a hole with
+                another number of corners than its loop
     """
 
     points: Loop = ()
@@ -69,7 +70,7 @@ class SectionGeometry:
         )
 
     def mirrored(self) -> SectionGeometry:
-        """The geometry mirrored in z; torsion about the axis, which is unchanged, changes sign in z only."""
+        """The geometry mirrored in z; under the same torsion, only the y components of shear change sign."""
 
         def all_of(loop: Loop) -> Loop:
             return tuple((y, -z) for y, z in loop)
@@ -188,7 +189,7 @@ def walled_section(walls: Sequence[Wall], *, box: tuple[Loop, Loop] | None = Non
 
 
 def _convex_hull(places: list[Point]) -> list[Point]:
-    """Its corners, from y towards z, by Andrew's monotone chain."""
+    """Corners of the convex hull, from y towards z, by Andrew's monotone chain."""
     flat = SAME_PLACE * float(np.prod(np.ptp(places, axis=0)))
 
     def chain(ordered: list[Point]) -> list[Point]:

@@ -154,7 +154,7 @@ def test_what_is_elsewhere_is_left_out_by_name(deck):
         ("SECONCT,1,2\n,2,77\n", "SECONCT: names grid 77 of superelement 2"),
         ("SECONCT,1,2\n,2,1,3\n", "SECONCT: lists an odd number of grids"),
         ("SECONCT,1,5\n,2,1\n", "SECONCT: names superelement 5"),
-        ("SECONCT,1,2\n,1,THRU,4,1,THRU,2\n", "1 to 4 and 1 to 2 are not as many grids"),
+        ("SECONCT,1,2\n,1,THRU,4,1,THRU,2\n", "1 to 4 and 1 to 2 are ranges of different length"),
     ],
 )
 def test_mistakes_name_their_card(deck, main, message):

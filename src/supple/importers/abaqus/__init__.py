@@ -1,1 +1,1 @@
-"""Abaqus and CalculiX input files (.inp): what they describe as a Deck, and their mesh alone."""
+"""Abaqus and CalculiX input files (.inp), read as a Deck, or as a mesh alone."""

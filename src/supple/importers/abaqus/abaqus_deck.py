@@ -27,10 +27,11 @@ __all__ = ["read_abaqus_deck"]
 
 @checked_arguments
 def read_abaqus_deck(path: str | Path) -> Deck:
-    """The body that an Abaqus or CalculiX input file describes; what is not read is listed in `left_out`.
+    """The body of an Abaqus or CalculiX input file.
 
     Reads nodes, elements, sets, surfaces, instances, materials, sections, masses, springs, dashpots,
-    constraints and supports. Steps and what has no effect on an elastic body are ignored.
+    constraints and supports. Steps are ignored, except supports of the first; so are keywords without effect
+    on an elastic body. Keywords that would change the body but are not read are listed in `left_out`.
 
     Raises
     ------
@@ -79,7 +80,7 @@ def read_abaqus_deck(path: str | Path) -> Deck:
 
 
 def _account_for_the_rest(model: AbaqusModel) -> None:
-    """Count keywords that were not read: ignored, left out, or unknown and so left out."""
+    """Count keywords that were not read: ignored ones, and omitted or unknown ones as left out."""
     report = model.report
     for placed in model.blocks:
         block = placed.block

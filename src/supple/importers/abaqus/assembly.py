@@ -96,7 +96,7 @@ def _parts(file: KeywordFile) -> tuple[dict[str, tuple[str, list[KeywordBlock]]]
 
 
 def _instance(file: KeywordFile, block: KeywordBlock) -> Scope:
-    """Translation by the first data line, then rotation about the axis through two points of the second."""
+    """Translation by the first data line, then rotation about the axis through two points on the second."""
     rows = [numbers(file, line, fields(text)) for line, text in block.data]
     name = block.options.get("NAME", "")
     shift = np.array([*(rows[0] if rows else []), 0.0, 0.0, 0.0][:3])

@@ -33,7 +33,7 @@ class SectionOfBeams:
     shift: tuple[float, float]
 
     def property_of(self, kind: ElementType) -> BeamProperty:
-        """The property of elements of a type; Euler-Bernoulli ones (B33) are rigid in shear."""
+        """The property of elements of a type; Euler-Bernoulli elements (B33) are rigid in shear."""
         shape = self.shape
         factor = shape.factor if kind.shears else 0.0
         neutral = (

@@ -38,7 +38,7 @@ class DeckConstraints:
 def read_constraints(model: AbaqusModel, freedoms: Freedoms, ids: PublicIds) -> DeckConstraints:
     """All ties between nodes except *TIE.
 
-    A node without rotations follows a rigid body or coupling in its translations.
+    A node without rotations follows a rigid body or coupling in its translations only.
 
     Raises
     ------
@@ -165,7 +165,7 @@ def _mpcs(
 
 
 def _groups(nodes: list[IntArray], n: int) -> list[list[int]] | None:
-    """Nodes of n sets in pairs, or all of the first set with single nodes of the others."""
+    """Groups of n nodes, one of each set; a set of one node is in every group. None if sizes differ."""
     count = len(nodes[0]) if nodes else 0
     if not n or len(nodes) != n or any(len(each) not in (1, count) or not len(each) for each in nodes[1:]):
         return None
@@ -299,7 +299,7 @@ def _kinematic(
     found: DeckConstraints,
     solid_only: NDArray[np.bool_],
 ) -> None:
-    """A rigid tie for all freedoms of the nodes, rows for some of them."""
+    """A rigid tie if all freedoms of the nodes follow; otherwise a row for each freedom that follows."""
     if set(components) == set(_ALL) or (set(components) >= {1, 2, 3} and solid_only[nodes].all()):
         _add_rigid(found, name, reference, nodes, line, freedoms)
         return

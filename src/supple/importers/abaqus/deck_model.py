@@ -27,7 +27,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class DeckSurface:
-    """faces : (F, k) node numbers, corners first, in arrays of one k each; of edges two nodes, of nodes one
+    """faces : (F, k) node numbers, corners first, one array for each k; edges have k = 2, nodes k = 1
 
     nodes : of all faces, each once
     """
@@ -412,7 +412,7 @@ def _generated_members(
     ids = labels.ids[mine]
     inside = mine[(ids >= first) & (ids <= last) & ((ids - first) % step == 0)]
     inside = inside[np.argsort(labels.ids[inside], kind="stable")]
-    # Of one id more than exist at least one is unknown, so the range can be cut there.
+    # Among one more id than exist, at least one is unknown, so longer ranges can be cut there.
     wanted = first + step * np.arange(min((last - first) // step, len(ids)) + 1, dtype=np.int64)
     unknown = wanted[~np.isin(wanted, ids)]
     if unknown.size:
@@ -458,7 +458,7 @@ def _faces(elements: ElementBlock, places: IntArray, label: str) -> list[IntArra
     if label or whole_line:
         face = face_nodes(kind, label)
         if len(face) == 3 and kind.family is not Family.SOLID and (kind.n_nodes != 3 or whole_line):
-            # An edge of three nodes is two segments; of beams the middle one is listed between the ends.
+            # An edge of three nodes is two segments; beams and rods list its middle node between the ends.
             a, b, c = face if whole_line else (face[0], face[2], face[1])
             return [nodes[:, [a, b]], nodes[:, [b, c]]]
         return [nodes[:, face]] if face else []

@@ -61,13 +61,13 @@ class ElementType:
 
     @property
     def shears(self) -> bool:
-        """Whether a shell or beam has transverse shear; thin ones are of Kirchhoff, Euler and Bernoulli."""
+        """Whether a shell or beam has transverse shear; Kirchhoff and Euler-Bernoulli elements have none."""
         return not re.fullmatch(r"STRI.*|S\dR5|[BP].*33.*", self.name)
 
 
 _BY_ORDER = {"1": 2, "2": 3, "3": 2}
 _WORDS = {"MASS": 1, "ROTARYI": 1, "DCOUP3D": 1, "65": 6, "A": 2}
-# Pattern of names, family, and number of nodes by the match (which is the number itself if not listed).
+# Pattern of names, family, and number of nodes by the matched word; a word not listed is the number itself.
 _PATTERNS: tuple[tuple[str, Family, dict[str, int]], ...] = (
     (r"C3D(4|5|6|8|10|13|15|20|27)[A-Z]*", Family.SOLID, {}),
     (r"SC([68])R?T?", Family.SOLID, {}),
@@ -88,9 +88,9 @@ CELLS = {
     4: "TETRA4", 5: "PYRAMID5", 6: "WEDGE6", 8: "HEXA8", 10: "TETRA10", 13: "PYRAMID13", 15: "WEDGE15",
     20: "HEXA20", 27: "HEXA20",
 }  # fmt: skip
-"""Kinds of solid cells by their nodes; of 27, those on faces and inside are dropped."""
+"""Types of solid cells by their number of nodes; of 27 nodes, those on faces and inside are dropped."""
 
-# Faces S1, S2, .. of solids by their corners; of a mid-edge node, its place.
+# Corners of the faces S1, S2, .. of solids, by the number of corners of the solid.
 _FACES = {
     4: ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
     5: ((0, 1, 2, 3), (0, 4, 1), (1, 4, 2), (2, 4, 3), (3, 4, 0)),
@@ -183,7 +183,7 @@ def _cells_of_one_kind(
 
 
 def face_nodes(kind: ElementType, label: str) -> tuple[int, ...]:
-    """Node positions within the element of a face: corners, then mid-edge nodes; empty without such a face.
+    """Places, in the element, of the nodes of a face: corners, then mid-edge nodes; empty without the face.
 
     label : S1 .. S6 of solids; SPOS, SNEG, S1, S2 of shells, whose edges are E1 .. in Abaqus and S3 .. in
             CalculiX; edges S1 .. of two-dimensional elements
@@ -217,7 +217,7 @@ def _solid_face(kind: ElementType, corners: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def free_faces(kind: ElementType) -> tuple[tuple[int, ...], ...]:
-    """Node positions within the element of all faces; faces of two elements are internal."""
+    """`face_nodes` of all faces; faces of two elements are internal."""
     n = len(_FACES[_solid_corners(kind)]) if kind.family is Family.SOLID else 1
     labels = [f"S{i + 1}" for i in range(n)] if kind.family is Family.SOLID else [""]
     return tuple(face_nodes(kind, label) for label in labels)

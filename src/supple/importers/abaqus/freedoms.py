@@ -128,7 +128,7 @@ def along(first: int, second: int, direction: Iterable[float]) -> Terms:
 
 
 def rigid_terms(node: int, reference: int, arm: FloatArray, component: FloatArray) -> Terms:
-    """C . (u_node - u_ref - theta_ref x arm), with arm from the reference to the node."""
+    """Terms of c . (u_node - u_ref - theta_ref x arm), arm from the reference to the node; c : component."""
     terms: Terms = []
     turn = np.cross(arm, component)  # c . (theta x arm) = theta . (arm x c)
     for i in range(3):

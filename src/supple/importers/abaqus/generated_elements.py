@@ -63,7 +63,7 @@ def copied_elements(
 ) -> list[ElementBlock]:
     """Elements of *ELCOPY: those of a set, with shifted ids and nodes; REFLECT reverses their node order.
 
-    listed : ids of the old set by *ELSET, besides those by the elements themselves
+    listed : ids that *ELSET adds to the old set, besides those of its *ELEMENT keywords
     """
     block = placed.block
     name, by, nodes_by = block.options.get("OLDSET", "").upper(), 0, 0

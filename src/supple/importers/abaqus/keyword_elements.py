@@ -46,7 +46,7 @@ class Labels:
 
     def numbers(self, scope: int, ids: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
         """Numbers of ids in a scope, and whether they exist."""
-        # Files look up line by line: ids are sorted once.
+        # Ids are looked up line by line, so they are sorted once.
         if scope not in self._sorted:
             mine = self.of(scope)
             mine = mine[np.argsort(self.ids[mine], kind="stable")]
@@ -58,5 +58,5 @@ class Labels:
         return mine[place], known[place] == ids
 
     def of(self, scope: int) -> IntArray:
-        """Numbers of all in a scope."""
+        """Numbers of all items in a scope."""
         return np.flatnonzero(self.scopes == scope)

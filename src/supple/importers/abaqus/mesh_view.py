@@ -39,7 +39,7 @@ def read_abaqus(
     """Mesh of an Abaqus or CalculiX input file; its materials, sections, supports and steps are ignored.
 
     Reads nodes, solid, shell and membrane elements, sets and instances as `read_abaqus_deck` does. A
-    four-node shell becomes two triangles, a quadratic one triangles over all its nodes. Set names are
+    four-node shell becomes two triangles, a quadratic shell triangles over all its nodes. Set names are
     compared regardless of case and keep their first spelling.
 
     Parameters

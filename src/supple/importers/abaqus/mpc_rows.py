@@ -21,8 +21,8 @@ def mpc_rows(
 
     TIE, PIN           u_p = u_a, with or without rotations
     LINK               constant distance between p and a
-    LINEAR, QUADRATIC  u_p is interpolated on the edge a b, or a b c, where p is: rotations likewise
-    SLIDER             p stays on the line a b, along which it slides
+    LINEAR, QUADRATIC  u_p and its rotations are interpolated at the place of p on the edge a b, or a b c
+    SLIDER             p slides along the line a b
     """
     p, place = first, positions[first]
     if kind == "LINK":
@@ -49,7 +49,7 @@ def mpc_rows(
 def _shares(place: FloatArray, nodes: FloatArray) -> list[float]:
     """Shape functions of the nodes of an edge at a position on it, linear or quadratic.
 
-    The position gives s of a quadratic edge x(s) = sum_i N_i(s) x_i with its middle node anywhere.
+    On a quadratic edge x(s) = sum_i N_i(s) x_i, the position determines s; the middle node may be anywhere.
     """
     if len(nodes) == 2:
         chord = nodes[1] - nodes[0]

@@ -28,7 +28,7 @@ _MOST_GENERATED = 10**7
 class NodesFound:
     """Scope, id, position and line of each node in the order of the file, and their sets.
 
-    named : (scope, name, ids, line)
+    named : (scope, name, ids)
     """
 
     scopes: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
@@ -39,7 +39,7 @@ class NodesFound:
 
 
 def read_nodes(file: KeywordFile, scopes: tuple[Scope, ...], blocks: tuple[ScopedBlock, ...]) -> NodesFound:
-    """All nodes of a file, in its own axes.
+    """All nodes of a file, in its global axes.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def _system(file: KeywordFile, block: KeywordBlock) -> tuple[FloatArray, FloatAr
         return np.eye(3), np.zeros(3)
     points = np.array([*values, *9 * [0.0]][:9]).reshape(3, 3)
     origin, first = points[0], points[1] - points[0]
-    # Two points only rotate the axes about the third.
+    # With two points only, the second axis is normal to the global z axis.
     second = np.cross([0.0, 0.0, 1.0], first) if len(values) <= 6 else points[2] - origin
     third = np.cross(first, second)
     if not np.linalg.norm(third) > 0:
@@ -136,9 +136,9 @@ def _generated(
     parts: list[tuple[int, IntArray, FloatArray, IntArray]],
     sets: dict[str, IntArray],
 ) -> tuple[IntArray, FloatArray, IntArray, IntArray]:
-    """Nodes on lines between two nodes (*NGEN), or on straight ones between those of two sets (*NFILL).
+    """Nodes on lines between two nodes (*NGEN), or on straight lines between the nodes of two sets (*NFILL).
 
-    Ids, positions and lines, and the ids of their end nodes.
+    Returns ids, positions and lines, and the ids of the end nodes.
     """
     curve = block.options.get("LINE", "").upper()
     if curve not in ("", "C", "P") or "BIAS" in block.options or "SINGULAR" in block.options:
@@ -214,7 +214,9 @@ def _copied(
     parts: list[tuple[int, IntArray, FloatArray, IntArray]],
     sets: dict[str, IntArray],
 ) -> tuple[IntArray, FloatArray, IntArray, IntArray]:
-    """Nodes of *NCOPY: those of a set, shifted and turned (MULTIPLE times), or reflected; as `_generated`.
+    """Nodes of *NCOPY: those of a set, shifted and rotated (MULTIPLE times), or reflected.
+
+    Returns as `_generated`.
 
     With a POLE p, a node or a position, x becomes 2 x - p.
     """
@@ -263,7 +265,7 @@ def _copied(
 
 
 def _rotation(values: FloatArray) -> FloatArray:
-    """About the axis through two points, by an angle in degrees; no rotation without an angle."""
+    """Rotation about the axis through two points, by an angle in degrees; the identity without an angle."""
     if not values[6]:
         return np.eye(3)
     axis = values[3:6] - values[:3]
@@ -278,7 +280,7 @@ def _projector(direction: FloatArray) -> FloatArray:
 
 
 def plain_ids(block: KeywordBlock) -> IntArray:
-    """Ids of a set by list or generation; other members and oversized ranges are left out."""
+    """Ids of a set by list or generation; other members are left out, and oversized ranges are cut."""
     found: list[IntArray] = []
     for _, text in block.data:
         ids = [int(word) for word in fields(text) if is_plain_digits(word)]

@@ -66,7 +66,7 @@ class Orientation:
         return np.asarray(axes @ turn, dtype=np.float64)
 
     def shell_directions(self, places: FloatArray, elements: IntArray) -> FloatArray:
-        """First in-plane directions (n, 3) before projection: of the axis after the one along the normal."""
+        """First in-plane directions (n, 3) before projection: the axis after the normal, in cyclic order."""
         normal = self.axis or 3
         return self.axes(places, elements)[:, :, normal % 3]
 

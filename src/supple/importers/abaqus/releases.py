@@ -37,7 +37,7 @@ def read_releases(model: AbaqusModel) -> BoolArray | None:
                 end in _ENDS and all(part in _ROTATIONS for part in code.split("-")) for end, code in pairs
             )
             if not pairs or len(rest) % 2 or not known or not beams[members].all():
-                meaning = "ends of beams that are not released by S1 or S2 and M1, M2, T or ALLM are fixed"
+                meaning = "only releases of S1 or S2 by M1, M2, T or ALLM are read; other ends stay connected"
                 model.report.leave_out("*RELEASE", line, meaning)
                 continue
             for end, code in pairs:

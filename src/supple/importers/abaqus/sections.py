@@ -39,7 +39,7 @@ BoolArray = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class SectionOfSolids:
-    """Of solids and trusses; area : of trusses."""
+    """A section of solids or trusses; area : of trusses."""
 
     material: DeckMaterial
     orientation: Orientation | None
@@ -55,7 +55,7 @@ _FITS = {
     Family.BEAM: SectionOfBeams,
 }
 _INCOMPATIBLE = ("C3D8I", "C3D8R", "SC8R")
-"""Elements with one integration point and hourglass stiffness; incompatible modes bend similarly."""
+"""Elements with incompatible modes, and those with one integration point, which get such modes instead."""
 _SECTIONS = (
     "SOLIDSECTION", "SHELLSECTION", "SHELLGENERALSECTION", "MEMBRANESECTION", "MEMBRANE", "BEAMSECTION",
     "BEAMGENERALSECTION",
@@ -67,8 +67,8 @@ def read_elements(
 ) -> tuple[tuple[DeckElements, ...], dict[str, Property]]:
     """All elements with a section and a material, and their properties.
 
-    Others are left out, except elements without section on faces and edges of solids, which define sets only.
-    If sections overlap the last one is used.
+    Other elements are left out. Those without section on faces and edges of solids only define sets. If
+    sections overlap, the last one is used.
 
     Raises
     ------

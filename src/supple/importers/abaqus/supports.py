@@ -28,7 +28,7 @@ def read_supports(model: AbaqusModel, freedoms: Freedoms) -> tuple[ScalarTerms, 
     held: set[tuple[int, int]] = set()
     for placed in model.blocks:
         block = placed.block
-        # A submodel's motion, or one from a file, is driven.
+        # Motions of a submodel or from a file are driven.
         driven = {"SUBMODEL", "USER", "TYPE"} & block.options.keys()
         if block.key != "BOUNDARY" or placed.step > 1 or (driven and placed.step):
             continue

@@ -49,7 +49,7 @@ def read_ties(model: AbaqusModel, rows: Rows) -> None:
 
 
 def _tied_contacts(model: AbaqusModel) -> Iterator[ScopedBlock]:
-    """*CONTACT PAIR with TIED, or whose interaction has PRESSURE-OVERCLOSURE=TIED as CalculiX writes it."""
+    """*CONTACT PAIR with TIED, or with an interaction of PRESSURE-OVERCLOSURE=TIED (CalculiX)."""
     interaction, tied = "", set[str]()
     for placed in model.blocks:
         options = placed.block.options
@@ -100,7 +100,7 @@ def _tie(
         best[closer], points[closer] = distances[closer], places[closer]
         for i in closer.tolist():
             where[i] = faces[found[i]], shares[i]
-    turning = _turning_nodes(model)
+    turning = _nodes_with_rotations(model)
     near = best <= tolerance + 1e-9 * size
     for i in np.flatnonzero(near).tolist():
         node, (face, shares) = int(nodes[i]), where[i]
@@ -130,7 +130,7 @@ def _face_size(x: FloatArray, surface: DeckSurface) -> float:
     return float(np.concatenate(spans).mean()) if spans else 1.0
 
 
-def _turning_nodes(model: AbaqusModel) -> NDArray[np.bool_]:
+def _nodes_with_rotations(model: AbaqusModel) -> NDArray[np.bool_]:
     found = np.zeros(len(model.positions), dtype=bool)
     for block in model.elements:
         if block.type.family in (Family.SHELL, Family.BEAM):

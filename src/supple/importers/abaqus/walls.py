@@ -28,7 +28,7 @@ _ALONG_NORMAL = np.cos(np.radians(0.1))
 
 @dataclass(frozen=True, eq=False)
 class SectionOfShells:
-    """plies : from the bottom up, relative thickness;  given : instead, a wall by its stiffness
+    """plies : from the bottom up, relative thickness;  given : a wall by its stiffness, instead of plies
 
     offset : of the nodes from the middle along the normal, as a fraction of the thickness
     nodal_thickness : (N,) of every node; None if the section gives the thickness
@@ -68,7 +68,7 @@ class SectionOfShells:
     def directions(self, corners: FloatArray, elements: IntArray) -> FloatArray:
         """First directions (C, 3) of cells with corners (C, 3, 3) before projection; by default global x.
 
-        If the wall's normal is the global x within 0.1 degrees: the global z, as in both programs.
+        Global z is used if the wall's normal is within 0.1 degrees of global x, as in both programs.
         """
         if self.orientation is not None:
             return self.orientation.shell_directions(corners.mean(axis=1), elements)
@@ -181,7 +181,9 @@ def _plies(
     if len(set(named)) > 1:
         turns = iter(axes)
         rows = [(*fields(text), "", "", "")[3] for _, text in block.data]
-        angles = [_turn(first, next(turns)) if row and row.upper() in named else None for row in rows]
+        angles = [
+            _angle_between(first, next(turns)) if row and row.upper() in named else None for row in rows
+        ]
         if any(angle is None for angle in angles):
             model.report.leave_out_block(block, "plies along axes that are not rotated about one normal")
             return None
@@ -189,8 +191,11 @@ def _plies(
     return tuple(found), first
 
 
-def _turn(first: Orientation | None, other: Orientation | None) -> float | None:
-    """Angle of the other's first direction from the first's about their common normal, at the origin."""
+def _angle_between(first: Orientation | None, other: Orientation | None) -> float | None:
+    """Angle from the first direction of `first` to that of `other` about their common normal, at one point.
+
+    None without a common normal, or if either is distributed.
+    """
     if first is None or other is None or first.distributed or other.distributed:
         return None
     place, nowhere = np.array([[1.0, 2.0, 3.0]]), np.array([-1])

@@ -28,8 +28,8 @@ _LARGEST_WHOLE = 2.0**53
 def read_abaqus_matrix(path: str | Path, nodes: NodeTable | None = None) -> LabelledMatrix:
     """Matrix of Abaqus (*MATRIX OUTPUT): FORMAT=MATRIX INPUT, or COORDINATE.
 
-    The first has node, component, node, component, value; the second row, column, value, rows counted from 1
-    in the order of node ids and components. One triangle alone stands for both.
+    Lines of MATRIX INPUT are node, component, node, component, value. Lines of COORDINATE are row, column,
+    value, with rows counted from 1 in the order of node ids and components. One triangle is sufficient.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def _by_coordinates(path: Path, ids: IntArray) -> LabelledMatrix:
     if per_node is None or numbers.min() < 1:
         raise ImportFormatError(
             f"{path}: rows {numbers.min()} to {n}, which are neither 3 nor 6 freedoms of each of {len(ids)} "
-            "nodes; take the mesh file of the same model, without nodes of no element, or write the matrix "
+            "nodes; take the mesh file of the same model, without unused nodes, or write the matrix "
             "with FORMAT=MATRIX INPUT"
         )
     freedoms = np.column_stack([np.repeat(ids, per_node), np.tile(np.arange(1, per_node + 1), len(ids))])
@@ -68,7 +68,7 @@ def read_calculix_matrix(path: str | Path, freedoms: str | Path | None = None) -
 
     Parameters
     ----------
-    freedoms : the .dof file with `node.component` of each row; None takes the one of the same name
+    freedoms : the .dof file with `node.component` of each row; None: the .dof file of the same name
     Raises
     ------
     ImportFormatError   missing or cut files; lines of another form; rows beyond the map; an entry given twice
@@ -151,7 +151,7 @@ def _whole(path: Path, values: FloatArray, what: str) -> NDArray[np.int64]:
 
 
 def _lines(path: Path) -> list[tuple[int, str]]:
-    """Lines with their numbers; comments and keywords (*) and blank ones left out."""
+    """Lines with their numbers, without comments, keywords (*) and blank lines."""
     found = [
         (number, text)
         for number, text in enumerate(file_lines(path, "write the matrices as text"), start=1)

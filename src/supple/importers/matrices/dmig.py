@@ -21,11 +21,12 @@ _REAL_SINGLE, _REAL_DOUBLE = 1, 2
 
 
 def read_dmig(path: str | Path, role: MatrixRole, *, name: str | None = None) -> LabelledMatrix:
-    """The stiffness or mass among the DMIG cards of a file.
+    """The stiffness, mass or damping among the DMIG cards of a file.
 
     Parameters
     ----------
-    name : str or None   as on the cards; None takes the one whose name begins with K (stiffness) or M (mass)
+    name : str or None   as on the cards; None: the one whose name begins with K (stiffness), M (mass) or B
+        (damping)
     Raises
     ------
     ImportFormatError   missing or cut file; no such matrix, or several; complex or rectangular matrices;

@@ -1,9 +1,10 @@
-"""HDF5 files of nodes, freedoms, stiffness and mass, for programs without another export.
+"""HDF5 files of nodes, freedoms, stiffness, mass and damping, for programs without another export.
 
 /nodes                 (N, 3) float     positions
 /node_ids              (N,) int         labels; default 1 .. N
 /freedoms              (n, 2) int       node id and component (1 to 6) of each row; 0: a modal coordinate
 /stiffness, /mass      groups with data, indices, indptr of a compressed sparse column matrix (n, n)
+/damping               likewise; optional
 /node_sets/NAME        (k,) int         node ids; optional
 
 The file may come from other programs, so it is copied before reading: see `copied_hdf5`.
@@ -33,8 +34,8 @@ def read_hdf5_nodes(path: str | Path) -> NodeTable:
 
     Raises
     ------
-    ImportFormatError   missing, cut or foreign file; missing datasets or such of a wrong shape; ids given
-                        twice; sets that name nodes the file lacks
+    ImportFormatError   missing, cut or foreign file; missing datasets or datasets of a wrong shape; ids given
+                        twice; sets with unknown nodes
     """
     path = Path(path)
     with opened(path, ("nodes", "node_ids", "node_sets")) as file:
@@ -66,7 +67,7 @@ def read_hdf5_nodes(path: str | Path) -> NodeTable:
 
 
 def read_hdf5_matrix(path: str | Path, role: MatrixRole) -> LabelledMatrix:
-    """The stiffness or mass of an HDF5 file of matrices.
+    """The stiffness, mass or damping of an HDF5 file of matrices.
 
     Raises
     ------

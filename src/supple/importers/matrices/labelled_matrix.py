@@ -1,4 +1,4 @@
-"""Labelled matrices: stiffness or mass with rows identified by node id and component."""
+"""Labelled matrices: stiffness, mass or damping with rows identified by node id and component."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ SYMMETRY = 1e-9
 
 
 class MatrixRole(Enum):
-    """Role of a matrix: its name in messages and HDF5 files, and the first letter of other names."""
+    """Role of a matrix: its name in messages and HDF5 files, and the first letter of its name in others."""
 
     STIFFNESS = ("stiffness", "K")
     MASS = ("mass", "M")
@@ -126,7 +126,7 @@ def from_labelled_entries(
 def from_entries(
     source: str, row: IntArray, column: IntArray, values: FloatArray, freedoms: IntArray
 ) -> csc_array:
-    """Matrix (n, n) from its entries; without mirrored pairs one triangle is completed to both.
+    """Matrix (n, n) from its entries; if no entry has its mirrored entry, the other triangle is added.
 
     Programs print one triangle in their own order of nodes, which need not be that of `freedoms`.
 

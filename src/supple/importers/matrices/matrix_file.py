@@ -48,7 +48,7 @@ def read_nodes(path: str | Path) -> NodeTable:
 def read_labelled_matrix(
     path: str | Path, role: MatrixRole, nodes: NodeTable, *, name: str | None = None
 ) -> LabelledMatrix:
-    """Stiffness or mass from DMIG (.pch, .bdf ..), OUTPUT4 and 2, HDF5, Abaqus .mtx or CalculiX .sti, .mas.
+    """Matrix from DMIG (.pch, .bdf ..), OUTPUT4 and 2, HDF5, Abaqus .mtx or CalculiX .sti, .mas.
 
     Parameters
     ----------

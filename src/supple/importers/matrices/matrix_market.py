@@ -18,17 +18,17 @@ __all__ = ["read_matrix"]
 FloatArray = NDArray[np.float64]
 
 MOST_EMPTY = 100_000
-"""Largest number of rows or columns of a sparse matrix beyond that of its entries."""
+"""Largest number of rows or columns of a sparse matrix in excess of its entries."""
 
 _FORM = "write the complete matrix again, as coordinate real"
 
 
 @dataclass(frozen=True)
 class _Header:
-    """The first lines of a file, and the line of the first entry.
+    """The first lines of a file.
 
-    line : from 1, of the size
-    entries : their stated number
+    line : number, from 1, of the line with the size
+    entries : stated number of entries
     """
 
     path: Path
@@ -135,7 +135,7 @@ def _stored(rows: int, columns: int, symmetry: str) -> int:
 
 
 def _numbers(header: _Header, lines: list[str], width: int) -> FloatArray:
-    """All numbers (entries, width) below the size, whose lines are counted first."""
+    """All numbers (entries, width) in the lines below the size; the number of lines is checked first."""
     below = [line for line in lines[header.line :] if line.strip() and not line.startswith("%")]
     if len(below) != header.entries:
         raise header.error(

@@ -27,7 +27,7 @@ _HEADERS = tuple(struct.pack(form, 24 * n) for form in ("<i", ">i") for n in (1,
 def read_output4(
     path: str | Path, role: MatrixRole, nodes: NodeTable, *, name: str | None = None
 ) -> LabelledMatrix:
-    """The stiffness or mass of an OUTPUT4 or OUTPUT2 file; read by pyyeti (install `supple[nastran]`).
+    """The stiffness, mass or damping of an OUTPUT4 or OUTPUT2 file, by pyyeti (install `supple[nastran]`).
 
     The files have no labels. Rows are the analysis set (ASET, BSET, QSET) of the mesh file if their number
     fits, else all six freedoms of all its grids (the g-set), sorted by id.
@@ -35,7 +35,8 @@ def read_output4(
     Parameters
     ----------
     nodes : NodeTable     of the bulk data file the matrices come from
-    name : str or None    as in the file; None takes the one whose name begins with K (stiffness) or M (mass)
+    name : str or None    as in the file; None: the one whose name begins with K (stiffness), M (mass) or B
+        (damping)
     Raises
     ------
     ImportFormatError   pyyeti missing; missing, cut or unreadable file; no such matrix, or several; complex

@@ -101,7 +101,7 @@ def _of_output4(path: Path, nodes: NodeTable, name: str) -> RecoveryMatrix:
 
 
 def in_order(recovery: RecoveryMatrix, freedoms: IntArray) -> RecoveryMatrix:
-    """The same with columns in the order of the given freedoms (m, 2); zero columns for those that it lacks.
+    """The recovery matrix with columns in the order of freedoms (m, 2); those without a column get zeros.
 
     Raises
     ------

@@ -57,7 +57,7 @@ class BulkCard(NamedTuple):
         return self.fields[place].upper() if place < len(self.fields) else ""
 
     def integer(self, place: int, what: str, default: int | None = None) -> int:
-        """Field as an integer; `default` if it is blank, which is an error without a default."""
+        """Field as an integer; `default` if it is blank; ImportFormatError if blank without a default."""
         word = self.word(place)
         if not word:
             if default is None:
@@ -72,7 +72,7 @@ class BulkCard(NamedTuple):
             ) from None
 
     def real(self, place: int, what: str, default: float | None = None) -> float:
-        """Field as a number; `default` if it is blank, which is an error without a default."""
+        """Field as a number; `default` if it is blank; ImportFormatError if blank without a default."""
         word = self.word(place)
         if not word:
             if default is None:
@@ -211,7 +211,7 @@ def read_bulk_data(path: str | Path, absent: list[BulkCard] | None = None) -> Bu
 
 @dataclass(eq=False)
 class _Piece:
-    """A card, or rows that continue a card elsewhere (`label`), and the label that it announces."""
+    """A card, or rows that continue the card of a `label`; `announces` : label of the rows to follow."""
 
     name: str
     fields: list[str]
@@ -401,7 +401,7 @@ def _sections(
 ) -> tuple[list[RawLine], list[tuple[str, str, list[RawLine]]], bool]:
     """Lines above the cards; lines of cards by kind and name of their part; whether ENDDATA ends them."""
     inclusions = Inclusions("export the model as text (.bdf)")
-    lines = _meaning(path, path.parent, inclusions.lines(path), inclusions, absent, 0)
+    lines = _expanded(path, path.parent, inclusions.lines(path), inclusions, absent, 0)
     last = next((i for i, (_, _, text) in enumerate(lines) if _END.match(text)), len(lines))
     ended, lines = last < len(lines), lines[:last]
     starts = [i for i, (_, _, text) in enumerate(lines) if _BEGIN.match(text)]
@@ -417,7 +417,7 @@ def _sections(
     return above, found, ended
 
 
-def _meaning(
+def _expanded(
     path: Path,
     main: Path,
     read: list[str],
@@ -450,7 +450,7 @@ def _meaning(
             absent.append(BulkCard("INCLUDE", (str(target),), path, number))
             continue
         below = inclusions.included(path, number, target, depth + 1)
-        found += _meaning(target, main, below, inclusions, absent, depth + 1)
+        found += _expanded(target, main, below, inclusions, absent, depth + 1)
     return found
 
 

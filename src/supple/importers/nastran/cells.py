@@ -27,7 +27,7 @@ FloatArray = NDArray[np.float64]
 class _Solid:
     """Number of corners of a solid, its linear and quadratic cell, and the card's field of each node.
 
-    edges : corners of each middle node, as the card lists them
+    edges : the two corners of each middle node, in the order of the card
     """
 
     corners: int
@@ -128,7 +128,7 @@ def by_id(cards: Sequence[BulkCard], what: str) -> dict[int, BulkCard]:
 class Properties:
     """The properties of elements of one kind, each read once and named by its card.
 
-    A card with elements of different data of their own (offset, thickness, added mass) gives several
+    If the elements of a card differ in their own data (offset, thickness, added mass), the card gives several
     properties: pshell_7, pshell_7_2.
     """
 
@@ -219,7 +219,7 @@ def _solid_cells(
         nodes = grids_named(chosen, reading, 2, solid.corners)
         if wanted:
             nodes = np.concatenate([nodes, middles.of(chosen, solid, nodes)], axis=1)[:, list(solid.order)]
-        nodes = _turned_outwards(kind, nodes, reading)
+        nodes = _oriented_outwards(kind, nodes, reading)
         ids, lines = integers(chosen, 0, "the element id"), np.array([card.line for card in chosen])
         axes = _material_axes(properties.found[of], system, nodes, reading, chosen)
         bends = kind is CellType.HEXA8 and (bubble or psolid.name != "PSOLID")
@@ -237,8 +237,8 @@ _MIRRORED = {
 }
 
 
-def _turned_outwards(kind: CellType, nodes: IntArray, reading: DeckReading) -> IntArray:
-    """Cells with their base ordered about the direction to their top; Nastran accepts both orders."""
+def _oriented_outwards(kind: CellType, nodes: IntArray, reading: DeckReading) -> IntArray:
+    """Cells with a base that is right-handed about the direction to the top; Nastran accepts both orders."""
     n = kind.n_corners
     x = reading.positions(nodes[:, :n])
     base = 3 if n in (4, 6) else 4

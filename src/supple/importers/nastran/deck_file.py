@@ -145,7 +145,7 @@ def read_nastran_deck(path: str | Path) -> Deck:
             parts[number] = _deck(start_reading(part, file))
         elif number not in repeated:
             line = part.cards[0].line if part.cards else 0
-            what = "masses of a case of its own" if kind == "MASSID" else "a part that is no model by grids"
+            what = "a separate mass case" if kind == "MASSID" else "a part without grids"
             absent.append(LeftOut(f"BEGIN {kind}", 1, line, f"{what}: {name}"))
     deck = replace(deck, left_out=(*deck.left_out, *absent))
     return assembled(deck, parts, file, reading.grids) if parts else deck
@@ -211,7 +211,7 @@ def _deck(reading: DeckReading) -> Deck:
     read_point_elements(reading, materials)
     matrices = read_matrices(reading)
     read_multipoint_constraints(reading)
-    turning = _turning(reading, elements, [*chain(*matrices.values())])
+    turning = _with_rotations(reading, elements, [*chain(*matrices.values())])
     rigid, means = read_ties(reading, turning)
     node_sets = read_supports(reading, {n for tie in rigid for n in tie.nodes.tolist() if not turning[n]})
     read, passed_over = _counted(reading.file)
@@ -248,7 +248,7 @@ def _deck(reading: DeckReading) -> Deck:
     )
 
 
-def _turning(
+def _with_rotations(
     reading: DeckReading, elements: list[DeckElements], matrices: list[NodalMatrix]
 ) -> NDArray[np.bool_]:
     """Grids (N,) whose rotations elements, springs, masses, matrices, constraints or ties act on."""
@@ -323,7 +323,7 @@ def _parameters(cards: list[BulkCard]) -> dict[str, float]:
 
 
 def _scalar_points(file: BulkFile) -> IntArray:
-    """Ids of SPOINT and EPOINT, a list or ID1 THRU ID2, and of scalar elements, as in Nastran."""
+    """Ids of SPOINT and EPOINT, a list or ID1 THRU ID2, and of points that only scalar elements define."""
     ids: dict[int, None] = {}
     for card in file.named("SPOINT", "EPOINT"):
         if card.word(1) == "THRU":

@@ -68,7 +68,7 @@ class DeckReading:
 
     scalar_points : (S,) ids of points with one freedom
     mass_factor, stiffness_factor, damping_factor : factors by PARAM
-    matrix_factors : {"K2GG": factor of the matrices that it adds, ..}, without WTMASS
+    matrix_factors : {"K2GG": factor on the matrices that K2GG adds, ..}, without WTMASS
     added_nodes : positions of added nodes on arcs and edges
     lumped_mass : Nastran's default; PARAM,COUPMASS above 0 selects the consistent mass
     """
@@ -106,7 +106,7 @@ class DeckReading:
         return left_out_by_card(self._left)
 
     def chosen_sets(self, command: str, adder: str, sets: set[int]) -> set[int]:
-        """Sets selected by case control, including combined ones (SPCADD); without it the only set."""
+        """Sets selected by case control, also by SPCADD; without case control, a set that is the only one."""
         number = self.case.number(command)
         if number is None:
             if self.case.present or len(sets) != 1:

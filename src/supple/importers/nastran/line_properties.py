@@ -30,7 +30,7 @@ _STATIONS = {"YES": 2, "YESA": 1, "NO": 1}
 
 
 def read_beam(card: BulkCard, materials: Materials, reading: DeckReading, added: float) -> BeamProperty | str:
-    """The section of a beam's property with non-structural mass `added`, kg/m; else a reason."""
+    """The section of a beam's property with non-structural mass `added`, kg/m; else why it is absent."""
     material = materials.isotropic(card.integer(1, "the material id"))
     return material if isinstance(material, str) else _BEAMS[card.name](card, material, reading, added)
 
@@ -61,7 +61,7 @@ def read_rod(card: BulkCard, materials: Materials, reading: DeckReading, added: 
 def rod(
     material: IsotropicMaterial, area: float, J: float, arm: float, added: float, reading: DeckReading
 ) -> RodProperty:
-    """A rod's property, with torsional stress arm M / J; `added` is non-structural, without PARAM,WTMASS."""
+    """A rod's property, with shear stress `arm` M / J; `added` : non-structural mass without PARAM,WTMASS."""
     return RodProperty(material, area, J, material.density * area + added * reading.mass_factor, arm)
 
 
@@ -125,7 +125,7 @@ def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: DeckReading, ad
         reading.leave_out(card, "the shear relief S1, S2 of its taper is not read")
 
     def pair(place: int) -> tuple[list[float], list[float]]:
-        """Values at A and at B, by default those of A: fields A B, or 1A 2A 1B 2B."""
+        """Value at A, and at B; that of A if the field of B is blank."""
         first = last[place] or 0.0
         second = last[place + 1]
         return [first], [first if second is None else second]
@@ -188,7 +188,7 @@ def _values(
     reading: DeckReading,
     added: float,
 ) -> BeamValues:
-    """One station; the mass of the section lies at its neutral axis, the non-structural one where M says."""
+    """One station; mass of the section at its neutral axis, non-structural mass at `nsm_at` (M1, M2)."""
     area, I1, I2, I12, J, nsm = given
     own, other = material.density * area, (nsm + added) * reading.mass_factor
     mass = own + other

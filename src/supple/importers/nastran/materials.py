@@ -151,7 +151,8 @@ class Materials:
         G = [card.real(1 + i, what, 0.0) for i, what in enumerate(("G11", "G12", "G13", "G22", "G23", "G33"))]
         Q = np.array([[G[0], G[1], G[2]], [G[1], G[3], G[4]], [G[2], G[4], G[5]]])
         Q = Q * self._reading.stiffness_factor
-        shear = Q[:2, :2] if np.linalg.det(Q[:2, :2]) > 0 else None  # as MID3 its G11, G12, G22 are the shear
+        # A MAT2 that MID3 names gives the transverse shear stiffness by G11, G12, G22.
+        shear = Q[:2, :2] if np.linalg.det(Q[:2, :2]) > 0 else None
         return WallMaterial(Q, shear, self._density(card, 7), None)
 
     def _mat8(self, card: BulkCard) -> WallMaterial | str:

@@ -44,7 +44,7 @@ def read_nastran(
     Raises
     ------
     ImportFormatError   as for `read_nastran_deck`; no elements, or some that are not read
-    MeshError           what the file describes is not a usable mesh; flat elements with their line
+    MeshError           what the file describes is not a usable mesh, such as flat elements
     """
     path = Path(path)
     deck = read_nastran_deck(path)
@@ -52,8 +52,8 @@ def read_nastran(
     if missing:
         first = missing[0]
         raise ImportFormatError(
-            f"{path}, line {first.line}: {first.card}: {first.count} {first.meaning}; a mesh of the rest has "
-            "holes: correct them, or remove them"
+            f"{path}, line {first.line}: {first.card}: {first.count} {first.meaning}; without them the mesh "
+            "has holes: correct them, or remove them"
         )
     if not deck.elements:
         raise ImportFormatError(f"{path}: no elements that are cells; is this a mesh file, and complete?")
@@ -107,7 +107,7 @@ def read_nastran_nodes(path: str | Path) -> NodeTable:
             f"{path}: its main bulk data have no GRID, only its superelements; give the file of one of them"
         )
     rigid, means = read_ties(reading, np.ones(len(grids.ids), dtype=bool))
-    # The reference grid of a mean has no stiffness of its own; for other grids only the matrices show it.
+    # The reference grid of a mean has no stiffness of its own; other grids may have some in the matrices.
     averaged = {mean.reference for mean in means}
     connections = tuple(_connection(tie, averaged, grids.positions) for tie in rigid) + tuple(
         Connection(mean.name, mean.nodes, grids.positions[mean.reference], mean.weights) for mean in means

@@ -21,10 +21,11 @@ PARTITION_CARDS = ("SESET", "SEELT")
 
 
 def partitioned(deck: Deck, reading: DeckReading) -> Deck:
-    """The deck with a set of elements and of nodes for each superelement, and each in `superelements`.
+    """The deck with an element set and a node set for each superelement, and each in `superelements`.
 
-    Everything on an interior grid of a superelement belongs to it, in case of two to the lower number; the
-    rest is the residual structure, unless SEELT assigns it. A deck without superelements is unchanged.
+    An element, matrix, term or tie belongs to the superelement of its interior grids, or to the lowest number
+    of several; without interior grids, to the residual structure. SEELT overrides this for elements. A deck
+    without superelements is unchanged.
     """
     interior = _interior(deck, reading)
     numbers = [n for n in np.unique(interior).tolist() if n]

@@ -64,7 +64,7 @@ def read_point_elements(reading: DeckReading, materials: Materials) -> None:
 
 
 def _several(cards: list[BulkCard], step: int) -> dict[int, tuple[BulkCard, int]]:
-    """Properties of cards with several: card and first field of each."""
+    """Properties by id, from cards that hold several: card and first field of each."""
     found: dict[int, tuple[BulkCard, int]] = {}
     for card in cards:
         for place in range(0, max(len(card.fields), 1), step):
@@ -176,7 +176,7 @@ def _bush_mass(a: int, b: int | None, mass: float, reading: DeckReading) -> None
 
 
 def _bush_axes(card: BulkCard, a: int, xa: FloatArray, xb: FloatArray, reading: DeckReading) -> FloatArray:
-    """Those of CID at GA; else x from GA to GB and y in the plane of the vector; else the basic ones."""
+    """Axes of CID at GA; without CID, x from GA to GB and y in the plane of the vector, or basic axes."""
     if card.word(7):
         return reading.system(card, card.integer(7, "CID")).directions(xa[None])[0]
     chord = xb - xa
@@ -280,7 +280,7 @@ def _conm1(card: BulkCard, reading: DeckReading) -> NodalMatrix:
 
 
 def _kept(freedoms: NDArray[np.int64], M: FloatArray) -> NodalMatrix:
-    """Without empty rows, so that a mass without inertia needs no rotations."""
+    """The matrix without empty rows, so that a mass without inertia needs no rotations."""
     used = np.abs(M).max(axis=1) > 0
     used[:3] = True
     return NodalMatrix(freedoms[used], M[np.ix_(used, used)])
@@ -292,9 +292,10 @@ def _kept(freedoms: NDArray[np.int64], M: FloatArray) -> NodalMatrix:
 def _shear_panel(card: BulkCard, known: BulkCard | None, materials: Materials, reading: DeckReading) -> None:
     """EID PID G1 G2 G3 G4; PSHEAR: MID T NSM F1 F2: a panel with a constant shear flow only.
 
-    Forces of the flow q along the four sides, at their ends, do work on  w = sum of -+ L/2 (u_i + u_j) t_ij,
-    so the stiffness is  w w^T / c,  the compliance  c = A / (G t) (1 + 2 tan^2 a / (1 + nu)),  a the angle of
-    a parallelogram, for other quadrilaterals that of the middle lines. Its mass goes to the four grids.
+    The shear flow along the four sides, as forces at their ends, does work on
+    w = sum of -+ L/2 (u_i + u_j) t_ij.  The stiffness is  w w^T / c  with the compliance
+    c = A / (G t) (1 + 2 tan^2 a / (1 + nu)),  where a is the angle of a parallelogram, or of the middle lines
+    of another quadrilateral. The mass is lumped to the four grids.
     Source: MacNeal, The NASTRAN Theoretical Manual (1972), section 5.3, after Garvey.
     """
     material = None if known is None else materials.isotropic(known.integer(1, "the material id"))

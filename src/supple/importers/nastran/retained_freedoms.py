@@ -22,7 +22,7 @@ _LONGEST_RANGE = 10**6
 def retained_freedoms(file: BulkFile, grids: IntArray, *, modal: bool = True) -> IntArray | None:
     """Freedoms (n, 2) of the analysis set, id and component, in Nastran's order; None without its cards.
 
-    grids : (N,) their ids;  modal : False leaves QSET out
+    grids : (N,) ids of the grids;  modal : False leaves QSET out
 
     Raises
     ------

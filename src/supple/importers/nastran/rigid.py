@@ -23,7 +23,7 @@ Side = tuple[int, str]
 
 
 def read_ties(reading: DeckReading, turning: NDArray[np.bool_]) -> tuple[list[RigidTie], list[WeightedMean]]:
-    """All rigid and averaging elements; mixed ones become constraints.
+    """All rigid and averaging elements; those that are no full tie or plain mean become constraints.
 
     turning : (N,) whether anything but supports acts on the rotations of a grid; if not, as on nodes of
               solids, a tie of its translations is equivalent to one of all six freedoms
@@ -112,7 +112,7 @@ def _grid_list(card: BulkCard, words: list[tuple[int, str]], reading: DeckReadin
 
 
 def _rbe2(card: BulkCard, reading: DeckReading, turning: NDArray[np.bool_], rigid: list[RigidTie]) -> None:
-    """EID GN CM GM1 .. [ALPHA]: components CM of the others follow GN rigidly, in the axes of each."""
+    """EID GN CM GM1 .. [ALPHA]: components CM of grids GM1 .. follow GN rigidly, in the axes of each."""
     ties = _components(card, card.word(2), "its components")
     reference = reading.node(card, 1, "the grid GN")
     listed = _grid_list(card, _listed_grids(card), reading)
@@ -134,7 +134,7 @@ def _listed_grids(card: BulkCard) -> list[tuple[int, str]]:
 
 
 def _follows(card: BulkCard, node: int, component: int, reference: int, reading: DeckReading) -> None:
-    """The constraint that a component of a node is that of the rigid motion of another."""
+    """The constraint that a component of a node follows the rigid motion of the reference node."""
     own = reading.node_freedom(node, component)
     direction = reading.grids.axes[node][:, component % 3]
     arm = reading.grids.positions[node] - reading.grids.positions[reference]
@@ -149,15 +149,15 @@ def _follows(card: BulkCard, node: int, component: int, reference: int, reading:
 
 
 def _alone(terms: list[Term]) -> int:
-    """The freedom of a component if its axis is a basic one."""
+    """The freedom of a component if its axis is a basic one; else -1."""
     return terms[0][0] if len(terms) == 1 else -1
 
 
 def _rigid_rows(card: BulkCard, independent: list[Side], dependent: list[Side], reading: DeckReading) -> None:
     """Constraints of dependent components that follow the rigid motion of six independent ones.
 
-    The motion q (6,) of a rigid body is that of the independent components,  u_I = T_I q,  so the others are
-    u_M = T_M T_I^-1 u_I;  T of a component: its direction, and its moment about a common point.
+    The independent components determine the motion q (6,) of the rigid body,  u_I = T_I q,  so the dependent
+    ones are  u_M = T_M T_I^-1 u_I.  A row of T: the direction of a component, and its moment about a point.
     """
     origin = reading.grids.positions[independent[0][0]]
 
@@ -396,8 +396,7 @@ def read_multipoint_constraints(reading: DeckReading) -> None:
             continue
         terms: list[Term] = []
         dependent = -1
-        # G C A G C A in rows of eight fields; the second of a row starts in its fifth, those of further rows
-        # behind one empty field.
+        # A row of eight fields has two terms G C A, which start in its second and fifth field.
         for place in range(1, len(card.fields)):
             at = place % 8
             if at not in (1, 4) or not card.word(place):

@@ -164,10 +164,10 @@ def _chan1(flange: float, web: float, inner: float, height: float) -> SectionVal
 def _chan2(leg: float, base: float, height: float, width: float) -> SectionValues | None:
     """The channel that opens upwards: that of the web on the left, rotated by a right angle."""
     lying = _chan(height, width, base, leg)
-    return None if lying is None else _turned(lying)
+    return None if lying is None else _rotated(lying)
 
 
-def _turned(s: SectionValues) -> SectionValues:
+def _rotated(s: SectionValues) -> SectionValues:
     """Rotated by a right angle, z to y and y to -z."""
     y, z = s.shear_centre
     return SectionValues(s.area, s.I2, s.I1, -s.I12, s.J, s.K2, s.K1, s.geometry.turned(), (z, -y))
@@ -185,13 +185,13 @@ def _t(width: float, height: float, flange: float, web: float) -> SectionValues 
 def _t1(height: float, stem: float, flange: float, web: float) -> SectionValues | None:
     """Flange upright on the right, stem to the left: T rotated by three right angles."""
     s = _t(height, stem + flange, flange, web)
-    return None if s is None else _turned(_turned(_turned(s)))
+    return None if s is None else _rotated(_rotated(_rotated(s)))
 
 
 def _t2(width: float, height: float, flange: float, web: float) -> SectionValues | None:
     """Flange at the bottom: T upside down."""
     s = _t(width, height, flange, web)
-    return None if s is None else _turned(_turned(s))
+    return None if s is None else _rotated(_rotated(s))
 
 
 def _l(width: float, height: float, lying: float, upright: float) -> SectionValues | None:
@@ -345,4 +345,4 @@ SHAPES = {
     "HAT1": SectionShape(5, _hat1),
     "DBOX": SectionShape(10, _dbox),
 }
-"""The shapes of PBARL and PBEAML, in the order of sizes DIM1, DIM2 .."""
+"""The shapes of PBARL and PBEAML; arguments in the order of the sizes DIM1, DIM2 .."""

@@ -26,7 +26,7 @@ SUPERELEMENT_CARDS = ("SEBULK", "SELOC", "SEMPLN", "SECONCT", "SEBNDRY", "SEEXCL
 
 # Nastran's tolerance for common grids of two superelements, in the unit of the file.
 _TOLERANCE = 1e-5
-# Tolerance of the three grids that place a superelement, relative to their size: equal triangles in Nastran.
+# Tolerance of the three grids that place a superelement, relative to their size; Nastran requires equality.
 _EQUAL = 1e-2
 
 _IMAGES = ("MIRROR", "REPEAT", "IDENTICAL")
@@ -50,7 +50,7 @@ class _Search:
 
 
 def assembled(main: Deck, parts: Mapping[int, Deck], file: BulkFile, grids: GridPoints) -> Deck:
-    """The deck of a file with its parts as bodies, and joined where they share grids.
+    """The deck of a file, its parts joined where they share grids; each part is also in `superelements`.
 
     main : the residual structure;  parts : by number;  grids : of the main bulk data
     """
@@ -79,7 +79,7 @@ def repeated_parts(file: BulkFile) -> set[int]:
 
 
 def _images(parts: Mapping[int, Deck], file: BulkFile, left: list[LeftOut]) -> dict[int, Deck]:
-    """The parts, with copies and mirror images of others (SEBULK), these not yet mirrored."""
+    """The parts, with copies of others for repetitions and mirror images (SEBULK), not yet mirrored."""
     found = dict(parts)
     for card in file.named("SEBULK"):
         number, kind = card.integer(0, "the superelement"), card.word(1)
@@ -286,7 +286,7 @@ def _connected(card: BulkCard) -> IntArray:
             raise card.error("a range of pairs reads GIDA1 THRU GIDA2 GIDB1 THRU GIDB2; correct it")
         a, b, c, d = (card.integer(places[i], "a grid") for i in (0, 2, 3, 5))
         if b - a != d - c or not 0 <= b - a < 10**6:
-            raise card.error(f"{a} to {b} and {c} to {d} are not as many grids; correct them")
+            raise card.error(f"{a} to {b} and {c} to {d} are ranges of different length; correct them")
         return np.column_stack([np.arange(a, b + 1), np.arange(c, d + 1)])
     if len(places) % 2:
         raise card.error("lists an odd number of grids; give pairs")

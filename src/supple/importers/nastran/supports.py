@@ -26,8 +26,8 @@ def read_supports(reading: DeckReading, tied: Collection[int] = ()) -> dict[str,
 
     Constraints of the selected set and the PS fields are added to the reading's `held`.
 
-    tied : grids of a rigid tie of translations that counts as one of all six freedoms, since nothing acts on
-           their rotations: supports of these rotations have no effect
+    tied : grids whose tied translations count as a tie of all six freedoms, since nothing acts on their
+           rotations; supports of these rotations are ignored
     """
     found: dict[str, dict[int, None]] = {}
     cards = reading.file.named("SPC", "SPC1")
@@ -126,7 +126,7 @@ def _components(card: BulkCard, word: str) -> str:
     return "".join(sorted(word))
 
 
-# --- DMIG that case control adds to those of the elements
+# --- DMIG that case control adds to the matrices of the elements
 
 
 def read_matrices(reading: DeckReading) -> dict[str, list[NodalMatrix]]:

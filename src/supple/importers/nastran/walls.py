@@ -21,7 +21,7 @@ WALL_CARDS = ("PSHELL", "PCOMP", "PCOMPG")
 class WallOptions:
     """Wall data of an element.
 
-    thicknesses : T1 .. T4, None if blank; their mean is used;  relative : to that of the property
+    thicknesses : T1 .. T4, None if blank; their mean is used;  relative : as factors on the property's
     offset : ZOFFS, m;  added_mass : of NSM cards, kg/m^2, without PARAM,WTMASS
     """
 
@@ -34,7 +34,7 @@ class WallOptions:
 def read_wall(
     card: BulkCard, materials: Materials, reading: DeckReading, options: WallOptions
 ) -> ShellProperty | WallProperty | str:
-    """The wall of a property card with the options of an element; else why there is none."""
+    """The wall of a property card with the options of an element; else why it is absent."""
     if card.name == "PSHELL":
         return _pshell(card, materials, reading, options)
     return _pcomp(card, materials, reading, options)
@@ -47,7 +47,7 @@ def _pshell(
 
         A = T G1,  D = 12I/T^3 T^3/12 G2,  H = TS/T T G3,  B = -T^2 G4
 
-    B has its sign from Nastran's curvature, which is that of the other side.
+    The minus sign of B is due to Nastran's curvature, which has the opposite sign.
     """
     if card.word(3) == "-1":
         return "its bending is that of plane strain (MID2 = -1), which is not read"
@@ -122,7 +122,7 @@ def _pcomp(
 
 
 def _with_option(wall: WallProperty, option: str) -> WallProperty:
-    """A wall whose order of plies is left open (SMEAR), or that only stretches or only bends."""
+    """The wall with smeared plies (SMEAR), with membrane stiffness alone (MEM) or bending alone (BEND)."""
     none = np.zeros((3, 3))
     if option == "SMEAR":
         return replace(wall, coupling=none, bending=wall.membrane * wall.thickness**2 / 12)

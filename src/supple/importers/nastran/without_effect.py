@@ -1,4 +1,4 @@
-"""Cards of a Nastran file that describe no body: loads, solution, design, air, heat, output, tables."""
+"""Nastran cards that describe no body: loads, solution, design, aerodynamics, heat, output, tables."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _LISTED = """
     BOUTPUT BSURF BSURFS BGPARM FBADLAY FBALOAD FBODYLD FBODYSB MKAERO1 MKAERO2 AERO AEROS AEROZ
 """
 _NAMES = frozenset(_LISTED.split())
-# Families, by how their names begin: air, monitor points, splines, design, sets, tables, temperatures.
+# Families by first letters: aerodynamics, monitor points, splines, design, sets, tables, temperatures.
 _FAMILIES = re.compile(
     r"(?:AE[A-Z]{2}|CAERO|PAERO|BCONPR|MONPNT|MONDSP|MONSUM|MONGRP|MONCNCM|SPLINE|DCONSTR|DCONADD|DRESP|"
     r"DV[CPM]REL|DVP|SET[1-9]$|TABL|TABD|TABR|TEMP|PLOADF|ACPL|DMI$|DMIJ|DMIK|TOP)"

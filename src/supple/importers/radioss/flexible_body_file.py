@@ -1,6 +1,6 @@
 """Radioss' flexible-body file (.fxb): modes, mass and stiffness of a sub-domain on a four-point frame.
 
-Blocks, in order, numbers by columns (8 for whole ones, 16 for others, which leaves nine digits):
+Blocks, in order; integers take 8 columns, other numbers 16, which leaves nine digits:
 
     modes, static modes, nodes, rotations?, damping?, blocked?, data on disk?      7I8
     node ids                                                                        10I8

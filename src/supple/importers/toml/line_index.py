@@ -119,7 +119,7 @@ class _Scanner:
     def _key_part(self) -> str:
         self._skip(_SPACE)
         part = self._skip(_STRING)
-        # A quoted key may hold escapes; they do not matter for finding lines of the keys we know.
+        # A quoted key may hold escapes; known keys have none, so their lines are found.
         part = part[1:-1] if part else self._skip(_BARE_KEY)
         self._skip(_SPACE)
         return part

@@ -27,7 +27,7 @@ _Root = TypeVar("_Root", bound=CheckedTable)
 def checked(
     root: type[_Root], raw: Mapping[str, Any], mistakes: Sequence[tuple[KeyPath, str]]
 ) -> tuple[_Root | None, Sequence[tuple[KeyPath, str]]]:
-    """The file as checked by its schema, None with mistakes; and all mistakes, including those of rules.
+    """The file checked by its schema, or None if it does not fit; and all mistakes, including those of rules.
 
     root : the table of the whole file
     """

@@ -1,7 +1,7 @@
 """The tables of a TOML file as the TOML reader returns them, for rules on what one key demands of another.
 
 The rules read the raw data, not the checked tables, so that they all run even when other keys are wrong and
-every mistake is reported at once. A value of the wrong type is the schema's business: rules ignore it.
+every mistake is reported at once. The schema reports values of a wrong type; rules ignore them.
 """
 
 from __future__ import annotations
@@ -71,6 +71,6 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
 
 def unknown(what: str, name: str, known: Sequence[str]) -> str:
-    """The mistake of a name that is not there."""
+    """The message for a name that does not exist."""
     listed = ", ".join(dict.fromkeys(known)) or "none"
     return f"there is no {what} named {name!r}{did_you_mean(name, known)}; there is: {listed}"

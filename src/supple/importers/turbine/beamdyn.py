@@ -21,16 +21,16 @@ __all__ = ["read_beamdyn_sections"]
 FloatArray = NDArray[np.float64]
 
 SAMPLES = 20
-"""Of a piece between key points, for the length of the curve."""
+"""Number of chords between two key points, for the length of the curve."""
 
 
 def read_beamdyn_sections(path: str | Path) -> SectionTable:
     """Section table of a blade from a BeamDyn primary file, which names the blade file beside it.
 
-    The curve is BeamDyn's: of each member a natural cubic spline of x, y and twist over z through its key
-    points, in the blade's axes, x to the suction side, y to the trailing edge, z from the root to the tip,
-    twist about -z. The stations of the blade file stand at shares of its length, their matrices linear in
-    between. The damping coefficients (mu) are not read: a body has its own damping.
+    The curve is that of BeamDyn: for each member, a natural cubic spline of x, y and twist over z through its
+    key points. Blade axes are x to the suction side, y to the trailing edge, z from the root to the tip; the
+    twist is about -z. Stations of the blade file are at shares of the length of the curve, with matrices
+    linear in between. The damping coefficients (mu) are not read: a body has its own damping.
 
     Raises
     ------
@@ -68,7 +68,7 @@ class _BeamdynFile:
         return cls(Path(path), file_lines(Path(path), "it is no BeamDyn file"))
 
     def entry(self, name: str) -> tuple[int, str]:
-        """Number of the line that ends in `VALUE NAME - ..`, from 0, and the value."""
+        """Number, from 0, of the line `VALUE NAME - ..`, and the value."""
         for number, line in enumerate(self.lines):
             found = re.match(r"\s*(\"[^\"]*\"|'[^']*'|\S+)\s+(\w+)", line)
             if found is not None and found[2].lower() == name.lower():
@@ -79,7 +79,7 @@ class _BeamdynFile:
         )
 
     def count(self, name: str, least: int) -> tuple[int, int]:
-        """The same of a whole number."""
+        """`entry` of a whole number that is at least `least`."""
         number, word = self.entry(name)
         try:
             value = plain_integer(word)
@@ -112,14 +112,14 @@ Curves = list["scipy.interpolate.CubicSpline"]
 def _curve(
     primary: _BeamdynFile,
 ) -> tuple[Curves, Curves, tuple[FloatArray, FloatArray]]:
-    """Splines of x, y and of twist in degrees over z, of each member; lengths of the curve, and z there."""
+    """For each member splines over z, of x, y and of twist in degrees; then arc lengths and their z."""
     _, members = primary.count("member_total", 1)
     after, total = primary.count("kp_total", 3)
     sizes = [int(primary.numbers(after + 1 + k, 2, f"member {k + 1}")[1]) for k in range(members)]
     if min(sizes) < 3 or sum(sizes) - members + 1 != total:
         raise ImportFormatError(
             f"{primary.path}, line {after + 1}: {total} key points for members of "
-            f"{', '.join(map(str, sizes))}: each has three at least and shares its last with the next"
+            f"{', '.join(map(str, sizes))}: each member has at least three and shares its last with the next"
         )
     first = after + members + 3
     points = np.array([primary.numbers(first + k, 4, "a key point (x, y, z, twist)") for k in range(total)])

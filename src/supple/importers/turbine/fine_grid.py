@@ -1,4 +1,4 @@
-"""Positions along a blade, as fine as straight pieces need that stand for its curve, and matrices there."""
+"""Positions along a blade, so fine that straight pieces represent its curve, and matrices there."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 
 PIECES = 100
-"""Of a whole blade, at least."""
+"""Smallest number of pieces of a whole blade."""
 
 
 def fine_grid(grid: FloatArray) -> FloatArray:
-    """The grid (n,), ascending, with points added so that no step is more than a hundredth of it."""
+    """The grid (n,), ascending, with points added so that no step exceeds a hundredth of its length."""
     parts = np.ceil(np.diff(grid) / (grid[-1] - grid[0]) * PIECES - 1e-9).astype(int)
     steps = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(grid[:-1], grid[1:], parts, strict=True)]
     return np.append(np.concatenate(steps), grid[-1])

@@ -18,8 +18,8 @@ __all__ = ["read_polar", "read_rotor"]
 def read_rotor(path: str | Path | Traversable, *, polars: str | Path | Traversable, n_blades: int) -> Rotor:
     """Rotor of a table with columns radius_m, chord_m, twist_deg, polar, and of a folder of polars.
 
-    Polar `name` is the file `name.csv` of the folder, with columns alpha_deg, cl, cd and, unused, cm. The tip
-    is the last radius.
+    Polar `name` is the file `name.csv` of the folder, with columns alpha_deg, cl, cd; a column cm is ignored.
+    The tip is the last radius.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def read_rotor(path: str | Path | Traversable, *, polars: str | Path | Traversab
 
 
 def read_polar(path: str | Path | Traversable, *, name: str) -> Polar:
-    """Polar of a table with columns alpha_deg, cl, cd and, unused, cm.
+    """Polar of a table with columns alpha_deg, cl, cd; a column cm is ignored.
 
     Raises
     ------

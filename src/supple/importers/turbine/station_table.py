@@ -24,9 +24,9 @@ _TRAILING_EDGES = {
 def read_stations(path: str | Path | Traversable, *, sections: str | Path | Traversable) -> BladeStations:
     """Blade stations of a table and of a folder of section outlines.
 
-    Columns of the table: span_m, section, chord_m, twist_deg, pitch_axis_x_over_c and, if wanted,
-    trailing_edge (round, flat or sharp; else the closing of airfoils), prebend_m, sweep_m. Section `name` is
-    the file `name.csv` of the folder, with columns x_over_c, y_over_c.
+    Columns of the table: span_m, section, chord_m, twist_deg, pitch_axis_x_over_c; optional: trailing_edge
+    (round, flat or sharp; default: sharp), prebend_m, sweep_m. Section `name` is the file `name.csv` of the
+    folder, with columns x_over_c, y_over_c.
 
     Parameters
     ----------

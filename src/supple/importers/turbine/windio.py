@@ -23,7 +23,7 @@ def read_windio_blade(path: str | Path) -> BladeStations:
     The stations are all positions at which the file gives a chord or an airfoil. Between its airfoils, shapes
     are blended by monotone cubics (PCHIP): over the relative thickness where the file gives that along the
     span (`rthick`), else over the position. Prebend and sweep are those of the reference axis. Sections stay
-    normal to z, where windIO turns them with the axis.
+    normal to z, whereas windIO rotates them with the axis.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def read_windio_blade(path: str | Path) -> BladeStations:
 
 
 class _OuterShape(WindioFile):
-    """With what it says of airfoils."""
+    """A windIO file with the entries of airfoils."""
 
     def airfoil_positions(self, shape: tuple[str, ...], second: bool) -> tuple[list[str], FloatArray]:
         """Names of the airfoils along the blade and their positions 0 .. 1."""
@@ -118,13 +118,13 @@ class _OuterShape(WindioFile):
         )
 
     def heights(self, name: str) -> FloatArray:
-        """Heights of one airfoil (this file's tree is its entry)."""
+        """Heights of the airfoil whose entry is `tree`."""
         x, y = self.numbers("coordinates", "x"), self.numbers("coordinates", "y")
         if x.size != y.size:
             raise ImportFormatError(f"{self.path}: airfoil '{name}' has {x.size} x and {y.size} y")
         return AirfoilSection(name, np.column_stack([x, y])).heights(SHAPE_POINTS)
 
     def relative_thickness(self) -> float:
-        """Nominal thickness of one airfoil, named after the version of the schema."""
+        """Nominal relative thickness of the airfoil; its key depends on the version of the schema."""
         key = "rthick" if "rthick" in self.tree else "relative_thickness"
         return float(self.as_numbers([self.entry(key)], key)[0])

@@ -17,14 +17,14 @@ from supple.importers.text_file import file_text
 
 FloatArray = NDArray[np.float64]
 
-# The same words, read ten times as fast where the compiled parser is there.
+# The compiled parser, if installed, reads the same words ten times as fast.
 _LOADER: Any = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
 
 
 def _parsed(path: Path) -> Any:
     text = file_text(path, "save it as YAML")
     try:
-        # Every scalar as it is written: to YAML 1.1 the words 1_000, 1:30 and 010 are other numbers.
+        # Scalars stay text: YAML 1.1 would convert 1_000, 1:30 and 010 to other numbers.
         return yaml.load(text, Loader=_LOADER)
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         if isinstance(error, RecursionError) or "nesting depth" in str(error):
@@ -60,7 +60,7 @@ class WindioFile:
         return value
 
     def has(self, *keys: str) -> bool:
-        """Whether the entry above the last of nested keys has that one."""
+        """Whether the entry under all keys but the last has the last key."""
         above = self.entry(*keys[:-1])
         return isinstance(above, dict) and keys[-1] in above
 
@@ -78,7 +78,7 @@ class WindioFile:
         return self.as_numbers(self.entry(*keys), ".".join(keys))
 
     def distribution(self, *keys: str) -> scipy.interpolate.PchipInterpolator:
-        """A quantity over the position 0 .. 1, from its grid and values; held at its ends."""
+        """A quantity over the position 0 .. 1, from its grid and values; NaN outside the grid."""
         grid, values = self.numbers(*keys, "grid"), self.numbers(*keys, "values")
         if grid.size != values.size or grid.size < 2 or (np.diff(grid) <= 0).any():
             raise ImportFormatError(
@@ -90,7 +90,7 @@ class WindioFile:
     def blended(
         self, grid: FloatArray, values: FloatArray, what: str, *, extrapolate: bool
     ) -> scipy.interpolate.PchipInterpolator:
-        """The curve through values; slopes of numbers near the largest there are may not be finite."""
+        """The curve through values; ImportFormatError if numbers are so large that slopes are not finite."""
         try:
             with np.errstate(all="ignore"):
                 return scipy.interpolate.PchipInterpolator(grid, values, extrapolate=extrapolate)

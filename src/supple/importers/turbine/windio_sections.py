@@ -28,9 +28,9 @@ def read_windio_sections(path: str | Path) -> SectionTable:
     """Section table of the blade of a turbine file, such as those of the IEA 15 and 22 MW reference turbines.
 
     The reference axis and the twist are monotone cubics (PCHIP) over the position 0 .. 1, matrices linear.
-    Section axes are x to the suction side, y to the trailing edge, z along the axis, the twist about -z: so
-    the public files of both versions have their matrices, though the text of schema 2 names x and y the other
-    way round. A file of version 2 by that text is rejected.
+    Section axes are x to the suction side, y to the trailing edge, z along the axis; the twist is about -z.
+    Public files of both versions use these axes, although the text of schema 2 exchanges x and y. A file of
+    version 2 with x and y exchanged is rejected.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def read_windio_sections(path: str | Path) -> SectionTable:
         if fine[0] < curve.x[0] or fine[-1] > curve.x[-1]:
             raise ImportFormatError(
                 f"{path}: {'.'.join(keys)} is given from {curve.x[0]:g} to {curve.x[-1]:g}, the matrices "
-                f"from {fine[0]:g} to {fine[-1]:g}; let its grid reach as far"
+                f"from {fine[0]:g} to {fine[-1]:g}; extend its grid as far"
             )
     points = np.column_stack([curve(fine) for curve in curves[:3]])
     tangents = np.column_stack([curve(fine, 1) for curve in curves[:3]])
@@ -90,7 +90,7 @@ def _second(file: WindioFile) -> tuple[tuple[FloatArray, FloatArray], tuple[Floa
     """Stiffness and inertia of version 2: a list for each entry, zero where there is none."""
     if file.has(*SECOND, "point_mass"):
         raise ImportFormatError(
-            f"{file.path}: {'.'.join(SECOND)} has a point_mass, which sections have not; remove it, and join "
+            f"{file.path}: {'.'.join(SECOND)} has a point_mass, which is not read; remove it, and join "
             "a rigid body to the blade there"
         )
     grids = [_grid(file, *SECOND, name) for name in ("stiffness_matrix", "inertia_matrix")]
@@ -124,8 +124,8 @@ def _second(file: WindioFile) -> tuple[tuple[FloatArray, FloatArray], tuple[Floa
     bending = matrices_at(grids[1], grids[0], stiffness)
     if ((bending[:, 3, 3] - bending[:, 4, 4]) * (edge - flap) < 0).mean() > 0.5:
         raise ImportFormatError(
-            f"{file.path}: K44 and K55 of {'.'.join(SECOND)} are the one greater where i_edge and i_flap are "
-            "the other: as if x pointed to the trailing edge. Give matrices with x to the suction side and y "
-            "to the trailing edge, K44 edgewise, as the published turbines have them"
+            f"{file.path}: K44 and K55 of {'.'.join(SECOND)} are in the opposite order of i_edge and i_flap, "
+            "as if x pointed to the trailing edge. Give matrices with x to the suction side and y to the "
+            "trailing edge, K44 edgewise, as in the files of published turbines"
         )
     return (grids[0], stiffness), (grids[1], inertia)
