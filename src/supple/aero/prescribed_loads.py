@@ -54,7 +54,7 @@ class NodalForces:
 
 
 def lumped_forces(span: ArrayLike, normal: ArrayLike, tangential: ArrayLike) -> FloatArray:
-    """Forces (..., k, 3) on nodes at the spans (k,): F_N along +x and F_T along -y, times a share of the span.
+    """Forces (..., k, 3) on nodes at the spans (k,): F_N along +x, F_T along -y, each times a share of span.
 
     The share of a node reaches half the way to each neighbour, so that the shares add up to the length.
 

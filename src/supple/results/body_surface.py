@@ -74,7 +74,7 @@ class SurfacePoints:
         return found
 
     def at_points(self, values: Array) -> Array:
-        """Values (t, P) at the points from nodal values, (t, N) or by groups (t, N, g); NaN without stress."""
+        """Values (t, P) at the points from nodal values (t, N) or (t, N, groups); NaN without stress."""
         if values.ndim == 2:
             return values[:, self.nodes]
         return np.where(self.groups >= 0, values[:, self.nodes, self.groups], np.nan)

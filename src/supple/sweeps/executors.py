@@ -19,7 +19,7 @@ from supple.other_processes import available_cores
 __all__ = ["Cluster", "Executors", "Given", "LocalProcesses", "MpiProcesses"]
 
 MEMORY = 2**30
-"""Memory assumed per process, with its cases, bytes."""
+"""Memory assumed for a process and its cases, bytes."""
 
 
 class Executors(Protocol):

@@ -53,7 +53,7 @@ MOST_ENRICHED = 3
 def certify(
     group: SweptGroup, cases: Sequence[int], worst: int | None = None, runs: TrainingRuns | None = None
 ) -> tuple[SweptGroup, Certificate]:
-    """The group with bases that are enriched as representative cases require, and its certificate.
+    """The group with bases enriched for the representative cases that require it, and its certificate.
 
     cases : some cases of the group, which are simulated first
     worst : a case whose basis error is known to be too large; the bases are enriched for it first
@@ -116,7 +116,7 @@ class _Search:
         self.certificate = Certificate(targets=targets)
 
     def run(self, *, may_enrich: bool) -> SweptCase | None:
-        """Fill the certificate; stops at a case for which the bases must be enriched, and returns it."""
+        """Fill the certificate; stop at a case for which the bases must be enriched, and return that case."""
         if not self._cases:
             self.certificate = replace(self.certificate, reason="no representative case ran to its end")
         place = self._moving_most() if self._cases else None
@@ -212,7 +212,11 @@ class _Search:
         }
 
     def _next(self, found: Sequence[Mapping[str, Indicated]]) -> int | None:
-        """Index of the next representative: largest estimate, or smallest to find the spread."""
+        """Index of the next representative case, None if there are enough.
+
+        It is the case with the largest estimate. If that case is the only representative, the case with the
+        smallest estimate follows, to find the spread of the ratios.
+        """
         stated = {each.case for each in self.certificate.representatives}
         if len(stated) >= min(MOST, len(self._numbers)):
             return None
@@ -229,7 +233,7 @@ class _Search:
 def _with_locking(
     system: System, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]
 ) -> System:
-    """The machine with the locking of its bodies computed, which bodies read from files lack."""
+    """The machine with the locking of its bodies computed; bodies read from files have no locking."""
     bodies = []
     for each in system.bodies:
         placed, body = each, cast("Any", each.body)
@@ -256,7 +260,7 @@ class _LastBases(InMemoryArchive):
 def _enriched(group: SweptGroup, own: SweptCase, *, richer: bool = False) -> SweptGroup:
     """The group with bases enriched until a case meets its accuracy.
 
-    richer : enrich also with the motion that the last round lacked, as is done if the accuracy is not met
+    richer : return the bases that are enriched after the last round even if that round met the accuracy
     """
     case, starts = own.case, group.fresh.starts
     fulls = group.fulls(case)
