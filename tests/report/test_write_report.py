@@ -207,7 +207,7 @@ def test_a_notebook_has_the_page_in_a_frame(tmp_path, machine):
     shown = sp.player(system, solution, {"blade": MESH})
     assert (
         repr(shown)
-        == f"<Player of {N_TIMES} instants: a notebook shows it; write_report writes it to a file>"
+        == f"<Player of {N_TIMES} output times, for a notebook; write_report writes a file>"
     )
     frame = re.fullmatch(r'<iframe srcdoc="([^"<]*)" style="[^"]*"></iframe>', shown._repr_html_())
     assert frame
