@@ -51,7 +51,7 @@ class Constants:
 
 @dataclass
 class CodeBlock:
-    """Statements in order; arrays reuse the storage of those that are no longer read."""
+    """Statements in order; arrays reuse the storage of arrays that are no longer read."""
 
     constants: Constants
     numbers: Iterable[int]
@@ -141,7 +141,7 @@ class CodeBlock:
     def _slots(
         self, first: dict[int, int], last: dict[int, int]
     ) -> tuple[dict[int, str], dict[str, tuple[str, int]]]:
-        """Storage of each array by name: a free one that is large enough or can be enlarged, or a new one."""
+        """Storage of each array: a free slot that is large enough or can be enlarged, or a new slot; by name."""
         names: dict[int, str] = {}
         slots: dict[str, tuple[str, int]] = {}
         busy: dict[str, int] = {}

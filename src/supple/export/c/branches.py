@@ -17,7 +17,7 @@ __all__ = ["hand_on"]
 
 
 def _unchanged(program: Program, place: int, n_before: int) -> bool:
-    """Whether a loop leaves one of its carried values unchanged."""
+    """Whether a loop leaves the carried value at a position unchanged."""
     atom = program.outputs[place]
     return isinstance(atom, int) and atom == program.inputs[n_before + place]
 

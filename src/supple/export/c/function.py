@@ -40,7 +40,7 @@ def printed_function(
 ) -> Printed:
     """The C statements that evaluate a function at `inputs` and store its results in `outputs`, leaf by leaf.
 
-    arguments : of the function, for their shapes and types
+    arguments : arguments of the function, of which only shapes and types are used
     An output may also be an input: all inputs are read before any output is written.
 
     Raises ModelError for an operation without a translation to C.

@@ -23,7 +23,7 @@ RULES: dict[str, Rule] = {}
 """Rules by the name of the primitive."""
 
 _DEEPEST = 24
-"""Largest depth of an expression; deeper ones are stored, because compilers limit nested parentheses."""
+"""Largest depth of an expression; deeper values are stored, because compilers limit nested parentheses."""
 
 
 def rule(*names: str) -> Callable[[Rule], Rule]:
@@ -48,7 +48,9 @@ def constants_in(values: Sequence[Value]) -> dict[int, np.ndarray]:
 
 
 def print_block(block: CodeBlock, program: Program, inputs: Sequence[Value]) -> list[Value]:
-    """Append the statements of a program to a block; returns its outputs. Constant inputs are evaluated now.
+    """Append the statements of a program to a block; returns the outputs of the program.
+
+    Operations on constants are evaluated now, not in C.
 
     Raises ModelError for a primitive without a rule.
     """

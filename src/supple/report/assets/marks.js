@@ -1,4 +1,4 @@
-// Marks: joints, springs, loads, contact forces, axes of joints; this script computes their positions at each frame.
+// Marks: joints, springs, loads, contact forces, axes of joints. Their positions are computed here at each frame.
 
 // Style of each kind of joint: shape, filled (1) or hollow (0), and the colour of a prescribed motion.
 const JOINT_LOOKS = {
