@@ -141,7 +141,7 @@ class CodeBlock:
     def _slots(
         self, first: dict[int, int], last: dict[int, int]
     ) -> tuple[dict[int, str], dict[str, tuple[str, int]]]:
-        """Storage of each array: a free slot that is large enough or can be enlarged, or a new slot; by name."""
+        """Storage of each array by name: a free slot that is large enough or can grow, or a new slot."""
         names: dict[int, str] = {}
         slots: dict[str, tuple[str, int]] = {}
         busy: dict[str, int] = {}

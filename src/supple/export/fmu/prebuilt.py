@@ -18,7 +18,7 @@ FOLDER = resources.files("supple.export.fmu").joinpath("prebuilt")
 
 
 def prebuilt_path(sources: Mapping[str, str], platform: Platform, fmi: int) -> str:
-    """Name of a library in `FOLDER`, with a digest of its sources, so that outdated libraries do not match."""
+    """Name of a library in `FOLDER`, with a digest of its sources, so that old libraries do not match."""
     texts = "\0".join(f"{name}\0{text}" for name, text in sorted(sources.items()))
     digest = hashlib.sha256(texts.encode()).hexdigest()[:16]
     return f"{digest}-{platform.folders[fmi]}{platform.suffix}"
