@@ -82,7 +82,7 @@ class SurfacePoints:
 
 @dataclass(frozen=True, eq=False)
 class BodySurface(SurfacePoints):
-    """The surface of a body over points attached to nodes: first the nodes themselves, then those of beams.
+    """The surface of a body over points attached to nodes: first the nodes themselves, then points of beams.
 
     mesh : mesh of the body
     skin : triangles over the P points

@@ -43,7 +43,8 @@ class Film:
     """Time window of a run, frame rate and speed of its animation.
 
     frames_per_second : at most 50; in a GIF, 100 / k with a whole number k
-    speed : time of the run that one second of the animation shows; default: 60 frames over the window
+    speed : time of the run that one second of the animation shows, a time; default: 60 frames over the
+        window
     start : start of the time window, a time; default: that of the run
     end : end of the time window, a time; default: that of the run
     at : angle of a rotor at which frames are taken, one per revolution

@@ -41,8 +41,8 @@ class SobolIndices:
 class SaltelliDesign:
     """Saltelli's design: n (d + 2) cases from which Sobol indices of d parameters are estimated.
 
-    Two samples A and B of n points each come from one scrambled Sobol sequence. For each parameter follows
-    the sample A, with the column of this parameter from B.
+    Two samples A and B of n points each come from one scrambled Sobol sequence. Then sample A is repeated for
+    each parameter, with the column of this parameter from B.
 
         design = SaltelliDesign({"load[0].law.amplitude": Uniform(1e3, 5e3), ...}, 256)
         sp.sweep("blade.toml", design.table, "results/sobol")
