@@ -5,8 +5,8 @@ integrals are copied, not computed again. With x~ the cross matrices of the node
 
     [Phi_t | Phi_w0 | Phi_k | V] = [Phi_t | -x~ | -Psi~ | Psi]
 
-Exudyn's equations hold for point masses. For nodes and rigid interfaces that rotate, they contain the
-gyroscopic and centrifugal terms; the terms with the angular acceleration are of first order in the modes.
+Exudyn's equations hold for point masses. For nodes and rigid interfaces that rotate, these equations contain
+the gyroscopic and centrifugal terms; the terms with the angular acceleration are of first order in the modes.
 
 Source: [ZwoelferGerstmayr2021].
 """

@@ -145,7 +145,7 @@ def moving_machine(
 
 
 def _arrow_tails(arrows: Sequence[Arrow], length: float, rows: IntArray) -> Iterator[Array]:
-    """Tails of arrows (t, 3): each head is at its point, and the largest of its kind has the full length."""
+    """Tails (t, 3) of arrows with heads at their points; the largest of each kind has the full length."""
     largest: dict[str, float] = {}
     for arrow in arrows:
         size = float(np.linalg.norm(arrow.values, axis=1).max(initial=0.0))

@@ -105,7 +105,7 @@ def _eroding_surface(body: Any, alive: NDArray[np.float64]) -> VisibleSurface:
     np.maximum.at(last, face, all_deaths)
     elements = np.zeros(face.max() + 1, dtype=np.int64)
     np.add.at(elements, face, 1)
-    # A face has as many triangles of one element as of its neighbour; one of each is drawn.
+    # A shared face has the triangles of both its elements; the triangles of one element are drawn.
     per_face = np.where(all_keys[:, -1] >= 0, 2, 1)
     shared = elements[face] > per_face
     born = np.where(shared, first[face], 0)

@@ -56,7 +56,7 @@ class SurfacePoints:
     def positions(self, body: BodyForm, motion: Motion, nodes: Array | None = None) -> Array:
         """Positions (t, P, 3) in space.
 
-        nodes : (t, N, 3) drawn positions of the nodes; by default the true ones
+        nodes : (t, N, 3) drawn positions of the nodes; by default their true positions
         """
         own = node_positions(body, motion, self.nodes) if nodes is None else nodes[:, self.nodes]
         return self._out_on_arms(own, body.node_rotations(motion) if len(self.on_arms) else None)

@@ -131,7 +131,7 @@ def _window(film: Film, times: Array) -> tuple[int, int]:
 
 
 def standing_rows(angles: Array, at: RotorAngle) -> IntArray:
-    """The output times nearest to those at which a joint passes its angle, one per revolution.
+    """Indices of the output times nearest to each passage of a joint through its angle.
 
     angles : (t,) rad, counted beyond a revolution
     Raises ModelError if the joint does not pass the angle, or is more than 5 deg from it at the nearest

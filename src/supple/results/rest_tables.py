@@ -36,7 +36,7 @@ def _joint_table(numbers: Mapping[str, Any]) -> TextTable:
 
 
 def _place_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
-    """Positions of tracked places in global axes, and deflections of those on elastic bodies.
+    """Positions of tracked places in global axes, and deflections of places on elastic bodies.
 
     A column gives the basis error if it is known for any place.
     """

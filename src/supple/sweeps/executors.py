@@ -41,7 +41,7 @@ class LocalProcesses:
 
     @contextmanager
     def opened(self) -> Iterator[Executor]:
-        """Context manager of a pool of spawned processes, because JAX does not work in forked ones."""
+        """Context manager of a pool of spawned processes, because JAX does not work in forked processes."""
         number = self.number or _by_memory(available_cores())
         others = multiprocessing.active_children()
         pool = ProcessPoolExecutor(number, multiprocessing.get_context("spawn"), _end_with_parent)

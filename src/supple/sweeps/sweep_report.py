@@ -215,7 +215,7 @@ def _columns_of_errors(columns: SweepColumns, errors: Array) -> dict[str, Any]:
 
 
 def _of_channel(numbers: dict[str, Array], place: int) -> dict[str, Array]:
-    """Statistics of a channel, without those of fatigue or hot spots that no case has."""
+    """Statistics of a channel, without statistics that no case has, such as those of fatigue."""
     known = {name: own[:, place] for name, own in numbers.items() if not np.isnan(own[:, place]).all()}
     return known or {name: numbers[name][:, place] for name in STATISTICS}
 

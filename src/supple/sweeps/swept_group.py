@@ -130,7 +130,7 @@ class SweptGroup:
 
     @cached_property
     def _made(self) -> Mapping[str, BodyForm]:
-        """All bodies except rigid ones, whose numbers may differ between cases."""
+        """All bodies except rigid bodies, whose numbers may differ between cases."""
         case = self.like
         placed = case.system.bodies
         # Mesh data for the points and sensors of one case serve all cases (`Case.varied`).

@@ -1,4 +1,4 @@
-"""Training runs: simulations of some cases of a group, before the others run."""
+"""Training runs: simulations of some cases of a group before the group runs."""
 
 from __future__ import annotations
 

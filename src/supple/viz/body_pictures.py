@@ -27,7 +27,7 @@ from supple.viz.style import as_written
 
 # Number of output times searched for the largest deflection.
 N_INSTANTS = 200
-# Deflections smaller than this share of the body's diagonal are enlarged to it.
+# Deflections smaller than this share of the body's diagonal are enlarged to this share.
 VISIBLE = 0.08
 
 

@@ -1,4 +1,4 @@
-"""Plot of a Campbell diagram: frequencies over speed, and the lines of its multiples."""
+"""Plot of a Campbell diagram: frequencies over speed, and lines of the multiples of the speed."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def _draw_orders(axes: Axes, speeds: Array, orders: Array, top: float) -> None:
     """Multiples of the speed, with their names."""
     for order in range(1, N_ORDERS + 1):
         axes.plot(speeds, order * orders, color="0.7", linewidth=0.7)
-        # One beside the other, in the middle of the diagram: its right edge has the names of the modes.
+        # Names side by side in the middle of the diagram; the right edge has the names of the modes.
         place = min(0.15 * (order + 1), 0.9 * top / max(order * orders[-1], 1e-300))
         x, y = ((1 - place) * each[0] + place * each[-1] for each in (speeds, order * orders))
         on_line = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}

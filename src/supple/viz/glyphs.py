@@ -142,7 +142,7 @@ def _place(system: System, solution: Solution, end: At, rows: slice | NDArray[np
 
 
 class DrawnGlyphs:
-    """Glyphs drawn on axes, which can be moved from one time to the next."""
+    """Drawn glyphs, which can be moved from one time to the next."""
 
     def __init__(self, axes: Axes, glyphs: Glyphs, camera: Camera) -> None:
         self._lines = camera.project(glyphs.lines)[0]

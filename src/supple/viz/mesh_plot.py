@@ -211,7 +211,7 @@ def draw_cross(axes: Axes, camera: Camera) -> None:
     cross.set_axis_off()
     tips, _ = camera.project(np.eye(3))
     for tip, name in zip(tips, "xyz", strict=True):
-        # An axis towards the viewer is a dot; its name would cover the others'.
+        # An axis towards the viewer is left out: its name would cover the other names.
         if np.hypot(*tip) > 0.15:
             cross.annotate("", tip, (0.0, 0.0), arrowprops=_ARROW)
             cross.text(1.35 * tip[0], 1.35 * tip[1], name, ha="center", va="center", fontsize=7.5)

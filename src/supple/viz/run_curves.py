@@ -22,7 +22,7 @@ __all__ = ["draw_energies", "draw_joint_forces", "draw_tracked"]
 Array = NDArray[np.float64]
 
 _APART = 5.0
-"""Factor on the largest range of a place: places farther apart have axes of their own."""
+"""Places share a panel if their common range is at most this multiple of the largest range of one place."""
 
 
 def draw_energies(path: Path, solution: Solution, units: UnitSystem) -> Path:

@@ -141,7 +141,7 @@ def legend_above(axes: Axes, n_curves: int) -> None:
 class _Numbers(Formatter):
     """Numbers at ticks as plain text, which is drawn in a tenth of the time of matplotlib's formulas.
 
-    It looks the same. The power of ten at the end of the axis remains a formula.
+    The text looks like the formulas. The power of ten at the end of the axis remains a formula.
     """
 
     def __init__(self, formulas: ScalarFormatter) -> None:
