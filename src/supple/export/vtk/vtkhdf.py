@@ -57,8 +57,9 @@ def write_vtkhdf(
     """Write the motion of a machine as VTKHDF (`.vtkhdf`); returns the path.
 
     Points are those of the assembled, undeformed machine; `displacement` is the vector from there to the
-    position at the output time. `deflection` is the displacement relative to the rigid motion of the body's first
-    interface, in global components. Numbers are in single precision, and NaN for bodies without the field.
+    position at the output time. `deflection` is the displacement relative to the rigid motion of the body's
+    first interface, in global components. Numbers are in single precision, and NaN for bodies without the
+    field.
 
     Parameters
     ----------
