@@ -104,10 +104,10 @@ def _why_not(group: SweptGroup) -> str:
         "no body is elastic: there is no basis, and the integration of rigid machines is not assessed": (
             not elastic
         ),
-        f"{named} is not reduced by the sweep from elements: only a single run estimates its error": bool(
+        f"{named} is not reduced by the sweep from elements: its error is estimated in single runs only": bool(
             others
         ),
-        "the bases have a fixed size: [error] with basis = true estimates their errors": (
+        "the bases have a fixed size: set basis = true in [error] to estimate their errors": (
             not group.asks_for_errors
         ),
     }

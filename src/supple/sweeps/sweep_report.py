@@ -167,7 +167,7 @@ def _page(columns: SweepColumns, reports: dict[int, str]) -> SweepPage:
     status, errors = columns.of_cases("status"), columns.of_cases("estimated_error")
     results = {
         "status": [_STATES.get(code, _NOT_RUN) for code in status.tolist()],
-        "seconds of a processor": columns.of_cases("seconds"),
+        "processor seconds": columns.of_cases("seconds"),
         **_columns_of_errors(columns, errors),
     }
     fatigue = plan.output.fatigue

@@ -124,7 +124,7 @@ def _triangular(
     block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
 ) -> list[Value]:
     if one.params["conjugate_a"]:
-        raise ModelError("C export has no complex numbers: write the law or controller with real ones")
+        raise ModelError("C export has no complex numbers: write the law or controller with real numbers")
     matrix = block.in_order(inputs[0])
     if matrix.buffer.is_scalar:
         source, matrix = matrix, _array(block, matrix)

@@ -67,7 +67,7 @@ def print_block(block: CodeBlock, program: Program, inputs: Sequence[Value]) -> 
         if each.name not in RULES:
             raise ModelError(
                 f"the machine's equations use the operation '{each.name}', which has no translation to "
-                "C yet; usually a law, a load or a controller of your own calls it: write that with "
+                "C yet, usually in a law, a load or a controller of your own: write this function with "
                 "arithmetic, comparisons, jnp.where, sums and products"
             )
         shapes = [program.shapes[number] for number in each.outputs]
