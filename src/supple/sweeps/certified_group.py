@@ -104,9 +104,7 @@ def _why_not(group: SweptGroup) -> str:
         "no body is elastic: there is no basis, and the integration of rigid machines is not assessed": (
             not elastic
         ),
-        f"{named} is not reduced by the sweep from elements: its error is estimated in single runs only": bool(
-            others
-        ),
+        f"{named} is not reduced by the sweep from elements: only single runs have an estimate": bool(others),
         "the bases have a fixed size: set basis = true in [error] to estimate their errors": (
             not group.asks_for_errors
         ),
