@@ -50,9 +50,9 @@ def test_the_load_of_a_lifetime_by_hand():
 
 
 def test_what_has_no_lifetime_is_refused():
-    with pytest.raises(ModelError, match="one speed"):
+    with pytest.raises(ModelError, match="the same speed"):
         lifetime_of_cases([8.0, 8.0], 600.0, WIND, 1.0)
-    with pytest.raises(ModelError, match="beyond the cuts"):
+    with pytest.raises(ModelError, match="beyond cut_in"):
         lifetime_of_cases([8.0, 30.0], 600.0, WIND, 1.0, cut_out=25.0)
     with pytest.raises(ModelError, match="positive"):
         lifetime_of_cases([8.0, 9.0], [600.0, 0.0], WIND, 1.0)

@@ -72,7 +72,7 @@ def test_only_like_is_compared_with_like(strip, make, solution):
         rms_error(r, np.zeros((2, 4, 3)))
     with pytest.raises(ModelError, match="no body 'wing' in the solution; it has beam/left 100%, hub"):
         motion_error(solution, strip, solution, strip, body="wing")
-    with pytest.raises(ModelError, match="other output times"):
+    with pytest.raises(ModelError, match="different output times"):
         motion_error(solution, strip, make(n_times=6), strip, body=BEAM)
-    with pytest.raises(ModelError, match=r"other nodes \(6 and 6\)"):
+    with pytest.raises(ModelError, match=r"different nodes \(6 and 6\)"):
         motion_error(solution, strip, solution, replace(strip, nodes=strip.nodes + 1.0), body=BEAM)

@@ -205,10 +205,7 @@ def test_beams_are_lines_beside_the_skin(tmp_path, clamped_blade):
 def test_a_notebook_has_the_page_in_a_frame(tmp_path, machine):
     system, solution = machine
     shown = sp.player(system, solution, {"blade": MESH})
-    assert (
-        repr(shown)
-        == f"<Player of {N_TIMES} instants: a notebook shows it; write_report writes it to a file>"
-    )
+    assert repr(shown) == f"<Player of {N_TIMES} output times, for a notebook; write_report writes a file>"
     frame = re.fullmatch(r'<iframe srcdoc="([^"<]*)" style="[^"]*"></iframe>', shown._repr_html_())
     assert frame
     path = tmp_path / "frame.html"

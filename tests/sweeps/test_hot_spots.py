@@ -112,7 +112,7 @@ def test_what_is_not_there_is_refused_before_anything_runs(strip):
     refused("hot spot 'weld': no node set 'ROTO'", hot_spot=[SPOT | {"nodes": "strip.ROTO"}])
     refused("is given twice", hot_spot=[SPOT, SPOT])
     refused("no column is named 'wnd'; did you mean 'wind'", lifetime=LIFETIME | {"speed": "wnd"})
-    refused("beyond the cuts", ModelError, lifetime=LIFETIME | {"cut_in": 9.0})
+    refused("beyond cut_in", ModelError, lifetime=LIFETIME | {"cut_in": 9.0})
 
 
 def test_the_plan_keeps_its_tables(strip, tmp_path):

@@ -71,7 +71,8 @@ def test_labels_and_seeds_of_a_sweep(pendulum, tmp_path):
     assert own["maximum"].values[0] == highest[4]
     write_sweep_report(folder)
     page = (folder / "conditions.html").read_text()
-    assert "2 conditions of 5 cases, which differ in body.bob.rigid.mass alone: 2 to 3 cases each" in page
+    assert "5 cases form 2 conditions of 2 to 3 cases." in page
+    assert "The cases of a condition differ only in body.bob.rigid.mass." in page
     assert "joint hinge.Fx, maximum, mean over seeds" in page
     assert ReadPage(folder / "conditions.html").head["sweep"]["rows"] == "conditions"
     assert ReadPage(folder / "sweep.html").head["sweep"]["rows"] == "cases"

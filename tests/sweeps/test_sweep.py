@@ -143,7 +143,7 @@ class GivesUp(Here):
 
 def test_tasks_that_are_given_up_are_an_error_and_missing(pendulum, tmp_path):
     table = CaseTable({"gravity[2]": np.linspace(-9.81, -1.0, 40).tolist()})
-    with pytest.raises(SuppleError, match=r"lost its scheduler; .* the same command runs the rest"):
+    with pytest.raises(SuppleError, match=r"lost its scheduler; .* the same command runs the missing cases"):
         sweep(pendulum, table, tmp_path / "out", executor=GivesUp())
     assert sweep_status(tmp_path / "out").missing == (1, 2)
 
@@ -207,7 +207,7 @@ def test_cases_of_other_bodies_or_runs_are_groups_of_their_own(pendulum):
 def test_what_no_case_can_be_is_refused_before_anything_runs(pendulum, tmp_path):
     with pytest.raises(CaseError, match="no item is named 'bo'"):
         sweep(pendulum, {"body.bo.rigid.mass": [1.0]}, tmp_path / "out")
-    with pytest.raises(CaseError, match="keep names case 7"):
+    with pytest.raises(CaseError, match="keep has case 7"):
         sweep(pendulum, {"gravity[2]": [-1.0]}, tmp_path / "out", keep=[7])
     assert not (tmp_path / "out").exists()
 

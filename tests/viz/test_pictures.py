@@ -318,7 +318,7 @@ def test_bad_animations(tmp_path, beam):
         animate(path, times[:-1], positions, seen)
     with pytest.raises(ModelError, match="skin of nodes"):
         animate(path, times, positions[:, :-1], seen)
-    with pytest.raises(ModelError, match=r"values of shape \(6, 2\): give finite ones of shape \(6, 63\)"):
+    with pytest.raises(ModelError, match=r"values of shape \(6, 2\): give finite values of shape \(6, 63\)"):
         animate(path, times, positions, seen, values=np.zeros((6, 2)))
     with pytest.raises(ModelError, match=r"points of shape \(6, 63, 3\) at 5 times"):
         animate(path, times, positions, seen, traces=Traces(times[:-1], positions))

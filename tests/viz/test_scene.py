@@ -71,7 +71,7 @@ def test_responses_need_models_at_the_references_times(tmp_path):
     with pytest.raises(ModelError, match="give at least one response, each of at least one model"):
         plot_response_errors(tmp_path / "r.png", [Response("u", truth, [])])
     late = Series("late", T + 1.0, truth.values)
-    with pytest.raises(ModelError, match="series 'late' is not at the reference's times"):
+    with pytest.raises(ModelError, match="series 'late' is not at the times of the reference"):
         plot_response_errors(tmp_path / "r.png", [Response("u", truth, [late])])
 
 

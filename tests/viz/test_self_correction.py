@@ -28,5 +28,5 @@ def test_refuses_nothing_and_rounds_without_all_their_numbers(tmp_path):
     with pytest.raises(ModelError, match="give the rounds of at least one body"):
         plot_self_correction(tmp_path / "none.png", {})
     for sizes in ([], [10, 13]):
-        with pytest.raises(ModelError, match="give one number of each kind a round"):
+        with pytest.raises(ModelError, match="give one number of each kind per round"):
             RoundErrors(sizes, [1e-3] * min(len(sizes), 1), [2e-3] * len(sizes), [1e-6] * len(sizes))

@@ -26,7 +26,10 @@ INFLOW_TOLERANCE = 1e-11
 
 @dataclass(frozen=True, kw_only=True)
 class Operation:
-    """Operation of a rotor: angular speed, rad/s; pitch, rad, nose into the wind; density of air, kg/m^3."""
+    """Operation of a rotor: angular speed, rad/s; pitch, rad; density of air, kg/m^3.
+
+    A positive pitch rotates the nose into the wind.
+    """
 
     angular_speed: float
     pitch: float
@@ -43,7 +46,7 @@ class Operation:
 
 @dataclass(frozen=True)
 class AirLoads:
-    """Loads on one blade, all (..., k) over k radii."""
+    """Loads on one blade, and the flow at its sections; all arrays (..., k) over k radii."""
 
     normal: FloatArray
     """Force per length along the wind, N/m."""
@@ -58,7 +61,7 @@ class AirLoads:
 def air_loads(rotor: Rotor, operation: Operation, *, radius: ArrayLike, wind: ArrayLike) -> AirLoads:
     """Loads per length on a blade in axial wind, with Prandtl's tip loss and Glauert's line for high loading.
 
-    At inflow angle phi the section sees alpha = phi - twist - pitch, and with s = B c / (2 pi r)
+    At inflow angle phi the angle of attack is alpha = phi - twist - pitch, and with s = B c / (2 pi r)
         C_n = C_l cos phi + C_d sin phi,     C_t = C_l sin phi - C_d cos phi,
         F = 2/pi acos exp(-B/2 (R - r) / (r sin phi)),
         k = s C_n / (4 F sin^2 phi),         k' = s C_t / (4 F sin phi cos phi).
@@ -66,8 +69,8 @@ def air_loads(rotor: Rotor, operation: Operation, *, radius: ArrayLike, wind: Ar
     4 F (a_c^2 + (1 - 2 a_c) a), that is, 1/(1 - a) = ((b^2 + 4 k d^2)^(1/2) + b) / (2 d^2), b = 1 - 2 a_c,
     d = 1 - a_c. The angle is the root of
         sin phi / (1 - a) omega r - cos phi / (1 + a') V = 0
-    in (0, pi/2], bracketed (fixed-point iteration diverges at high speed ratios). In this form the function
-    is finite and continuous in between, and negative next to 0 for any section with drag. Then
+    in (0, pi/2], found by bracketing, because fixed-point iteration diverges at high speed ratios. In this
+    form the function is finite and continuous in (0, pi/2], and negative near 0 for sections with drag. Then
         F_N = rho/2 W^2 c C_n,   F_T = rho/2 W^2 c C_t,   W^2 = (V (1 - a))^2 + (omega r (1 + a'))^2.
 
     Parameters
@@ -97,7 +100,7 @@ def air_loads(rotor: Rotor, operation: Operation, *, radius: ArrayLike, wind: Ar
     from scipy.optimize.elementwise import find_root
 
     found = find_root(
-        section.relative_residual,
+        section.residual,
         (np.full(wind.shape, SMALLEST_INFLOW_ANGLE), np.full(wind.shape, np.pi / 2)),
         args=(np.broadcast_to(np.arange(radius.size), wind.shape), wind),
         tolerances={"xatol": INFLOW_TOLERANCE, "xrtol": 0.0, "fatol": 0.0, "frtol": 0.0},
@@ -125,7 +128,7 @@ class _Sections:
         return np.interp(self.radius, self.rotor.radius, self.rotor.chord)
 
     def angle_of_attack(self, phi: FloatArray, place: NDArray[np.int64]) -> FloatArray:
-        """Of the sections at those places, rad."""
+        """Angle of attack, rad, of the sections with numbers `place`."""
         twist = np.interp(self.radius, self.rotor.radius, self.rotor.twist)
         return phi - twist[place] - self.operation.pitch
 
@@ -147,13 +150,13 @@ class _Sections:
         turbulent = (np.sqrt(b**2 + 4 * np.maximum(k, 0) * d**2) + b) / (2 * d**2)
         return np.where(k <= CRITICAL_INDUCTION / d, 1 + k, turbulent), cos - share * C_t
 
-    def relative_residual(self, phi: FloatArray, place: NDArray[np.int64], wind: FloatArray) -> FloatArray:
-        """Residual of the inflow angle, m/s."""
+    def residual(self, phi: FloatArray, place: NDArray[np.int64], wind: FloatArray) -> FloatArray:
+        """Function of phi whose root is the inflow angle, m/s."""
         axial, tangential = self.slowing(phi, place)
         return np.sin(phi) * axial * self.operation.angular_speed * self.radius[place] - tangential * wind
 
     def loads(self, phi: FloatArray, place: NDArray[np.int64], wind: FloatArray) -> AirLoads:
-        """Of the sections at those places; ModelError where a polar does not reach as far."""
+        """Loads of the sections with numbers `place`; ModelError for angles that a polar does not cover."""
         angle = self.angle_of_attack(phi, place)
         self._check_covered(angle, place)
         C_n, C_t = self.coefficients(phi, place)
@@ -181,13 +184,13 @@ def _where(index: NDArray[np.int64], radius: FloatArray) -> str:
 
 
 def rotor_power(rotor: Rotor, operation: Operation, *, radius: ArrayLike, loads: AirLoads) -> FloatArray:
-    """Power P = B omega int F_T r dr (...), W, of loads at radii that span the blade (trapezoidal rule)."""
+    """Power P = B omega int F_T r dr, (...) W, by the trapezoidal rule; the radii must span the blade."""
     radius = np.asarray(radius, dtype=np.float64)
     torque = np.trapezoid(loads.tangential * radius, radius, axis=-1)
     return np.asarray(rotor.n_blades * operation.angular_speed * torque)
 
 
 def rotor_thrust(rotor: Rotor, *, radius: ArrayLike, loads: AirLoads) -> FloatArray:
-    """Thrust T = B int F_N dr (...), N, of loads at radii that span the blade (trapezoidal rule)."""
+    """Thrust T = B int F_N dr, (...) N, by the trapezoidal rule; the radii must span the blade."""
     radius = np.asarray(radius, dtype=np.float64)
     return np.asarray(rotor.n_blades * np.trapezoid(loads.normal, radius, axis=-1))

@@ -19,7 +19,7 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Polar:
-    """Lift and drag coefficients at angles of attack; linear in between, unknown beyond.
+    """Lift and drag coefficients at angles of attack; linear in between, undefined outside.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class Polar:
         if not self.angle.shape == self.lift.shape == self.drag.shape:
             raise ModelError(
                 f"polar '{self.name}': {self.angle.size} angles, {self.lift.size} lift and {self.drag.size} "
-                "drag coefficients; give one of each an angle"
+                "drag coefficients; give one of each per angle"
             )
         bad = np.flatnonzero(~np.isfinite(np.column_stack([self.angle, self.lift, self.drag])).all(axis=1))
         if bad.size:
@@ -71,7 +71,10 @@ class BlendedPolars:
     highest: FloatArray
 
     def coefficients(self, section: ArrayLike, angle: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Lift and drag of the section numbers at the angles, of one shape; held beyond the last angle."""
+        """Lift and drag coefficients of sections, by number, at angles of attack of the same shape.
+
+        They are constant beyond the first and the last angle.
+        """
         section, angle = np.asarray(section, dtype=np.int64), np.asarray(angle)
         upper = np.clip(np.searchsorted(self.angle, angle, side="right"), 1, self.angle.size - 1)
         low, high = self.angle[upper - 1], self.angle[upper]

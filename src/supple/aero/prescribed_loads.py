@@ -54,9 +54,9 @@ class NodalForces:
 
 
 def lumped_forces(span: ArrayLike, normal: ArrayLike, tangential: ArrayLike) -> FloatArray:
-    """Forces (..., k, 3) on nodes at the spans (k,): F_N along +x, F_T along -y, each over its share of span.
+    """Forces (..., k, 3) on nodes at the spans (k,): F_N along +x, F_T along -y, each times a share of span.
 
-    A node's share is half the way to each of its neighbours, so that the shares add up to the length.
+    The share of a node reaches half the way to each neighbour, so that the shares add up to the length.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def prescribed_forces(
     times: ArrayLike,
     ramp: CosineRamp | None = None,
 ) -> NodalForces:
-    """Forces on nodes of a blade over time, for a rotor with constant speed that starts upright.
+    """Forces on nodes of a blade over time; the rotor has constant speed, and the blade starts upright.
 
     The aerodynamic loads are those of a rigid blade, and thus prescribed. Axes: x downwind, y towards
     the trailing edge, z along the span from the root, at radius = span + hub_radius.
@@ -95,7 +95,7 @@ def prescribed_forces(
     rotor : Rotor
     operation : Operation
     wind : Wind
-    span : float array (k,)     m, of the nodes from root to tip: the leading edge, say
+    span : float array (k,)     m, of the nodes from root to tip, such as those of the leading edge
     hub_radius : float          m
     times : float array (t,)    s
     ramp : CosineRamp or None   a smooth start; None loads fully from the first time
@@ -104,7 +104,7 @@ def prescribed_forces(
     NodalForces   (t, k, 3)
     Raises
     ------
-    ModelError, ConvergenceError   as `air_loads`
+    ModelError, ConvergenceError   as for `air_loads`
     """
     times, radius = np.asarray(times, dtype=np.float64), np.asarray(span, dtype=np.float64) + hub_radius
     azimuth = operation.angular_speed * times

@@ -45,14 +45,14 @@ class Rotor:
             object.__setattr__(self, name, values)
             if values.shape != self.radius.shape or values.ndim != 1 or values.size < 2:
                 raise ModelError(
-                    f"rotor: {name} has shape {values.shape}; give one value a station, at least two stations"
+                    f"rotor: {name} has shape {values.shape}; give one value for each of two or more stations"
                 )
             bad = np.flatnonzero(~np.isfinite(values))
             if bad.size:
                 raise ModelError(f"rotor: {name} of station {bad[0]} is {values[bad[0]]}; give a number")
         if len(self.polars) != self.radius.size:
             raise ModelError(
-                f"rotor: {len(self.polars)} polars for {self.radius.size} stations; give one a station"
+                f"rotor: {len(self.polars)} polars for {self.radius.size} stations; give one per station"
             )
         back = np.flatnonzero(np.diff(self.radius, prepend=0.0) <= 0)
         if back.size:

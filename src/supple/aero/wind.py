@@ -71,15 +71,16 @@ def kaimal_series(
     frequency_step: float,
     phase: ArrayLike,
 ) -> HarmonicSeries:
-    """Longitudinal turbulence of Kaimal's spectrum as harmonics k df, k = 1 .. n, one for each phase given.
+    """Longitudinal turbulence of Kaimal's spectrum as harmonics k df, k = 1 .. n, one for each given phase.
 
         S(f) = 4 sigma^2 (L/U) / (1 + 6 f L/U)^(5/3),   amplitude_k = (2 S(k df) df)^(1/2)
-    It repeats after 1/df.
+    The speed repeats after 1/df.
 
     Parameters
     ----------
     mean_speed : float          U, m/s
-    deviation : float           sigma, m/s, of the whole spectrum; the harmonics have the part in their band
+    deviation : float           sigma, m/s, standard deviation of the whole spectrum; that of the harmonics is
+                                smaller, because they contain only the part in their band
     length_scale : float        L, m (IEC 61400-1: 340.2 m from a hub height of 60 m on)
     frequency_step : float      df, Hz
     phase : float array (n,)    rad: `golden_phases`, or `random_phases` of a seed
@@ -88,7 +89,7 @@ def kaimal_series(
     HarmonicSeries   (n,)
     Raises
     ------
-    ModelError   sizes not above zero
+    ModelError   a speed, deviation, length or frequency step that is not above zero
     Source: IEC 61400-1, annex on turbulence models.
     """
     sizes = dict(
@@ -105,12 +106,12 @@ def kaimal_series(
 
 
 def golden_phases(n: int) -> FloatArray:
-    """Phases 2 pi frac(0.618034 k^2), k = 1 .. n: spread out without random numbers."""
+    """Phases 2 pi frac(0.618034 k^2), k = 1 .. n: spread over 0 .. 2 pi without random numbers."""
     return 2 * np.pi * np.mod(GOLDEN_RATIO_PART * np.arange(1, n + 1) ** 2, 1)
 
 
 def random_phases(n: int, *, seed: int) -> FloatArray:
-    """Phases (n,) distributed evenly over 0 .. 2 pi, the same for the same seed."""
+    """Random phases (n,), uniform over 0 .. 2 pi; equal for equal seeds."""
     return np.random.default_rng(seed).uniform(0, 2 * np.pi, n)
 
 

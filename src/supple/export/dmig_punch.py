@@ -43,7 +43,7 @@ def dmig_cards(freedoms: ArrayLike, matrices: Mapping[str, Any]) -> list[str]:
 
     freedoms : (n, 2) grid and component of each row; component 0 for a scalar point
 
-    Raises ModelError as `write_dmig_punch`.
+    Raises ModelError as for `write_dmig_punch`.
     """
     labels = np.asarray(freedoms)
     n = len(labels)

@@ -1,12 +1,12 @@
 """Reduced bodies for Exudyn: the file that its ObjectFFRFreducedOrderInterface loads.
 
-Exudyn's nodal-based floating frame with modal reduction uses the same inertia integrals as supple. They are
-copied, not computed again. With x~ the cross matrices of the nodes and Psi~ those of the modes,
+Exudyn's nodal-based floating frame with modal reduction uses the same inertia integrals as supple. These
+integrals are copied, not computed again. With x~ the cross matrices of the nodes and Psi~ those of the modes,
 
     [Phi_t | Phi_w0 | Phi_k | V] = [Phi_t | -x~ | -Psi~ | Psi]
 
-Exudyn's equations hold for point masses. For nodes and rigid interfaces that rotate, they contain the
-gyroscopic and centrifugal terms; the terms with the angular acceleration are of first order in the modes.
+Exudyn's equations hold for point masses. For nodes and rigid interfaces that rotate, these equations contain
+the gyroscopic and centrifugal terms; the terms with the angular acceleration are of first order in the modes.
 
 Source: [ZwoelferGerstmayr2021].
 """
@@ -53,8 +53,8 @@ def write_exudyn(
     Parameters
     ----------
     body : ReducedBody              linear, as Exudyn's reduced body is
-    triangles : int array (T, 3)    surface to draw; none when omitted
-    stress : TensorModes            of all nodes of a solid; with it, Exudyn shows the stress
+    triangles : int array (T, 3)    surface to draw; by default none
+    stress : TensorModes            at all nodes of a solid, for the display of stress in Exudyn
 
     Raises
     ------
@@ -98,7 +98,7 @@ def exudyn_arrays(
     first_moment = -gram[t, w]
     centre = np.array([first_moment[2, 1], first_moment[0, 2], first_moment[1, 0]]) / mass
     couplings = gram[k, v].reshape(r, 3, r)
-    skew = (couplings - couplings.transpose(2, 1, 0)) / 2  # of point masses it is antisymmetric
+    skew = (couplings - couplings.transpose(2, 1, 0)) / 2  # antisymmetric for point masses
     return {
         "fileVersion": _FILE_VERSION,
         "type": "ObjectFFRFreducedOrderInterface",
@@ -127,8 +127,8 @@ def exudyn_arrays(
 def interface_nodes(body: ReducedBody, name: str) -> list[int]:
     """Numbers of the six nodes of an interface in the exported body; ModelError for an unknown interface.
 
-    With equal weights they give its position (MarkerSuperElementPosition, for a ball joint), or its position
-    and rotation (MarkerSuperElementRigid).
+    With equal weights the nodes give the position of the interface (MarkerSuperElementPosition, for a ball
+    joint), or its position and rotation (MarkerSuperElementRigid).
     """
     body.interface(name)
     number = [interface.name for interface in body.interfaces].index(name)

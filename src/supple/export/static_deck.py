@@ -25,7 +25,7 @@ __all__ = ["ABAQUS", "CALCULIX", "DeckProgram", "resultant", "write_static_deck"
 IntArray = NDArray[np.int64]
 
 CLAMPED, LOADED, EVERY_NODE = "SUPPLE_CLAMPED", "SUPPLE_LOADED", "SUPPLE_ALL"
-"""Node sets of the deck, beside those of the mesh."""
+"""Node sets of the deck, in addition to those of the mesh."""
 
 _SOLID_TYPES = {
     CellType.TETRA4: "C3D4",
@@ -55,7 +55,7 @@ class DeckProgram:
 
 
 CALCULIX = DeckProgram("CalculiX", "S6", has_midsides=True)
-"""Its three-node shell is a linear wedge, far too stiff in bending: the six-node one is used instead."""
+"""The six-node shell is written, because the three-node shell is a linear wedge, far too stiff in bending."""
 
 ABAQUS = DeckProgram("Abaqus", "S3", has_midsides=False)
 
@@ -80,12 +80,14 @@ def write_static_deck(
     model : FiniteElementModel      solids, or shells of one material through the thickness
     loads : (N, 3) or (N, 6)        forces, N, and moments of shells, N m, on all nodes, of fixed direction
     clamped : int array (k,)        nodes that are fixed in all degrees of freedom
-    program : CALCULIX or ABAQUS    whose shell triangle is written; mid-side nodes follow those of the mesh
+    program : CALCULIX or ABAQUS    program whose shell element is written; its mid-side nodes are numbered
+                                    after the nodes of the mesh
 
     Raises
     ------
-    ModelError          beams; laminates given by their A-B-D matrix alone; anisotropic materials; loads of
-                        another shape or not finite; no load; no clamped node
+    ModelError          beams and pyramids; laminates given by their A-B-D matrix alone; shells with an offset
+                        or an added mass; anisotropic materials, or a separate shear modulus; loads of a wrong
+                        shape or not finite; no load; no clamped node
     ResultFileError     the file cannot be written
     """
     path = Path(path)
@@ -174,7 +176,7 @@ def _sides_of(triangles: IntArray) -> IntArray:
 
 
 def _element_nodes(section: Section, mesh: Mesh, sides: IntArray) -> IntArray:
-    """Nodes (E, k) of the elements of a section, mid-side ones last."""
+    """Nodes (E, k) of the elements of a section, mid-side nodes last."""
     nodes = section.nodes(mesh)
     if section.cell_type is not CellType.TRIANGLE3 or not len(sides):
         return nodes
@@ -256,7 +258,7 @@ def _section_name(number: int) -> str:
 
 
 def _set_names(sets: Iterable[str]) -> Iterator[str]:
-    """Names that both programs read; one that differs from an earlier one only in case gets a number."""
+    """Names that both programs read; a name that differs from an earlier name only in case gets a number."""
     taken: set[str] = set()
     for name in sets:
         plain = re.sub(r"\W", "_", name, flags=re.ASCII)

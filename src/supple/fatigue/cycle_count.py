@@ -24,12 +24,14 @@ _GROUP = 2**21
 """Number of samples that are counted together, which limits the arrays of a pass to tens of MiB."""
 _FEW_CLOSED = 80
 """A pass costs 25 ns a point, the stack 1 us a point (measured), so a pass is faster if it closes more than
-one point in 80. Nested cycles, as of a decaying response, close one a pass; on the stack
-their time is linear."""
+one point in 80. The cycles of a decaying response are nested, and a pass closes one of them; the stack closes
+all in linear time."""
 
 
 class Residue(Enum):
-    """Counting of the residue, the ranges without closed cycle; damage-equivalent loads differ by -8 to +6 %.
+    """Counting of the residue: the ranges that close no cycle.
+
+    The choice changes damage-equivalent loads by -8 to +6 %.
 
     HALF_CYCLES : each as half a cycle (ASTM E1049-85, 5.4.4)
     CLOSED : as cycles of the repeated history (ASTM E1049-85, 5.4.5)
@@ -47,7 +49,7 @@ class Cycles:
     counts : (c,)               1 or 0.5
     channels : (c,)             channel number of each cycle
     shape : shape of the channels, () for one history
-    residue : counting rule of open ranges
+    residue : rule by which the residue was counted
     """
 
     ranges: Array = field(repr=False)
@@ -75,13 +77,13 @@ def rainflow(values: ArrayLike, residue: Residue = Residue.HALF_CYCLES) -> Cycle
     """Count the cycles of histories by the rainflow method.
 
     A range between two reversals is a cycle if neither neighbour is smaller. It is removed, and its
-    neighbours become one range. The remaining ranges, which grow and then shrink, are the residue. With the
-    residue as half cycles the count equals that of the standard's three-point procedure.
+    neighbours become one range. The ranges that remain at the end are the residue; they grow and then shrink.
+    With the residue as half cycles the count equals that of the standard's three-point procedure.
 
     Parameters
     ----------
     values : (t, ...)       histories along the first axis; a channel for each other index
-    residue : counting rule of open ranges
+    residue : how the residue is counted
 
     Raises
     ------
@@ -188,7 +190,7 @@ def _joined(parts: Sequence[_Points]) -> _Points:
 
 
 def _every_other(closes: NDArray[np.bool_]) -> IntArray:
-    """Indices of true entries; of adjacent ones, which share a reversal, the first, third, ..."""
+    """Indices of true entries; in a run of adjacent entries, which share reversals, the first, third, ..."""
     rows = np.flatnonzero(closes)
     neighbours = np.diff(rows, prepend=-2) == 1
     if not neighbours.any():

@@ -65,9 +65,9 @@ class Goodman:
 
 @dataclass(frozen=True, eq=False)
 class EquivalentLoad:
-    """Damage-equivalent ranges, with their conventions.
+    """Damage-equivalent ranges, with the conventions by which they were computed.
 
-    ranges : (...) of each channel, peak to peak, in the units of the history
+    ranges : (...) one per channel, peak to peak, in the units of the history
     """
 
     ranges: Array = field(repr=False)
@@ -94,7 +94,7 @@ class EquivalentLoad:
 def damage_equivalent_load(
     cycles: Cycles, exponent: Positive, reference_cycles: Positive, correction: MeanCorrection | None = None
 ) -> EquivalentLoad:
-    """The constant-amplitude range with the damage of a history in a number of cycles.
+    """The constant range that does the damage of a history in `reference_cycles` cycles.
 
         L_eq = (sum_i n_i S_i^m / N_eq)^(1/m)
 
@@ -105,7 +105,7 @@ def damage_equivalent_load(
     cycles : of `rainflow`
     exponent : m, slope of the S-N curve: 3 to 5 for welded steel, 8 to 12 for composites
     reference_cycles : N_eq; the duration in seconds for loads of 1 Hz
-    correction : of the means, such as `Goodman`
+    correction : effect of the means, such as `Goodman`
 
     Raises
     ------

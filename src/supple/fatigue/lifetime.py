@@ -42,8 +42,8 @@ class Weibull:
 class Lifetime:
     """Number of occurrences of each case in a lifetime.
 
-    repeats : (n,) of the cases
-    covered : the share of the lifetime covered by the bins of the cases; the rest has no damage
+    repeats : (n,) occurrences of each case
+    covered : share of the lifetime covered by the bins of the cases; the uncovered share adds no damage
     """
 
     repeats: Array = field(repr=False)
@@ -105,11 +105,12 @@ def lifetime_of_cases(
     Parameters
     ----------
     speeds : (n,) of the cases;   durations : (n,) or a number, in the unit of the lifetime T
-    wind : distribution of the speeds
+    wind : distribution F of the speeds
 
     Raises
     ------
-    ModelError      durations that are not positive, one speed without cut_in and cut_out, cuts between speeds
+    ModelError      durations that are not positive; a single speed without cut_in and cut_out; a cut_in above
+                    the lowest speed, or a cut_out below the highest
 
     Source: IEC 61400-1 (2019).
     """
@@ -121,15 +122,15 @@ def lifetime_of_cases(
         raise ModelError(f"lifetime_of_cases: lifetime must be finite and positive, got {lifetime}")
     centres, bins = np.unique(at, return_inverse=True)
     if len(centres) == 1 and (cut_in is None or cut_out is None):
-        raise ModelError("lifetime_of_cases: all cases have one speed: give its bin by cut_in and cut_out")
+        raise ModelError("lifetime_of_cases: all cases have the same speed; give cut_in and cut_out")
     edges = np.empty(len(centres) + 1)
     edges[1:-1] = 0.5 * (centres[1:] + centres[:-1])
     edges[0] = 2 * centres[0] - edges[1] if cut_in is None else cut_in
     edges[-1] = 2 * centres[-1] - edges[-2] if cut_out is None else cut_out
     if edges[0] > centres[0] or edges[-1] < centres[-1]:
         raise ModelError(
-            f"lifetime_of_cases: the cases reach from {centres[0]:g} to {centres[-1]:g}, beyond the cuts at "
-            f"{edges[0]:g} and {edges[-1]:g}; leave them out or move the cuts"
+            f"lifetime_of_cases: the cases have speeds from {centres[0]:g} to {centres[-1]:g}, beyond cut_in "
+            f"or cut_out at {edges[0]:g} and {edges[-1]:g}; leave these cases out or move the limits"
         )
     probabilities = np.diff(wind.below(edges))
     weights = probabilities * lifetime / np.bincount(bins, weights=times)

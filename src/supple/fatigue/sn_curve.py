@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ThicknessEffect:
-    """Thicker plates fail earlier: S is multiplied by (t / t_ref)^k where t > t_ref.
+    """Thicker plates fail earlier: the stress range is multiplied by (t / t_ref)^k where t > t_ref.
 
     thickness, reference : t, t_ref;   exponent : k
 
@@ -88,8 +88,8 @@ def miner_damage(cycles: Cycles, curve: SNCurve, correction: MeanCorrection | No
 
     Parameters
     ----------
-    cycles : of `rainflow`, of stress in the units of the curve
-    correction : of the means, such as `Goodman`
+    cycles : of stress in the units of the curve, from `rainflow`
+    correction : effect of the means, such as `Goodman`
 
     Raises
     ------

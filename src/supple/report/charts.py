@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """Curves over one abscissa (n,), by default the time of a run, otherwise with its own label.
+    """Curves over one abscissa (n,), which is the time of a run unless it has a label.
 
     label : of the ordinate, with its unit;   curves : (n,) by name;   note : such as the axes, or ""
     """
@@ -50,7 +50,7 @@ def charts_of(
     for name, place in tracked.items():
         if place.is_elastic:
             bent = without_noise(place.deflection, like=place.position)
-            note = f"seen from {place.seen_from or 'its frame'}, axes that turn with it"
+            note = f"seen from {place.seen_from or 'its frame'}, in axes that rotate with it"
             yield Chart(f"{name}, deflection", labelled("deflection", units.length), times, _xyz(bent), note)
         position = _xyz(without_noise(place.position))
         yield Chart(f"{name}, position", labelled("position", units.length), times, position, "global axes")
@@ -67,7 +67,7 @@ def charts_of(
     for contact in contacts:
         values = _xyz(without_noise(contact.force, like=like))
         label = labelled("force", units.force)
-        yield Chart(f"{contact.name}, force", label, times, values, "on these nodes, global axes")
+        yield Chart(f"{contact.name}, force", label, times, values, "on the contact's nodes, global axes")
     if ENERGIES in solution.series:
         energies = without_noise(solution.series[ENERGIES]).T
         terms = zip(Energies._fields, energies, strict=True)

@@ -1,4 +1,4 @@
-"""Marked points of a machine: joints, ends of springs, loads, contacts, each moving with a body."""
+"""Points of a machine that are marked in the page: joints, ends of springs, loads, contacts."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _ALONE = (DeadTorque, FollowerForce, FollowerTorque, Unbalance)
 
 @dataclass(frozen=True, eq=False)
 class MarkedPlace:
-    """A point over time with axes.
+    """A point with axes, over time.
 
     body : "" for the ground;   points : (t, 3) in space;   rest : (3,) in the body, mesh axes
     axes : (t, 3, 3) in space, as columns
@@ -64,7 +64,7 @@ class JointMark:
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A spring, damper, .. between two points."""
+    """A force element between two points, such as a spring."""
 
     name: str
     first: MarkedPlace
@@ -114,7 +114,7 @@ def arrows_of(system: System, solution: Solution) -> Iterator[Arrow]:
 
 
 def _arrows_of_element(system: System, solution: Solution, load: ForceElement) -> Iterator[Arrow]:
-    """The force on its first end, or on its second end if the first is on the ground."""
+    """Force and moment on the first end of an element, or on the second if the first is on the ground."""
     ends = both_ends(system, solution, load, load.label)
     at = (load.first, load.second)
     own = 1 if load.first == GROUND else 0
@@ -148,7 +148,7 @@ def _place(system: System, end: At, pose: Pose) -> MarkedPlace:
 
 
 def _arrow_of_nodes(system: System, solution: Solution, load: NodalLoad) -> Arrow:
-    """The sum of its forces, at the interface or at the mean of the nodes."""
+    """The sum of the forces of a nodal load, at its interface or at the mean of its nodes."""
     body: BodyForm = system.placed(load.body).body
     motion = solution.bodies[load.body]
     if isinstance(load, DeadForce) and isinstance(load.at, str):
@@ -169,7 +169,7 @@ def _sums(
 ) -> jax.Array:
     """Sums (t, 3) of the forces on all facets with nodes at positions (t, k, 3) in space.
 
-    dimensions : of the law's value for one facet; one more if each facet has its own value
+    dimensions : number of axes of the law's value for one facet; separate values per facet add one axis
     """
 
     def at(instant: tuple[jax.Array, jax.Array]) -> jax.Array:

@@ -27,7 +27,7 @@ IntArray = NDArray[np.int64]
 DISPLACEMENT_TOLERANCE = 1e-5
 """Displacement error from omitted shapes, relative to the largest displacement."""
 FIELD_TOLERANCE = 5e-3
-"""Error of a colour field: two of the 256 steps of a screen's colours, half of it for omitted shapes."""
+"""Error of a colour field, relative to its largest value; half of it is due to omitted shapes."""
 _NUMBERS = 2**21
 """Numbers of displacements in memory at a time (16 MiB)."""
 _FIELD_NUMBERS = 2**24
@@ -36,12 +36,12 @@ _FIELD_NUMBERS = 2**24
 
 @dataclass(frozen=True, eq=False)
 class MovingBody:
-    """Points to draw, `r(t, n) = position + rotation (rest + displacement(t, n))`.
+    """The drawn points of a body, `r(t, n) = position + rotation (rest + displacement(t, n))`.
 
     name, kind : of the body;   seen_from : the interface that defines the axes, or a description
     rest : (N, 3) undeformed, mesh axes
-    node_ids : (N,) of the nodes to which the points are attached, from the mesh file, or numbers
-    surface : triangles of these points with their lifetimes;   edges : (e, 2) feature edges
+    node_ids : (N,) id in the mesh file of the node of each point; without a mesh, its number
+    surface : triangles of the points, with their lifetimes;   edges : (e, 2) feature edges
     position : (t, 3), rotation : (t, 3, 3)      of the axes of the displacements
     displacement : along these axes; None for a rigid body
     fields : further fields for colours, by name, (t, N, 1)
@@ -63,7 +63,7 @@ class MovingBody:
 
     @property
     def largest_displacement(self) -> float:
-        """The largest magnitude, over all nodes and times."""
+        """The largest magnitude of the displacement, over all points and times."""
         if self.displacement is None:
             return 0.0
         rows = _rows(len(self.position), self.rest.size)
@@ -72,14 +72,14 @@ class MovingBody:
         return max(float(each.max(initial=0.0)) for each in sizes)
 
     def positions(self, rows: IntArray) -> Array:
-        """(t', N, 3) in space, as drawn by the page."""
+        """Positions (t', N, 3) in space, as drawn in the page, at the times with indices `rows` (t',)."""
         local = self.rest[None]
         if self.displacement is not None:
             local = local + np.tensordot(self.displacement.amplitudes[rows], self.displacement.shapes, 1)
         return self.position[rows, None] + np.einsum("tij,tnj->tni", self.rotation[rows], local)
 
     def local(self, points: Array) -> Array:
-        """Points (t, 3) in space, along its axes, from their origin."""
+        """Points (t, 3) in space, in the axes of the displacements."""
         return np.einsum("tji,tj->ti", self.rotation, points - self.position)
 
 
@@ -97,7 +97,7 @@ def moving_body(
     Displacements are relative to the interface of `deflections`; for explicit elements, which have no axes of
     their own, relative to the best-fit axes of the nodes at each time.
 
-    colourings : of its fields, by name
+    colourings : colourings with values for the body, by name
     """
     motion = solution.bodies[body.name]
     surface = surface_of(body, look, motion)
@@ -106,7 +106,7 @@ def moving_body(
     seen = observer_of(system, solution, body.name, bases)
     if seen is None:
         position, rotation = _fitted_axes(body, motion)
-        seen_from = "the axes that fit its nodes best"
+        seen_from = "the best-fit axes of its nodes"
     else:
         position = seen.origin - seen.axes @ seen.rest
         rotation = seen.axes
@@ -148,7 +148,7 @@ def moving_body(
 
 
 def rigid_links(body: RigidBody, motion: Motion, thickness: float) -> MovingBody:
-    """A rigid body: bars from its centre of mass to its interfaces, or a ball without interfaces."""
+    """A rigid body as bars from its centre of mass to its interfaces, with a block at the centre of mass."""
     own = motion.of_type(FloatingMotion)
     centre = body.centre[None]
     nodes, triangles = _bars(np.broadcast_to(centre, body.nodes.shape), body.nodes, 0.5 * thickness)
@@ -209,6 +209,6 @@ def _fitted_axes(body: BodyForm, motion: Motion) -> tuple[Array, Array]:
 
 
 def _rows(n_times: int, numbers: int, held: int = _NUMBERS) -> list[slice]:
-    """Blocks of times, as many as fit in the given numbers; at least eight."""
+    """Blocks of times: at most `held` numbers each, with `numbers` per time, but at least eight times."""
     size = max(8, held // max(1, numbers))
     return [slice(start, min(start + size, n_times)) for start in range(0, n_times, size)]

@@ -29,9 +29,9 @@ IntArray = NDArray[np.int64]
 _SAMPLED = 60
 """Number of times at which the extent of the motion is evaluated."""
 _LINK_THICKNESS = 0.012
-"""Relative to the machine's extent: thickness of the bars of a rigid body."""
+"""Thickness of the bars of a rigid body, relative to the extent of the machine."""
 _ARROW_LENGTH = 0.16
-"""Relative to the machine's extent."""
+"""Length of the longest arrow, relative to the extent of the machine."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,7 @@ class FieldScale:
     """The common range of a field's colours, over all bodies and times, in the displayed unit.
 
     label : with the unit;   factor : on values of the model
-    error : allowed error of the page's values; zero if it must not be visible
+    error : error stated beside the values in the page; zero if none is stated
     """
 
     label: str
@@ -91,7 +91,7 @@ def moving_machine(
 ) -> MovingMachine:
     """A machine in a run; parameters as for `write_report`.
 
-    Raises ModelError for a solution with other columns than those of the bodies.
+    Raises ModelError for a solution whose columns are not those of the bodies.
     """
     check_motions(system, solution)
     colourings = {} if elements is None else {"von Mises stress": stress_colouring(elements)}
@@ -145,7 +145,7 @@ def moving_machine(
 
 
 def _arrow_tails(arrows: Sequence[Arrow], length: float, rows: IntArray) -> Iterator[Array]:
-    """Tails of arrows (t, 3): each head is at its point, and the largest of its kind has the full length."""
+    """Tails (t, 3) of arrows with heads at their points; the largest of each kind has the full length."""
     largest: dict[str, float] = {}
     for arrow in arrows:
         size = float(np.linalg.norm(arrow.values, axis=1).max(initial=0.0))
@@ -173,7 +173,7 @@ def _possible(
 def _scales(
     bodies: Sequence[MovingBody], colourings: Mapping[str, Colouring], units: UnitSystem
 ) -> dict[str, FieldScale]:
-    """Scales of the available fields; stress, which is optional, comes first."""
+    """Scales of the available fields: stress first, then deflection, then plastic strain."""
     largest = {"deflection": [body.largest_displacement for body in bodies]}
     for name in colourings:
         largest[name] = [body.fields[name].largest for body in bodies if name in body.fields]

@@ -1,8 +1,8 @@
 """A nodal field over time as a few shapes times amplitudes: proper orthogonal decomposition.
 
-It applies to every form of a body: a reduced body relative to an interface that rotates against its frame, a
-full body, a line of stations, elements with plasticity. Shapes are stored once and amplitudes per time, for
-runs of any length.
+The decomposition applies to every form of a body: a reduced body relative to an interface that rotates
+against its frame, a full body, an intrinsic body, elements with plasticity. Shapes are stored once, and
+amplitudes per time.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class NodalShapes:
 
     shapes : (k, N, c)          orthonormal, the largest first
     amplitudes : (t, k)
-    largest : of the field's components, over all nodes and times
+    largest : largest magnitude of the field's components, over all nodes and times
     """
 
     shapes: Array
@@ -36,21 +36,21 @@ class NodalShapes:
 
     @property
     def field(self) -> Array:
-        """(t, N, c)."""
+        """The field, (t, N, c)."""
         return np.tensordot(self.amplitudes, self.shapes, 1)
 
 
 def nodal_shapes(blocks: Iterable[Array], *, tolerance: float) -> NodalShapes:
     """The shapes and amplitudes of a field given in blocks of times.
 
-    A block adds the directions missing from the shapes so far, from the eigenvectors of the Gram matrix of
-    the remainder; at the end all are ordered by the singular values of the amplitudes, and the smallest
-    dropped. Each of the two steps uses at most half of the tolerance.
+    Each block adds the directions that the shapes so far lack, from the eigenvectors of the Gram matrix of
+    the remainder. At the end all shapes are ordered by the singular values of the amplitudes, and the
+    smallest are dropped. Each of the two steps uses at most half of the tolerance.
 
     Parameters
     ----------
     blocks : (t', N, c) each, in the order of time
-    tolerance : of any component at any node and time, relative to the largest
+    tolerance : error of any component at any node and time, relative to the largest component
     """
     rows: list[Array] = []
     shape, basis, largest = (0, 0), np.zeros((0, 0)), 0.0
@@ -62,7 +62,7 @@ def nodal_shapes(blocks: Iterable[Array], *, tolerance: float) -> NodalShapes:
         known = flat @ basis.T
         rest = flat - known @ basis
         added = np.linalg.qr(_directions(rest, 0.5 * tolerance * largest).T)[0].T
-        # A second projection removes the round-off that the first leaves of the basis.
+        # A second projection removes what the first leaves in the basis by round-off.
         added = np.linalg.qr((added - (added @ basis.T) @ basis).T)[0].T
         basis = np.vstack([basis, added])
         rows.append(np.hstack([known, rest @ added.T]))
@@ -76,7 +76,7 @@ def nodal_shapes(blocks: Iterable[Array], *, tolerance: float) -> NodalShapes:
 
 
 def _directions(rest: Array, allowed: float) -> Array:
-    """The fewest left eigenvectors, times rest (k, m), with no error in rest (b, m) above the allowed one."""
+    """The fewest directions (k, m) that represent rest (b, m) with the allowed error in every component."""
     values, vectors = np.linalg.eigh(rest @ rest.T)
     leading = vectors[:, ::-1].T @ rest
     kept = vectors[:, ::-1]
@@ -88,7 +88,7 @@ def _directions(rest: Array, allowed: float) -> Array:
 
 
 def _truncated(basis: Array, amplitudes: Array, allowed: float) -> tuple[Array, Array]:
-    """Shapes in the order of their singular values, the smallest dropped."""
+    """Shapes in the order of their singular values, without the smallest, and their amplitudes."""
     _, turned = np.linalg.eigh(amplitudes.T @ amplitudes)
     turned = turned[:, ::-1]
     ordered, basis = amplitudes @ turned, turned.T @ basis
@@ -103,7 +103,7 @@ def _truncated(basis: Array, amplitudes: Array, allowed: float) -> tuple[Array, 
 
 
 def _fewest(left: Callable[[int], float], most: int, allowed: float) -> int:
-    """The smallest number whose remainder is allowed, by bisection; `left` decreases with the number."""
+    """The smallest number whose error `left` is allowed, by bisection; it decreases with the number."""
     low, high = 0, 0 if left(0) <= allowed else most
     while low < high:
         middle = (low + high) // 2

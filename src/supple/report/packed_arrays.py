@@ -34,9 +34,9 @@ class Packing(NamedTuple):
 class PackedArrays:
     """Arrays one after the other, little-endian.
 
-    An array is written byte plane by byte plane: all first bytes of its numbers, then all second ones, and so
-    on; integers as differences along the last axis, modulo their range. Both make slowly varying numbers
-    repetitive, for better compression.
+    An array is written byte plane by byte plane: the first bytes of all numbers, then the second bytes, and
+    so on. Integers are written as differences along the last axis, modulo their range. Both make slowly
+    varying numbers repetitive, for better compression.
     """
 
     def __init__(self) -> None:
@@ -44,7 +44,7 @@ class PackedArrays:
         self._size = 0
 
     def add(self, values: ArrayLike, kind: Kind) -> Packing:
-        """Append an array; ModelError for whole numbers that their kind cannot hold."""
+        """Append an array; ModelError for integers out of the range of their kind."""
         array = np.ascontiguousarray(values, dtype=f"<{kind}")
         if kind[0] == "i" and not np.array_equal(array, values):
             raise ModelError(
@@ -67,7 +67,7 @@ class PackedArrays:
 
 
 def unpacked(text: str, packing: Packing) -> np.ndarray:
-    """One array of a text, as the page reads it."""
+    """One array of a text, unpacked as in the page."""
     block = np.frombuffer(zlib.decompress(base64.b64decode(text)), dtype=np.uint8)
     start, shape, kind = packing
     number, width = int(np.prod(shape)), np.dtype(kind).itemsize

@@ -1,4 +1,4 @@
-"""The page: one HTML file with its styles, scripts, tables and data, which needs no network."""
+"""The page: one HTML file that needs no network, with its styles, scripts, tables and data."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ __all__ = ["Assets", "Clip", "Page", "PageSection", "html_text", "page_text", "w
 class Assets:
     """Files of a kind of page.
 
-    template : its file;   styles : names of files;   scripts : in the order of their dependencies
+    template : name of the HTML file;   styles : names of CSS files
+    scripts : names of JavaScript files, in the order of their dependencies
     """
 
     template: str
@@ -71,8 +72,8 @@ class Clip:
 class Page:
     """Content of a page.
 
-    sections : in their order;   machine : None where there is nothing to draw
-    clips : of its motion; by default the whole motion;   charts : curves
+    sections : in their order;   machine : None if there is nothing to draw
+    clips : parts of the motion of the machine; by default the whole motion
     """
 
     title: str
@@ -96,7 +97,7 @@ def write_text(path: Path | str, text: str) -> Path:
 
 
 def page_text(page: Page) -> str:
-    """A page as HTML; its content policy forbids every request, and every script but its own."""
+    """A page as HTML; its content policy forbids all requests, and all scripts except its own."""
     arrays = PackedArrays()
     head: dict[str, Any] = {
         "time": page.units.time,
@@ -116,7 +117,7 @@ def html_text(
 ) -> str:
     """One HTML file of sections and data, displayed by its scripts.
 
-    head : JSON data for the scripts;   arrays : those that it refers to
+    head : JSON data for the scripts;   arrays : the arrays whose positions are in the head
     """
     libraries, scripts = _source("libraries.js"), _scripts(assets.scripts)
     styles = "".join(_source(f"{name}.css") for name in ("libraries", *assets.styles))
@@ -144,7 +145,7 @@ def _scripts(names: Sequence[str]) -> str:
 
 
 def _policy(scripts: Sequence[str], styles: str) -> str:
-    """Content policy: no requests, and no scripts but these, whatever the texts of a case contain."""
+    """Content policy: no requests, and no other scripts, whatever the texts of a case contain."""
     allowed = " ".join(_hash(script) for script in scripts)
     return (
         f"default-src 'none'; script-src {allowed}; style-src {_hash(styles)}; img-src data: blob:; "

@@ -26,17 +26,17 @@ _HEIGHT = 760
 
 @dataclass(frozen=True, eq=False)
 class Player:
-    """A page that a notebook shows as the value of an expression."""
+    """A page that a notebook displays as the value of an expression."""
 
     page: Page = field(repr=False)
 
     def __repr__(self) -> str:
         machine = self.page.machine
         instants = 0 if machine is None else len(machine.times)
-        return f"<Player of {instants} instants: a notebook shows it; write_report writes it to a file>"
+        return f"<Player of {instants} output times, for a notebook; write_report writes a file>"
 
     def _repr_html_(self) -> str:
-        """The page in a frame, whose styles and scripts are separate from the notebook's."""
+        """The page in a frame that separates its styles and scripts from those of the notebook."""
         frame = f"width: 100%; height: {_HEIGHT}px; border: 0"
         return f'<iframe srcdoc="{escape(page_text(self.page))}" style="{frame}"></iframe>'
 

@@ -21,15 +21,18 @@ Array = NDArray[np.float64]
 
 _LEVELS = 32767
 _STEP = 1.5e-5
-"""Relative to a field's maximum: rounding step of amplitudes times shapes, if 16 bits suffice."""
+"""Rounding step of amplitudes times shapes, relative to the maximum of the field, if 16 bits suffice."""
 _STEP_OF_FIELD = 3e-4
 """The same for colour fields."""
 _STILL = 1e-12
-"""Relative to the machine's extent: a mark that moves less within its body is fixed to it."""
+"""A mark that moves less within its body, relative to the extent of the machine, is fixed to the body."""
 
 
 def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, Any]:
-    """Adds the arrays; returns their layout and all texts. Lengths are from the machine's centre."""
+    """Add the arrays of a machine; return their layout and all texts.
+
+    Positions are relative to the machine's centre.
+    """
     middle = 0.5 * (machine.low + machine.high)
     numbers = {body.name: number for number, body in enumerate(machine.bodies)}
     marks = _Marks(machine, numbers, middle, arrays)
@@ -77,7 +80,7 @@ def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, Any]:
 
 
 def chart_data(charts: Sequence[Chart], arrays: PackedArrays) -> list[dict[str, Any]]:
-    """Adds the arrays; equal abscissas are written once."""
+    """Add the arrays of charts; return their layout and all texts. A shared abscissa is added once."""
     known: dict[int, dict[str, Any]] = {}
     found = []
     for chart in charts:
@@ -121,7 +124,7 @@ def _body_data(body: MovingBody, middle: Array, arrays: PackedArrays) -> dict[st
 
 
 def _shapes_data(field: NodalShapes, step: float, arrays: PackedArrays) -> dict[str, Any]:
-    """Shapes as integers, with more digits for larger contributions; amplitudes times their unit."""
+    """Shapes as integers, with more digits for larger contributions, and amplitudes times the unit of 1."""
     largest = np.abs(field.shapes).max(axis=(1, 2), initial=0.0)
     contribution = largest * np.abs(field.amplitudes).max(axis=0, initial=0.0)
     levels = np.clip(np.ceil(contribution / (step * (field.largest or 1.0))), 1, _LEVELS)
@@ -168,7 +171,7 @@ class _Marks:
 def quaternions(rotation: Array) -> Array:
     """Unit quaternions (t, 4), x y z w, of rotation matrices (t, 3, 3), with continuous sign.
 
-    Of the four products 4 q_i q, the row of the largest component avoids division by a small number.
+    Row i of the products is 4 q_i q. The row of the largest component avoids division by a small number.
     Source: [Shepperd1978]
     """
     m = np.moveaxis(np.asarray(rotation), 0, -1)

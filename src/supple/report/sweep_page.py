@@ -1,4 +1,4 @@
-"""The page of a sweep: its cases as one HTML file with tables, plots and spectra, which needs no network."""
+"""The page of a sweep: one HTML file that needs no network, with tables, plots and spectra of its cases."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _ASSETS = Assets(
     ("arrays", "colours", "cases", "sweep_tables", "sweep_plots", "sweep"),
 )
 _NUMBERS = 2**22
-"""Most numbers of a page, 32 MiB before deflating: a browser opens it in seconds."""
+"""Largest count of numbers in a page, 32 MiB before compression: a browser opens the page in seconds."""
 _EXTREMES = ("minimum", "time of minimum", "maximum", "time of maximum")
 
 
@@ -35,9 +35,9 @@ _EXTREMES = ("minimum", "time of minimum", "maximum", "time of maximum")
 class ChannelOfCases:
     """Statistics of a channel over the cases.
 
-    statistics : (n,) by name, NaN for cases without results; with minimum, time of minimum, maximum and time
-        of maximum the page lists its extremes
-    has_extremes : False for a constant channel
+    statistics : (n,) by name, NaN for cases without results
+    has_extremes : False for a constant channel; otherwise the page lists the extremes if the statistics
+        include minimum, time of minimum, maximum and time of maximum
     """
 
     name: str
@@ -63,8 +63,8 @@ class RainflowSpectrum:
 class SweepPage:
     """Content of the page of a sweep.
 
-    parameters : (n,) numbers or texts by path;   results : (n,) of each case, such as its status
-    channels : statistics of channels;   spectra : of channels, with exponents for their shares of damage
+    parameters : (n,) numbers or texts by path;   results : (n,) by name, such as the status of the cases
+    spectra : of channels;   exponents : S-N exponents of the shares of damage of the spectra
     sections : above the plots;   reports : addresses of pages of single cases, by number
     time : unit of times;   row : name of a row of the table
     """
@@ -86,7 +86,7 @@ class SweepPage:
         lengths = {len(column) for column in (*self.parameters.values(), *self.results.values())}
         lengths |= {len(column) for channel in self.channels for column in channel.statistics.values()}
         if len(lengths) != 1:
-            raise ModelError(f"columns of a sweep's page have different lengths: {sorted(lengths)}")
+            raise ModelError(f"the columns of a page of a sweep have different lengths: {sorted(lengths)}")
         return lengths.pop()
 
 
@@ -100,7 +100,7 @@ def channels_that_fit(n_cases: int, n_others: int, n_statistics: int) -> int:
 
 @checked_arguments
 def write_sweep_page(path: Path | str, page: SweepPage) -> Path:
-    """Write the page of a sweep; its content policy forbids every request, and every script but its own.
+    """Write the page of a sweep; its content policy forbids all requests, and all scripts except its own.
 
     Raises
     ------
@@ -150,7 +150,7 @@ class _Column(NamedTuple):
     values: Sequence[Any] | Array
 
     def plain(self, arrays: PackedArrays) -> dict[str, Any]:
-        """As a script reads it."""
+        """The column as JSON values for the script."""
         known: dict[str, Any] = {"label": self.label, "kind": self.kind, "words": None}
         values = np.asarray(self.values) if not _are_words(self.values) else None
         if values is None:

@@ -28,10 +28,10 @@ def _none(columns: int) -> IntArray:
 class VisibleSurface:
     """Triangles and lines; points for a body without either.
 
-    points : N points to draw, with the nodes to which others are attached
-    triangles : (m, 3), lines : (k, 2)       of these N
-    lifetimes : (m, 2) first time index at which a triangle exists, and first at which it no longer does;
-        None where all exist throughout
+    points : N points: the drawn points, and the nodes to which they are attached
+    triangles : (m, 3), lines : (k, 2)       of the N points
+    lifetimes : (m, 2) first time index at which a triangle exists, and first index at which it no longer
+        exists; None if all triangles exist throughout
     """
 
     points: SurfacePoints
@@ -41,14 +41,14 @@ class VisibleSurface:
 
     @property
     def carriers(self) -> IntArray:
-        """(N,) index, among these points, of the node of each."""
+        """(N,) index among the points of the node to which each point is attached."""
         # Nodes come before the points attached to them.
         _, first, own = np.unique(self.points.nodes, return_index=True, return_inverse=True)
         return first[own]
 
 
 def surface_of(body: BodyForm, look: Look | None, motion: Motion) -> VisibleSurface:
-    """The skin of a body, whose elements may be deleted; without a mesh all nodes.
+    """The visible surface of a body, also with elements that are deleted; without a mesh, all nodes.
 
     Beams are drawn with their sections if their elements are given, otherwise as lines; springs and ties are
     lines.
@@ -73,7 +73,7 @@ def surface_of(body: BodyForm, look: Look | None, motion: Motion) -> VisibleSurf
 def _of_used_points(
     points: SurfacePoints, triangles: IntArray, lines: IntArray, lifetimes: IntArray | None = None
 ) -> VisibleSurface:
-    """Restriction to used points, with nodes first, in the order of their numbers."""
+    """A surface of the used points alone, in the order of their numbers, so that nodes come first."""
     drawn = np.concatenate([triangles.ravel(), lines.ravel()])
     used = np.union1d(drawn, points.nodes[drawn])
     first, second = np.split(np.searchsorted(used, drawn), [triangles.size])
@@ -81,7 +81,7 @@ def _of_used_points(
 
 
 def _eroding_surface(body: Any, alive: NDArray[np.float64]) -> VisibleSurface:
-    """Faces of elements (t, E) that may be deleted: a face is visible while just one of its elements exists.
+    """Surface of elements with existence (t, E): a face is visible while just one of its elements exists.
 
     A face between two elements appears when the first of them is deleted, and disappears with the second.
     """
@@ -105,7 +105,7 @@ def _eroding_surface(body: Any, alive: NDArray[np.float64]) -> VisibleSurface:
     np.maximum.at(last, face, all_deaths)
     elements = np.zeros(face.max() + 1, dtype=np.int64)
     np.add.at(elements, face, 1)
-    # A face has as many triangles of one element as of its neighbour; one of each is drawn.
+    # A shared face has the triangles of both its elements; the triangles of one element are drawn.
     per_face = np.where(all_keys[:, -1] >= 0, 2, 1)
     shared = elements[face] > per_face
     born = np.where(shared, first[face], 0)
@@ -117,7 +117,7 @@ def _eroding_surface(body: Any, alive: NDArray[np.float64]) -> VisibleSurface:
 
 
 def _face_keys(kind: Any, cells: IntArray) -> IntArray:
-    """Sorted corners (m, 4) of the face that each of `FACE_TRIANGLES` is of, -1 as a fourth."""
+    """Sorted corners (m, 4) of the face of each triangle of `FACE_TRIANGLES`; -1 is the fourth of three."""
     keys = []
     for corners in kind.faces:
         own = np.sort(cells[:, corners], axis=1)

@@ -46,16 +46,16 @@ def write_report(
 ) -> Path:
     """Write a run as one HTML page that needs no network: its motion in 3-D, curves, tables, inputs.
 
-    Its displacements agree with `node_positions` to 1e-4 of the largest.
+    Displacements in the page agree with `node_positions` to 1e-4 of the largest.
 
     Parameters
     ----------
-    meshes : of the deformable bodies, by name, or their elements, which contain the beam sections; for a
-        body without either the nodes are drawn
+    meshes : by name of a deformable body, its mesh, or its elements, which contain the beam sections; other
+        deformable bodies are drawn as points
     title : of the page
     tracked, readings : sources of curves, besides joint forces
     elements : of bodies, by name, for colours by von Mises stress; see `von_mises_history`
-    bases : reference interfaces of deflections, by body, if other than its own first one
+    bases : reference interfaces of deflections, by body; by default the first interface of the body
     numbers : from `summarize`, if available
     rounds : of a self-correction, from `correction_numbers`
     inputs : texts to include, such as the case file, by name

@@ -49,7 +49,11 @@ def write_static_report(
     inputs: Mapping[str, str] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> Path:
-    """Write an equilibrium as a page; parameters as for `write_report`, numbers as of a static case."""
+    """Write an equilibrium as a page.
+
+    numbers : results of a static case
+    Other parameters as for `write_report`.
+    """
     known = [rest_error_table(numbers)] if found.errors else []
     lines = [] if known else ["The error of the bases was not estimated."]
     stable = {True: "stable", False: "unstable", None: "of unknown stability"}[found.stable]
@@ -80,11 +84,11 @@ def write_modes_report(
     inputs: Mapping[str, str] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> Path:
-    """Write modes as a page that plays each of them, without decay, at a tenth of the machine's size.
+    """Write modes as a page that plays each mode without decay, at a tenth of the machine's size.
 
-    tables : of all modes
+    tables : tables of all modes
     chosen : numbers from 0 of the modes to play; by default all
-    Others as for `write_report`.
+    Other parameters as for `write_report`.
     """
     names, seen = mode_names(modes), f"Frequencies are in axes {modes.machine.axes}."
     played = list(range(len(names))) if chosen is None else list(chosen)
@@ -118,10 +122,10 @@ def write_campbell_report(
     inputs: Mapping[str, str] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> Path:
-    """Write frequencies and damping over speed as a page with the names of curves at the pointer.
+    """Write frequencies and damping over speed as a page; the name of a curve is shown at the pointer.
 
-    tables : of the same
-    Others as for `write_report`.
+    tables : tables of the diagram
+    Other parameters as for `write_report`.
     """
     (speed_unit, by_rate), (unit, factor) = units.rotation_shown, units.frequency_shown
     speed, over = by_rate * diagram.rates, labelled("speed", speed_unit)

@@ -1,4 +1,4 @@
-"""Results of a finished run: summary, tables, error measures, round-off."""
+"""Results of a finished run: summary, tables, error measures, surfaces to draw."""
 
 from supple.results.body_surface import *
 from supple.results.error_measures import *

@@ -23,9 +23,9 @@ _Loop = Array
 class BeamSkin(NamedTuple):
     """Triangles over points attached to nodes.
 
-    triangles, mesh_lines : (T, 3) as in a `Skin`, numbers of these points
-    nodes : (P,) node of each point;  arms : (P, 3) from it, undeformed, m
-    ends : (P,) number of the beam end, at its node, of each point; -1 without stress
+    triangles, mesh_lines : (T, 3) as in a `Skin`; triangles have the numbers of the P points
+    nodes : (P,) node of each point;  arms : (P, 3) from the node to the point, undeformed, m
+    ends : (P,) beam end of each point, by its number among the beam ends at the node; -1 without stress
     """
 
     triangles: IntArray
@@ -73,8 +73,8 @@ def beam_skin(model: FiniteElementModel, section: Section, ranks: IntArray | Non
 def outlines(given: LineSection | RodSection, end: int) -> tuple[tuple[_Loop, ...], _Loop]:
     """Convex polygons of a section at one end, and its hole (0, 2) or (k, 2).
 
-    A section of unknown shape is an ellipse with its radii of gyration, if its area is along the rim.
-    A rod is round.
+    A section of unknown shape becomes an ellipse: the one whose rim, with all the area of the section along
+    it, has the radii of gyration of the section. A rod is round.
     """
     none = np.empty((0, 2))
     if isinstance(given, RodSection):
@@ -111,7 +111,7 @@ def _circle() -> Array:
 
 
 def _prism(loops: tuple[int, ...], hole: int) -> tuple[IntArray, NDArray[np.bool_]]:
-    """Triangles of one beam over the corners of its first, then of its second end; sides that are edges."""
+    """Triangles (T, 3) of one beam, and which sides are edges; corners of the first end come first."""
     n = sum(loops) + hole
     triangles: list[IntArray] = []
     lines: list[NDArray[np.bool_]] = []

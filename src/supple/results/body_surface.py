@@ -25,10 +25,10 @@ Look = Mesh | FiniteElementModel
 
 @dataclass(frozen=True, eq=False)
 class SurfacePoints:
-    """Visible points of a body, attached to nodes: the nodes themselves, and the skins of beams.
+    """Visible points of a body, attached to nodes: the nodes themselves, and the points of beam surfaces.
 
-    nodes : (P,) node of each point;   arms : (P, 3) from it, undeformed, m
-    groups : (P,) stress group at the node (`von_mises_by_end`): 0 for faces, 1 + end for beams, -1 without
+    nodes : (P,) node of each point;   arms : (P, 3) from the node to the point, undeformed, m
+    groups : (P,) index of the stress in `von_mises_by_end`: 0 for faces, 1 + end for beams, -1 without stress
     """
 
     nodes: IntArray
@@ -56,7 +56,7 @@ class SurfacePoints:
     def positions(self, body: BodyForm, motion: Motion, nodes: Array | None = None) -> Array:
         """Positions (t, P, 3) in space.
 
-        nodes : (t, N, 3) drawn positions of the nodes; by default the true ones
+        nodes : (t, N, 3) drawn positions of the nodes; by default their true positions
         """
         own = node_positions(body, motion, self.nodes) if nodes is None else nodes[:, self.nodes]
         return self._out_on_arms(own, body.node_rotations(motion) if len(self.on_arms) else None)
@@ -74,7 +74,7 @@ class SurfacePoints:
         return found
 
     def at_points(self, values: Array) -> Array:
-        """Nodal values (t, N), or by groups (t, N, g), at the points (t, P); NaN without stress."""
+        """Values (t, P) at the points from nodal values (t, N) or (t, N, groups); NaN without stress."""
         if values.ndim == 2:
             return values[:, self.nodes]
         return np.where(self.groups >= 0, values[:, self.nodes, self.groups], np.nan)
@@ -82,10 +82,10 @@ class SurfacePoints:
 
 @dataclass(frozen=True, eq=False)
 class BodySurface(SurfacePoints):
-    """A skin over points attached to nodes: the nodes themselves, followed by the points of beams.
+    """The surface of a body over points attached to nodes: first the nodes themselves, then points of beams.
 
-    mesh : of the body
-    skin : over the P points
+    mesh : mesh of the body
+    skin : triangles over the P points
     links : (S, 2) nodes connected by springs, ties or masses;  masses : (M,) nodes with concentrated masses
     """
 

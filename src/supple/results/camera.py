@@ -20,7 +20,7 @@ class Camera:
 
     Parameters
     ----------
-    axes : array (3, 3)     rows: the directions in space of right, up and towards the viewer; orthonormal
+    axes : array (3, 3)     orthonormal rows, directions in space: right, up, and towards the viewer
 
     Raises
     ------

@@ -27,9 +27,10 @@ Array = NDArray[np.float64]
 class Colouring:
     """Scalar field that colours the bodies of an animation.
 
-    values : (t, N) of a body, its motion, and its deflections (t, N), None without a frame, or (t, N, g) by
-        the groups of a `BodySurface`; None for a body without such values
-    label : for a unit system, the label of the colour bar and the factor on the values
+    values : function of a body, its motion and its deflections (t, N), which are None for a body without a
+        frame; returns nodal values (t, N), or (t, N, g) by the groups of a `BodySurface`, or None for a body
+        without values
+    label : function of a unit system; returns the label of the colour bar and the factor on the values
     """
 
     values: Callable[[Any, Motion, Array | None], Array | None]
@@ -49,7 +50,7 @@ def _plastic_strain(body: Any, motion: Motion, _deflection: Array | None) -> Arr
 
 
 def stress_colouring(elements: Mapping[str, FiniteElementModel]) -> Colouring:
-    """Colouring by von Mises stress, without the round-off of an undeformed moving body: strains of 1e-9.
+    """Colouring by von Mises stress; stress below 1e-9 of Young's modulus is round-off and shown as zero.
 
     elements : of the bodies, by name
     """

@@ -1,4 +1,4 @@
-"""Description of a mesh, a reduced body or a result file in rows of two: name and value."""
+"""Description of a reduced body or a result file in rows of two: name and value."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Row = tuple[str, str]
 
 
 def describe_reduction(report: ReductionReport) -> Iterator[Row]:
-    """Columns of the basis, dropped columns, and cost."""
+    """Columns of the basis, dropped columns, checks of eigenvalues and locking, and cost."""
     for what in ("linear", "derivatives", "corrections", "dropped"):
         labels = getattr(report, what)
         if labels:
@@ -29,7 +29,7 @@ def describe_reduction(report: ReductionReport) -> Iterator[Row]:
 
 
 def describe_result(path: Path) -> Iterator[Row]:
-    """Whether a result file is complete, its case, its motions and forces, and its cost.
+    """Completeness, metadata, motions, joint forces and cost of a result file.
 
     Raises
     ------

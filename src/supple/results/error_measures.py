@@ -23,8 +23,8 @@ class MotionError:
     """Distance between two motions of the same n nodes.
 
     times : (t,)                s
-    rms : (t,)                  root-mean-square distance of the nodes, in the unit of length, (52)
-    relative_percent : float    (53), over all times
+    rms : (t,)                  root-mean-square distance of the nodes, in the unit of length; (52)
+    relative_percent : float    relative error over all times, %; (53)
     """
 
     times: Array
@@ -55,7 +55,7 @@ def rms_error(reference: Array, positions: Array) -> Array:
 
 
 def relative_error(reference: Array, positions: Array) -> float:
-    """Error of a whole run relative to the reference's distance from the origin, in percent.
+    """Error of a whole run in percent of the reference positions, measured from the origin.
 
         RE = sqrt(sum_t |r - rbar|^2) / sqrt(sum_t |r|^2) 100 %,   r all nodal positions in one vector
 
@@ -85,7 +85,7 @@ def motion_error(
 
     Raises
     ------
-    ModelError  no such body, other output times, or other nodes
+    ModelError  no such body, different output times, or different nodes
     Source: [Wu2019] (52), (53)
     """
     expected, found = reference.motion(body, Motion), candidate.motion(body, Motion)
@@ -95,12 +95,12 @@ def motion_error(
         times, candidate.times, rtol=1e-9, atol=1e-9 * abs(times[-1])
     ):
         raise ModelError(
-            f"the solutions of body '{body}' have other output times ({len(times)} to t = {times[-1]:g}, "
+            f"the solutions of body '{body}' have different output times ({len(times)} to t = {times[-1]:g}, "
             f"{len(candidate.times)} to t = {candidate.times[-1]:g}): compare runs with the same output step"
         )
     if not np.array_equal(reference_body.nodes, candidate_body.nodes):
         raise ModelError(
-            f"the two models of body '{body}' have other nodes ({len(reference_body.nodes)} and "
+            f"the two models of body '{body}' have different nodes ({len(reference_body.nodes)} and "
             f"{len(candidate_body.nodes)}): compare models of one mesh"
         )
     distance, size = np.empty(len(times)), 0.0

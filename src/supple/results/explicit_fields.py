@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 def element_means(
     body: ExplicitSubdomain | ExplicitShell, values: FloatArray, alive: FloatArray
 ) -> FloatArray:
-    """Mean (t, N) at each node of values (t, E) over its remaining elements; zero without any."""
+    """Nodal means (t, N) of values (t, E) over the elements that are not deleted; zero without any."""
     at_node = sparse.vstack(
         [
             sparse.csr_array(
@@ -38,9 +38,9 @@ def element_means(
 
 
 class PartStress(NamedTuple):
-    """Largest von Mises stress, Pa, its time, and the id of its cell.
+    """Largest von Mises stress, Pa, and its time.
 
-    point : (3,) undeformed, in the mesh axes
+    place : id of the cell;   point : (3,) centre of the undeformed cell, in the mesh axes
     """
 
     value: float
@@ -52,7 +52,7 @@ class PartStress(NamedTuple):
 def largest_part_stress(
     body: ExplicitSubdomain | ExplicitShell, times: FloatArray, motion: Motion
 ) -> PartStress:
-    """The largest stress over all output times (t,)."""
+    """The largest stress over all cells and output times (t,)."""
     mesh, sections, stress = body.mesh, body.model.sections, motion.of_type(NodalMotion).von_mises
     row, cell = np.unravel_index(stress.argmax(), stress.shape)
     ids = np.concatenate([mesh.cell_ids[own.cell_type][own.cells] for own in sections])

@@ -25,7 +25,7 @@ FloatArray = NDArray[np.float64]
 
 
 def energy_balance(solution: Solution) -> FloatArray:
-    """Change since the start of the sum of all energies minus external work, (t,) J."""
+    """Sum of all energies minus the external work, less its value at the start, (t,) J."""
     energies = solution.series[ENERGIES]
     external = Energies._fields.index("external")
     total = np.delete(energies, external, axis=1).sum(axis=1) - energies[:, external]
@@ -58,7 +58,7 @@ def march_numbers(solution: Solution) -> dict[str, Any]:
 
 
 def part_numbers(body: ModalSubdomain | ExplicitSubdomain | ExplicitShell, motion: Motion) -> dict[str, Any]:
-    """Size, step limit at rest, and plastic strain and deleted elements of a part."""
+    """Size and step limit at rest of a part; for explicit elements, also plastic strain and deletions."""
     size: dict[str, Any] = {"mass": body.mass, "nodes": len(body.nodes), "step limit": body.step_limit}
     if body.has_frame:
         return {**size, "coordinates": body.n_coordinates}
@@ -77,6 +77,6 @@ def explicit_cost_line(numbers: Mapping[str, Any]) -> str:
     time = numbers["units"].get("time", "")
     longest = f"{steps['largest']:.3g}{f' {time}' if time else ''}"
     return (
-        f"{cost['steps']} explicit steps of at most {longest}, up to {steps['largest ratio']} in one of the "
-        f"modal parts; {cost['seconds']:.2f} s with compilation"
+        f"{cost['steps']} explicit steps of at most {longest}, up to {steps['largest ratio']} per step of "
+        f"the modal parts; {cost['seconds']:.2f} s with compilation"
     )

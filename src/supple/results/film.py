@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 N_FRAMES = 60
-"""Duration of an animation without a given speed."""
+"""Number of frames of an animation without a given speed."""
 MOST_FRAMES = 2000
 LARGEST_OFF = np.radians(5.0)
 """Allowed deviation from the angle of a rotor shown at rest."""
@@ -42,15 +42,15 @@ class RotorAngle:
 class Film:
     """Time window of a run, frame rate and speed of its animation.
 
-    frames_per_second : at most 50; a GIF plays 100 / k of them, k whole
+    frames_per_second : at most 50; in a GIF, 100 / k with a whole number k
     speed : time of the run that one second of the animation shows, a time; default: 60 frames over the
         window
     start : start of the time window, a time; default: that of the run
     end : end of the time window, a time; default: that of the run
-    at : RotorAngle
+    at : angle of a rotor at which frames are taken, one per revolution
 
-    Raises ModelError for more than 50 frames a second, a window that ends before it starts, or a speed
-    together with the angle of a rotor, which gives one frame per revolution.
+    Raises ModelError for more than 50 frames a second, a window that ends before it starts, or both a speed
+    and the angle of a rotor.
     """
 
     frames_per_second: Positive = 12.0
@@ -76,9 +76,11 @@ WHOLE_RUN = Film()
 
 
 def film_rows(film: Film, times: Array, rate: float, angles: Array | None = None) -> IntArray:
-    """Indices of the output times shown by the frames of an animation, repeated where shown again.
+    """Index of the output time that each frame of an animation shows; an index may repeat.
 
-        t_i = start + i speed / rate,  each frame the output time nearest to it
+        t_i = start + i speed / rate        frame i shows the output time nearest to t_i
+
+    Without a speed, at most 60 different output times are spread over the window.
 
     Parameters
     ----------
@@ -129,10 +131,11 @@ def _window(film: Film, times: Array) -> tuple[int, int]:
 
 
 def standing_rows(angles: Array, at: RotorAngle) -> IntArray:
-    """The output times nearest to those at which a joint passes its angle, one per revolution.
+    """Indices of the output times nearest to each passage of a joint through its angle.
 
     angles : (t,) rad, counted beyond a revolution
-    Raises ModelError if it does not pass the angle, or output times are more than 5 deg from it.
+    Raises ModelError if the joint does not pass the angle, or is more than 5 deg from it at the nearest
+    output time.
     """
     turns = (angles - at.angle) / (2 * np.pi)
     whole = np.round(turns)

@@ -27,5 +27,5 @@ class MarchEnergySensor:
         return [Channel(each, QuantityKind.ENERGY, "") for each in Energies._fields]
 
     def values(self, _system: System, solution: Solution) -> NDArray[np.float64]:
-        """(t, 8)."""
+        """The energies, (t, 8)."""
         return np.asarray(solution.series[ENERGIES])

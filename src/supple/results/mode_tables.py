@@ -19,7 +19,7 @@ SENSES = {1: "forward", -1: "backward", 0: ""}
 
 
 def speed_tables(diagram: CampbellDiagram, units: UnitSystem) -> Iterator[TextTable]:
-    """Frequencies over speed, whirl frequencies in space, and critical speeds, where there are any."""
+    """Tables of frequencies over speed and, if there are any, of whirl frequencies and critical speeds."""
     unit, factor = units.frequency_shown
     shown, by_rate = units.rotation_shown
     speeds = [plain_number(by_rate * rate, 5) for rate in diagram.rates]

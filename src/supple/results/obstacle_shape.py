@@ -1,4 +1,4 @@
-"""Rigid obstacles as triangles for drawing: a patch of a plane, a piece of a cylinder, a ball."""
+"""Rigid obstacles as triangles for drawing: a square of a plane, a piece of a cylinder, a sphere."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def obstacle_offsets(system: System, solution: Solution) -> FloatArray:
 def obstacle_shape(obstacle: Obstacle, seen: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
     """Points (n, 3) and triangles (m, 3) of an obstacle at its initial position.
 
-    seen : (k, 3) points of the moving bodies, which set the size of a plane or cylinder
+    seen : (k, 3) points of the moving bodies, which determine the drawn extent of a plane or cylinder
     """
     if isinstance(obstacle, RigidPlane):
         return _patch(obstacle, seen)
@@ -44,7 +44,7 @@ def _across(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _patch(plane: RigidPlane, seen: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
-    """A square around the projection of the moving points on the plane, twice as wide."""
+    """A square around the projection of the moving points onto the plane, twice as wide as the projection."""
     normal, point = np.array(plane.normal), np.array(plane.point)
     first, second = _across(normal)
     shadow = np.column_stack([(seen - point) @ first, (seen - point) @ second])

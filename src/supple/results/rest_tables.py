@@ -13,7 +13,7 @@ __all__ = ["rest_error_table", "rest_tables"]
 
 
 def rest_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
-    """Bodies, joint forces, places and deflections, one axis per row; numbers from `summarize`."""
+    """Tables of bodies, joint forces, positions and deflections; numbers from `summarize`."""
     tables = [_joint_table(numbers), *_place_tables(numbers)]
     return [body_table(numbers), *(table for table in tables if table.rows)]
 
@@ -36,9 +36,9 @@ def _joint_table(numbers: Mapping[str, Any]) -> TextTable:
 
 
 def _place_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
-    """Positions of tracked places in global axes, and deflections of those on elastic bodies.
+    """Positions of tracked places in global axes, and deflections of places on elastic bodies.
 
-    The basis error has a column if it is known for any place.
+    A column gives the basis error if it is known for any place.
     """
     length, places = numbers["units"].get("length", ""), numbers["tracked"]
     everywhere = [place["last position"] for place in places.values()]
@@ -66,12 +66,12 @@ def _place_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
 
 
 def _error_words(error: Sequence[float] | None, like: Sequence[Any]) -> list[str]:
-    """The error along x, y and z, with rounding relative to the positions of all places."""
+    """The error along x, y and z; zero where it is round-off relative to the positions of all places."""
     return ["unknown"] * 3 if error is None else [f"{each:.2g}" for each in without_noise(error, like=like)]
 
 
 def _by_axis(head: Sequence[str], *values: Any) -> list[list[str]]:
-    """A row for each of x, y, z, the first with the head."""
+    """A row for each of x, y, z; only the first row has the cells of `head`."""
     return [
         [
             *(head if axis == 0 else [""] * len(head)),

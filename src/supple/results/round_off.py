@@ -12,7 +12,7 @@ ROUND_OFF = 1e-9
 
 
 def without_noise(values: ArrayLike, like: ArrayLike | None = None) -> NDArray[np.float64]:
-    """Values for display, with zero for all below 1e-9 of the largest of the same quantity.
+    """Values for display; values below 1e-9 of the largest value of the same quantity become zero.
 
     like : other values of the same quantity, such as those in all directions
     """

@@ -14,9 +14,9 @@ from supple.machine import System
 __all__ = ["first_swing", "start_lines", "start_numbers"]
 
 FALLEN = 0.7
-"""Relative to its largest size so far: a smaller deformation has begun to swing back."""
+"""A deformation has swung back if it is below this fraction of its largest size so far."""
 NOTED = 0.5
-"""Relative to the largest deformation of the run: a first swing of at least this part is reported."""
+"""A first swing is reported if it is at least this fraction of the largest deformation of the run."""
 
 
 def start_numbers(system: System, solution: Solution) -> dict[str, Any]:
@@ -41,9 +41,10 @@ def start_numbers(system: System, solution: Solution) -> dict[str, Any]:
 
 
 def first_swing(sizes: np.ndarray) -> tuple[float, int] | None:
-    """The maximum of sizes (t,) before their first decrease, relative to the overall maximum, and its index.
+    """The maximum of the first swing of sizes (t,), relative to the overall maximum, and its index.
 
-    None where they never decrease, or where the first swing is less than half of the maximum.
+    The first swing ends where the sizes fall below 0.7 of their largest value so far. None if they never do,
+    or if the maximum of the first swing is less than half of the overall maximum.
     """
     largest = np.maximum.accumulate(sizes)
     back = np.flatnonzero(sizes < FALLEN * largest)
@@ -55,7 +56,7 @@ def first_swing(sizes: np.ndarray) -> tuple[float, int] | None:
 
 
 def start_lines(numbers: Mapping[str, Any]) -> Iterator[str]:
-    """The same as text; numbers from `summarize`."""
+    """The effects of the start as text; numbers from `summarize`."""
     start, units = numbers["start"], numbers["units"]
     time = units.get("time", "")
     taken = ", ".join(

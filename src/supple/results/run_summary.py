@@ -40,10 +40,10 @@ def summarize(
     fulls: Mapping[str, FullBody] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> dict[str, Any]:
-    """Results of a finished run: bodies, tracked places, joint forces, cost, and units.
+    """Results of a finished run: bodies, tracked places, joint forces, start, errors, cost and units.
 
     tracked : motions of places, by their names
-    fulls : the full bodies of reduced ones, for their frequencies
+    fulls : full bodies by the names of their reduced bodies; their frequencies are given in the results
     units : of the model; frequencies are in Hz, all else as computed
     """
     meanings = joint_meanings(system)
@@ -100,7 +100,7 @@ def stress_numbers(
 
 
 def _part_stress(body: Any, solution: Solution, units: UnitSystem) -> dict[str, Any]:
-    """The same for explicit elements, at a cell."""
+    """The largest von Mises stress of explicit elements, with its time and cell."""
     largest = largest_part_stress(body, solution.times, solution.bodies[body.name])
     return {
         "largest von Mises stress": largest.value,
@@ -112,7 +112,7 @@ def _part_stress(body: Any, solution: Solution, units: UnitSystem) -> dict[str, 
 
 
 def unit_names(units: UnitSystem) -> dict[str, str]:
-    """Name of the unit of each quantity of a report; quantities without a name are left out."""
+    """Name of the unit of each quantity of a report; quantities whose unit has no name are left out."""
     named = {what: getattr(units, what) for what in _QUANTITIES} | {"frequency": units.frequency_shown.unit}
     return {what: unit for what, unit in named.items() if unit}
 
@@ -123,10 +123,11 @@ def body_numbers(
     full: FullBody | None = None,
     motion: Motion | None = None,
 ) -> dict[str, Any]:
-    """Kind, size, mass and frequencies (Hz, or one over the time where no unit is given) of a body.
+    """Kind, size, mass and frequencies of a body.
 
-    full : full body of a reduced one: the frequencies are its own, not those of the basis
-    motion : of a part of an explicit run
+    units : of the model; frequencies are in Hz, or in one over its unit of time if that has no name
+    full : full body of a reduced body; its frequencies are then given instead of those of the basis
+    motion : motion of a part of an explicit run
     """
     if motion is not None and body.kind in ("modal", "explicit"):
         return {"kind": body.kind, **part_numbers(body, motion)}
@@ -172,7 +173,7 @@ def _numbers_of_reduced(body: ReducedBody, units: UnitSystem, full: FullBody | N
 
 
 def _lowest(full: FullBody, constraint: Any) -> np.ndarray:
-    """Frequencies of the full body, rad/s; fewer if it has fewer."""
+    """The lowest frequencies of the full body, rad/s, up to `N_FREQUENCIES`."""
     return full.body.lowest_frequencies(min(N_FREQUENCIES, full.body.n - constraint.shape[0]), constraint)
 
 
@@ -205,7 +206,7 @@ _NUMBERS_OF: Mapping[str, Callable[..., dict[str, Any]]] = MappingProxyType(
         "reduced": _numbers_of_reduced,
     }
 )
-"""Functions for the body forms with more data than a mass."""
+"""Functions for the kinds of bodies with more data than a mass."""
 
 
 def _shown(omega: np.ndarray, units: UnitSystem) -> np.ndarray:
@@ -252,7 +253,7 @@ def cost_numbers(cost: Statistics) -> dict[str, float]:
 
 
 def _tangent_numbers(cost: Statistics) -> dict[str, float]:
-    """Data of an engine with a frozen tangent; empty for the others."""
+    """Data of a run with a frozen tangent; empty for other runs."""
     if not cost.factorizations or cost.contraction is None:
         return {}
     return {"factorizations": cost.factorizations, "residual left by an iteration": cost.contraction}

@@ -22,7 +22,10 @@ class TextTable(NamedTuple):
 
 
 def motion_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
-    """Tables of bodies, joints, tracked places and their deflections, if any; numbers from `summarize`."""
+    """Tables of bodies and joints, and of places, stress, sensors and energies, if any.
+
+    numbers : from `summarize`, with those of `stress_numbers` and of sensors
+    """
     tables = [body_table(numbers), joint_table(numbers)]
     if numbers["tracked"]:
         tables += [motion_table(numbers), place_table(numbers)]
@@ -89,7 +92,7 @@ def energy_table(numbers: Mapping[str, Any]) -> TextTable:
 
 
 def sensor_table(numbers: Mapping[str, Any]) -> TextTable:
-    """Smallest, largest and last value of each channel of each sensor; numbers from its `plain`.
+    """Smallest, largest and last value of each channel of each sensor; numbers from `Reading.plain`.
 
     For sensors at nodes, a last column gives the node of the largest magnitude.
     """
@@ -111,7 +114,7 @@ def sensor_table(numbers: Mapping[str, Any]) -> TextTable:
 
 
 def _place_words(reading: Mapping[str, Any]) -> str:
-    """The node at which a channel has its largest magnitude, and the number of nodes; from a reading."""
+    """The node at which a channel has its largest magnitude, and the place of the sensor."""
     extreme = "smallest" if abs(reading["smallest"]) > abs(reading["largest"]) else "largest"
     words = reading.get("place", "")
     if f"node of {extreme}" not in reading or "node " in words:
@@ -250,11 +253,12 @@ def error_lines(numbers: Mapping[str, Any]) -> list[str]:
 
 def cost_line(cost: Statistics) -> str:
     """Steps, iterations and seconds in one line."""
-    kept = ""
+    tangents = ""
     if cost.factorizations and cost.contraction is not None:
-        kept = f", {cost.factorizations} factors, {cost.contraction:.2g} of the residual left by an iteration"
+        left = f"{cost.contraction:.2g} of the residual"
+        tangents = f", {cost.factorizations} factorizations, an iteration leaves {left}"
     return (
-        f"{cost.steps} steps, {cost.iterations} Newton iterations{kept}, {cost.rejected_steps} cuts; "
+        f"{cost.steps} steps, {cost.iterations} Newton iterations{tangents}, {cost.rejected_steps} cuts; "
         f"{cost.seconds:.2f} s of simulation after {cost.compile_seconds:.1f} s of compilation"
     )
 

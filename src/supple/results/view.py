@@ -18,8 +18,8 @@ class View:
     """Camera, and enlargement of the deformation.
 
     camera : by default gravity points down and the widest extent is horizontal
-    enlargement : of deflections relative to the first interface of a body; by default true to scale in
-        animations, and visible in pictures of single bodies
+    enlargement : factor on deflections relative to the first interface of a body; by default 1 in animations,
+        and in pictures of single bodies large enough to be visible
 
     Raises ModelError for an enlargement that is not positive.
     """
@@ -37,7 +37,7 @@ AS_IT_IS = View()
 
 
 def enlarged_words(factor: float) -> str:
-    """Such as "deflection enlarged 75.1 times"."""
+    """The enlargement as text, such as "deflection enlarged 75.1 times"."""
     return (
         "deflection true to scale" if factor == 1.0 else f"deflection enlarged {plain_number(factor)} times"
     )

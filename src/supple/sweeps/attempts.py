@@ -14,14 +14,14 @@ from supple.storage.file_errors import file_errors
 __all__ = ["NOT_OF_A_CASE", "Attempts"]
 
 NOT_OF_A_CASE = (MemoryShortageError, MissingPackageError, ResultFileError)
-"""Errors of the computer or the disk, not of a case: a later attempt may succeed, so none is recorded."""
+"""Errors of the computer or the disk; not recorded for the cases, because a later attempt may succeed."""
 
 MOST = 2
 """Number of killed processes after which the cases of a share run in isolated processes."""
 
 
 class Attempts:
-    """Files that mark attempts to run a share, one per attempt; they are removed when the share is finished.
+    """Files that mark attempts to run a share, one per attempt, until the share is finished.
 
     folder : folder of the sweep;  share : number of the share
     """
@@ -52,11 +52,11 @@ class Attempts:
             self._own.write_text(json.dumps({"cases": [int(min(cases)), int(max(cases))]}), encoding="utf-8")
 
     def end(self) -> None:
-        """Remove all marks of the share, whose part is written."""
+        """Remove all marks of the share, after its part is written."""
         for mark in self.marks:
             mark.unlink(missing_ok=True)
 
     def withdraw(self) -> None:
-        """Remove the mark of this process, whose attempt ended with an exception."""
+        """Remove the mark of this process, after its attempt ended with an exception."""
         if self._own is not None:
             self._own.unlink(missing_ok=True)

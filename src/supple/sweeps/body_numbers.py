@@ -1,4 +1,4 @@
-"""Distinction of values that may vary within a group of cases from those that need a group of their own.
+"""Which values may vary within a group of cases, and which separate groups.
 
 Cases that differ only in numbers of the run form a group: they run together, in one compiled program, with
 bodies that are reduced once. All other values separate groups: those of bodies (thickness, basis), of the run
@@ -41,9 +41,9 @@ def is_number_of_run(place: KeyPath, value: Any, raw: Raw) -> bool:
 
 
 def number_of_run(case: Path, name: str, raw: Raw) -> tuple[KeyPath, float]:
-    """Place and value of a number of the run of a case, by its path.
+    """Keys and value of a number of the run of a case, from the path of the number.
 
-    Raises CaseError for a path that does not exist, is no number, or changes a flexible body or the run.
+    Raises CaseError for a path that does not exist, is not a number, or changes a flexible body or the run.
     """
     place = parameter_path(name, raw)
     value = number_at(place, raw)
@@ -51,15 +51,15 @@ def number_of_run(case: Path, name: str, raw: Raw) -> tuple[KeyPath, float]:
         raise CaseError(f"{name} is not a number in {case}; give its value there, or another path")
     if not is_number_of_run(place, value, raw):
         raise CaseError(
-            f"{case}: {name} changes a flexible body, the run or the program, and cannot be a parameter; "
-            "numbers of loads, joints, springs, elements, gravity and rigid bodies can: run or export one "
-            "case for each value"
+            f"{case}: {name} changes a flexible body, the run or the program, and cannot be a parameter: run "
+            "or export one case for each value. Parameters are numbers of loads, joints, springs, elements, "
+            "gravity and rigid bodies"
         )
     return place, value
 
 
 def _is_damped_apart(body: Mapping[str, Any]) -> bool:
-    """Whether a body is reduced by the sweep, with damping of its elements, which can be changed later."""
+    """Whether the sweep reduces a body from its elements, so that its damping can be changed afterwards."""
     kind, reduction = kind_of(body), body.get("reduction", {})
     whole = isinstance(reduction, Mapping) and reduction.get("basis") == "none"
     others = {"condense", "modal", "explicit", "split"} & body.keys()

@@ -30,7 +30,7 @@ __all__ = ["CaseParameters", "case_parameters"]
 class CaseParameters:
     """Some numbers of a case as parameters; bodies are reduced once for all values.
 
-    values : values in the case file, by path
+    values : values of the parameters in the case file, by path
     """
 
     values: Mapping[str, float]
@@ -43,7 +43,7 @@ class CaseParameters:
         return self._group.like.run
 
     def machine(self, values: Mapping[str, float]) -> System:
-        """The machine at the start of its run with other values, by path; errors as of a case file."""
+        """The machine at the start of its run with other values, by path; errors as for a case file."""
         places = self._group.plan.places
         found = self._group.with_values({places[path]: value for path, value in values.items()})
         self._cases[found.system] = found
@@ -114,7 +114,7 @@ def case_parameters(case: Path | str, paths: Sequence[str], *, allow_code: bool 
 
     Raises
     ------
-    CaseError       a path that does not exist, is no number, or changes a flexible body or the run
+    CaseError       a path that does not exist, is not a number, or changes a flexible body or the run
     SuppleError     errors of meshes, bodies and reductions
     """
     path = Path(case)

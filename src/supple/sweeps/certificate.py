@@ -1,12 +1,12 @@
 """Estimated errors of the cases of a group: full estimates of a few cases, and an indicator of every case.
 
 The error of representative cases is estimated in full, as for single runs. The effectivity is the largest
-ratio of a full estimate to its indicator; it scales the indicators of all cases
+ratio of an estimated basis error to its indicator; it scales the indicators of all cases
 (docs/theory/greedy_certification.md):
 
     estimated = effectivity * indicator + share * size,      size: largest displacement of the case
 
-The share is the largest ratio of the other parts of the full estimates (step, Newton, model) to the size.
+The share is the largest ratio of the other errors of a representative case (step, Newton, model) to its size.
 """
 
 from __future__ import annotations
@@ -29,15 +29,16 @@ from supple.storage.sealed_hdf5 import open_sealed, writing_sealed
 __all__ = ["Certificate", "EstimatedError", "Representative", "read_certificate", "write_certificate"]
 
 NOTHING = 1e-9
-"""Smallest error that has an effectivity, as a fraction of the displacement."""
+"""Basis errors below this fraction of the displacement give no effectivity."""
 
 
 @dataclass(frozen=True)
 class Representative:
-    """A case with a full error estimate, of one body; errors and size are lengths.
+    """The full error estimate of one body in one case; errors and size are lengths.
 
-    basis : estimated error of the basis;  others : of step, Newton's iteration and model together
-    indicator : indicator before the motion that the basis of this case lacks was added to its columns
+    basis : estimated error of the basis
+    others : estimated error of step, Newton's iteration and model together
+    indicator : indicator before its columns included the motion that the basis lacks in this case
     final : indicator with the final columns
     size : largest displacement
     """
@@ -52,14 +53,14 @@ class Representative:
 
     @property
     def ratios(self) -> tuple[float, ...]:
-        """Ratios of the estimated basis error to the known indicators."""
+        """Ratios of the estimated basis error to the known indicators; none for a negligible error."""
         if not self.basis > NOTHING * self.size:
             return ()
         return tuple(self.basis / each for each in (self.indicator, self.final) if np.isfinite(each) and each)
 
 
 class EstimatedError(NamedTuple):
-    """Estimated error of a case, a length, of its worst body.
+    """Estimated error of the worst body of a case, a length.
 
     The worst body has the largest ratio of basis error to allowed error; if no ratio exceeds one, the largest
     estimate.
@@ -127,7 +128,7 @@ class Certificate:
         return _of_worst(found)
 
     def allowed(self, body: str, size: float) -> float:
-        """Allowed error of a body; NaN without an accuracy, or with one for another quantity."""
+        """Allowed error of a body; NaN without an accuracy, or if its accuracy is for another quantity."""
         target = self.targets.get(body)
         return np.nan if target is None or target.of is not None else target.allowed(size)
 

@@ -36,7 +36,7 @@ __all__ = ["CertifiedGroup", "certified_group", "swept_case"]
 
 _CERTIFICATE = "certificate.h5"
 MANY = 256
-"""Fewest cases of a group for which a search for smaller bases pays; for a blade 150 cases pay for it."""
+"""Fewest cases of a group for which smaller bases are searched; for a blade 150 cases pay for the search."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,10 +49,9 @@ class CertifiedGroup:
 
 @lru_cache(maxsize=4)
 def certified_group(folder: Path, plan: SweepPlan, number: int, level: int = 0) -> CertifiedGroup:
-    """A group of a sweep with the bases and the certificate of its runs.
+    """A group of a sweep with the bases and the certificate of its runs; errors as for `swept_group`.
 
     level : number of earlier runs of its cases; each repeated run has enriched bases
-    Raises errors as `swept_group`.
     """
     group = swept_group(folder, plan, number)
     reason = _why_not(group)
@@ -105,10 +104,8 @@ def _why_not(group: SweptGroup) -> str:
         "no body is elastic: there is no basis, and the integration of rigid machines is not assessed": (
             not elastic
         ),
-        f"{named} is not reduced by the sweep from elements: only a single run estimates its error": bool(
-            others
-        ),
-        "the bases have a fixed size: [error] with basis = true estimates their errors": (
+        f"{named} is not reduced by the sweep from elements: only single runs have an estimate": bool(others),
+        "the bases have a fixed size: set basis = true in [error] to estimate their errors": (
             not group.asks_for_errors
         ),
     }
@@ -116,11 +113,11 @@ def _why_not(group: SweptGroup) -> str:
 
 
 def _certify(folder: Path, group: SweptGroup, number: int, level: int, own: Path) -> None:
-    """Compute the certificate of a group; store it, with the bodies that were enriched."""
+    """Compute and store the certificate of a group, and its bodies whose bases were changed."""
     plan = group.plan
     attempts = Attempts(own, 0)
     if attempts.are_many:
-        ended = Certificate(reason="the processes that simulated its representative cases were killed")
+        ended = Certificate(reason="the processes that simulated the representative cases were killed")
         write_certificate(own / _CERTIFICATE, ended)
         return
     cases, worst = np.flatnonzero(plan.group == number).tolist(), None
@@ -140,7 +137,7 @@ def _certify(folder: Path, group: SweptGroup, number: int, level: int, own: Path
             if level == 0 and len(cases) >= MANY:
                 fewer, runs = in_leading_columns(group, training)
             found, certificate = certify(fewer, training, worst, runs)
-    except SuppleError as error:  # the cases run without it
+    except SuppleError as error:  # the cases run without an estimate
         if isinstance(error, NOT_OF_A_CASE):
             attempts.withdraw()
             raise

@@ -10,7 +10,7 @@ __all__ = ["STATISTICS", "channel_statistics"]
 Array = NDArray[np.float64]
 
 STATISTICS = ("mean", "minimum", "maximum", "standard deviation", "time of minimum", "time of maximum")
-"""Names in the order of `channel_statistics`; the last two are times, in the unit of time."""
+"""Names of the statistics, in the order of `channel_statistics`; the last two are in the unit of time."""
 
 
 def channel_statistics(times: Array, values: Array) -> Array:

@@ -19,7 +19,7 @@ from supple.other_processes import available_cores
 __all__ = ["Cluster", "Executors", "Given", "LocalProcesses", "MpiProcesses"]
 
 MEMORY = 2**30
-"""Memory assumed per process, with its cases, bytes."""
+"""Memory assumed for a process and its cases, bytes."""
 
 
 class Executors(Protocol):
@@ -41,7 +41,7 @@ class LocalProcesses:
 
     @contextmanager
     def opened(self) -> Iterator[Executor]:
-        """Context manager of a pool of spawned processes, because JAX does not work in forked ones."""
+        """Context manager of a pool of spawned processes, because JAX does not work in forked processes."""
         number = self.number or _by_memory(available_cores())
         others = multiprocessing.active_children()
         pool = ProcessPoolExecutor(number, multiprocessing.get_context("spawn"), _end_with_parent)

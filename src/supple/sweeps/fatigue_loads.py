@@ -28,7 +28,7 @@ CLASSES = 20
 DAMAGE = "damage"
 """Statistic of hot spots: Miner's sum of a case, failure at 1."""
 _SMALLEST = 1e-3
-"""Smallest range in a spectrum, as a fraction of the largest; the damage of smaller ones is negligible."""
+"""Smallest range in a spectrum, as a fraction of the largest; smaller ranges cause negligible damage."""
 
 
 class FatigueLoads(CheckedTable):
@@ -79,7 +79,7 @@ class FatigueLoads(CheckedTable):
     def conventions(self) -> str:
         """Description of the conventions of the loads."""
         correction = {spot.name: spot.ultimate for spot in self.hot_spot if spot.ultimate is not None}
-        goodman = ", ".join(f"Goodman's of {name} (ultimate {own:g})" for name, own in correction.items())
+        goodman = ", ".join(f"Goodman's for {name} (ultimate {own:g})" for name, own in correction.items())
         return (
             f"damage-equivalent ranges peak to peak, {self.reference_frequency:g} reference cycles per unit "
             f"of time, rainflow by ASTM E1049-85, residue as {self.residue.value}, "
@@ -87,7 +87,7 @@ class FatigueLoads(CheckedTable):
         )
 
     def check(self, case: Case, table: CaseTable) -> None:
-        """CaseError for an unknown channel or hot spot, and for a wind speed that does not vary.
+        """CaseError for an unknown channel or hot spot, or a wind speed that is no column of numbers.
 
         The meshes of the case are read if channels or nodes are named.
         """
@@ -108,9 +108,10 @@ class FatigueLoads(CheckedTable):
         return found.reshape(len(names), len(self.channels))
 
     def of(self, names: Sequence[str], times: Array, values: Array) -> tuple[Array, Array]:
-        """Loads (e, c) of channels, NaN for those not selected, and the rows (m, 3) of their spectra.
+        """Loads (e, c) of channels for e exponents, and the rows (m, 3) of the spectra of the channels.
 
-        A row has the index of the channel, the number of the range class, and the cycles.
+        Loads are NaN for channels that are not selected. A row of a spectrum has the index of the channel,
+        the number of the range class, and the number of cycles.
 
         names : (c,)    times : (t,)    values : (t, c)
         """

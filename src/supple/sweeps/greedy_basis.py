@@ -54,7 +54,7 @@ MOST_ENRICHED = 3
 def certify(
     group: SweptGroup, cases: Sequence[int], first: int | None = None, runs: TrainingRuns | None = None
 ) -> tuple[SweptGroup, Certificate]:
-    """The group with bases that are enriched as representative cases require, and its certificate.
+    """The group with bases enriched for the representative cases that require it, and its certificate.
 
     cases : some cases of the group, which are simulated first
     first : the first representative, one of these cases; None: the case with the largest motion
@@ -115,7 +115,7 @@ class _Search:
         self.certificate = Certificate(targets=targets)
 
     def run(self, first: int | None, *, may_enrich: bool) -> SweptCase | None:
-        """Fill the certificate; stops at a case for which the bases must be enriched, and returns it."""
+        """Fill the certificate; stop at a case for which the bases must be enriched, and return that case."""
         if not self._cases:
             self.certificate = replace(self.certificate, reason="no representative case ran to its end")
         place = self._first(first) if self._cases else None
@@ -235,7 +235,7 @@ class _Search:
 def _with_locking(
     system: System, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]
 ) -> System:
-    """The machine with the locking of its bodies computed, which bodies read from files lack."""
+    """The machine with the locking of its bodies computed; bodies read from files have no locking."""
     bodies = []
     for each in system.bodies:
         placed, body = each, cast("Any", each.body)

@@ -42,7 +42,7 @@ class GroupBodies:
     """The reduced bodies of a group of cases.
 
     reduced : bodies by name, with the damping of the representative case
-    rayleigh : alpha and beta of ratio damping, by body, computed from the modes of its mesh
+    rayleigh : alpha and beta of damping by ratio, by body, computed from the modes of the mesh
     tables : tables of these bodies in the representative case
     """
 
@@ -61,7 +61,7 @@ class GroupBodies:
         return redamped(body, before, after)
 
     def damping(self, name: str, table: Body) -> Damping | None:
-        """The damping of a body in a case; None without."""
+        """The damping of a body in a case; None without damping."""
         given: Any = table.damping
         if not isinstance(given, RayleighRatio | LinearRayleighRatio):
             return None if given is None else given.build()
@@ -75,7 +75,7 @@ class GroupBodies:
 def bodies_of_group(case: Case, folder: Path) -> GroupBodies:
     """The reduced bodies of a case, read from the folder of the sweep, or reduced and stored there.
 
-    If another process is reducing them, this one waits.
+    If another process is reducing the bodies, this process waits.
 
     folder : folder of the sweep
     Raises errors of reductions; SelfCorrectionError if an accuracy is not met.
@@ -106,7 +106,7 @@ def is_reduced_here(table: Body) -> bool:
 
 
 def _digest(case: Case, tables: Mapping[str, Body]) -> str:
-    """Digest of all inputs of the reductions; with self-correction, of the whole case."""
+    """Digest of all inputs of the reductions; with self-correction, these are all inputs of the case."""
     if case.starts:
         content: Any = {key: str(value) for key, value in case.inputs.items()}
     else:

@@ -75,7 +75,7 @@ class NodalDamage(NamedTuple):
 
 
 def check_hot_spots(spots: Sequence[HotSpot], case: Case) -> None:
-    """CaseError for an unknown body or node set, a body that the sweep does not reduce, or equal names."""
+    """CaseError for equal names, an unknown or large node set, or a body that the sweep does not reduce."""
     reduced = [table.name for table in case.parts.body if is_reduced_here(table)]
     names = [spot.name for spot in spots]
     for spot in spots:
@@ -100,7 +100,7 @@ def check_hot_spots(spots: Sequence[HotSpot], case: Case) -> None:
 def damage_of_hot_spots(
     spots: Sequence[HotSpot], residue: Residue, case: Case, system: System, solution: Solution
 ) -> NodalDamage:
-    """Damage at the nodes of hot spots over a run, by `hot_spot_damage`, with its errors."""
+    """Damage at the nodes of hot spots over a run; errors as for `hot_spot_damage`."""
     names, places, damages = list[str](), list[str](), [np.zeros(0)]
     for spot in spots:
         nodes = spot.numbers(case)

@@ -1,4 +1,4 @@
-"""Search for cases that kill their process, by isolated processes; they are recorded with the cause."""
+"""Search for cases that kill their process: cases run in isolated processes, and the cause is recorded."""
 
 from __future__ import annotations
 
@@ -20,11 +20,13 @@ __all__ = ["isolated_share"]
 TRIES = 2
 """Number of processes that a single case may kill before it is recorded."""
 _REFUSED = 3
-"""Exit code of a process with an error that no case causes."""
+"""Exit code of a process with an error that is not of a case."""
 
 
 def isolated_share(folder: Path, cases: Sequence[int], level: int, *, allow_code: bool = False) -> Part:
-    """The results of some cases, run in a separate process; if it is killed, each half in its own, and so on.
+    """The results of some cases, run in a separate process.
+
+    If the process is killed, each half of the cases runs in a process of its own, and so on.
 
     level, allow_code : as in `run_cases`
     Raises ResultFileError for errors of the computer or the disk.

@@ -7,9 +7,9 @@ the norm of the strain energy,
     gamma(t) = S c(t) + rest,   |L^T rest|_F <= a |L^T gamma|_F,   L L^T = V^T K V,
 
 with the fewest columns V S; a is the smallest relative accuracy of these cases, or a tenth or a hundredth of
-it. The energy norm gives weight to stiff motion, such as that of a shell's membrane, which is small and
-without which the other motion locks. The same cases run again with these columns. The largest a is chosen for
-which no case changes by more than a tenth of the allowed error.
+it. Stiff motion, such as that of a shell's membrane, is small, but without it the other motion locks; the
+energy norm gives it weight. The same cases run again with these columns. The largest a is chosen for which no
+case changes by more than a tenth of the allowed error.
 Source: this project's own, a proper orthogonal decomposition of the motions in the energy norm.
 """
 
@@ -37,7 +37,7 @@ Bounds = dict[str, list[tuple[float, float]]]
 """Allowed error and largest displacement in each case, by body."""
 
 SHARE = 0.1
-"""Largest change of a case by the smaller bases, as a fraction of the allowed error."""
+"""Largest change of the motion of a case due to the smaller bases, as a fraction of the allowed error."""
 MISSED = (1.0, 0.1, 0.01)
 """Values of a that are tried in this order, as fractions of the smallest relative accuracy."""
 LOOKED = 500
@@ -61,10 +61,10 @@ def leading_directions(coordinates: Array, stiffness: Array, missed: float) -> A
 
 
 def in_leading_columns(group: SweptGroup, numbers: Sequence[int]) -> tuple[SweptGroup, TrainingRuns]:
-    """The group with smaller bases, or unchanged if these change its motion too much; its training runs.
+    """The group with smaller bases, or the given group if its motion changes too much; its training runs.
 
     numbers : numbers of the cases whose motions give the directions
-    Raises errors as `training_runs`.
+    Raises errors as for `training_runs`.
     """
     before = training_runs(group, numbers)
     bounds = _bounds(group, before)
@@ -80,7 +80,7 @@ def in_leading_columns(group: SweptGroup, numbers: Sequence[int]) -> tuple[Swept
 
 
 def _fewer(group: SweptGroup, runs: TrainingRuns, bounds: Bounds, missed: float) -> dict[str, ReducedBody]:
-    """Bodies with smaller bases, for those whose motions allow it; missed : fraction of the accuracy."""
+    """Bodies with a smaller basis, if their motions allow one; missed : fraction of the accuracy."""
     like = group.like
     fulls = group.fulls(like)
     found = {}
@@ -107,7 +107,7 @@ def _fewer(group: SweptGroup, runs: TrainingRuns, bounds: Bounds, missed: float)
 
 
 def _agree(before: TrainingRuns, after: TrainingRuns, bounds: Bounds) -> bool:
-    """Whether all cases run, with motions that agree with the earlier ones."""
+    """Whether all cases run again, and their motions agree with the earlier motions."""
     if after.numbers != before.numbers:
         return False
     for name, limits in bounds.items():
@@ -123,7 +123,7 @@ def _agree(before: TrainingRuns, after: TrainingRuns, bounds: Bounds) -> bool:
 
 
 def _bounds(group: SweptGroup, runs: TrainingRuns) -> Bounds:
-    """Bounds of bodies with an accuracy of positions, not of another quantity and not of a fixed size."""
+    """Bounds of the bodies whose bases must meet an accuracy of positions."""
     targets = {name: start.target for name, start in group.fresh.starts.items() if start.target.of is None}
     found: Bounds = {}
     for name, target in targets.items():

@@ -1,4 +1,4 @@
-"""Simulation of cases of a group; each motion is reduced to the results that are stored."""
+"""Simulation of cases of a group; only the requested results of each motion are stored."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ __all__ = ["march_cases"]
 MOST_AT_ONCE = 64
 """Largest number of cases whose motions are in memory at a time."""
 NUMBERS_AT_ONCE = 2**26
-"""Largest count of numbers in these motions, 512 MiB."""
+"""Largest count of numbers in the motions in memory, 512 MiB."""
 NUMBERS_OF_A_BODY = 40
 """Numbers per body and output time for its frame and a joint, in addition to its coordinates and rates."""
 
@@ -58,7 +58,7 @@ def march_cases(certified: CertifiedGroup, cases: Sequence[int], began: Began) -
 
 
 def _at_once(group: SweptGroup) -> int:
-    """Number of cases of a batch, by the group only: the digits must not depend on the computer."""
+    """Number of cases of a batch; it depends on the group only, so that all computers give equal digits."""
     bodies = [placed.body for placed in group.like.system.bodies]
     numbers = sum(NUMBERS_OF_A_BODY + 3 * body.n_coordinates for body in bodies) * len(group.like.run.times)
     fitting = min(NUMBERS_AT_ONCE // numbers, MOST_AT_ONCE)
@@ -91,7 +91,7 @@ def _marched(certified: CertifiedGroup, made: dict[int, SweptCase]) -> dict[int,
         except NOT_OF_A_CASE:
             raise
         except SuppleError:
-            pass  # perhaps of one case: single runs find which one
+            pass  # perhaps an error of one case: single runs find the case
     return {number: _alone(certified, number, own) for number, own in made.items()}
 
 
@@ -194,7 +194,7 @@ def _result(
 def _with_damage(
     group: SweptGroup, own: SweptCase, solution: Solution, channels: Channels, statistics: Array
 ) -> tuple[Channels, Array]:
-    """Channels and statistics with a channel for each node of the hot spots, which has the damage only."""
+    """Channels and statistics, extended by a channel with the damage at each node of the hot spots."""
     fatigue = group.plan.output.fatigue
     assert fatigue is not None
     found = damage_of_hot_spots(fatigue.hot_spot, fatigue.residue, group.like, own.system, solution)

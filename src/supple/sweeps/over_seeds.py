@@ -22,7 +22,8 @@ IntArray = NDArray[np.int64]
 class OverSeeds(NamedTuple):
     """Statistics (k, ...) of a value over the cases of k conditions, without cases where it is missing.
 
-    number : number of these cases;   deviation : sample standard deviation, with n - 1; NaN for a single case
+    number : number of cases with a value
+    deviation : sample standard deviation, with n - 1; NaN for a single case
     """
 
     number: IntArray
@@ -83,7 +84,7 @@ def statistics_over_seeds(dataset: Any, seeds: Sequence[str] = ()) -> Any:
 
     Raises
     ------
-    CaseError               a seed that is no column, or no seed
+    CaseError               a seed that is no column; no seeds at all
     MissingPackageError     without xarray
     """
     xarray = optional_package("xarray", "a data set", "xarray")

@@ -11,8 +11,8 @@ statistic       (s,) names of the statistics
 statistics      (s, c, k): the values of all cases for one statistic of one channel are contiguous
 spectrum        (m, 3) channel, range class, cycles (`FatigueLoads`); without cases that run again
 channels/       name, unit, quantity, axes, place: (c,) each
-motions/N/      of cases with a stored motion: channels (t, c), and the arrays of the motion by path
-warnings        of the runs, each once
+motions/N/      for each case N with a stored motion: channels (t, c), and the arrays of the motion by path
+warnings        of the runs, each text once
 """
 
 from __future__ import annotations
@@ -169,7 +169,8 @@ def read_part(path: Path) -> Part:
     with open_sealed(path) as file:
         if file.attrs.get("format") != FORMAT or int(file.attrs["version"]) > VERSION:
             raise ResultFileError(
-                f"{path} is no part of a sweep, or of a newer version: update supple, or run the sweep again"
+                f"{path} is no part of a sweep, or a newer version wrote it: update supple, or run the sweep "
+                "again"
             )
         channels = Channels(**{name: tuple(file[f"channels/{name}"].asstr()[()]) for name in CHANNEL_KINDS})
         columns = {own: file[name][()] for name, (own, _) in _NUMBERS.items()}

@@ -38,7 +38,7 @@ __all__ = ["SweepPlan", "make_plan", "plan_path", "read_plan", "write_plan"]
 FORMAT, VERSION = "supple-sweep-plan", 1
 LARGEST_SHARE = 512
 FEWEST_SHARES = 64
-"""Smallest number of shares, if there are enough cases: work for many cores."""
+"""Smallest number of shares, if there are enough cases, so that many cores have work."""
 MARCHED_AT_ONCE = 16
 """Number of cases in a call of the compiled program, and in the smallest share."""
 
@@ -98,7 +98,7 @@ class SweepPlan:
     def representative(self, group: int) -> int:
         """The case of a group whose bodies are reduced for all cases: the first with the most damping.
 
-        The damping of the other cases is scaled from its damping, which is zero only if theirs is.
+        Its damping is scaled for the other cases, and is zero only if theirs is zero too.
         """
         cases = np.flatnonzero(self.group == group)
         damping = [
@@ -151,15 +151,15 @@ def make_plan(
 
     Raises
     ------
-    CaseError   a path that does not exist; a controller without `allow_code`, or with an accuracy; an unknown
-                case in `keep`; unknown channels, nodes or wind speed in `output.fatigue`
+    CaseError   a path that does not exist; a controller without `allow_code`, or together with a requested
+                accuracy; an unknown case in `keep`; unknown channels, nodes or wind speed in `output.fatigue`
     """
     family = case_family(case_file)
     family.case.check_control(allow_code=allow_code)
     if not len(table):
         raise CaseError("a sweep needs at least one case: give values in the table")
     if isinstance(output.keep, tuple) and (beyond := [each for each in output.keep if each >= len(table)]):
-        raise CaseError(f"keep names case {beyond[0]}, and the cases are 0 to {len(table) - 1}")
+        raise CaseError(f"keep has case {beyond[0]}, but the cases are 0 to {len(table) - 1}")
     if output.fatigue is not None:
         output.fatigue.check(family.case, table)
     _check_columns(table, output, family.raw)
@@ -301,7 +301,7 @@ def _plan(path: Path, _: bytes, allow_code: bool) -> SweepPlan:
         known = file.attrs
         if known.get("format") != FORMAT or int(known["version"]) > VERSION:
             raise ResultFileError(
-                f"{path} is no plan of a sweep, or of a newer version: use the version that wrote it"
+                f"{path} is no plan of a sweep, or a newer version wrote it: use that version"
             )
         paths = json.loads(known["paths"])
         columns = {name: _read_column(file[f"parameters/{i}"]) for i, name in enumerate(paths)}

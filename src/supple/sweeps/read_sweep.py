@@ -110,8 +110,8 @@ class SweepColumns:
     def lifetime(self) -> tuple[Array, float]:
         """Fatigue statistics over the lifetime, (f, c), and the fraction of it that the cases cover.
 
-        They are damage-equivalent ranges for the reference cycles, and the damage of hot spots; NaN if a case
-        has no result. ResultFileError if the sweep file has no lifetime.
+        The statistics are damage-equivalent ranges for the reference cycles, and the damage of hot spots; NaN
+        if a case has no result. ResultFileError if the sweep file has no lifetime.
         """
         fatigue = self.plan.output.fatigue
         if fatigue is None or fatigue.lifetime is None:
@@ -156,7 +156,8 @@ class SweepColumns:
                     found = motion_in(file, case)
         if not found:
             raise ResultFileError(
-                f"{self.folder} has no motion of case {case}: name it in keep, or simulate `swept_case`"
+                f"{self.folder} has no motion of case {case}: add the case to keep, or simulate it again "
+                "(swept_case)"
             )
         return found
 

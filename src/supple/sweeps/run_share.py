@@ -25,9 +25,9 @@ __all__ = ["run_cases", "run_share"]
 def run_share(folder: str, share: int, allow_code: bool = False) -> None:
     """Simulate the cases of a share and write their part, unless it exists already.
 
-    Any process with access to the folder can run it: all inputs are there, and all results are written there.
-    If two processes of a share were killed, isolated processes run its cases to find the cause
-    (`isolated_share`).
+    Any process with access to the folder of the sweep and to the files of the case can run a share. All
+    results are written to the folder. If two processes of a share were killed, isolated processes run its
+    cases to find the cause (`isolated_share`).
 
     allow_code : run the Python file of `control`, if the case names one
 
@@ -68,7 +68,7 @@ def _cases_of(folder: Path, share: int) -> tuple[list[int], int]:
 
 
 def _unmarked(_: Sequence[int]) -> None:
-    """No mark, because the parent process sees the exit code."""
+    """No mark, because the parent process gets the exit code."""
 
 
 def run_cases(
@@ -103,7 +103,7 @@ def run_cases(
             ]
         except NOT_OF_A_CASE:
             raise
-        except SuppleError as error:  # of the bodies, hence of all cases
+        except SuppleError as error:  # an error of the bodies, hence of all cases
             results = [CaseRecord(number, CaseStatus.FAILED, str(error)) for number in cases]
     for each in caught:
         if issubclass(each.category, SuppleWarning):

@@ -41,15 +41,15 @@ class SobolIndices:
 class SaltelliDesign:
     """Saltelli's design: n (d + 2) cases from which Sobol indices of d parameters are estimated.
 
-    Two samples A and B of n points each come from one scrambled Sobol sequence; then follows, for each
-    parameter, A with one column of B.
+    Two samples A and B of n points each come from one scrambled Sobol sequence. Then sample A is repeated for
+    each parameter, with the column of this parameter from B.
 
         design = SaltelliDesign({"load[0].law.amplitude": Uniform(1e3, 5e3), ...}, 256)
         sp.sweep("blade.toml", design.table, "results/sobol")
         tip = sp.read_sweep("results/sobol").statistics.sel(channel="tip.z", statistic="maximum")
         design.indices(tip.values).total
 
-    of : distribution of each parameter;   number : n, a power of two
+    of : distribution of each parameter, by path;   number : n, a power of two
 
     Source: Saltelli et al., Computer Physics Communications 181 (2010), 259-270; `scipy.stats.sobol_indices`.
     """
@@ -86,13 +86,13 @@ class SaltelliDesign:
 
             S_i = V(E(y | x_i)) / V(y),    S_Ti = E(V(y | x_others)) / V(y)
 
-        Raises ModelError for outputs of another number of cases, not finite, or without variance.
+        Raises ModelError for a wrong number of outputs, and for outputs that are not finite or do not vary.
         """
         outputs = np.asarray(values, dtype=np.float64)
         if outputs.shape[:1] != (self.n_cases,):
             raise ModelError(
-                f"Sobol indices: outputs of shape {outputs.shape} for {self.n_cases} cases; give (n, ...) in "
-                "the order of the table"
+                f"Sobol indices: outputs of shape {outputs.shape} for {self.n_cases} cases; give a row for "
+                "each case, in the order of the table"
             )
         rows = outputs.reshape(self.n_cases, -1)
         missing = int((~np.isfinite(rows)).any(axis=1).sum())

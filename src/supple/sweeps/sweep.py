@@ -43,7 +43,7 @@ def sweep(
     allow_code: bool = False,
     progress: Progress | None = None,
 ) -> SweepStatus:
-    """Simulate a case file with many values; repeating the call runs the cases that are still missing.
+    """Simulate a case file with many values; a repeated call runs only the cases that are still missing.
 
         sp.sweep("blade.toml", {"joint.shaft.law.speed": [1.0, 1.2, 1.4]}, "results/speeds")
         ds = sp.read_sweep("results/speeds")
@@ -57,7 +57,7 @@ def sweep(
     keep : cases whose motion is stored besides their statistics: "none", "all" or their numbers from 0
     fatigue : damage-equivalent loads and hot spots of the cases, and their lifetime
     labels : columns of the table that are no paths and change nothing, such as a wind speed
-    seeds : columns whose values are realisations; the page shows statistics over them
+    seeds : columns whose values are realisations; the report has statistics over them
     force : discard the results in the folder and start again
     allow_code : run the Python file of `control`, if the case names one
     progress : called with the finished fraction of the cases
@@ -139,11 +139,11 @@ def run_sweep(
                 elif isinstance(error, CancelledError):
                     raise SuppleError(
                         "the tasks of the sweep were cancelled, usually because the cluster lost its "
-                        f"scheduler; finished cases are in {folder}: the same command runs the rest"
+                        f"scheduler; finished cases are in {folder}: the same command runs the missing cases"
                     ) from error
                 else:
                     raise error
-        shares = sweep_shares(folder, plan)  # with those of cases that run again
+        shares = sweep_shares(folder, plan)  # with the shares of cases that run again
         done, missing = set(shares.whole), shares.missing
         # A killed process leaves a mark, until isolated processes run its share.
         breaks = 0 if len(done) > before or _marks(folder, missing) > marks else breaks + 1
@@ -183,12 +183,12 @@ def _shares_run(
 def run_part_of_sweep(
     folder: Path, number: int, of: int, progress: Progress | None = None, *, allow_code: bool = False
 ) -> None:
-    """Run, in this process, the shares of job k of n jobs of a sweep: k, k + n, ...
+    """Run, in this process, the shares of job k of n jobs of a sweep: k - 1, k - 1 + n, ...
 
-    The job that ends last also runs the cases that run again.
+    The job that ends last also repeats the cases that must run again with enriched bases.
 
     number : k, from 1;  of : n;  allow_code : as in `sweep`
-    Raises ResultFileError as `run_share`.
+    Raises errors as for `run_share`.
     """
     plan = read_plan(folder)
     shares = sweep_shares(folder, plan)
@@ -199,5 +199,5 @@ def run_part_of_sweep(
             if progress is not None:
                 progress((place + 1) / len(own))
         known, shares = len(shares.cases), sweep_shares(folder, plan)
-        # The job that ends last finds the cases that run again.
+        # Only the job that ends last finds shares of cases that must run again.
         own = list(range(known, len(shares.cases)))

@@ -145,7 +145,7 @@ class SweepFile:
     """A checked sweep file.
 
     path, text : path and text of the file;  case : path of the case file
-    files : further files that it reads
+    files : other files named in the sweep file
     """
 
     path: Path
@@ -230,7 +230,7 @@ def _mistakes_of_list(given: Any) -> Iterator[tuple[KeyPath, str]]:
             )
         else:
             if len(set(values)) < max(len(values), 1):
-                yield ("pattern",), "it has no {} for the number, or from is greater than to; correct it"
+                yield ("pattern",), "there is no {} for the number, or from is greater than to; correct it"
 
 
 def _table_of_values(given: Mapping[str, Any]) -> tuple[Any, Sequence[tuple[KeyPath, str]]]:

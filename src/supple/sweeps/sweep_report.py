@@ -105,8 +105,9 @@ def write_sweep_report(
 
     If the sweep file has seeds, `conditions.html` shows the statistics over them.
 
-    The cases with the most extremes are simulated again, and their reports written to `cases/`, unless they
-    exist. The page links the extremes to all reports in that folder. Returns the path of the page.
+    The cases with the most extremes are simulated again, and their reports are written to `cases/`, unless
+    these reports exist. The page links the extremes to all reports in that folder. Returns the path of the
+    page.
 
     Parameters
     ----------
@@ -166,7 +167,7 @@ def _page(columns: SweepColumns, reports: dict[int, str]) -> SweepPage:
     status, errors = columns.of_cases("status"), columns.of_cases("estimated_error")
     results = {
         "status": [_STATES.get(code, _NOT_RUN) for code in status.tolist()],
-        "seconds of a processor": columns.of_cases("seconds"),
+        "processor seconds": columns.of_cases("seconds"),
         **_columns_of_errors(columns, errors),
     }
     fatigue = plan.output.fatigue
@@ -214,13 +215,13 @@ def _columns_of_errors(columns: SweepColumns, errors: Array) -> dict[str, Any]:
 
 
 def _of_channel(numbers: dict[str, Array], place: int) -> dict[str, Array]:
-    """Statistics of a channel, without those of fatigue or hot spots that no case has."""
+    """Statistics of a channel, without statistics that no case has, such as those of fatigue."""
     known = {name: own[:, place] for name, own in numbers.items() if not np.isnan(own[:, place]).all()}
     return known or {name: numbers[name][:, place] for name in STATISTICS}
 
 
 def _page_of_conditions(columns: SweepColumns) -> SweepPage:
-    """The page of conditions, a row each: means, deviations and extremes over their seeds."""
+    """The page with a row for each condition: means, deviations and extremes over its seeds."""
     plan = columns.plan
     numbers, conditions = conditions_of(plan.table, plan.output.seeds)
     names = [name for name in columns.statistics if not name.startswith("time of")]
@@ -240,8 +241,8 @@ def _page_of_conditions(columns: SweepColumns) -> SweepPage:
     least, most = sizes.min(), sizes.max()
     each = f"{least}" if least == most else f"{least} to {most}"
     lines = [
-        f"{n_conditions} conditions of {plan.n_cases} cases, which differ in {', '.join(plan.output.seeds)} "
-        f"alone: {each} cases each. Deviations are sample standard deviations (n - 1)."
+        f"{plan.n_cases} cases form {n_conditions} conditions of {each} cases. The cases of a condition "
+        f"differ only in {', '.join(plan.output.seeds)}. Deviations are sample standard deviations (n - 1)."
     ]
     channels = zip(columns.channels["name"][kept], columns.channels["unit"][kept], by_channel, strict=True)
     return SweepPage(

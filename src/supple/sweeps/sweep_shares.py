@@ -1,7 +1,7 @@
 """The shares of a sweep: those of its plan, and those of cases that run again with enriched bases.
 
-The cases that run again are determined from the stored parts only, so that every process determines the same
-ones, also after an interruption.
+The cases that run again are determined from the stored parts only. Therefore every process finds the same
+cases, also after an interruption.
 """
 
 from __future__ import annotations

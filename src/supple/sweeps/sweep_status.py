@@ -40,7 +40,7 @@ class CaseErrors:
     n_estimated : number of cases with an estimate
     largest : largest estimate; NaN without estimates
     n_above : number of cases whose estimate exceeds their accuracy
-    reasons : why other cases have no estimate, with the number of cases of each reason
+    reasons : why cases have no estimate, with the number of cases of each reason
     """
 
     n_estimated: int = 0
@@ -123,7 +123,7 @@ def sweep_status(folder: Path | str) -> SweepStatus:
 def case_errors(estimated: Array, allowed: Array, reasons: NDArray[Any]) -> CaseErrors:
     """Summary of estimated errors, allowed errors and reasons without estimate, (n,) each.
 
-    NaN if not known; "" without a reason.
+    Unknown errors are NaN; the reason is "" for a case with an estimate.
     """
     known = ~np.isnan(estimated)
     above = estimated > allowed

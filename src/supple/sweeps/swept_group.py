@@ -35,7 +35,7 @@ __all__ = ["SweptCase", "SweptGroup", "swept_group"]
 class SweptCase:
     """A case of a sweep, ready for simulation.
 
-    case : case with its own numbers, and its bodies
+    case : case with its own values and the bodies of the group
     system : machine at the start of its run
     """
 
@@ -44,7 +44,7 @@ class SweptCase:
 
     @property
     def run(self) -> Run:
-        """Duration and steps of the run."""
+        """The run of the case."""
         return self.case.run
 
     @property
@@ -75,7 +75,7 @@ class SweptGroup:
         return self.with_values(self.plan.values(number))
 
     def with_values(self, values: Mapping[KeyPath, Any]) -> SweptCase:
-        """A case with other numbers of its run, by place, also beyond the table; errors as in `case`."""
+        """A case with other numbers of its run, by keys, in the table or not; errors as for `case`."""
         case = self.plan.family.variant(values, self.like, self._made)
         made = dict(self._made)
         for table in case.parts.body:
@@ -110,7 +110,7 @@ class SweptGroup:
         return {name: self.bodies.damping(name, tables[name]) for name in self.bodies.reduced}
 
     def in_full(self, case: Case, fulls: Mapping[str, FullBody]) -> System:
-        """The machine of a case at the start of its run, with some full bodies."""
+        """The machine of a case at the start of its run, with full bodies in place of some reduced bodies."""
         return self._started(case.varied(case.tables, {**self._made, **case.made, **fulls}))
 
     def with_bodies(self, reduced: Mapping[str, ReducedBody]) -> SweptGroup:
@@ -130,7 +130,7 @@ class SweptGroup:
 
     @cached_property
     def _made(self) -> Mapping[str, BodyForm]:
-        """All bodies except rigid ones, whose numbers may differ between cases."""
+        """All bodies except rigid bodies, whose numbers may differ between cases."""
         case = self.like
         placed = case.system.bodies
         # Mesh data for the points and sensors of one case serve all cases (`Case.varied`).

@@ -1,4 +1,4 @@
-"""Training runs: simulations of some cases of a group, before the others run."""
+"""Training runs: simulations of some cases of a group before the group runs."""
 
 from __future__ import annotations
 
@@ -25,9 +25,10 @@ class TrainingRuns:
 
 
 def training_runs(group: SweptGroup, numbers: Sequence[int]) -> TrainingRuns:
-    """Simulate cases of a group in one batch; cases that fail are left out, and recorded in their own run.
+    """Simulate cases of a group in one batch; cases that fail are left out.
 
-    Raises CaseError if no machine can be built; errors of `simulate_batch`.
+    The failure is recorded later, when the sweep runs the case. Raises CaseError if no machine can be built;
+    errors of `simulate_batch`.
     """
     known, made = list[int](), list[SweptCase]()
     for number in numbers:

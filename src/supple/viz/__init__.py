@@ -1,4 +1,4 @@
-"""Pictures: the only importer of matplotlib."""
+"""Pictures and animations; no other subpackage imports matplotlib."""
 
 from importlib.util import find_spec
 

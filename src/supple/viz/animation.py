@@ -62,9 +62,9 @@ def animate(
     units: UnitSystem = UNNAMED,
     progress: Callable[[float], None] | None = None,
 ) -> Path:
-    """Animate a body in space, a frame for each given time: a GIF, which repeats, or an MP4.
+    """Animate a body in space, with a frame for each given time, as a repeating GIF or an MP4.
 
-    Time and speed (time shown per second of the animation, relative to real time) are written in it.
+    Each frame states the time and the speed: time shown per second of the animation, relative to real time.
 
     Parameters
     ----------
@@ -73,21 +73,21 @@ def animate(
     positions : array (t, N, 3)     of the nodes, as `node_positions` recovers them
     skin : Skin                     visible surface of the mesh; None with positions (t, 0, 3)
     glyphs : Glyphs                 of parts without a mesh, at the same times
-    values : array (t, N)           nodal scalar to colour by, with one scale for all frames; NaN is plain
+    values : array (t, N)           nodal scalar to colour by, with one scale for all frames; plain where NaN
     values_label : str              label with unit under the colour bar; no bar without it
     traces : Traces                 of points whose paths are drawn
     camera : Camera                 a three-quarter view of the whole motion by default
     undeformed : array (N, 3)       positions of a pale outline behind the body
     caption : str                   written in the upper left corner
     shown : int array (f,)          indices of the times shown by the frames; by default each once
-    frames_per_second : float       up to 50; a GIF plays the nearest 100 / k, k whole
+    frames_per_second : float       up to 50; in a GIF the nearest 100 / k with a whole number k
     n_columns : int                 pixels across
     units : UnitSystem              units of the length bar and the clock
     progress : callable             called with the share of finished frames, ending at 1
 
     Raises
     ------
-    ModelError              no frames, arrays of other shapes or not finite, a rate out of range
+    ModelError              no frames, arrays of wrong shapes or not finite, a rate out of range
     MissingPackageError     an MP4 without imageio-ffmpeg
     ResultFileError         the file cannot be written
     """
@@ -97,7 +97,7 @@ def animate(
     traces = traces or _NO_TRACES
     _check_traces(traces)
     if values_label and values is None:
-        raise ModelError(f"cannot draw a colour bar of '{values_label}': give the values, too")
+        raise ModelError(f"cannot draw a colour bar of '{values_label}': give the values")
     rate = played_rate(path, frames_per_second)
     shown = np.arange(len(times)) if shown is None else shown
     seen = [positions] if glyphs is None else [positions, glyphs.points]
@@ -155,7 +155,7 @@ def _check_traces(traces: Traces) -> None:
     if points.ndim != 3 or points.shape[::2] != (len(times), 3) or not np.isfinite(points).all():
         raise ModelError(
             f"cannot trace points of shape {points.shape} at {len(times)} times: "
-            "give finite ones, (s, k, 3) and (s,)"
+            "give finite points (s, k, 3) and times (s,)"
         )
     if np.any(np.diff(times) < 0):
         raise ModelError("cannot trace points at times that are not in order: sort them")
@@ -182,5 +182,5 @@ def _check(times: Array, positions: Array, skin: Skin | None, values: Array | No
     ):
         raise ModelError(
             f"cannot colour by values of shape {values.shape}: "
-            f"give finite ones of shape {positions.shape[:2]}, NaN where a body has none"
+            f"give finite values of shape {positions.shape[:2]}, or NaN where a body has no value"
         )

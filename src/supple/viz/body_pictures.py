@@ -27,7 +27,7 @@ from supple.viz.style import as_written
 
 # Number of output times searched for the largest deflection.
 N_INSTANTS = 200
-# Deflections smaller than this share of the body's diagonal are enlarged to it.
+# Deflections smaller than this share of the body's diagonal are enlarged to this share.
 VISIBLE = 0.08
 
 
@@ -42,7 +42,7 @@ class DrawnBody:
 
     @property
     def title(self) -> str:
-        """Its name."""
+        """Name of the body."""
         return as_written(self.body.name)
 
 
@@ -61,7 +61,10 @@ def draw_mesh(path: Path, drawn: DrawnBody) -> Path:
 
 
 def draw_modes(path: Path, drawn: DrawnBody, body: ReducedBody, modes: BodyModes | None) -> Path:
-    """Modes clamped at the first interface, or in the frame; modes of the basis if those are unknown."""
+    """Picture of the modes of a reduced body; those of its basis if the modes are not given.
+
+    The body is clamped at its first interface, or fixed in its frame if it has no interface.
+    """
     clamped_at = body.interfaces[0] if body.interfaces else None
     held = "fixed in its floating frame" if clamped_at is None else f"clamped at {clamped_at.name}"
     place = None if clamped_at is None else clamped_at.position
@@ -77,7 +80,7 @@ def draw_modes(path: Path, drawn: DrawnBody, body: ReducedBody, modes: BodyModes
 
 
 def draw_intrinsic_modes(path: Path, drawn: DrawnBody, body: IntrinsicBody) -> Path:
-    """Picture of its lowest elastic modes with the support of its root."""
+    """Picture of the lowest elastic modes of an intrinsic body with the support of its root."""
     number, n_free = min(N_DRAWN_MODES, body.n_coordinates), body.support.free.shape[1]
     shapes, rotations = _linear_shapes(body, np.eye(body.n_coordinates)[:number])
     omega = body.modes.omega[body.modes.n_rigid :][:number]
@@ -197,5 +200,5 @@ def _sampled(body: BodyForm, solution: Solution) -> tuple[np.ndarray, Motion]:
 
 
 def instants_of(times: np.ndarray, number: int) -> np.ndarray:
-    """Indices of at most this many times, evenly spread."""
+    """Indices of at most `number` times, evenly spaced."""
     return np.unique(np.linspace(0, len(times) - 1, number).astype(int))

@@ -1,4 +1,4 @@
-"""Plot of a Campbell diagram: frequencies over speed, and the lines of its multiples."""
+"""Plot of a Campbell diagram: frequencies over speed, and lines of the multiples of the speed."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class FollowedModes(Protocol):
 
     @property
     def axes(self) -> str:
-        """Description of their axes."""
+        """Description of the axes in which the frequencies are observed."""
         ...
 
     @property
@@ -64,7 +64,7 @@ class FollowedModes(Protocol):
 
 @checked_arguments
 def plot_campbell(path: Path | str, diagram: FollowedModes, *, units: UnitSystem = UNNAMED) -> Path:
-    """Draw named frequencies over speed (rpm), the multiples of it that excite them, and critical speeds.
+    """Draw named frequencies over speed, the multiples of the speed that excite them, and critical speeds.
 
     Raises ResultFileError where the file cannot be written.
     """
@@ -94,7 +94,7 @@ def _draw_orders(axes: Axes, speeds: Array, orders: Array, top: float) -> None:
     """Multiples of the speed, with their names."""
     for order in range(1, N_ORDERS + 1):
         axes.plot(speeds, order * orders, color="0.7", linewidth=0.7)
-        # One beside the other, in the middle of the diagram: its right edge has the names of the modes.
+        # Names side by side in the middle of the diagram; the right edge has the names of the modes.
         place = min(0.15 * (order + 1), 0.9 * top / max(order * orders[-1], 1e-300))
         x, y = ((1 - place) * each[0] + place * each[-1] for each in (speeds, order * orders))
         on_line = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
@@ -104,7 +104,7 @@ def _draw_orders(axes: Axes, speeds: Array, orders: Array, top: float) -> None:
 
 
 def _draw_modes(axes: Axes, speeds: Array, frequencies: Array, names: Sequence[str], top: float) -> None:
-    """Frequencies (ns, nm), each with its name at its end, in its colour."""
+    """Curves of the frequencies (ns, nm), with the name of each mode at the end of its curve."""
     followed = [
         (name, mode, int(known[-1]))
         for name, mode in zip(names, frequencies.T, strict=True)
@@ -127,7 +127,7 @@ def _draw_modes(axes: Axes, speeds: Array, frequencies: Array, names: Sequence[s
 
 
 def _apart(heights: Array, top: float) -> Array:
-    """Heights (n,) of names, shifted up, and down again from the top, until none overlaps."""
+    """Heights (n,) of names without overlaps: shifted up, and down again below the top."""
     order = np.argsort(heights, kind="stable")
     least = np.arange(len(heights)) * _LINE * top
     placed = np.maximum.accumulate(heights[order] - least) + least

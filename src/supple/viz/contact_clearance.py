@@ -1,7 +1,7 @@
 """Nodes in contact, drawn slightly in front of the surface that they touch.
 
-A penalty contact has a small penetration, and faces in contact coincide: the visible one of the two would
-change from frame to frame, and a tip would show through the wall.
+A penalty contact has a small penetration, and faces in contact coincide. Without the shift, the visible face
+would change from frame to frame, and a tip would show through a wall.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ __all__ = ["clear_of_contact"]
 FloatArray = NDArray[np.float64]
 
 CLEARANCE = 5e-4
-"""Relative to the largest extent of the moving bodies: about a third of a pixel of an animation."""
+"""Fraction of the largest extent of the moving bodies: about a third of a pixel of an animation."""
 
 
 def clear_of_contact(
     system: System, positions: Mapping[str, FloatArray], offsets: FloatArray
 ) -> dict[str, FloatArray]:
-    """Positions (t, N, 3) by part, with nodes in contact moved out of the other surface.
+    """Positions (t, N, 3) by part, with nodes in contact moved in front of the surface that they touch.
 
     offsets : (t, o, 3) of the obstacles of the rigid contacts
     """

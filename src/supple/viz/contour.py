@@ -49,8 +49,8 @@ def plot_contour(
 ) -> Path:
     """Draw a field in colour bands on a body, deformed or not, with its largest value on the skin marked.
 
-    The bands end at round values; bar and mark refer to the nodes of the skin, not to interior ones. A mark
-    on the far side is labelled as such.
+    The bands end at round values. Bar and mark refer to the nodes of the skin, not to interior nodes. A mark
+    on the far side has a label that states this.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def _mark(
     *,
     hidden: bool,
 ) -> None:
-    """A ring around the node, and its value beside it, towards the middle of the picture.
+    """A ring around the node, and beside it the value, towards the middle of the picture.
 
     hidden : the node is on the far side; the ring is then dashed, and the label states it
     """

@@ -20,7 +20,7 @@ class VisibleTriangles:
 
     pixel : (p,)       number of the pixel, row by row from the bottom
     triangle : (p,)    the visible triangle
-    weights : (p, 3)   barycentric coordinates of the pixel in it
+    weights : (p, 3)   barycentric coordinates of the pixel in the triangle
     """
 
     pixel: IntArray
@@ -61,7 +61,7 @@ def visible_triangles(corners: Array, nearness: Array, shape: tuple[int, int]) -
 
 @dataclass(frozen=True, eq=False)
 class _Spans:
-    """Runs of pixels in a row whose centres lie in a triangle: from first to before past, each (s,)."""
+    """Runs of pixels of one row whose centres lie in a triangle: from `first` to `past` - 1; arrays (s,)."""
 
     triangle: IntArray
     row: IntArray
@@ -99,7 +99,7 @@ def _centres_between(low: Array, high: Array, n_pixels: int) -> tuple[IntArray, 
 
 
 def _depth_along_row(corners: Array, nearness: Array, spans: _Spans) -> tuple[Array, Array]:
-    """Nearness = slope x + value at x = 0 along each span, for it is linear over a triangle."""
+    """Slope and value at x = 0 of the nearness along each span; it is linear in x over a triangle."""
     t, y = spans.triangle, spans.row.astype(float) + 0.5
     at_zero, at_one = (np.einsum("si,si->s", _barycentric(corners, t, x, y), nearness[t]) for x in (0.0, 1.0))
     return at_one - at_zero, at_zero

@@ -34,13 +34,13 @@ def plot_eigenvalue_error(
     *,
     exact: Mapping[int, Array] | None = None,
 ) -> Path:
-    """Errors of every eigenvalue for several numbers of modes kept, with the tolerance, logarithmically.
+    """Draw the error of every eigenvalue for several numbers of retained modes, on a logarithmic axis.
 
     Parameters
     ----------
-    estimates : {modes kept: (N,)}      infinite where the reduced body has no such eigenvalue
-    tolerance : float                   a dashed line
-    exact     : {modes kept: (N,)}      dashed beside the estimates
+    estimates : {number of modes: (N,)} infinite where the reduced body has no such eigenvalue
+    tolerance : float                   drawn as a dashed line
+    exact     : {number of modes: (N,)} drawn dashed beside the estimates
 
     Raises
     ------

@@ -23,13 +23,13 @@ Frames = Callable[[int], Array8]
 """A frame (rows, columns, 3) by its number."""
 
 FASTEST = 50.0
-"""Frames per second: browsers slow GIFs with shorter delays."""
+"""Largest number of frames per second: browsers slow down GIFs with shorter delays."""
 _WHITE = 255
 """Index of white in the palette of a GIF."""
 
 
 def check_film(path: Path | str, frames_per_second: float) -> None:
-    """Raise ModelError for another format or rate, MissingPackageError for MP4 without ffmpeg."""
+    """ModelError for an unknown format or a rate out of range, MissingPackageError for MP4 without ffmpeg."""
     suffix = Path(path).suffix.lower()
     if suffix not in (".gif", ".mp4"):
         raise ModelError(f"cannot animate {path}: animations are GIF or MP4; end the path in .gif or .mp4")
@@ -42,7 +42,7 @@ def check_film(path: Path | str, frames_per_second: float) -> None:
 
 
 def played_rate(path: Path | str, frames_per_second: float) -> float:
-    """Frames per second at which the file plays: a GIF counts delays in hundredths of a second."""
+    """Frames per second at which the file plays; delays of a GIF are whole hundredths of a second."""
     if Path(path).suffix.lower() == ".gif":
         return 100.0 / round(100.0 / frames_per_second)
     return frames_per_second
@@ -54,7 +54,7 @@ def write_film(path: Path, frames: Frames, number: int, rate: float) -> None:
 
 
 def _write_mp4(path: Path, frames: Frames, number: int, rate: float) -> None:
-    """H.264 in the pixel format of all players, which needs frames of even sides."""
+    """Write H.264 in the pixel format of all players; it needs even numbers of rows and columns."""
     ffmpeg = optional_package("imageio_ffmpeg", "an MP4 film", "film").get_ffmpeg_exe()
     rows, columns, _ = _even(frames(0)).shape
     pixels = f"-f rawvideo -pix_fmt rgb24 -s {columns}x{rows} -r {rate:.9g} -i -"
@@ -74,7 +74,7 @@ def _write_mp4(path: Path, frames: Frames, number: int, rate: float) -> None:
 
 
 def _even(frame: Array8) -> Array8:
-    """The frame with a further white row or column where their number is odd."""
+    """The frame with a white row added if its number of rows is odd; likewise for columns."""
     rows, columns, _ = frame.shape
     return np.pad(frame, ((0, rows % 2), (0, columns % 2), (0, 0)), constant_values=255)
 
@@ -95,13 +95,13 @@ def _write_gif(path: Path, frames: Frames, number: int, rate: float) -> None:
             append_images=indexed(),
             duration=round(1000.0 / rate),
             loop=0,
-            # Otherwise a third smaller, but at half of the total time of the animation.
+            # With True the file is a third smaller, but this takes half of the total time of the animation.
             optimize=False,
         )
 
 
 def _common_palette(sample: Array8) -> Image.Image:
-    """255 colours of frames all over the animation, so that they do not flicker, and white as the last."""
+    """255 colours for frames of the whole animation, so that nothing flickers, and white as the last."""
     palette = Image.fromarray(sample).quantize(_WHITE, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
     colours = np.full((256, 3), 255)
     found = np.array(palette.getpalette()).reshape(-1, 3)[:_WHITE]

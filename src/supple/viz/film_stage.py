@@ -39,9 +39,9 @@ _LINE = 16
 class Moving:
     """Moving parts in front of the camera, at the times of the frames.
 
-    positions : (t, N, 3), of the skin;  values : (t, N), NaN is plain
-    paths : (s, k, 3) points whose paths are drawn;  reached : (t,) number of the s points reached
-    clock : text for the number of a frame
+    positions : (t, N, 3), of the skin;  values : (t, N), plain where NaN
+    paths : (s, k, 3) points of k paths;  reached : (t,) number of the s points drawn in each frame
+    clock : function of the number of a frame; returns the text of its time
     """
 
     positions: Array
@@ -123,7 +123,7 @@ class Stage:
 
 
 class _Pixels(Artist):
-    """A picture with the pixels of the animation: matplotlib's own images are resampled for every frame."""
+    """An image drawn pixel for pixel; matplotlib's own images would be resampled for every frame."""
 
     zorder = 2.0
 
@@ -133,7 +133,7 @@ class _Pixels(Artist):
         """(rows, columns, 4), from the bottom row"""
 
     def draw(self, renderer: RendererBase) -> None:
-        """Draw it over the background."""
+        """Draw the image over the background."""
         if self.rows is None:
             return
         context = renderer.new_gc()
@@ -142,7 +142,7 @@ class _Pixels(Artist):
 
 
 class _Sheet(NamedTuple):
-    """A figure with axes as large as the page, pixel for pixel, a head above and a strip below."""
+    """A figure with axes of the size of the page in pixels, a head above and a strip below."""
 
     figure: Figure
     page: Axes
@@ -164,7 +164,7 @@ class _Sheet(NamedTuple):
 
 
 def _sheet(page: PixelWindow, head: int) -> _Sheet:
-    """Head : pixels of the head."""
+    """The empty figure of a page; head : height of its head in pixels."""
     n_rows = page.n_rows + head + _STRIP
     size = page.n_columns / _PIXELS_PER_INCH, n_rows / _PIXELS_PER_INCH
     figure = Figure(figsize=size, dpi=_PIXELS_PER_INCH)

@@ -57,7 +57,7 @@ _JOINT_STYLES = MappingProxyType(
 
 
 class Mark(NamedTuple):
-    """A mark at a point (t, 3), or at several (t, k, 3)."""
+    """Marks of one style at a point (t, 3), or at several points (t, k, 3)."""
 
     style: MarkStyle
     places: Array
@@ -85,7 +85,7 @@ class Glyphs:
         return np.concatenate([each.reshape(len(self.lines), -1, 3) for each in drawn], axis=1)
 
     def beside(self, others: Sequence[Glyphs]) -> Glyphs:
-        """These and others at the same times."""
+        """These glyphs and others at the same times."""
         everything = (self, *others)
         thin = [each.thin_lines for each in everything if each.thin_lines is not None]
         return Glyphs(
@@ -98,8 +98,8 @@ class Glyphs:
 def glyphs_of(system: System, solution: Solution, rows: slice | NDArray[np.int64]) -> Glyphs:
     """Rigid bodies, joints and ground at some output times of a run.
 
-    A rigid body is drawn by its interfaces, each connected to its centre of mass; a joint is drawn at its
-    second end, and if it is on the ground also at the fixed point.
+    A rigid body is drawn as lines from its centre of mass to its interfaces. A joint is drawn at its second
+    end. A joint to the ground is drawn at its moving end, and the ground at the initial position of this end.
     """
     lines: list[Array] = []
     marks: list[Mark] = []
@@ -117,7 +117,7 @@ def glyphs_of(system: System, solution: Solution, rows: slice | NDArray[np.int64
 
 
 def surface_glyphs(surface: BodySurface, nodes: Array) -> Glyphs | None:
-    """Links and masses of a body with nodes at (t, N, 3); None without."""
+    """Links and masses of a body with nodes at (t, N, 3); None if the body has neither."""
     if not (len(surface.links) or len(surface.masses)):
         return None
     marks = (Mark(MASS_STYLE, nodes[:, surface.masses]),) if len(surface.masses) else ()
@@ -142,7 +142,7 @@ def _place(system: System, solution: Solution, end: At, rows: slice | NDArray[np
 
 
 class DrawnGlyphs:
-    """Glyphs drawn on axes, which can be moved from one time to the next."""
+    """Drawn glyphs, which can be moved from one time to the next."""
 
     def __init__(self, axes: Axes, glyphs: Glyphs, camera: Camera) -> None:
         self._lines = camera.project(glyphs.lines)[0]

@@ -26,8 +26,10 @@ _IN_FRONT = 0.1
 
 
 def machine_camera(system: System, solution: Solution, meshes: Mapping[str, Look | None]) -> Camera:
-    """Camera with gravity downwards and the widest extent of the motion horizontal; walls are viewed from
-    the side on which bodies touch them, if one camera can do so."""
+    """Camera with gravity downwards and the widest extent of the motion horizontal.
+
+    If one camera can do so, all walls are viewed from the side on which bodies touch them.
+    """
     rows = np.unique(np.linspace(0, len(solution.times) - 1, _INSTANTS).astype(int))
     points = [glyphs_of(system, solution, rows).points]
     for body in (placed.body for placed in system.bodies):
@@ -44,7 +46,7 @@ def machine_camera(system: System, solution: Solution, meshes: Mapping[str, Look
 
 
 def upright_camera(points: Array, gravity: Array, walls: Array) -> Camera:
-    """The camera for points (n, 3); normals (w, 3) of walls point towards the bodies."""
+    """The camera for points (n, 3) and for walls with normals (w, 3), which point towards the bodies."""
     if not len(points):
         points = np.eye(3)
     if gravity.any():

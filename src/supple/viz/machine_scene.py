@@ -37,10 +37,10 @@ _EDGE_ON = 0.05
 class MachineScene:
     """Bodies and obstacles as one skin, and glyphs of parts without a mesh, at t times.
 
-    skin : None without bodies that have a surface;  positions : (t, P, 3);  values : (t, P), NaN is plain
-    label : of the values with their unit, "" without colours
+    skin : None if no body has a surface;  positions : (t, P, 3);  values : (t, P), plain where NaN
+    label : name of the values with their unit, "" without colours
     glyphs : may be empty
-    undeformed : (P, 3) at the first of the times
+    undeformed : (P, 3) positions of the undeformed bodies at the first of the times
     farthest : for each deformable body, the node of largest deflection
     """
 
@@ -90,7 +90,7 @@ def machine_scene(
         x = r + e (x(t) - r),   r the undeformed position, moved with the body's first interface
 
     enlargement : e;  colouring : None leaves bodies plain
-    rest : a state of rest, whose first time is the undeformed state
+    rest : solution whose first time is drawn as the undeformed state
     Other parameters as for `draw_run`.
     Raises ModelError for an enlargement of bodies without a frame.
     """
@@ -141,7 +141,7 @@ def machine_scene(
 def drawn_bodies(
     system: System, meshes: Mapping[str, Look | None]
 ) -> list[tuple[BodyForm, BodySurface | None]]:
-    """Elastic bodies and their surfaces; those without a surface are drawn by their points."""
+    """Elastic bodies and their surfaces; bodies without a surface are drawn by their nodes."""
     return [
         (body, None if (look := meshes[body.name]) is None else body_surface(look))
         for body in (placed.body for placed in system.bodies)
@@ -150,9 +150,9 @@ def drawn_bodies(
 
 
 def _undeformed(seen: _Seen, rest: Solution | None) -> Array:
-    """Positions (P, 3) of a surface: in a state of rest, or undeformed, moved with its first interface.
+    """Positions (P, 3) of a surface: in a state of rest, or undeformed and moved with the first interface.
 
-    For bodies without a frame, their present positions.
+    Bodies without a frame keep their present positions.
     """
     assert seen.surface is not None
     if rest is not None:
@@ -202,8 +202,10 @@ def _points(nodes: Array) -> Glyphs:
 def _obstacles(
     system: System, offsets: Array, actors: list[Actor], camera: Camera
 ) -> tuple[list[Actor], list[Glyphs]]:
-    """Obstacles as surfaces, and walls viewed from behind as outlines, as they would hide the bodies that
-    touch them."""
+    """Obstacles as surfaces, but walls viewed from behind as outlines.
+
+    Such walls would hide the bodies that touch them.
+    """
     surfaces, outlines = [], []
     if not system.rigid_contacts:
         return surfaces, outlines

@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 
 N_COLUMNS = 1260
 BAR_GAP = 0.15
-"""Inch between a picture and its colour bar."""
+"""Distance between a picture and its colour bar, in inches."""
 _CORNER = 0.1
 """Side of the axis cross, as a share of the width of a picture."""
 _ARROW = {
@@ -54,7 +54,7 @@ _ARROW = {
 
 @dataclass(frozen=True, eq=False)
 class NodalField:
-    """A nodal scalar (N,) for colouring, NaN where there is none, and its name with unit."""
+    """Nodal values (N,) for colouring, NaN where there is no value, and their name with unit."""
 
     label: str
     values: Array
@@ -83,7 +83,7 @@ def plot_mesh(
     ----------
     nodes : array (N, 3)            positions to draw, deformed or not
     skin : Skin                     visible surface of the mesh; None with nodes (0, 3), for glyphs alone
-    colour_by : NodalField          colours and colour bar; one plain colour without
+    colour_by : NodalField          colours and colour bar; without it, one plain colour
     undeformed : array (N, 3)       positions of a pale outline behind the body
     glyphs : Glyphs                 rigid bodies, joints, springs, ties and masses, at one time
     camera : Camera                 a three-quarter view by default
@@ -91,8 +91,8 @@ def plot_mesh(
 
     Raises
     ------
-    ModelError          nothing to draw, arrays of wrong shapes, values that are not finite, a skin beyond
-                        the nodes
+    ModelError          nothing to draw, arrays of wrong shapes, positions or values that are not finite, a
+                        skin with more nodes than positions
     ResultFileError     the file cannot be written
     """
     if skin is None and (glyphs is None or glyphs.is_empty):
@@ -123,10 +123,10 @@ def draw_surface(
     units: UnitSystem,
     scale: ScalarMappable | None = None,
 ) -> tuple[Figure, Axes, Camera]:
-    """Draw the picture of plot_mesh without saving it; to be used inside textbook_style.
+    """Draw the picture of plot_mesh without saving it; for use inside textbook_style.
 
     skin : None with nodes (0, 3), for glyphs alone
-    scale : ScalarMappable      from values to colours; by default for the whole range of the field
+    scale : ScalarMappable      mapping of values to colours; by default over the whole range of the field
     """
     for each in (nodes, undeformed):
         if skin is not None and each is not None:
@@ -168,7 +168,7 @@ def draw_surface(
 
 
 def _with_free_corners(page: PixelWindow, plane: Array) -> PixelWindow:
-    """The page, with a strip below for axis cross and length bar where points (n, 2) are in their corners."""
+    """The page, extended below if points (n, 2) lie where axis cross and length bar are drawn."""
     width = page.high[0] - page.low[0]
     right, up = ((plane - page.low) / width).T
     if not np.any((up < _CORNER) & ((right < _CORNER) | (right > 1.0 - 2.0 * _CORNER))):
@@ -211,7 +211,7 @@ def draw_cross(axes: Axes, camera: Camera) -> None:
     cross.set_axis_off()
     tips, _ = camera.project(np.eye(3))
     for tip, name in zip(tips, "xyz", strict=True):
-        # An axis towards the viewer is a dot; its name would cover the others'.
+        # An axis towards the viewer is left out: its name would cover the other names.
         if np.hypot(*tip) > 0.15:
             cross.annotate("", tip, (0.0, 0.0), arrowprops=_ARROW)
             cross.text(1.35 * tip[0], 1.35 * tip[1], name, ha="center", va="center", fontsize=7.5)
@@ -254,6 +254,6 @@ def checked_values(field: NodalField, n_nodes: int) -> Array:
     if values.shape != (n_nodes,) or np.isinf(values).any() or np.isnan(values).all():
         raise ModelError(
             f"field '{field.label}' of shape {values.shape}: give a finite value at each of {n_nodes} nodes, "
-            "or NaN at those that have none"
+            "or NaN at nodes without a value"
         )
     return values

@@ -27,7 +27,7 @@ _PIXELS_PER_INCH = 200
 
 
 def mode_titles(frequencies: Array, units: UnitSystem = UNNAMED) -> list[str]:
-    """Titles such as "mode 1:  0.675 Hz", for frequencies (m,), one over the unit of time."""
+    """Titles such as "mode 1:  0.675 Hz", for frequencies (m,) in one over the unit of time."""
     unit, factor = units.frequency_shown
     return [
         measured(f"mode {i}:  {plain_number(factor * frequency)}", unit)
@@ -50,7 +50,7 @@ def plot_mode_shapes(
 ) -> Path:
     """Draw modes in rows of n_columns, each coloured by its amplitude over the outline of the body at rest.
 
-    The drawn amplitude is stated above them.
+    The drawn amplitude is stated above the pictures.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def plot_mode_shapes(
 
     Raises
     ------
-    ModelError          arrays of other shapes, a mode without displacement or not finite, n_columns below one
+    ModelError          arrays of wrong shapes, a mode without displacement or not finite, n_columns below one
     ResultFileError     the file cannot be written
     """
     check_nodes(nodes, skin)

@@ -1,4 +1,4 @@
-"""Responses of several models beside their errors: left over time, right on a logarithmic axis."""
+"""Responses of several models over time, and beside them their errors on a logarithmic axis."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _FEWEST_DECADES, _MOST_DECADES = 1.0, 12.0
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """One quantity (with its unit) over time, by the reference and by the models at the same times."""
+    """One quantity (with its unit) over time, from the reference and from models at the same times."""
 
     quantity: str
     reference: Series
@@ -42,7 +42,7 @@ def plot_response_errors(
     Parameters
     ----------
     responses : one row of panels each, all of the same models
-    until : time    marked end of the comparison (start of chaotic motion)
+    until : time    marked as the end of the comparison, such as the start of chaotic motion
 
     Raises
     ------
@@ -54,7 +54,7 @@ def plot_response_errors(
     times = responses[0].reference.times
     for model in (model for response in responses for model in response.models):
         if not np.array_equal(model.times, times):
-            raise ModelError(f"series '{model.label}' is not at the reference's times: no error to draw")
+            raise ModelError(f"series '{model.label}' is not at the times of the reference: no error to draw")
     with textbook_style():
         figure = new_figure(height=0.6 + 1.75 * len(responses))
         grid = figure.subplots(len(responses), 2, sharex=True, squeeze=False)

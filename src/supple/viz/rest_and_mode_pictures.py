@@ -40,11 +40,11 @@ def draw_rest(
     view: View = AS_IT_IS,
     units: UnitSystem = UNNAMED,
 ) -> Path | None:
-    """Draw an equilibrium coloured by deflection, or by stress with `elements`, over the outlines of the
-    undeformed bodies; None where there is nothing to draw.
+    """Draw an equilibrium over the outlines of the undeformed bodies; None if there is nothing to draw.
 
-    The deflection of a machine with one body is enlarged until visible, unless `view` sets the enlargement;
-    with several bodies it would open their joints. Other parameters as for `draw_run`.
+    Colours show the deflection, or with `elements` the stress. Unless `view` sets the enlargement, the
+    deflection of a single body is enlarged until visible; that of several bodies is not, because enlarged
+    joints would open. Other parameters as for `draw_run`.
     """
     enlargement = view.enlargement or _visible(system, solution, bases)
     return draw_machine(
@@ -61,7 +61,7 @@ def draw_rest(
 
 
 def _visible(system: System, solution: Solution, bases: Mapping[str, At]) -> float:
-    """The enlargement of the deflection of a machine with one body; 1 for others."""
+    """The enlargement of the deflection of a machine with one body; 1 for other machines."""
     (first, *others) = (placed.body for placed in system.bodies)
     if others or not (first.n_coordinates and first.has_frame):
         return 1.0
@@ -144,7 +144,7 @@ def _displacement(body: BodyForm, motion: Motion, rest: Solution) -> Array:
 
 
 def _share_of_largest(system: System, motion: Solution, rest: Solution) -> Colouring:
-    """Colouring by displacement, relative to the largest, as the scale of a mode is arbitrary."""
+    """Colouring by displacement relative to the largest, because the scale of a mode is arbitrary."""
     largest = _largest(system, motion, rest) or 1.0
     return Colouring(
         lambda body, own, _: _displacement(body, own, rest) / largest,

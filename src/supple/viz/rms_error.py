@@ -36,12 +36,12 @@ def plot_rms_error(
     published: Bounds = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> Path:
-    """RMS errors over time on a logarithmic axis, with published bounds as labelled dashed lines.
+    """Draw RMS errors over time on a logarithmic axis, with published bounds as labelled dashed lines.
 
     Parameters
     ----------
     errors : {label: MotionError}
-    published : {label: value}      a bound with the label of an error has its colour
+    published : {label: value}      a bound with the label of an error is drawn in the colour of that error
 
     Raises
     ------
@@ -72,7 +72,7 @@ def plot_error_over_parameter(
     parameter_label: str,
     error_label: str = "relative error (%)",
 ) -> Path:
-    """Errors of several models against a parameter, such as the final speed, on a logarithmic axis.
+    """Draw errors of several models over a parameter, such as the final speed, on a logarithmic axis.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def plot_error_over_parameter(
 
     Raises
     ------
-    ModelError          no errors, other lengths, or an error that is zero throughout
+    ModelError          no errors, arrays of different lengths, or an error that is zero throughout
     ResultFileError     the file cannot be written
     """
     if not errors:

@@ -45,14 +45,14 @@ def animate_run(
 ) -> Path | None:
     """Animate a machine: meshes in colour, obstacles, rigid bodies and joints as glyphs.
 
-    Parameters as for `draw_run`; None when there is nothing to draw.
+    Returns None if there is nothing to draw. Other parameters as for `draw_run`.
 
     path : ends in .gif or .mp4
     colouring : by default the stress with `elements`, and otherwise the deflection
     film : output times and speed
-    view : camera and enlargement, which is written in the animation
-    rest : a state whose outline is drawn
-    caption : also written in the animation
+    view : camera and enlargement; an enlargement is written in the animation
+    rest : solution whose first time is drawn as an outline
+    caption : text written in the animation
     progress : called with the finished share
 
     Raises ModelError for a window without output times, a rotor that does not pass its angle, an
@@ -79,7 +79,7 @@ def animate_run(
     )
     if scene.is_empty:
         return None
-    # A path belongs to the moving point, true to scale and without gaps.
+    # Paths are drawn only for a motion true to scale and without gaps in time.
     is_followed = enlargement == 1.0 and film.at is None
     captions = [caption] if caption else []
     captions += [enlarged_words(enlargement)] if enlargement != 1.0 else []
@@ -113,7 +113,7 @@ def _joint_angles(system: System, solution: Solution, joint: str) -> np.ndarray:
 def _traces(
     system: System, solution: Solution, farthest: Mapping[str, int], rows: np.ndarray
 ) -> Traces | None:
-    """Path, within the animation, of the node of each body with the largest deflection."""
+    """Path of the node with the largest deflection of each body, during the animation."""
     if not farthest:
         return None
     between = np.arange(rows[0], rows[-1] + 1)

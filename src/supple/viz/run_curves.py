@@ -22,7 +22,7 @@ __all__ = ["draw_energies", "draw_joint_forces", "draw_tracked"]
 Array = NDArray[np.float64]
 
 _APART = 5.0
-"""Factor on the largest range of a place: places farther apart have axes of their own."""
+"""Places share a panel if their common range is at most this multiple of the largest range of one place."""
 
 
 def draw_energies(path: Path, solution: Solution, units: UnitSystem) -> Path:
@@ -37,8 +37,10 @@ def draw_energies(path: Path, solution: Solution, units: UnitSystem) -> Path:
 
 
 def draw_tracked(path: Path, tracked: Mapping[str, TrackedMotion], times: Array, units: UnitSystem) -> Path:
-    """Motion of every place in global axes, those far apart on separate axes; beside it the deflection of
-    places on elastic bodies."""
+    """Plot of the motion of every place in global axes, and beside it the deflection of elastic places.
+
+    Places that are far apart are drawn in separate panels.
+    """
     elastic = {
         name: without_noise(place.deflection, like=place.position)
         for name, place in tracked.items()
@@ -59,7 +61,7 @@ def draw_tracked(path: Path, tracked: Mapping[str, TrackedMotion], times: Array,
 
 
 def _near(ways: Mapping[str, Array], reach: float) -> Iterator[Sequence[str]]:
-    """Groups of places for one axis: together they need not much more range than the largest of them.
+    """Groups of places that share a panel: the range of a group is not much larger than that of one place.
 
     ways : (t,) along the axis;  reach : the largest position along any axis
     """
@@ -70,7 +72,7 @@ def _near(ways: Mapping[str, Array], reach: float) -> Iterator[Sequence[str]]:
         together = [*group, name]
         widest = max(highs[each] - lows[each] for each in together)
         across = max(highs[each] for each in together) - lows[together[0]]
-        # Places that are all fixed have no range that another distance could hide.
+        # Places that do not move share a panel at any distance: there is no motion to hide.
         if group and widest > NOISE * reach and across > _APART * widest:
             yield sorted(group, key=order.index)
             together = [name]
@@ -79,9 +81,9 @@ def _near(ways: Mapping[str, Array], reach: float) -> Iterator[Sequence[str]]:
 
 
 def draw_joint_forces(path: Path, system: System, solution: Solution, units: UnitSystem) -> Path | None:
-    """Signed components on the second ends: rows x, y, z of the joint axes, columns force and moment.
+    """Plot of the loads on the second ends: rows x, y, z of the joint axes, columns force and moment.
 
-    None where no joint transmits a load.
+    None if no joint transmits a load.
     """
     loads = joint_loads(system, solution)
     columns = [

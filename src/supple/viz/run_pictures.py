@@ -59,14 +59,14 @@ def draw_run(
     Parameters
     ----------
     folder : folder for the pictures
-    meshes : of the elastic bodies to draw, by name; or their elements, which contain the beam sections; or
-        None for a body without either, whose nodes are drawn as points
+    meshes : by name of each elastic body to draw, its mesh, or its elements, which contain the beam sections;
+        None draws the nodes of the body as points
     tracked : motions of places, by their names
-    modes : of reduced bodies with all their coordinates, by name (`body_modes`); by default the lowest
-        motions of their bases, which may differ from modes of the bodies and are titled accordingly
-    elements : of these bodies, by name, to draw their von Mises stress too; see `von_mises_history`
-    bases : reference interfaces of deflections, by body, if other than its own first one
-    view : camera for bodies as placed, and enlargement of their deflection
+    modes : modes of the full bodies of reduced bodies, by name (`body_modes`); by default modes of the bases,
+        which may differ, and whose title states this
+    elements : elements of the bodies, by name, to draw their von Mises stress too; see `von_mises_history`
+    bases : reference interfaces of deflections, by body; by default the first interface of the body
+    view : camera for bodies as placed in the machine, and enlargement of their deflection
     units : of the model; no unit is written for units without names
 
     Returns
@@ -121,11 +121,11 @@ def draw_machine(
     rest: Solution | None = None,
     units: UnitSystem = UNNAMED,
 ) -> Path | None:
-    """Draw the whole machine at its start; None where there is nothing to draw.
+    """Draw the whole machine at its start; None if there is nothing to draw.
 
     title : by default the time
-    colouring : with it the outlines of undeformed bodies are drawn too; by default plain, without outlines
-    rest : a state whose outline is drawn instead
+    colouring : colours of the bodies, drawn over outlines of the undeformed bodies; by default plain bodies
+    rest : solution whose first time replaces the undeformed bodies in the outlines
     Other parameters as for `draw_run`.
     """
     camera = view.camera or machine_camera(system, solution, meshes)
@@ -158,7 +158,7 @@ def draw_machine(
 
 
 def _is_machine(system: System, meshes: Mapping[str, Look | None]) -> bool:
-    """Whether the machine has more than bodies with surfaces, which have their own pictures."""
+    """Whether the machine has rigid bodies, joints, or bodies without a surface and picture of their own."""
     rigid = any(not placed.body.n_coordinates and placed.body.has_frame for placed in system.bodies)
     return rigid or bool(system.joints) or any(surface is None for _, surface in drawn_bodies(system, meshes))
 

@@ -31,7 +31,7 @@ class Actor:
 class Scene:
     """Input of `animate` for several bodies: one skin, positions (t, N, 3), values (t, N).
 
-    A body without values has NaN, drawn in the plain colour of a surface.
+    The values of a body without values are NaN; the body is drawn in a plain colour.
     """
 
     skin: Skin
@@ -58,6 +58,6 @@ def scene_of(actors: Sequence[Actor]) -> Scene:
 
 
 def obstacle_actor(obstacle: Obstacle, offsets: Array, seen: Array) -> Actor:
-    """An obstacle moved by offsets (t, 3), as large as needed beside the other visible points (n, 3)."""
+    """An obstacle moved by offsets (t, 3), drawn as large as the other visible points (n, 3) require."""
     points, triangles = obstacle_shape(obstacle, seen)
     return Actor(Skin(triangles, np.zeros(triangles.shape, dtype=bool)), points + offsets[:, None])

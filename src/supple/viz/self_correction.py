@@ -33,9 +33,9 @@ class RoundErrors:
     sizes : (k,)                numbers of coordinates
     estimated : (k,)            errors; not finite where a round has no estimate
     missing_motion : (k,)       sizes of the motion missing from the bases
-    allowed : (k,)              the target error
-    true : (k,)                 errors relative to a full run, if there is one; unknown by default
-    Raises ModelError when there is no round, or the lengths differ.
+    allowed : (k,)              allowed errors
+    true : (k,)                 errors relative to a full run; by default unknown
+    Raises ModelError without rounds, or for arrays of different lengths.
     """
 
     sizes: ArrayLike
@@ -52,14 +52,14 @@ class RoundErrors:
         lengths = {name: np.shape(value) for name, value in vars(self).items()}
         if len(set(lengths.values())) != 1 or np.ndim(self.sizes) != 1 or not np.size(self.sizes):
             raise ModelError(
-                f"rounds of a self-correction: give one number of each kind a round, not {lengths}"
+                f"rounds of a self-correction: give one number of each kind per round, not {lengths}"
             )
 
 
 def plot_self_correction(
     path: Path | str, bodies: Mapping[str, RoundErrors], *, units: UnitSystem = UNNAMED
 ) -> Path:
-    """Estimated error, missing motion and allowed error of every round, one panel per body.
+    """Draw estimated error, missing motion and allowed error of every round, one panel per body.
 
     Raises
     ------

@@ -18,23 +18,23 @@ from supple.viz.style import SURFACE_COLOUR
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Colouring = Callable[[Array], Array]
-"""Nodal scalar (p,) to red, green, blue (p, 3) in [0, 1]."""
+"""Function of values (p,); returns red, green, blue (p, 3) in [0, 1]."""
 
 # The light is over the viewer's left shoulder: right, up, towards.
 _LIGHT = np.array([-0.45, 0.65, 0.62]) / np.linalg.norm([-0.45, 0.65, 0.62])
 _AMBIENT = 0.58
 # Each pixel of the picture is the average of a square of this many pixels a side.
 _SUPERSAMPLING = 2
-# Mesh lines are omitted where triangles are fewer pixels high, as they would merge to grey.
+# Mesh lines are omitted if triangles are fewer pixels high, because the lines would merge to grey.
 _FINEST_LINED_TRIANGLE = 3.5
 
 
 @dataclass(frozen=True, eq=False)
 class PixelWindow:
-    """A window on the camera's plane, divided into pixels.
+    """A window on the camera's plane, divided into square pixels.
 
     low, high : (2,)    opposite corners, in the unit of length
-    n_columns : int     pixels across; square ones
+    n_columns : int     pixels across
     """
 
     low: Array
@@ -75,10 +75,10 @@ def render(
     values: Array | None = None,
     colouring: Colouring | None = None,
 ) -> Array:
-    """Picture (rows, columns, 4) of a surface, red green blue alpha from the bottom row, else transparent.
+    """Picture (rows, columns, 4) of a surface: red, green, blue, alpha from the bottom row; else transparent.
 
-    Both sides are lit equally, as a shell shows either. With nodal values (N,) and a colouring, the colour of
-    each pixel follows from the interpolated value.
+    Both sides are lit equally, because both sides of a shell can be visible. With nodal values (N,) and a
+    colouring, the colour of each pixel follows from the interpolated value.
     """
     k, triangles = _SUPERSAMPLING, skin.triangles
     fine = PixelWindow(page.low, page.high, k * page.n_columns)
@@ -99,7 +99,7 @@ def render(
 
 
 def is_seen(nodes: Array, skin: Skin, camera: Camera, page: PixelWindow, node: int) -> bool:
-    """Whether the surface at a node is visible, not hidden behind another part of it."""
+    """Whether a node is visible, not hidden behind another part of the surface."""
     plane, nearness = camera.project(nodes[skin.triangles])
     corners = (plane - page.low) / page.pixel
     seen = visible_triangles(corners, nearness, (page.n_rows, page.n_columns))
@@ -135,7 +135,7 @@ def _lighting(corners: Array) -> tuple[Array, Array]:
 
 
 def _on_mesh_line(corners: Array, lined: NDArray[np.bool_], triangle: IntArray, weights: Array) -> Array:
-    """1 at pixels closer to a mesh line than half its width, 0 elsewhere, and 1 everywhere on a fine mesh."""
+    """1 at pixels closer to a mesh line than half its width, 0 elsewhere; 0 everywhere on a fine mesh."""
     sides = corners[:, [2, 0, 1]] - corners[:, [1, 2, 0]]
     twice_area = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
     heights = twice_area[:, None] / np.maximum(np.linalg.norm(sides, axis=2), 1e-300)
@@ -148,7 +148,7 @@ def _on_mesh_line(corners: Array, lined: NDArray[np.bool_], triangle: IntArray, 
 def _average(colours: Array, row: IntArray, column: IntArray, shape: tuple[int, int]) -> Array:
     """Picture (rows, columns, 4) of the mean colours of the fine pixels (p, 3) within each pixel.
 
-    row, column : (p,)      of the pixel; its opacity is the share that they cover
+    row, column : (p,)      of the pixel that contains each fine pixel; its opacity is its covered share
     """
     pixel, n_pixels = row * shape[1] + column, shape[0] * shape[1]
     number = np.bincount(pixel, minlength=n_pixels)

@@ -19,7 +19,7 @@ from supple.viz.picture import Picture
 
 __all__ = ["PUBLISHED", "REFERENCE", "SOLID", "Stroke"]
 
-# Okabe and Ito (2008), ordered so that neighbours also differ in grey; the yellow is too light for lines.
+# Okabe and Ito (2008), ordered so that neighbours also differ in grey, without yellow: too light for lines.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 INK = "#222222"
 PALE_INK = "#8A8A8A"
@@ -69,7 +69,7 @@ _RC: dict[Any, Any] = {
 
 @dataclass(frozen=True)
 class Stroke:
-    """Style of a curve; a colour of None takes the next of the palette."""
+    """Style of a curve; with colour None, the next colour of the palette."""
 
     colour: str | None = None
     dashes: tuple[float, ...] = ()
@@ -95,12 +95,12 @@ def textbook_style() -> Iterator[None]:
 
 
 def new_figure(height: float, width: float = TEXT_WIDTH) -> Figure:
-    """A separate figure, in inches; no window and no global state, for any backend."""
+    """A figure of a size in inches, without a window and without matplotlib's global state."""
     return Figure(figsize=(width, height), layout="constrained")
 
 
 def as_written(name: str) -> str:
-    """A name for literal drawing: a dollar sign in it begins no formula."""
+    """The name with dollar signs escaped, so that matplotlib draws them and begins no formula."""
     return name.replace("$", r"\$")
 
 
@@ -139,8 +139,10 @@ def legend_above(axes: Axes, n_curves: int) -> None:
 
 
 class _Numbers(Formatter):
-    """Numbers at ticks as plain text, which looks like the formulas of matplotlib and takes a tenth of the
-    time; the power of ten at the end of the axis remains a formula."""
+    """Numbers at ticks as plain text, which is drawn in a tenth of the time of matplotlib's formulas.
+
+    The text looks like the formulas. The power of ten at the end of the axis remains a formula.
+    """
 
     def __init__(self, formulas: ScalarFormatter) -> None:
         self._formulas = formulas
@@ -184,7 +186,7 @@ def save_figure(figure: Figure, path: Path | str) -> Picture:
             formatter = axis.get_major_formatter()
             if type(formatter) is ScalarFormatter:
                 axis.set_major_formatter(_Numbers(formatter))
-    # Laid out once, without a drawing: matplotlib would lay it out for a trial and again for the picture.
+    # Laid out once here: matplotlib would lay the figure out for a trial drawing and again for the picture.
     if layout := figure.get_layout_engine():
         layout.execute(figure)
         figure.set_layout_engine("none")

@@ -1,4 +1,4 @@
-"""Curves over time in panels, computed beside reference."""
+"""Curves over time in panels, such as computed and reference results."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ __all__ = ["Panel", "Series", "plot_time_history"]
 _LARGE = 1e4
 """Values from here on are written with k, M, G."""
 NOISE = 1e-6
-"""Relative to the largest value of the quantity: smaller values are drawn as zero."""
+"""Values below this fraction of the largest value of the quantity are drawn as zero."""
 _LEAST_SPAN = 10 * NOISE
-"""Relative to an axis: least range, so that noise on a constant does not fill it."""
+"""Least range of an axis, as a fraction of the largest value: noise on a constant does not fill the axis."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +65,8 @@ class Series:
 class Panel:
     """One set of axes: the label of the quantity (with its unit) and the curves.
 
-    like : the largest magnitude of the same quantity, in other panels too; by default of these curves. Values
-        below 1e-6 of it are drawn as zero, and noise on a constant does not fill the axes
+    like : largest magnitude of the quantity in all panels; by default in these curves. Values below 1e-6 of
+        this magnitude are drawn as zero, and noise on a constant does not fill the axes
     """
 
     quantity: str
@@ -75,7 +75,7 @@ class Panel:
 
     @property
     def largest(self) -> float:
-        """The reference magnitude of its values."""
+        """The largest magnitude of the quantity."""
         if self.like is not None:
             return self.like
         return max(float(np.abs(each.values[np.isfinite(each.values)]).max()) for each in self.series)
@@ -87,7 +87,7 @@ def plot_time_history(
     """Draw panels of curves over a common time axis, with one legend where all panels share their labels.
 
     panels : row by row; None leaves a position empty
-    n_columns : panels side by side, in rows; with several, a label has one colour in all of them
+    n_columns : number of panels side by side; with several, a label has the same colour in all panels
 
     Raises
     ------
@@ -136,10 +136,10 @@ def _draw_panel(axes: Axes, panel: Panel, ranks: Sequence[int] | None) -> None:
         middle = 0.5 * (low + high)
         axes.set_ylim(middle - 0.5 * _LEAST_SPAN * largest, middle + 0.5 * _LEAST_SPAN * largest)
     if max(abs(limit) for limit in axes.get_ylim()) >= _LARGE:
-        # 0.4 M instead of a power of ten in the corner, where the legend is.
+        # Ticks such as 0.4 M: a power of ten would be drawn in the corner, where the legend is.
         axes.yaxis.set_major_formatter(EngFormatter())
     else:
-        # 0.006 instead of a power of ten in the corner, where the legend is.
+        # Ticks such as 0.006, for the same reason.
         axes.ticklabel_format(axis="y", scilimits=(-4, 4))
 
 
@@ -155,6 +155,6 @@ def _legend_of_all(figure: Figure, grid: Sequence[Axes], order: Sequence[str]) -
 
 
 def _palette_ranks(series: Sequence[Series]) -> list[int]:
-    """Rank of each curve among those with colours from the palette."""
+    """Number of earlier curves with colours from the palette, for each curve."""
     takes = np.array([one.stroke.colour is None for one in series], dtype=int)
     return (np.cumsum(takes) - takes).tolist()

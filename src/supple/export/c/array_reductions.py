@@ -1,4 +1,4 @@
-"""Sums, products and extremes along axes, cumulative ones, and sorting."""
+"""Sums, products and extremes along axes, also cumulative, and sorting."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ class Constants:
 
 @dataclass
 class CodeBlock:
-    """Statements in order; arrays reuse the storage of those that are no longer read."""
+    """Statements in order; arrays reuse the storage of arrays that are no longer read."""
 
     constants: Constants
     functions: SeparateFunctions
@@ -190,7 +190,7 @@ class CodeBlock:
     def _slots(
         self, arrays: Sequence[int], first: Mapping[int, int], last: Mapping[int, int]
     ) -> tuple[dict[int, str], dict[str, tuple[str, int]]]:
-        """Storage of each array by name: a free one that is large enough or can be enlarged, or a new one."""
+        """Storage of each array by name: a free slot that is large enough or can grow, or a new slot."""
         names: dict[int, str] = {}
         slots: dict[str, tuple[str, int]] = {}
         busy: dict[str, int] = {}

@@ -17,7 +17,7 @@ __all__ = ["hand_on"]
 
 
 def _unchanged(program: Program, place: int, n_before: int) -> bool:
-    """Whether a loop leaves one of its carried values unchanged."""
+    """Whether a loop leaves the carried value at a position unchanged."""
     atom = program.outputs[place]
     return isinstance(atom, int) and atom == program.inputs[n_before + place]
 
@@ -47,18 +47,18 @@ def hand_on(
 def _while(
     block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], _outputs: Sequence[Any]
 ) -> list[Value]:
-    asks, passes = program_of(one.params["cond_jaxpr"]), program_of(one.params["body_jaxpr"])
-    n_asks, n_passes = one.params["cond_nconsts"], one.params["body_nconsts"]
-    held = [block.stored(value) for value in inputs[: n_asks + n_passes]]
-    of_ask, of_pass = held[:n_asks], held[n_asks:]
-    first = inputs[n_asks + n_passes :]
-    changes = [not _unchanged(passes, place, n_passes) for place in range(len(first))]
+    condition, body = program_of(one.params["cond_jaxpr"]), program_of(one.params["body_jaxpr"])
+    n_condition, n_body = one.params["cond_nconsts"], one.params["body_nconsts"]
+    held = [block.stored(value) for value in inputs[: n_condition + n_body]]
+    of_condition, of_body = held[:n_condition], held[n_condition:]
+    first = inputs[n_condition + n_body :]
+    changes = [not _unchanged(body, place, n_body) for place in range(len(first))]
     carried = [_carried(block, value, does) for value, does in zip(first, changes, strict=True)]
 
     inner = block.inner()
-    (goes_on,) = print_block(inner, asks, [*of_ask, *carried])
-    inner.leave_unless(goes_on.at(()))
-    after = print_block(inner, passes, [*of_pass, *carried])
+    (continues,) = print_block(inner, condition, [*of_condition, *carried])
+    inner.leave_unless(continues.at(()))
+    after = print_block(inner, body, [*of_body, *carried])
     hand_on(inner, carried, after, changes)
     block.add(f"for (;;) {{\n{inner.text()}\n}}")
     return carried
@@ -68,11 +68,11 @@ def _while(
 def _scan(
     block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
 ) -> list[Value]:
-    passes, length = program_of(one.params["jaxpr"]), one.params["length"]
+    body, length = program_of(one.params["jaxpr"]), one.params["length"]
     n_held, n_carried = one.params["num_consts"], one.params["num_carry"]
     held = [block.stored(value) for value in inputs[:n_held]]
     first = inputs[n_held : n_held + n_carried]
-    changes = [not _unchanged(passes, place, n_held) for place in range(n_carried)]
+    changes = [not _unchanged(body, place, n_held) for place in range(n_carried)]
     carried = [_carried(block, value, does) for value, does in zip(first, changes, strict=True)]
     along = [block.stored(value) for value in inputs[n_held + n_carried :]]
     number = block.array((), np.dtype(np.int32)).at(())
@@ -81,7 +81,7 @@ def _scan(
     inner = block.inner()
     place = f"({length - 1} - {number})" if one.params["reverse"] else number
     own = [_row(value, place) for value in along]
-    after = print_block(inner, passes, [*held, *carried, *own])
+    after = print_block(inner, body, [*held, *carried, *own])
     for row, value in zip(rows, after[n_carried:], strict=True):
         inner.assign(_row_of(row, place), value)
     hand_on(inner, carried, after[:n_carried], changes)

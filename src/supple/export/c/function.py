@@ -46,7 +46,7 @@ def printed_function(
 ) -> Printed:
     """The C statements that evaluate a function at `inputs` and store its results in `outputs`, leaf by leaf.
 
-    arguments : of the function, for their shapes and types
+    arguments : arguments of the function, of which only shapes and types are used
     name : prefix of further names at file scope
     parameters : declaration and name of each parameter of the C function
     An output may also be an input: all inputs are read before any output is written.

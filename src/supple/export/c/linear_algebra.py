@@ -24,7 +24,7 @@ def _readable(block: CodeBlock, value: Value) -> BufferView:
 def _dot(
     block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
 ) -> list[Value]:
-    """`out[b, m, n] = sum over k of left[b, m, k] right[b, n, k]`, each letter an axis or several."""
+    """`out[b, m, n] = sum over k of left[b, m, k] right[b, n, k]`; each letter is one axis or several."""
     (left_sum, right_sum), (left_batch, right_batch) = one.params["dimension_numbers"]
     if not all(value.size for value in inputs):
         return [UniformValue(tuple(outputs[0].shape), np.dtype(outputs[0].dtype), 0)]
@@ -67,7 +67,7 @@ def _dot(
 
 
 def _runs_on(value: BufferView, free: Sequence[int]) -> bool:
-    """Whether elements along the last free axis longer than one are contiguous."""
+    """Whether elements along the last free axis of several entries are contiguous."""
     long = [axis for axis in free if value.shape[axis] > 1]
     return bool(long) and value.strides[long[-1]] == 1
 
@@ -106,7 +106,7 @@ def _lu(
 
 
 def _array(block: CodeBlock, one: Any) -> BufferView:
-    """Storage that a C function takes by its address; an array even for one element."""
+    """Storage that is passed to a C function by its address; an array even for one element."""
     view = block.array(one.shape, one.dtype)
     view.buffer.is_scalar = False
     return view
@@ -124,7 +124,7 @@ def _triangular(
     block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
 ) -> list[Value]:
     if one.params["conjugate_a"]:
-        raise ModelError("C export has no complex numbers: write the law or controller with real ones")
+        raise ModelError("C export has no complex numbers: write the law or controller with real numbers")
     matrix = block.in_order(inputs[0])
     if matrix.buffer.is_scalar:
         source, matrix = matrix, _array(block, matrix)

@@ -73,7 +73,7 @@ def machine_files(step: StepProgram, title: str) -> dict[str, str]:
 
 
 def struct_fields(start: StepState) -> list[_Field]:
-    """Members of the C struct in the order of the leaves of the state, empty ones included."""
+    """Members of the C struct, also empty ones, in the order of the leaves of the state."""
     found = []
     for path, leaf in jax.tree_util.tree_flatten_with_path(start)[0]:
         words = re.findall(r"\w+", jax.tree_util.keystr(path))

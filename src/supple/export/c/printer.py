@@ -24,7 +24,7 @@ RULES: dict[str, Rule] = {}
 """Rules by the name of the primitive."""
 
 _DEEPEST = 24
-"""Largest depth of an expression; deeper ones are stored, because compilers limit nested parentheses."""
+"""Largest depth of an expression; deeper values are stored, because compilers limit nested parentheses."""
 
 
 def rule(*names: str) -> Callable[[Rule], Rule]:
@@ -49,7 +49,9 @@ def constants_in(values: Sequence[Value]) -> dict[int, np.ndarray]:
 
 
 def print_block(block: CodeBlock, program: Program, inputs: Sequence[Value]) -> list[Value]:
-    """Append the statements of a program to a block; returns its outputs. Constant inputs are evaluated now.
+    """Append the statements of a program to a block; returns the outputs of the program.
+
+    Operations on constants are evaluated now, not in C.
 
     Raises ModelError for a primitive without a rule.
     """
@@ -66,7 +68,7 @@ def print_block(block: CodeBlock, program: Program, inputs: Sequence[Value]) -> 
         if each.name not in RULES:
             raise ModelError(
                 f"the machine's equations use the operation '{each.name}', which has no translation to "
-                "C yet; usually a law, a load or a controller of your own calls it: write that with "
+                "C yet, usually in a law, a load or a controller of your own: write this function with "
                 "arithmetic, comparisons, jnp.where, sums and products"
             )
         shapes = [program.shapes[number] for number in each.outputs]

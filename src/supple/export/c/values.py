@@ -49,7 +49,7 @@ class Value:
         raise NotImplementedError
 
     def flat(self, number: str) -> str | None:
-        """The element with a row-major number; None if that is no simple expression."""
+        """The element with a row-major number; None if there is no simple expression for it."""
         raise NotImplementedError
 
 

@@ -12,7 +12,7 @@ __all__ = ["write_machine"]
 
 
 def write_machine(folder: Path, step: StepProgram, title: str) -> tuple[Path, ...]:
-    """Write `machine.c`, `machine.h`, `test.c` and `Makefile`, and return their paths; old ones are replaced.
+    """Write `machine.c`, `machine.h`, `test.c` and `Makefile`, in place of old files; returns their paths.
 
     Raises
     ------

@@ -17,8 +17,8 @@ __all__ = ["derivative_source"]
 def derivative_source(step: StepProgram) -> str:
     """The text of `derivative.c`: derivatives of the outputs along a direction of the inputs.
 
-    It is `d output(end)/d input . direction` of the discrete time step, with inputs constant until `end`, by
-    JAX's forward mode.
+    The function computes `d output(end)/d input . direction` of the discrete time step, with inputs constant
+    until `end`, by JAX's forward mode.
 
     Raises ModelError for an operation of the derivative without a translation to C.
     """

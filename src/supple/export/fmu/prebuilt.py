@@ -18,7 +18,7 @@ FOLDER = resources.files("supple.export.fmu").joinpath("prebuilt")
 
 
 def prebuilt_path(sources: Mapping[str, str], platform: Platform, fmi: int) -> str:
-    """Name of a library in `FOLDER`, with a digest of the sources, so that old ones do not match."""
+    """Name of a library in `FOLDER`, with a digest of its sources, so that old libraries do not match."""
     texts = "\0".join(f"{name}\0{text}" for name, text in sorted(sources.items()))
     digest = hashlib.sha256(texts.encode()).hexdigest()[:16]
     return f"{digest}-{platform.folders[fmi]}{platform.suffix}"
@@ -27,7 +27,7 @@ def prebuilt_path(sources: Mapping[str, str], platform: Platform, fmi: int) -> s
 def prebuilt_libraries(
     sources: Mapping[str, str], fmi: int, platforms: tuple[Platform, ...]
 ) -> list[tuple[Platform, bytes]]:
-    """Libraries for the given platforms, or none if one is missing; by default all that exist."""
+    """Libraries for the given platforms, or none if any of these is missing; by default all that exist."""
     wanted = [each for each in platforms or EVERY_PLATFORM if fmi in each.folders]
     files = [(each, FOLDER.joinpath(prebuilt_path(sources, each, fmi))) for each in wanted]
     found = [(each, file.read_bytes()) for each, file in files if file.is_file()]

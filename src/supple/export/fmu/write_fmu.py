@@ -41,7 +41,7 @@ def write_fmu(
     """Write a machine as an FMU for co-simulation; returns the path.
 
     fmi : version of the interface, 3 or 2
-    platforms : platforms of the libraries (`PLATFORMS`); this computer's if none is given
+    platforms : platforms of the libraries (`PLATFORMS`); by default that of this computer
 
     Raises
     ------
@@ -72,12 +72,13 @@ def write_linear_fmu(
 ) -> Path:
     """Write a linear machine as an FMU for co-simulation; returns the path.
 
-    Arguments and errors as in `write_fmu`. The libraries are those built with the package: the given ones,
-    or all if no platform is given. If one of these is missing, or the package has none, they are
-    compiled as in `write_fmu`. They read the matrices from `resources/linear.bin`. That file has the token
-    and little-endian doubles: the number 1 (version of this format); the numbers of states, inputs and
-    outputs; start time and time step of the run; inputs at rest; outputs at rest; states at the start; A, B,
-    C, D by rows.
+    Arguments and errors as for `write_fmu`. The libraries are those built with the package, for the given
+    platforms, or for all platforms by default. If a given platform is missing, or the package has no
+    libraries, they are compiled as in `write_fmu`.
+
+    The libraries read the matrices from `resources/linear.bin`. This file has the token and little-endian
+    doubles: the number 1 (version of this format); the numbers of states, inputs and outputs; start time and
+    time step of the run; inputs at rest; outputs at rest; states at the start; A, B, C, D by rows.
     """
     _check_version(fmi)
     head = [1, len(form.state), len(form.inputs), len(form.outputs), form.time, form.size]

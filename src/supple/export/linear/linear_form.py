@@ -29,7 +29,7 @@ __all__ = ["LinearForm", "linear_form"]
 
 Array = np.ndarray
 _SMALL = 0.1
-"""Largest relative difference of the initial accelerations from the linear ones."""
+"""Largest relative difference between the linear and the nonlinear accelerations at the start."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,10 +39,10 @@ class LinearForm:
     a : (m, m)    b : (m, i)    c : (o, m)    d : (o, i)
     rest : (o,) w_0, outputs in the equilibrium
     state : (m,) x at the start
-    inputs, outputs : variables with their values at the start; those of the inputs are u_0
+    inputs, outputs : variables with their values at the start; the values of the inputs are u_0
     left_out : sensors that cannot be outputs, because JAX cannot trace them
     time, size, duration : start time, time step and duration of the run
-    deviation : relative difference of the initial accelerations from the nonlinear ones
+    deviation : relative difference between the linear and the nonlinear accelerations at the start
     """
 
     a: Array
@@ -69,18 +69,19 @@ def linear_form(
     input_units: Mapping[str, str] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> LinearForm:
-    """The linear form of a machine of rigid and reduced bodies about its equilibrium, from its start.
+    """The linear form of a machine of rigid and reduced bodies about its equilibrium.
 
         M y'' + C y' + K y = N^T f_u u + H z,   p = N y,   G^T l = -(M p'' + C p' + K p - f_u u - H z)
 
-    with x = (e, e', z), y = V e with the undamped modes V, and states z of the controllers. The states are
-    scaled by powers of two to balance the rows and columns of A. Outputs are linear in p, p', p'', the joint
-    forces l and u. Arguments are those of `step_program`.
+    with the state x = (e, e', z), where y = V e with the undamped modes V, and z are the states of the
+    controllers. The states are scaled by powers of two to balance the rows and columns of A. Outputs are
+    linear in p, p', p'', the joint forces l and u. Arguments are those of `step_program`.
 
     Raises
     ------
-    ModelError          other bodies, stops, friction, prescribed motions as inputs, loads that vary with time
-                        and are no inputs (no linear form); a start far from the equilibrium; no output
+    ModelError          no linear form: bodies that are neither rigid nor reduced, stops, friction, prescribed
+                        motions as inputs, loads that vary with time and are no inputs; a start far from the
+                        equilibrium; no output
     ConvergenceError    no equilibrium is found
     """
     _check(system, inputs)
@@ -100,7 +101,7 @@ def linear_form(
     small = small_motions(rest, run.start, given, sensed)
     a, b, changes = _equations(machine, small)
     _, read = small.along(changes)
-    size, (scale, _) = scipy.linalg.matrix_balance(a, permute=False, separate=True)
+    balanced, (scale, _) = scipy.linalg.matrix_balance(a, permute=False, separate=True)
     m = len(a)
     state, deviation = _start(machine, small, changes, rest, begun)
     if deviation > _SMALL:
@@ -113,7 +114,7 @@ def linear_form(
     state = state / scale
     first = small.rest + c @ state
     return LinearForm(
-        a=size,
+        a=balanced,
         b=b / scale[:, None],
         c=c,
         d=d,
@@ -173,10 +174,10 @@ def _start(
     rest: CompiledStart,
     begun: CompiledStart,
 ) -> tuple[Array, float]:
-    """States (m,) at the start, and the relative difference of its accelerations from the linear ones.
+    """States (m,) at the start, and the relative difference between linear and nonlinear accelerations there.
 
-    The norm is that of the kinetic energy. Accelerations that are rounding errors beside the balanced forces
-    do not count.
+    The norm is that of the kinetic energy. Accelerations that are rounding errors of the balanced forces are
+    neglected.
     """
     axes = in_turning_axes(rest.model, rest.configuration)
     apart = _apart(rest, begun)

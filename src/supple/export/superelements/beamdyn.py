@@ -71,7 +71,8 @@ def write_beamdyn(path: Path | str, table: SectionTable, *, title: Sequence[str]
 
     Raises
     ------
-    ModelError          a curve that does not ascend in z, or sections that are not normal to it
+    ModelError          fewer than three sections, a curve that does not ascend in z, or sections that are not
+                        normal to the curve
     ResultFileError     a file cannot be written
     """
     places = table.positions - table.positions[0]

@@ -30,8 +30,8 @@ def write_extptfm(
 
     Parameters
     ----------
-    interface : the one that is joined to the tower
-    gravity : (3,) in mesh axes, m/s^2; gives the constant loads, for the undeformed body
+    interface : interface that is joined to the tower
+    gravity : (3,) in mesh axes, m/s^2; the constant loads are the weight of the undeformed body
 
     Raises
     ------

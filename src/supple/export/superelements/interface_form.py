@@ -48,7 +48,7 @@ class InterfaceForm:
     name : str
     interfaces : names;  positions : (n, 3), mesh axes
     stiffness, mass, damping : (6 n + m, 6 n + m), without supports. The block of eta is diag(omega^2) in the
-        stiffness, without coupling to u, and 1 in the mass
+        stiffness, without coupling to u, and the identity in the mass
     to_body : (6 + r, 6 n + m)      (a, gamma) = to_body q, a about the origin of the mesh axes
     """
 
@@ -123,7 +123,7 @@ class InterfaceForm:
 
 
 def interface_form(body: ReducedBody) -> InterfaceForm:
-    """The superelement form of a reduced body; of a nonlinear body that of its linear part.
+    """The superelement form of a reduced body; for a nonlinear body, the form of its linear part.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Bodies for MBDyn: the `.fem` file of its modal joint, with modes and inertia invariants.
 
-MBDyn's modal joint is a linear body in a floating frame. Its invariants are integrals, which the body's Gram
-matrix G contains; with x~ the cross matrices of the points and phi_j~ those of the modes,
+MBDyn's modal joint is a linear body in a floating frame. Its invariants are integrals that are contained in
+the body's Gram matrix G. With x~ the cross matrices of the points and phi_j~ those of the modes,
 
     3: int phi_j    4: int x x phi_j    5: int phi_i x phi_j    8: - int x~ phi_j~    9: int phi_i~ phi_j~
 
@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 def write_mbdyn(path: Path | str, body: ReducedBody) -> Path:
     """Write the linear part of a reduced body for MBDyn's modal joint; returns the path.
 
-    Nodes 1 to n are the interfaces; the frame is that of the mesh. Give the joint the damping `from file`.
+    Nodes 1 to n are the interfaces; the frame is that of the mesh. Set the joint's damping to `from file`.
 
     Raises ModelError for a body without interfaces; ResultFileError: the file cannot be written.
     """
@@ -69,7 +69,7 @@ def invariants(body: ReducedBody) -> dict[int, Array]:
     turned = gram[6 : 6 + 3 * r].reshape(r, 3, -1)
     among = turned[:, :, 6 : 6 + 3 * r].reshape(r, 3, r, 3)
     rates = turned[:, :, v]
-    crossed = (rates - rates.transpose(2, 1, 0)) / 2  # of point masses it is antisymmetric
+    crossed = (rates - rates.transpose(2, 1, 0)) / 2  # antisymmetric for point masses
     return {
         3: gram[t, v],
         4: gram[w, v],

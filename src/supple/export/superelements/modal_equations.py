@@ -2,7 +2,7 @@
 
 CalculiX reads no matrices. Masses, springs and equations represent the superelement instead. With the modes
 of the free body, `u = B z`, each modal coordinate z has mass 1 and stiffness omega^2. The interface motion u
-is independent; as many modal coordinates z_d depend on it and on the free ones z_f (`*EQUATION`):
+is independent. An equal number of modal coordinates z_d depends on u and on the others, z_f (`*EQUATION`):
 
     B_d z_d = u - B_f z_f
 
@@ -70,7 +70,7 @@ def _free_vibrations(form: InterfaceForm) -> tuple[Array, Array]:
 def _dependence(
     form: InterfaceForm, motion: Array
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], Array, Array]:
-    """Dependent and free modal coordinates; matrices of the dependent ones by u and by the free ones."""
+    """Numbers of the modal coordinates z_d and z_f, and the matrices that give z_d from u and from z_f."""
     sizes = np.linalg.norm(motion, axis=1)
     order = linalg.qr(motion / sizes[:, None], mode="r", pivoting=True)[1]
     dependent, free = np.sort(order[: form.n_boundary]), np.sort(order[form.n_boundary :])
@@ -93,7 +93,7 @@ def _nodes(form: InterfaceForm, n_modes: int) -> list[str]:
 
 
 def _masses_and_springs(form: InterfaceForm, omega: Array) -> list[str]:
-    """Masses and springs, three modal coordinates per node; unused components of the last are fixed."""
+    """Masses and springs, three modal coordinates per node; unused components of the last node are fixed."""
     first, k = 2 * len(form.interfaces) + 1, len(omega)
     last = first + (k - 1) // 3
     lines = ["*ELEMENT, TYPE=MASS, ELSET=SUPPLE_MASSES"]

@@ -39,7 +39,7 @@ def write_dmig_superelement(path: Path | str, form: InterfaceForm) -> Path:
 def write_output4_superelement(path: Path | str, form: InterfaceForm) -> tuple[Path, Path]:
     """Write KAA, MAA (BAA) as OUTPUT4, and the grids and sets of their rows as a .bdf file beside it.
 
-    Rows are the analysis set in the order of the cards: six of each grid, then the scalar points.
+    Rows are the analysis set in the order of the cards: six rows per grid, then the scalar points.
 
     Returns (path of the matrices, path of the cards). Raises ResultFileError: a file cannot be written.
     """

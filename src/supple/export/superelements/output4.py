@@ -1,6 +1,7 @@
 """OUTPUT4 text files (.op4): named matrices with 17 digits, for Nastran's INPUTT4.
 
-Each column that is not zero has a record: its number, its first row, the number of rows; then these rows.
+Each column that is not zero has a record: the number of the column, the first row that is not zero, the
+number of rows, and the values of these rows.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Standard input data (SID): a body in a floating frame, for Simpack and Modelica's FlexibleBodies.
 
 Every block is a Taylor series in the coordinates, `m0(row, column) + m1(row, k, column) q_k`. With the
-positions x of the points, their displacement u and the modes phi_k, whose integrals the Gram matrix holds,
+positions x of the points, their displacement u and the modes phi_k, and with integrals from the Gram matrix,
 
     mdCM = int x + u                          J  = - int (x + u)~ (x + u)~ to first order: xx yy zz xy xz yz
     Ct   = int phi^T                          Cr = int phi^T (x + u)~^T
@@ -9,7 +9,7 @@ positions x of the points, their displacement u and the modes phi_k, whose integ
     Ge_k = -2 int phi^T phi_k~                Oe Omega = int phi^T w~ w~ (x + u)
     Ke, De : stiffness, damping               Omega = (w_x^2, w_y^2, w_z^2, w_x w_y, w_y w_z, w_x w_z)
 
-Gr is ordered by coordinate, three columns each; Ge by axis, the columns of all coordinates each. With the
+Gr has three columns for each coordinate; Ge has a column of every coordinate for each axis. With the
 acceleration a of the frame's origin, its angular acceleration alpha and angular velocity w, the equations are
 
     Me q'' + Ct a + Cr alpha + Ge_k q_k' w + Oe Omega + Ke q + De q' = loads
@@ -45,7 +45,7 @@ INERTIA = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])
 """Rows and columns of the inertia tensor, in the order of J."""
 
 _ZERO, _FULL = 0, 3
-"""Structure codes of a matrix; symmetric ones are written in full, as not all readers mirror them."""
+"""Structure codes of a matrix. Symmetric matrices are written in full: not all readers mirror them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ class StandardInputData:
 
 
 def standard_input_data(body: ReducedBody) -> StandardInputData:
-    """The SID blocks of a reduced body; of a nonlinear one with geometric stiffness to first order.
+    """The SID blocks of a reduced body; for a nonlinear body, with geometric stiffness to first order.
 
     Raises ModelError: a body with strain energy outside its tensors.
     """

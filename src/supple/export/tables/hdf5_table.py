@@ -14,8 +14,8 @@ from supple.units import UnitSystem
 def write_hdf5(path: Path, readings: Readings, units: UnitSystem) -> None:
     """Write `time` (t,), and for each sensor its values (t, c) with channels, units and axes as attributes.
 
-    For a sensor that reads at nodes, `NAME.nodes` (t, c) holds the ids of the nodes. The attributes `nodes`
-    (c,) and `points` (c, 3) are the node and the position of each channel's largest magnitude.
+    For a sensor at nodes, `NAME.nodes` (t, c) has the ids of the nodes. The attributes `nodes` (c,) and
+    `points` (c, 3) are the node and the position of the largest magnitude of each channel.
     """
     times = readings.columns(units).times
     # Built in memory, because a failed write crashes HDF5: see storage/disk_space.

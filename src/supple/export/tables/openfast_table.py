@@ -20,18 +20,19 @@ Array = NDArray[np.float64]
 _FORMAT = 4
 """File format: equal time steps, values packed to 16 bits, the length of names stated in the file."""
 _REACH = 32_500.0
-"""Largest packed value; a rounded offset still leaves it within 16 bits."""
+"""Largest packed value; with a rounded offset it still fits in 16 bits."""
 _LARGEST_OFFSET = 2.0**25
 """Largest offset; in single precision its rounding error is two packed units at most."""
 _EQUAL_STEPS = 1e-6
-"""Deviation from equal spacing that is tolerated, as a fraction of the time step."""
+"""Tolerated deviation from equal spacing, as a fraction of the time step."""
 _ROWS = 10_000
 
 
 def write_outb(path: Path, readings: Readings, units: UnitSystem) -> None:
     """Write the columns, each packed as `round(scale x + offset)` with single-precision scale and offset.
 
-    The error of a value is at most 1/130 000 of its column's span, or 2e-8 of its largest magnitude.
+    The error of a value is at most 1/130 000 of the column's span, or 2e-8 of the column's largest magnitude
+    if that is more.
 
     Raises ModelError: output times that are not equally spaced, numbers that are not finite, names that are
     not ASCII.

@@ -50,9 +50,10 @@ def pieces_of(
 ) -> tuple[Piece, ...]:
     """The pieces of all bodies of a machine and of its joints, or of some bodies only.
 
-    A body with a mesh has the cells of the mesh; one without has its nodes as points. A rigid body has the
-    ellipsoid of uniform density with the same mass and inertia, and lines from its centre of mass to its
-    interfaces. A joint is a point at its second end, or at its first if the second is the ground.
+    A body with a mesh has the cells of the mesh; a body without a mesh has its nodes as points. A rigid body
+    is drawn as the ellipsoid of uniform density with the same mass and inertia, and as lines from its centre
+    of mass to its interfaces. A joint is a point at its second end, or at its first end if the second is the
+    ground.
 
     Raises ModelError for an unknown body, or no body.
     """

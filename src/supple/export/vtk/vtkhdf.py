@@ -56,23 +56,24 @@ def write_vtkhdf(
 ) -> Path:
     """Write the motion of a machine as VTKHDF (`.vtkhdf`); returns the path.
 
-    Points are those of the assembled, undeformed machine; `displacement` leads from there to the position at
-    the output time. `deflection` is the displacement relative to the rigid motion of the body's first
-    interface, in global components. Numbers are in single precision; NaN where a body has no such field.
+    Points are those of the assembled, undeformed machine; `displacement` is the vector from there to the
+    position at the output time. `deflection` is the displacement relative to the rigid motion of the body's
+    first interface, in global components. Numbers are in single precision, and NaN for bodies without the
+    field.
 
     Parameters
     ----------
     run : Solution | ResultParts    the output times to write; parts of a result file are read one at a time
     meshes : meshes of elastic bodies, by name; a body without one is written as points
     elements : finite element models of these bodies, by name, to write their von Mises stress too
-    bodies : names of the bodies to write, without joints; all bodies and joints when omitted
-    bases : by body, the interface relative to which its deflection is written, if not its own first one
+    bodies : names of the bodies to write, without joints; by default all bodies and joints
+    bases : by body, the interface relative to which its deflection is written; by default its first interface
     units : units of the model, for the names of the fields
 
     Raises
     ------
     ModelError          no output time, another suffix, an unknown body; also as in `stress_modes`
-    ResultFileError     the file cannot be written (a full disk), or the result file of the run not read
+    ResultFileError     the file cannot be written (a full disk), or the result file of the run cannot be read
     """
     path = Path(path)
     if path.suffix.lower() != ".vtkhdf":
@@ -173,7 +174,7 @@ def _write_part(
     pieces: Sequence[Piece],
     fields: Sequence[Field],
 ) -> None:
-    """Write the values of some output times after those of the first `begun` ones."""
+    """Write the values of some output times after the values of the first `begun` output times."""
     positions = [piece.positions(part) for piece in pieces]
     for dataset, field in zip(datasets, fields, strict=True):
         values = np.concatenate(

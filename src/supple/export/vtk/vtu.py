@@ -50,7 +50,7 @@ def write_vtu(
 
     instant : Solution      with one output time: `solution.at([-1])`, an equilibrium, or a phase of a mode
 
-    Other parameters and errors as in `write_vtkhdf`; also ModelError for several output times.
+    Other parameters and errors as for `write_vtkhdf`; also ModelError for several output times.
     """
     path = Path(path)
     if path.suffix.lower() != ".vtu":

@@ -1,4 +1,4 @@
-// The arrays of the page: one deflated block, from which each is read by its position.
+// The arrays of the page: one compressed block, from which each array is read by its position.
 
 const head = JSON.parse(document.getElementById("head").textContent);
 const KINDS = { f4: Float32Array, f8: Float64Array, i2: Int16Array, i4: Int32Array };

@@ -1,4 +1,4 @@
-// Bodies: nodes, shapes and amplitudes once in the memory of the graphics unit, which moves the nodes at every frame:
+// Bodies: nodes and shapes are stored once on the graphics unit, which moves the nodes at every frame:
 //     x = p + R (X + gain sum_k a_k(t) shape_k)
 
 const {
@@ -92,7 +92,7 @@ class NodalField {
     this.now = new Float32Array(Math.max(1, this.count));
   }
 
-  // Many shapes share a layer of the texture, as the number of layers is limited.
+  // Many shapes share a layer of the texture, because the number of layers is limited.
   textures() {
     const across = Math.min(1024, this.nodes),
       rows = Math.ceil(this.nodes / across);
@@ -120,7 +120,7 @@ class NodalField {
     if (this.texture) this.texture.needsUpdate = true;
   }
 
-  // Component c at a node, for the present amplitudes, or those of a given time.
+  // Component c at a node, for the present amplitudes, or the amplitudes of a given time.
   at(node, c, instant = -1) {
     let sum = 0;
     for (let k = 0; k < this.count; k++)
@@ -165,7 +165,7 @@ class Body {
     this.quaternion = new Quaternion();
   }
 
-  // Position and rotation now, and amplitudes.
+  // Sets position, rotation and amplitudes for a frame.
   moveTo(frame) {
     const pose = (row, at) => this.poses[row * this.instants + at];
     const blended = (row) => pose(row, frame.before) * (1 - frame.share) + pose(row, frame.after) * frame.share;
@@ -234,7 +234,7 @@ class Body {
     lines.setIndex(new BufferAttribute(new Uint32Array(this.edges), 1));
     this.outline = new LineSegments(lines, material({}));
     this.ghost = new LineSegments(lines, material({ gain: { value: 0 } }));
-    // Drawn first: without deflection the edges coincide with it and must be on top.
+    // The undeformed outline is drawn first: without deflection the edges coincide with it and must be on top.
     this.ghost.renderOrder = -1;
     this.group = new Group();
     this.group.matrixAutoUpdate = false;
@@ -268,7 +268,7 @@ class Body {
     return found;
   }
 
-  // Colour by a field of the page's scales; a body without it is plain.
+  // Colour by a field of the page's scales; a body without this field is plain.
   colourBy(name, scale) {
     const own = this.faces.material.uniforms,
       field = this.fieldTextures[name];
@@ -291,7 +291,7 @@ class Body {
     return this.carriers ? this.carriers[point] : point;
   }
 
-  // Where a node is (in the scene), with displacements enlarged.
+  // Position of a node in the scene, with displacements enlarged.
   placeOf(node, gain) {
     const local = [0, 1, 2].map((c) => this.rest[3 * node + c] + gain * this.displacement.at(node, c));
     return new Vector3(...local).applyQuaternion(this.quaternion).add(this.position);

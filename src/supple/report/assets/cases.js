@@ -1,4 +1,4 @@
-// The cases of a sweep by the column; which of them are shown, and in which order.
+// The cases of a sweep, stored by column; the rows that are shown, and their order.
 
 class Cases {
   constructor(sweep, block) {
@@ -47,7 +47,7 @@ class Cases {
     });
   }
 
-  // Rows shown that have a value, from the smallest to the largest.
+  // Rows that are shown and have a value, from the smallest value to the largest.
   ascending(column) {
     const { values } = column;
     return this.rows.filter((row) => !Number.isNaN(values[row])).sort((a, b) => values[a] - values[b] || a - b);

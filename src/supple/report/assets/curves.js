@@ -1,4 +1,4 @@
-// Curves: a chart is drawn when it is opened. Those over time show the time of the player, and set it by a click.
+// Curves: a chart is drawn when it is opened. A chart over time shows the time of the player; a click sets this time.
 
 // A constant curve is drawn in the middle of its axis.
 function valueRange(_, low, high) {

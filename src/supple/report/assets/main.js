@@ -1,4 +1,4 @@
-// The page: its controls, and the functions for other scripts (`window.report`).
+// The controls of the page, and the objects for other scripts (`window.report`).
 
 const element = (id) => document.getElementById(id);
 
@@ -13,7 +13,7 @@ function options(select, entries) {
   );
 }
 
-// How many units of the model's time pass in a second.
+// The choice of speeds, in units of the model's time per second.
 function speeds(player) {
   const inSeconds = head.secondsPerTime,
     length = player.length;
@@ -23,7 +23,7 @@ function speeds(player) {
       ? SPEEDS.map((factor) => [factor / inSeconds, factor === 1 ? "real time" : `${factor} x real time`])
       : SECONDS.map((seconds) => [
           length / seconds,
-          player.clip.repeats ? `a period in ${seconds} s` : `all of it in ${seconds} s`,
+          player.clip.repeats ? `one period in ${seconds} s` : `whole run in ${seconds} s`,
         ]);
   const usual = real && !player.clip.repeats ? 3 : player.clip.repeats ? 0 : 1;
   options(element("speed"), entries);
@@ -141,7 +141,7 @@ function clicks(player) {
   });
   canvas.addEventListener("webglcontextlost", (event) => {
     event.preventDefault();
-    say("The graphics unit was lost; the picture comes back when the browser has it again.");
+    say("The browser lost the graphics unit; the picture returns when the graphics unit is available again.");
   });
   canvas.addEventListener("webglcontextrestored", () => {
     say("");
@@ -217,7 +217,7 @@ async function start() {
       showClip(player);
       player.seek(instantOf(window.location.hash, player));
     } catch (error) {
-      say(`This browser shows no WebGL 2, which the picture needs; curves and tables are here. (${error.message})`);
+      say(`This browser has no WebGL 2, which the motion needs; curves and tables are shown. (${error.message})`);
       element("controls").hidden = true;
       player = null;
     }
@@ -243,7 +243,7 @@ start().catch((error) => {
   element("player").hidden = false;
   say(
     typeof DecompressionStream === "undefined"
-      ? "This browser is too old to show the motion and the curves; the tables are here."
+      ? "This browser is too old to show the motion and the curves; the tables are below."
       : `The motion cannot be shown: ${error.message}`,
   );
   element("controls").hidden = true;

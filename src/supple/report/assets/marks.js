@@ -1,6 +1,6 @@
-// Marks: joints, springs, loads, contact forces, axes of joints. They are few, and positioned here for each frame.
+// Marks: joints, springs, loads, contact forces, axes of joints. Their positions are computed here at each frame.
 
-// Style of each kind of joint: shape, filled or hollow, prescribed motion or not.
+// Style of each kind of joint: shape, filled (1) or hollow (0), and the colour of a prescribed motion.
 const JOINT_LOOKS = {
   fixed: [0, 1],
   ball: [1, 1],
@@ -103,7 +103,7 @@ class Marks {
   }
 
   build() {
-    // One more than the joints have, for the node that was clicked.
+    // Two points per joint, and one for the selected node.
     this.points = pointCloud(2 * this.joints.length + 1);
     this.lines = {
       links: lineSet(this.links.length),

@@ -1,4 +1,4 @@
-// The point of a body under the pointer: the corner that is nearest to it, of the foremost triangle there.
+// The point of a body under the pointer: of the foremost triangle there, the corner nearest to the pointer.
 
 function pointUnder(bodies, camera, root, frame, gain, x, y) {
   let best = null;
@@ -47,7 +47,7 @@ function projected(body, camera, root, gain) {
 function weightsIn(screen, [a, b, c], x, y) {
   const [ax, ay, bx, by, cx, cy] = [a, b, c].flatMap((node) => [screen[3 * node] - x, screen[3 * node + 1] - y]);
   const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
-  // Points behind the camera are projected, too, beyond the depth of all visible ones.
+  // Points behind the camera are projected, too, beyond the depth of all visible points.
   if (!area || Math.max(screen[3 * a + 2], screen[3 * b + 2], screen[3 * c + 2]) > 1) return null;
   const weights = [(bx * cy - by * cx) / area, (cx * ay - cy * ax) / area, (ax * by - ay * bx) / area];
   return weights.every((w) => w >= 0) ? weights : null;

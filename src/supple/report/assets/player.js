@@ -31,7 +31,7 @@ class Player {
     this.shown = { undeformed: true, edges: true, joints: true, triads: false, loads: true, contacts: true };
   }
 
-  // Needs WebGL; throws without.
+  // Throws an error without WebGL.
   build() {
     this.view = new View(document.getElementById("view"), this.scene, () => (this.dirty = true));
     for (const body of this.bodies) {
@@ -42,7 +42,7 @@ class Player {
       const geometry = new BufferGeometry();
       geometry.setAttribute("position", new BufferAttribute(points, 3));
       geometry.setIndex(new BufferAttribute(triangles, 1));
-      // A wall with penetrating nodes (penalty contact) is drawn behind them.
+      // A wall is drawn behind nodes that penetrate it (penalty contact).
       const wall = new Mesh(
         geometry,
         new ShaderMaterial({
@@ -75,7 +75,7 @@ class Player {
   get clip() {
     return this.clips[this.number];
   }
-  // One time of a clip, from its start.
+  // Time of a row of the clip, from the start of the clip.
   timeOf(row) {
     return this.times[this.clip.first + row] - this.times[this.clip.first];
   }
@@ -227,13 +227,13 @@ class Player {
     };
   }
 
-  // Value of a field, at present or at a given time; omitted shapes can cause small values below the lowest.
+  // Value of a field, at present or at a given time, not below the scale: omitted shapes can cause such values.
   valueAt(body, name, point, instant) {
     const { factor, low } = this.scene.scales[name];
     return Math.max(low, factor * body.fields[name].at(point, 0, instant));
   }
 
-  // Chart of the displacements of the selected node over the clip, or of the colour field.
+  // Chart of the colour field at the selected node over the clip, or of the displacements without such a field.
   history() {
     if (!this.picked) return null;
     const { body, node, point } = this.picked,

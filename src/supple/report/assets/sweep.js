@@ -1,4 +1,4 @@
-// The page of a sweep, and the functions for other scripts (`window.sweep`).
+// The page of a sweep, and the object for other scripts (`window.sweep`).
 
 const { uPlot } = Libraries;
 const element = (id) => document.getElementById(id);

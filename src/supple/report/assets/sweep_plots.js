@@ -36,7 +36,7 @@ class Plot {
     this.graph = null;
   }
 
-  // Redraws: plots of a sweep change as a whole.
+  // Draws the whole plot anew.
   draw(options, data) {
     this.graph?.destroy();
     this.graph = new uPlot(
@@ -62,7 +62,7 @@ const dots = (label, colour, size = 5) => ({
   points: { show: true, size, width: 0, fill: colour, stroke: colour },
 });
 
-// Classes of a column by colour: its values where these are few, or equal parts of its range.
+// Classes of a column, each with a colour: the values of the column if they are few, or equal parts of its range.
 function classesOf(column) {
   if (!column) return null;
   const values = column.values.filter((value) => !Number.isNaN(value));
@@ -197,7 +197,7 @@ class Spectrum extends Plot {
     this.draw(
       {
         scales: { x: { time: false, distr: 3 }, y: cycles ? { distr: 3 } : { range: (_, __, high) => [0, 1.05 * high] } },
-        axes: [axisOf(label, 40), axisOf(cycles ? "cycles of a larger range" : "share of the damage", 68)],
+        axes: [axisOf(label, 40), axisOf(cycles ? "cycles of at least this range" : "share of the damage", 68)],
         series: [
           { label },
           {

@@ -34,7 +34,7 @@ class View {
       from.addScaledVector(thin, side).addScaledVector(wide, 0.4).addScaledVector(this.up, 0.28);
     } else {
       from.setComponent("xyz".indexOf(which[1]), which[0] === "-" ? -1 : 1);
-      // Exactly from above the upward direction is undefined: a slight offset.
+      // Exactly from above, the upward direction is undefined; a slight offset avoids this.
       if (Math.abs(from.dot(this.up)) > 0.99) from.add(new Vector3(1e-4, 2e-4, 3e-4));
     }
     this.controls.target.set(0, 0, 0);
@@ -44,7 +44,7 @@ class View {
     this.controls.update();
   }
 
-  // Distance from the centre at which all moving corners are in the picture, with a margin.
+  // Distance from the centre at which all corners of the motion's extent are in the picture, with a margin.
   distance() {
     const upright = Math.tan((this.camera.fov * Math.PI) / 360) / 1.12,
       level = upright * this.camera.aspect,
@@ -59,7 +59,7 @@ class View {
     return farthest || 1;
   }
 
-  // The body that stays fixed in the view, while all else moves relative to it; null: the ground.
+  // The body that stays fixed in the view, while everything else moves relative to it; null: the ground.
   follow(body, still) {
     this.root.matrix.identity();
     if (body)
