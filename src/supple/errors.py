@@ -82,7 +82,7 @@ class ValidityWarning(SuppleWarning):
 
 
 class LockingWarning(SuppleWarning):
-    """A reduced body whose static response is too small, as its basis lacks stiff motion."""
+    """A reduced body whose static response is too small because its basis lacks stiff motion."""
 
 
 class BasisWarning(SuppleWarning):

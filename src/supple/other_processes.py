@@ -15,7 +15,7 @@ _alone: ContextVar[bool] = ContextVar("alone", default=False)
 
 @contextmanager
 def one_core() -> Iterator[None]:
-    """Context without further processes: the other cores are used by parallel work."""
+    """Context in which `available_cores` returns 1: parallel work uses the other cores."""
     token = _alone.set(True)
     try:
         yield
@@ -31,8 +31,8 @@ def available_cores() -> int:
 
 
 def python_command(*words: str) -> list[str]:
-    """Command that starts this Python with its own script or module, not the caller's, which multiprocessing
-    would run again. The folder of a script is not an import path."""
+    """Command that runs a script or module in this Python. `multiprocessing` would run the caller's script
+    again. The folder of the script is not on the import path (-P)."""
     return [sys.executable, "-P", *words]
 
 

@@ -321,13 +321,13 @@ class System(Summarized):
 
     def _check_moves_something(self, element: ForceElement) -> None:
         """Raise ModelError for a servo or motor along directions that a joint of its two ends fixes."""
-        if not isinstance(element, AxialElement) or not element.held_by:
+        if not isinstance(element, AxialElement) or not element.blocked_by:
             return
         for joint in self.joints:
             if {joint.first, joint.second} != {element.first, element.second}:
                 continue
             held = np.array(
-                [any(f"{words} {axis}" in joint.rows for words in element.held_by) for axis in "xyz"]
+                [any(f"{words} {axis}" in joint.rows for words in element.blocked_by) for axis in "xyz"]
             )
             held[2] &= joint.law is None
             free = joint.initial_axes[:, ~held]

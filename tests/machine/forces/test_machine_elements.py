@@ -268,7 +268,7 @@ def test_a_servo_is_held_within_its_limit_and_counts_whole_turns():
         (lambda: m.SlideStop(**AXIS, lower=1.0, upper=0.0, penalty=PENALTY), "lower must not be above upper"),
         (lambda: m.DistanceStop(first="a.eye", penalty=PENALTY), "needs an anchor"),
         (lambda: m.Gear(**AXIS, teeth=(1.5, 2), stiffness=1.0), "two whole numbers"),
-        (lambda: m.Gear(**AXIS, teeth=(20, -20), stiffness=1.0), "opposite and equal"),
+        (lambda: m.Gear(**AXIS, teeth=(20, -20), stiffness=1.0), "not opposite and equal"),
         (lambda: m.Screw(**AXIS, pitch=0.0, stiffness=1.0), "pitch must be finite and not zero"),
         (
             lambda: m.RackAndPinion(**AXIS, direction=(1, 0, 0), radius=0.0, stiffness=1.0),

@@ -29,7 +29,7 @@ class MotorCurve(AxialElement):
     torque: Curve | Surface
     command: Any = 1.0
 
-    held_by: ClassVar[tuple[str, ...]] = ("rotation", "tilt about")
+    blocked_by: ClassVar[tuple[str, ...]] = ("rotation", "tilt about")
 
     @property
     def law(self) -> TimeLaw:
