@@ -29,7 +29,7 @@ def driving(element, name="clock"):
 
 def test_an_element_that_is_driven_does_not_stand_among_the_loads():
     words = r"controller 'clock' drives TorqueBetween on ground \('motor'\), which is also among the loads"
-    with pytest.raises(ModelError, match=words + ".*act twice: leave it out of loads"):
+    with pytest.raises(ModelError, match=words + ".*act twice; leave it out of loads"):
         wheel(loads=[TORQUE], controllers=[driving(TORQUE)])
     sampled = m.SampledController(
         reads={}, drives={"motor": TORQUE}, law=lambda *_: ({"motor": 0.0}, {}), every=0.1, name="clock"
