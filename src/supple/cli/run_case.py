@@ -35,8 +35,7 @@ def run_case(
 ) -> None:
     """Run the case file at `path` and print its tables; parameters and exceptions as for `cases.run_case`.
 
-    Interrupted by Ctrl-C (SIGINT) or by the system (SIGTERM), it prints what is stored, and exits with 130 or
-    143.
+    If interrupted by Ctrl-C (SIGINT) or the system (SIGTERM), print what is stored, and exit with 130 or 143.
     """
     with raising_terminated():
         try:

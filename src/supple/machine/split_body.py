@@ -96,8 +96,8 @@ def frequency_changes(whole: FlexibleBody, split: SplitBody) -> NDArray[np.float
         listed = ", ".join(f"{100 * change:+.2g}" for change in changes)
         warnings.warn(
             f"body '{whole.name}': the ties of its {len(split.parts)} parts change the lowest free "
-            f"frequencies by {listed} %. Rigid ties stiffen sections that would deform, averaging ties soften "
-            "them: cut where sections do not deform, or try the other tie (rigid, averaging)",
+            f"frequencies by {listed} %. Rigid ties stiffen sections that would deform, averaging ties "
+            "soften them: cut where sections do not deform, or try the other tie (rigid, averaging)",
             SuppleWarning,
             stacklevel=3,
         )
