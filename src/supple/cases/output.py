@@ -23,7 +23,7 @@ class FilmTable(
             RotorAngle,
             joint=Key(
                 str | None,
-                "name of a joint: frames are taken whenever its rotation is at angle; a rotor appears fixed",
+                "name of a joint: frames are drawn when its rotation equals angle, so a rotor appears fixed",
                 default=None,
             ),
             angle=Key(float, "angle about the z axis of the joint, rad; zero at assembly"),

@@ -63,8 +63,8 @@ class Split(CheckedTable):
 class SplitSource:
     """The sources of a split body.
 
-    whole : the body as one
-    mesh  : its parts
+    whole : source of the undivided body
+    mesh  : meshes of its parts
     parts : source of each part, by its name; their meshes have node sets `cut-1 of NAME` and so on, or
         `node-ID of NAME`
     """
@@ -75,7 +75,7 @@ class SplitSource:
     parts: Mapping[str, BodySource]
 
     def places(self, nodes: IntArray) -> list[tuple[str, IntArray]]:
-        """Parts that contain some nodes of the whole, each node counted once, with their numbers there."""
+        """Parts that contain given nodes of the whole, with the numbers in the part of nodes counted once."""
         part = self.mesh.holder(nodes)
         if part is not None:
             return [(part_name(self.name, part), self.mesh.parts[part].numbers(nodes))]

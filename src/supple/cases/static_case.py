@@ -55,7 +55,7 @@ def spin_of(case: Case) -> Spin | None:
 def analysed_system(case: Case, *, allow_code: bool) -> System:
     """The machine for its equilibrium or modes, with its controllers if their code may run.
 
-    Warns ControlWarning if it may not; raises CaseError for code that fails.
+    Issues ControlWarning if the code may not run; raises CaseError for code that fails.
     """
     control = case.tables.control
     if control is not None and not allow_code:

@@ -254,10 +254,10 @@ def export(
         typer.Option(
             "-o",
             "--output",
-            help="File to write. From a result: .vtkhdf (ParaView), .vtu (one time), .csv, .mat, .outb, .nc or "
-            ".h5 (tables). From a case: a deck (.inp), a mode (.vtkhdf, .vtu), a body (.op4, .pch for Nastran, "
-            ".sid for Simpack, .fem for MBDyn, .npz for Exudyn, .dat for OpenFAST), or the machine for "
-            "co-simulation (.fmu).",
+            help="File to write. From a result: .vtkhdf (ParaView), .vtu (one time), .csv, .mat, .outb, .nc "
+            "or .h5 (tables). From a case: a deck (.inp), a mode (.vtkhdf, .vtu), a body (.op4, .pch for "
+            "Nastran, .sid for Simpack, .fem for MBDyn, .npz for Exudyn, .dat for OpenFAST), or the machine "
+            "for co-simulation (.fmu).",
         ),
     ] = None,
     body: Annotated[
@@ -302,8 +302,8 @@ def export(
         list[str] | None,
         typer.Option(
             "--platform",
-            help="Operating system of an FMU's library: linux, windows or macos (needs supple[fmu]); default: "
-            "that of this computer, by its own compiler.",
+            help="Operating system of an FMU's library: linux, windows or macos (needs supple[fmu]); "
+            "default: that of this computer, by its own compiler.",
         ),
     ] = None,
     linear: Annotated[
