@@ -53,8 +53,8 @@ class Run(Summarized):
     tolerances : Tolerances
     validity : Validity     warn about a motion beyond the limits of the kinematics, or stop
     start : float           time of the initial state
-    Raises ValueError for a duration or output step that is not positive, not a multiple of the other, or has
-        over `MOST_OUTPUT_TIMES` output times.
+    Raises ValueError for a duration or output step that is not positive, a duration that is no multiple of
+        the output step, or more than `MOST_OUTPUT_TIMES` output times.
     """
 
     duration: float
@@ -90,11 +90,11 @@ class Run(Summarized):
             )
 
     def summary(self) -> Summary:
-        """Its span and its steps."""
+        """Time span, steps and method."""
         span = f"{self.start:g} to {self.start + self.duration:g}"
         rows = [
             ("times", f"{span}, {self.times.size} output times, every {self.output_step:g}"),
-            ("step", "of the machine, or of the output" if self.step is None else str(self.step)),
+            ("step", "default of the machine" if self.step is None else str(self.step)),
             ("method", str(self.method)),
             ("tolerances", str(self.tolerances)),
             ("validity", str(self.validity)),
@@ -114,7 +114,7 @@ class Run(Summarized):
 
     @property
     def n_steps(self) -> float:
-        """Number of steps of the first size; with fixed steps, of all."""
+        """Number of steps of the first size; with fixed steps the number of all steps."""
         return self.duration / float(self.step_control.first)
 
     @property

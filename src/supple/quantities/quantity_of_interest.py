@@ -95,7 +95,7 @@ def largest_displacement(
 
     coordinates : (t, r)
     nodes : nodes to evaluate
-    The rotation of the interface relative to the frame is taken as small.
+    The rotation of the interface relative to the frame is assumed to be small.
     """
     sizes = []
     for rows in blocks_of_times(len(coordinates)):

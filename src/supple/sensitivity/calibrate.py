@@ -31,9 +31,9 @@ Array = NDArray[np.float64]
 _MOST = 100
 """Largest number of runs of a fit."""
 _KEPT = 1e-7
-"""Relative to the largest singular value of the Jacobian, scaled by the sizes of parameters."""
+"""Weight of the initial values, relative to the largest singular value of the scaled Jacobian."""
 _NEAR = 1e-3
-"""Relative to the sizes of parameters, and to the sum of squares."""
+"""Smallest notable step relative to the sizes of parameters, and gain relative to the sum of squares."""
 
 
 @checked_arguments
@@ -69,8 +69,8 @@ def calibrate(
 
     Raises
     ------
-    ModelError          as for `sensitivities`; fewer measured values than parameters, deviations of some
-                        measurements alone, a start outside the bounds
+    ModelError          as for `sensitivities`; fewer measured values than parameters, a measurement without
+                        deviation among several, a start outside the bounds
     ConvergenceError    a fit that does not converge, or a run at its start that does not
 
     Warns
@@ -120,8 +120,8 @@ def _checked(measurements: Sequence[Measurement], n_parameters: int) -> tuple[Me
     without = [each.observable for each in measurements if each.deviation is None]
     if without and len(measurements) > 1:
         raise ModelError(
-            f"measurements of {', '.join(without)} have no deviation, which weights several against "
-            "each other: give all of them one"
+            f"measurements of {', '.join(without)} have no deviation, which is needed to weight several "
+            "measurements: give each a deviation"
         )
     return tuple(measurements)
 
@@ -223,8 +223,8 @@ class _Fit:
             names = sorted({name for each in sure.undetermined for name in each})
             warnings.warn(
                 f"the measurements do not determine {', '.join(names)}: {len(sure.undetermined)} of their "
-                "combinations change nothing that was measured. Fix some at known values, or measure what "
-                "they affect",
+                "combinations do not affect the measured values. Fix some parameters at known values, or "
+                "measure what they affect",
                 IdentifiabilityWarning,
                 stacklevel=5,
             )

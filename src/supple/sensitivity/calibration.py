@@ -90,12 +90,12 @@ class Calibration(Summarized):
     uncertainty : of the parameters
     residuals : by measurement, in their given order: computed minus measured (k,), in the units of the
         measurement
-    misfit : weighted sum of squares of the residuals over their number minus that of the parameters; 1 is
-        expected where the deviations are known; otherwise it is the square of their estimate
+    misfit : weighted sum of squares of the residuals, divided by their number minus the number of parameters:
+        near 1 if the deviations are known, otherwise an estimate of the squared deviation
     jacobian : (n, p) of the weighted residuals
     solution : the run of the fitted machine
     runs : number of runs, with and without derivatives
-    at_bounds : names of parameters at a bound, for which the deviations of an unbounded fit do not hold
+    at_bounds : names of parameters at a bound, for which the standard deviations are not valid
     """
 
     parameters: Mapping[str, float]

@@ -74,7 +74,7 @@ def warn_of_unseen_laws(system: System, run: Run) -> None:
 
 
 def check_laws_cover(system: System, begin: float, end: float) -> None:
-    """Raise ModelError for a tabulated load or motion that starts after the run does, or stops before."""
+    """Raise ModelError for a table that begins after the start of the run, or ends before its end."""
     laws = [(f"joint '{joint.name}'", joint.law) for joint in system.joints]
     laws += [(load.label, load.law) for load in system.loads]
     for what, law in laws:
