@@ -234,7 +234,7 @@ def _joint_force(seen: SensedMachine, sensor: JointForceSensor) -> Reads:
 
 
 class _Unnamed:
-    """A function that compares equal to all others: its data are leaves of the pytree around it."""
+    """A function equal to all other objects of this type: its data are leaves of the pytree around it."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.function = function

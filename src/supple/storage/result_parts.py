@@ -22,7 +22,7 @@ _PART_BYTES = 2**26
 
 
 class ResultParts:
-    """Output times of a result file; iterating yields them as Solutions, some at a time, repeatedly.
+    """Output times of a result file; each loop over them yields Solutions of some output times each.
 
         for part in ResultParts("blade.h5"): ...
 
