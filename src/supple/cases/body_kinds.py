@@ -207,7 +207,7 @@ class Matrices(ElasticKind):
 
 
 class Superelement(ElasticKind):
-    """A linear body from matrices of another program; rows after those of the nodes are modal coordinates."""
+    """A linear body from matrices of another program; rows after the nodal rows are modal coordinates."""
 
     stiffness: FileName = Field(
         description="Matrix Market file of the stiffness matrix, beside the case file"
@@ -261,7 +261,7 @@ class ReducedFile(BodyKind):
 
 
 class SectionTableFile(ElasticKind):
-    """The file of a section table: beams, or intrinsic modes with condense; the key has a file name."""
+    """The file of a section table, for beams, or for intrinsic modes with condense; the key has its name."""
 
     has_elements = True
 

@@ -32,7 +32,7 @@ Mistake = tuple[KeyPath, str]
 
 
 class MachineFile(CheckedTable):
-    """Rigid bodies, joints, springs and stops of a URDF or MJCF file, beside those of the case."""
+    """Rigid bodies, joints, springs and stops of a URDF or MJCF file, added to the case."""
 
     mujoco: FileName = Field(
         description="URDF or MJCF file beside the case file; pip install 'supple[mujoco]'"

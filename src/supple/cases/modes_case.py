@@ -129,7 +129,7 @@ def campbell_case(
     allow_code: bool = False,
     progress: StepProgress = silent,
 ) -> CampbellDiagram:
-    """Modes over the angular velocity of the case; writes `CASE-campbell.json`, a page and a picture.
+    """Modes of a case's machine at several angular velocities; writes `CASE-campbell.json`, page and picture.
 
     Bodies with a self-correcting reduction meet their accuracy at the first and the last rate.
     Raises CaseError if the case has no spin, and as for `modes_case`.

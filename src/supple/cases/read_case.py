@@ -32,7 +32,7 @@ _Root = TypeVar("_Root", bound=CheckedTable)
 LARGEST = 1e60
 """Largest number: powers and products of a few such numbers do not overflow."""
 DEEPEST = 20
-"""Largest nesting of tables and lists; those of a case nest six deep."""
+"""Largest nesting of tables and lists; a case needs six levels."""
 
 
 @checked_arguments

@@ -94,7 +94,7 @@ def with_parts(tables: CaseTables, split: Mapping[str, SplitSource]) -> CaseTabl
 
 
 def _renamed(tables: CaseTables, at_part: Callable[[str, str], str]) -> CaseTables:
-    """The case with every place replaced by that of the part that contains it."""
+    """The case with every place named as a place of the part that contains it."""
     raw: Any = tables.model_dump(mode="json", exclude_unset=True)
     for (*outer, key), place, word in list(named_in(CaseTables, raw)):
         if word != "file":

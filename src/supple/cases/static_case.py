@@ -73,7 +73,7 @@ def starting_system(case: Case, simulated: System | None = None, *, allow_code: 
     """The machine at the start of its run: as placed (and assembled on request), in equilibrium, or in a
     state of an earlier run.
 
-    simulated : the machine with the bodies of a run, from `result_machine`; by default that of the case
+    simulated : the machine with the bodies of a run, from `result_machine`; by default the case's machine
 
     For bodies with a self-correcting reduction, the equilibrium is that of the full body. The bases of all
     rounds contain its deformed shape.

@@ -23,10 +23,10 @@ from supple.importers.toml import CheckedTable, KeyPath, NonNegative, Positive
 class Key:
     """The key of a parameter, as far as it differs from the parameter.
 
-    type : type of its values; by default that of the parameter
+    type : type of its values; by default the parameter's type
     description : for messages; by default from the docstring of the class, if the type is the parameter's
-    name : by default that of the parameter
-    default : by default that of the parameter
+    name : by default the parameter's name
+    default : by default the parameter's default
     through : function from the value and the context of `build` to the argument; None: the value itself
     """
 

@@ -26,9 +26,9 @@ class Validity:
     """Limits of validity of a run: of the kinematics, the initial state, and the steps.
 
     strict : exceeding a limit is an error, raised when it is detected, instead of a warning
-    spin_ratio : largest angular velocity of a linear body, relative to its lowest frequency; at 0.3 the
-        missing centrifugal stiffness is already about 10 % of the elastic one; likewise for a reduced body
-        whose condensed motion has no inertia
+    spin_ratio : largest angular velocity, relative to the lowest frequency, of a linear body, or of a reduced
+        body whose condensed motion has no inertia; at 0.3 the missing centrifugal stiffness is already about
+        10 % of the elastic stiffness
     """
 
     strict: bool = False

@@ -132,7 +132,7 @@ class Solution(Summarized):
         )
 
     def at(self, rows: slice | np.ndarray) -> Solution:
-        """The solution at some of its output times, by their numbers; its cost remains that of the whole."""
+        """The solution at some of its output times, by their numbers, with the cost of the whole run."""
         return Solution(
             times=self.times[rows],
             bodies={name: motion.at(rows) for name, motion in self.bodies.items()},

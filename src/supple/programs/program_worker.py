@@ -33,7 +33,7 @@ def program_of_file(file: Path, taken: Any, given: Any = None) -> Any:
     the structure of its result.
 
     taken : structure of the arguments
-    given : structure of the result; None: that of the second object in the file
+    given : structure of the result; None: the structure of the second object in the file
     """
     _bind_lapack()
     content = io.BytesIO(zlib.decompress(file.read_bytes()))

@@ -26,7 +26,7 @@ class QuantityOfInterest(Protocol):
 
     @property
     def name(self) -> str:
-        """Name in the error report; for a whole body that of the body."""
+        """Name in the error report; for a whole body the body's name."""
         ...
 
     @property

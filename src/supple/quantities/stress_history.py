@@ -88,7 +88,7 @@ def tensor_blocks(
 
 
 def von_mises_by_end(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> Array:
-    """Von Mises stress (t, N, 1 + ends), Pa: the largest of solids and shells, and that of each beam end.
+    """Von Mises stress (t, N, 1 + ends), Pa: first the largest of solids and shells, then at each beam end.
 
     Ends are those of `StressLayers`; zero where a node has fewer. Other parameters and errors as for
     `von_mises_history`.

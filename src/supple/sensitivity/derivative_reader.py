@@ -1,4 +1,4 @@
-"""Derivatives of observables of a run, from those of its motion and of the machine.
+"""Derivatives of observables of a run, from the derivatives of its motion and of the machine.
 
     d Q(machine(p), motion(p)) / dp = dQ/dmachine machine' + dQ/dmotion motion'
 

@@ -109,9 +109,9 @@ def equilibrium(
 
     Raises
     ------
-    ModelError          the errors of joints at the start of a run; a sampled controller; a full body that is
-                        not that of the reduced one, or of a body that is not reduced; an intrinsic body
-                        whose support prevents the spin
+    ModelError          the errors of joints at the start of a run; a sampled controller; a full body that
+                        does not belong to a reduced body of the machine; an intrinsic body whose support
+                        prevents the spin
     ConvergenceError    no equilibrium was found, also for a controller's state
     Warns BasisWarning where the error of a body is 1 % of its largest displacement or more.
     Source: [KelleyKeyes1998] for the search.

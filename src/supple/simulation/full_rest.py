@@ -40,7 +40,7 @@ from supple.simulation.stored_basis import stored_bases
 __all__ = ["FullRest", "RestError", "full_rest", "holds_all", "known_fulls", "rest_errors"]
 
 SLOWNESS = 1e3
-"""Ratio of the lowest vibration's rate to that of the correction."""
+"""Ratio of the lowest angular frequency to the rate of the correction."""
 CONTRACTS = 1 / 3
 """Largest ratio of a sweep to the one before."""
 CONVERGED = 1e-4
@@ -56,8 +56,8 @@ NEAR_BY = 20
 class RestError:
     """Error of the basis of a reduced body at an equilibrium.
 
-    displacement : (N, 3)   of the nodes, in space: positions with all coordinates minus those of the reduced
-                body; only of the deformation where the joints leave rigid motion free
+    displacement : (N, 3)   of the nodes, in space: positions with all coordinates minus positions of the
+                reduced body; without rigid motion where the joints leave it free
     deformation : (n,)      of the body's coordinates relative to its frame: the column missing in its basis
     size : float            largest displacement of a node, relative to the first interface
     strain : float          root of the strain energy of the missing deformation, relative to the whole
@@ -147,10 +147,10 @@ def known_fulls(
 def full_rest(
     reduced: RestingState, fulls: Mapping[str, FullBody], time: float, search: StaticSearch
 ) -> FullRest | None:
-    """The equilibrium with all coordinates, from that of the reduced machine; None without reduced bodies.
+    """The equilibrium with all coordinates, found from the reduced one; None without reduced bodies.
 
     fulls : the full bodies of reduced ones, by name; other bodies are unchanged
-    Raises ModelError for a full body that is not that of the reduced one.
+    Raises ModelError for a full body that does not belong to the reduced body of its name.
     """
     bases = stored_bases(reduced.system, fulls)
     if not bases:

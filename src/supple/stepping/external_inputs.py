@@ -118,7 +118,7 @@ def _with_input(name: str, element: Any, first: int, time: float) -> tuple[_Exte
             start = np.asarray(as_time_law(getattr(element, field.name))(time), dtype=float)
             law = _External(first + np.arange(start.size).reshape(start.shape), start)
             changed = replace(element, **{field.name: law})
-        except (SuppleError, TypeError, ValueError):  # another field than that of the law
+        except (SuppleError, TypeError, ValueError):  # this field is not the law
             continue
         # The set-point of a servo is a part of its law.
         if any(leaf is law for leaf in jax.tree.leaves(changed.law, is_leaf=_is_external)):

@@ -1,4 +1,4 @@
-"""Torque about an axis and force along it between two ends, as of motors and cylinders."""
+"""Torque about an axis, and force along it, between two ends: motors and cylinders."""
 
 from __future__ import annotations
 

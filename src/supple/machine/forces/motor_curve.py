@@ -1,4 +1,4 @@
-"""Motor: torque over its speed and its command."""
+"""Motor: torque as a function of its speed and its command."""
 
 from __future__ import annotations
 
