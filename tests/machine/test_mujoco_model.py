@@ -227,7 +227,7 @@ def test_flexible_bodies_stand_in_place_of_rigid_ones():
         read_mujoco(text.replace("PLACE", "3.5"), bodies={"beams": beam})
     with pytest.raises(ModelError, match=r"no body 'wing' to replace; the machine has 'beams', 'load'"):
         read_mujoco(text.replace("PLACE", "4"), bodies={"wing": beam})
-    with pytest.raises(ModelError, match="replaces 'load': give it this name"):
+    with pytest.raises(ModelError, match="replaces 'load': give it the same name"):
         read_mujoco(text.replace("PLACE", "4"), bodies={"load": beam})
 
 

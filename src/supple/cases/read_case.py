@@ -157,4 +157,4 @@ def values_beyond_any_use(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyP
         digits = f"{value:.6g}" if abs(value) < 10**300 else "one of over 300 digits"
         yield path, f"a whole number has at most 64 bits, got {digits}; add a decimal point, or correct it"
     elif isinstance(value, float) and LARGEST < abs(value) < float("inf"):
-        yield path, f"{value:g} is larger than the largest usable number, {LARGEST:g}; correct it"
+        yield path, f"{value:g} exceeds the largest usable magnitude, {LARGEST:g}; correct it"
