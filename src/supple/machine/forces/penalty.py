@@ -28,7 +28,7 @@ class Penalty:
 
     stiffness : k, force per length^n, or moment per rad^n
     exponent : n >= 1; 1.5 for two spheres (Hertz)
-    dissipation : a, one per velocity
+    dissipation : a, one per velocity; restitution is about 1 - 2/3 dissipation v
     Raises ModelError for a stiffness that is not positive, an exponent below 1, a negative dissipation.
     Source: [HuntCrossley1975]
     """
