@@ -10,7 +10,7 @@ from supple.errors import ResultFileError
 from supple.storage import read_header
 from supple.storage.result_file import check_same_run
 
-__all__ = ["kept_so_far", "readings_paths", "refuse_overwrite", "report_path", "result_path"]
+__all__ = ["readings_paths", "refuse_overwrite", "report_path", "result_path", "stored_so_far"]
 
 
 def result_path(case: Path, folder: Path) -> Path:
@@ -28,7 +28,7 @@ def readings_paths(folder: Path) -> tuple[Path, Path]:
     return folder / "sensors.csv", folder / "sensors.h5"
 
 
-def kept_so_far(case: Path, folder: Path) -> str:
+def stored_so_far(case: Path, folder: Path) -> str:
     """Message on the stored results of an interrupted run."""
     path = result_path(case, folder)
     try:

@@ -8,7 +8,7 @@ from pathlib import Path
 import typer
 
 from supple import cases
-from supple.cases.existing_results import kept_so_far
+from supple.cases.existing_results import stored_so_far
 from supple.error import SelfCorrectionError, correction_numbers
 from supple.results.explicit_numbers import explicit_cost_line
 from supple.results.run_start import start_lines
@@ -49,7 +49,7 @@ def run_case(
                 allow_code=allow_code,
             )
         except INTERRUPTIONS as error:
-            kept = "; ".join(getattr(error, "__notes__", [])) or kept_so_far(path, folder)
+            kept = "; ".join(getattr(error, "__notes__", [])) or stored_so_far(path, folder)
             error_console.print(words("stopped: ", "bold red") + words(kept), soft_wrap=True)
             number = signal.SIGTERM if isinstance(error, Terminated) else signal.SIGINT
             raise typer.Exit(128 + number) from error

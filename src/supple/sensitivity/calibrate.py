@@ -16,7 +16,7 @@ from supple.arguments import checked_arguments
 from supple.errors import ConvergenceError, IdentifiabilityWarning, ModelError, SuppleWarning, did_you_mean
 from supple.integrate import Run, Solution
 from supple.progress import with_progress_bar
-from supple.sensitivity.calibration import Calibration, uncertainty, without_blind
+from supple.sensitivity.calibration import Calibration, uncertainty, without_undetermined
 from supple.sensitivity.derivative_reader import read
 from supple.sensitivity.measurement import Measurement
 from supple.sensitivity.observable import Observables
@@ -85,7 +85,7 @@ def calibrate(
     low, high = (side / unit for side in _bounds(start, bounds))
 
     def jacobian(z: Array) -> Array:
-        return without_blind(fit.jacobian(z * unit) * unit)
+        return without_undetermined(fit.jacobian(z * unit) * unit)
 
     # Small enough to affect only parameters that the data do not determine, which keep their initial values.
     weight = _KEPT * np.linalg.norm(jacobian(begin), 2)
@@ -97,7 +97,7 @@ def calibrate(
         max_nfev=_MOST,
     )
     held = np.isclose(found.x, low) | np.isclose(found.x, high)
-    if not found.success or _could_go_on(jacobian(found.x)[:, ~held], fit.residuals(found.x * unit)):
+    if not found.success or _could_improve(jacobian(found.x)[:, ~held], fit.residuals(found.x * unit)):
         raise ConvergenceError(
             f"the fit does not converge in {fit.runs} runs (sum of squares {2 * found.cost:.3g})"
             + (f"; some of them failed: {fit.broken}" if fit.broken else "")
@@ -106,7 +106,7 @@ def calibrate(
     return fit.result(found.x * unit, held)
 
 
-def _could_go_on(jacobian: Array, residuals: Array) -> bool:
+def _could_improve(jacobian: Array, residuals: Array) -> bool:
     """Whether a step to the minimum of the linearised residuals would still be a notable improvement."""
     step = np.linalg.lstsq(jacobian, residuals)[0]
     gained = jacobian @ step

@@ -32,7 +32,7 @@ SAME_PLACE = 1e-6
 """Relative to the size of a body: allowed distance of nodes in two equal meshes."""
 MOST_ROUNDS, CONVERGED = 30, 1e-14
 """Iterations for a frame, and for coordinates with their condensed motion; relative change at the end."""
-DEAR = 1e-3
+SMALLEST_MOTION = 1e-3
 """Relative to the largest interface motion per unit of the columns: smaller motions are not corrected."""
 
 
@@ -156,7 +156,7 @@ def _interfaces(now: BodyForm, body: FlexibleBody) -> tuple[Array, Array, Any]:
     wanted = np.vstack([each.motion.toarray() for each in ends])
     # Rotations in units of length, with the body's size as the arm.
     scale = np.tile(np.repeat([1.0, float(np.ptp(body.nodes, axis=0).max())], 3), len(ends))
-    back = np.linalg.pinv(scale[:, None] * moved, rcond=DEAR) * scale
+    back = np.linalg.pinv(scale[:, None] * moved, rcond=SMALLEST_MOTION) * scale
     return back, moved, wanted
 
 

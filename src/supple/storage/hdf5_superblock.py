@@ -40,7 +40,7 @@ def is_current_hdf5(path: Path) -> bool:
 
 
 @contextmanager
-def open_settled(path: Path) -> Iterator[h5py.File]:
+def open_unmarked(path: Path) -> Iterator[h5py.File]:
     """The file, opened for reading as if no process were writing it.
 
     Raises
