@@ -261,7 +261,7 @@ class ReducedFile(BodyKind):
 
 
 class SectionTableFile(ElasticKind):
-    """The file of a section table, for beams, or for intrinsic modes with condense; the key has its name."""
+    """The file of a section table, for beams, or for intrinsic modes with condense; the key is the file name."""
 
     has_elements = True
 

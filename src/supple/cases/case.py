@@ -227,7 +227,7 @@ class Case:
     def system(self) -> System:
         """The bodies, reduced if their reduction has a fixed size, with joints, loads, springs and elements.
 
-        Controllers are missing, because they run code; `controlled` adds them.
+        Controllers are not included, because they run code; `controlled` adds them.
 
         Raises
         ------

@@ -75,7 +75,7 @@ class SplitSource:
     parts: Mapping[str, BodySource]
 
     def places(self, nodes: IntArray) -> list[tuple[str, IntArray]]:
-        """Parts that contain given nodes of the whole, with the numbers in the part of nodes counted once."""
+        """Parts that contain given nodes of the whole, each node once, with the node numbers in the part."""
         part = self.mesh.holder(nodes)
         if part is not None:
             return [(part_name(self.name, part), self.mesh.parts[part].numbers(nodes))]

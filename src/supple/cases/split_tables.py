@@ -1,4 +1,4 @@
-"""The tables of a case, with split bodies replaced by their parts, which fixed joints tie."""
+"""The tables of a case, with split bodies replaced by their parts, tied by fixed joints."""
 
 from __future__ import annotations
 
