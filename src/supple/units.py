@@ -280,7 +280,7 @@ def _mass_of(length: str, time: str, force: str) -> str:
     size = _FORCES[force] * _TIMES[time] ** 2 / _LENGTHS[length]
     same = [name for name, own in _MASSES.items() if isclose(own, size, rel_tol=_SAME)]
     if not same:
-        raise ModelError(f"no known unit of mass goes with {length}, {time} and {force}: give the mass, too")
+        raise ModelError(f"no known unit of mass matches {length}, {time} and {force}: give the mass, too")
     return same[0]
 
 

@@ -28,7 +28,7 @@ class GroundedFactor:
     """A free body's stiffness K, supported by springs at as many freedoms as it has rigid motions.
 
     K_g = K + E k E^T is positive definite and sparse. For a self-equilibrated load (R^T b = 0) the springs
-    carry nothing, so K_g^-1 b solves K x = b exactly; and x + R a does so for every a.
+    have no force, so x = K_g^-1 b solves K x = b exactly, and so does x + R a for every a.
     """
 
     stiffness: sparse.csc_array = field(repr=False)

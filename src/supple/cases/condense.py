@@ -88,7 +88,7 @@ class Condense(CheckedTable):
         "default: all",
     )
     accuracy: ModeAccuracy | None = Field(
-        None, description="instead of modes: as many modes as this accuracy needs"
+        None, description="instead of modes: accuracy that determines their number"
     )
     support: Support = Field(
         "clamped",

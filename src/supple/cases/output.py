@@ -128,7 +128,7 @@ def _stress_has_elements(raw: Raw) -> Mistakes:
 def _plastic_strain_has_elements(raw: Raw) -> Mistakes:
     marched = any("explicit" in body for _, body in tables(raw, "body"))
     if table(raw, "output").get("colour") == "plastic-strain" and not marched:
-        yield ("output", "colour"), "there are no explicit elements, hence no plastic strain; remove the key"
+        yield ("output", "colour"), "without explicit elements there is no plastic strain; remove the key"
 
 
 RULES = (

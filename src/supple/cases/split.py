@@ -143,7 +143,7 @@ def _is_divided_one_way(path: KeyPath, body: Raw) -> Mistakes:
         seen = " and ".join(ways) or "neither"
         yield (*path, "split"), f"a split needs parts = 2, or cell_sets = [...]; this one has {seen}"
     if "cell_sets" in given and "body_axis" in given:
-        yield (*path, "split", "body_axis"), "parts made of cell sets have no body_axis; remove the key"
+        yield (*path, "split", "body_axis"), "parts from cell sets have no body_axis; remove the key"
     sets = given.get("cell_sets")
     if isinstance(sets, list) and len(sets) < 2:
         yield (*path, "split", "cell_sets"), f"a split needs at least two cell sets; got {sets}"
