@@ -44,7 +44,7 @@ def node_positions(body: BodyForm, motion: Motion, nodes: ArrayLike | slice = sl
 def displacement_from_axes(positions: Array, origin: ArrayLike, rotation: Array, rest: ArrayLike) -> Array:
     """Displacement A^T (r - R) - q_0 of points relative to moving axes.
 
-    The tip displacement of [Wu2019] (51) is relative to the axes of the driven root, whatever the floating
+    The tip displacement of [Wu2019] (51) is relative to the axes of the driven root, for any floating
     frame of the body.
 
     Parameters

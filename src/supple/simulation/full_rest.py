@@ -7,7 +7,7 @@ At the equilibrium of a reduced machine, expanded to all coordinates, the full e
 
 where G are the constraints of joints and frames. The factor is reused for repeated sweeps, each from the
 corrected state. The sum of the sweeps is the error; the ratio of the second to the first shows whether first
-order suffices. If a sweep exceeds a third of the one before, the equilibrium of the full machine is searched
+order suffices. If a sweep exceeds a third of the previous, the equilibrium of the full machine is searched
 from the expanded equilibrium instead.
 """
 
@@ -42,7 +42,7 @@ __all__ = ["FullRest", "RestError", "full_rest", "holds_all", "known_fulls", "re
 SLOWNESS = 1e3
 """Ratio of the lowest angular frequency to the rate of the correction."""
 CONTRACTS = 1 / 3
-"""Largest ratio of a sweep to the one before."""
+"""Largest ratio of a sweep to the previous sweep."""
 CONVERGED = 1e-4
 """Relative to the first sweep: a smaller sweep is the last."""
 NOTHING = 1e-8

@@ -20,7 +20,7 @@ __all__ = ["MarchedCase", "solutions_of"]
 
 @dataclass(frozen=True)
 class MarchedCase:
-    """A case as far as it was marched."""
+    """The computed part of a case."""
 
     system: System
     model: Model
