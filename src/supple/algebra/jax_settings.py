@@ -210,7 +210,7 @@ _FLAGS = {
 
 
 def _with_flags(given: str) -> str:
-    """XLA_FLAGS with those for compiled marches; flags already set are kept."""
+    """XLA_FLAGS with those for compiled runs; flags already set are kept."""
     own = [f"{name}={value}" for name, value in _FLAGS.items() if name not in given]
     return " ".join([given, *own]).strip()
 

@@ -50,7 +50,7 @@ class Neighbours(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ParameterChanges:
-    """A machine prepared for the march, and derivatives of its numbers by p parameters."""
+    """A machine prepared for a run, and derivatives of its numbers by p parameters."""
 
     system: System
     model: Model
@@ -63,7 +63,7 @@ class ParameterChanges:
 
 
 class _Numbers(NamedTuple):
-    """All inputs of a march that depend on parameters."""
+    """All inputs of a run that depend on parameters."""
 
     model: Model
     start: StateChange

@@ -2,7 +2,7 @@
 
 The cases are systems of the same bodies, joints and kinds of loads that differ in numbers: tables of loads,
 initial motion, gravity, even stiffness. Numbers that all cases share are stored once; the others get a
-leading axis, and the compiled march is mapped over it (`jax.vmap`), unless cases freeze their tangents
+leading axis, and the compiled run is mapped over it (`jax.vmap`), unless cases freeze their tangents
 (`shares_of_cases`). All processor cores are used where that is worthwhile (`worker_processes`).
 """
 
@@ -81,7 +81,7 @@ def simulate_batch(
 
     Raises
     ------
-    ModelError      no case, cases that differ in more than numbers, a SampledController in cases that march
+    ModelError      no case, cases that differ in more than numbers, a SampledController in cases that run
                     together
     MemoryShortageError     a chunk would not fit in the available memory
     """
@@ -146,7 +146,7 @@ def _check_cases(cases: Sequence[System], run: Run, chunk: int | None) -> None:
     sampled = [each for system in cases for each in system.controllers if isinstance(each, SampledController)]
     if sampled and not any(placed.body.kind == "full" for placed in cases[0].bodies):
         raise ModelError(
-            f"controller '{sampled[0].name}' is called between the steps, where cases that march together "
+            f"controller '{sampled[0].name}' is called between the steps, where cases that run together "
             "cannot stop: simulate them one by one, or write it as a Controller"
         )
     if chunk is not None and chunk < 1:

@@ -1,4 +1,4 @@
-"""Load cases of a machine of intrinsic bodies, marched together.
+"""Load cases of a machine of intrinsic bodies, run together.
 
 Chunks of cases are distributed over the devices of JAX: one, unless more were set before JAX starts
 (JAX_NUM_CPU_DEVICES=2 in the environment).
@@ -36,7 +36,7 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
     """The solutions of `simulate` for machines of intrinsic bodies.
 
     Machines with joints between bodies run one after another; machines whose roots are connected only to the
-    ground march together. The gain is largest for the Runge-Kutta method with cases that differ only in
+    ground run together. The gain is largest for the Runge-Kutta method with cases that differ only in
     loads, motions and initial states.
     Raises ModelError for cases that differ in more than numbers.
     """
@@ -71,7 +71,7 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
         began = clock.perf_counter()
         group = chunks[begin : begin + len(devices)]
         marching = [sent(own, device) for own, device in zip(group, devices, strict=False)]
-        # The first call compiles the program when dispatched; the march is asynchronous.
+        # The first call compiles the program when dispatched; the call is asynchronous.
         preparing += (sending := clock.perf_counter() - began)
         began += sending
         reached = jax.device_get(marching)

@@ -1,4 +1,4 @@
-"""Cases of a batch in shares, each marched by one call of a compiled program.
+"""Cases of a batch in shares, each computed by one call of a compiled program.
 
 Cases are mapped together, up to a chunk, except for the solution of Newton's equations, which is sequential
 and skips converged cases (`sequential_vmap`). A smaller last share repeats its last case, so that one program
@@ -36,7 +36,7 @@ __all__ = ["SharesOfCases", "shares_of"]
 
 @dataclass(frozen=True)
 class SharesOfCases:
-    """Cases marched by one call, and the arguments of the program."""
+    """Cases computed by one call, and the arguments of the program."""
 
     program: CachedProgram
     cases: tuple[Sequence[int], ...]
@@ -94,7 +94,7 @@ def _mapped(
 def _march_of_cases(
     first: Model, differing: list[Any], settings: Controls, states: State, stops: Any
 ) -> tuple[State, State]:
-    """The march, mapped over cases: the first model, with its leaves replaced by `differing` if not None."""
+    """The run, mapped over cases: the first model, with its leaves replaced by `differing` if not None."""
     leaves, structure = jax.tree.flatten(first)
 
     def of_case(own: list[Any], state: State) -> tuple[State, State]:

@@ -34,7 +34,7 @@ def watched_run(
     record: Recorder | None = None,
     check: bool = True,
 ) -> Solution:
-    """March a machine by the engine for the form of its bodies; parameters as for `simulate`."""
+    """Run a machine by the engine for the form of its bodies; parameters as for `simulate`."""
     before_compiled_code()
     times = run.times
     check_laws_cover(system, times[0], times[-1])
