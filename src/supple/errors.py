@@ -122,7 +122,7 @@ class UnlockedWarning(SuppleWarning):
 
 
 class StepCutWarning(SuppleWarning):
-    """Time steps that were cut, for Newton's method to converge or for the error tolerance."""
+    """Time steps that were shortened, for Newton's method to converge or for the error tolerance."""
 
 
 def did_you_mean(name: str, known: Collection[str]) -> str:

@@ -134,7 +134,7 @@ def say(text: str, style: str = "") -> None:
 
 
 def show_any_character() -> None:
-    """Let output escape characters that its encoding lacks, instead of failing on them."""
+    """Escape characters that the encoding of the output lacks, instead of failing."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")

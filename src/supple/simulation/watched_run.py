@@ -91,7 +91,7 @@ def check_laws_cover(system: System, begin: float, end: float) -> None:
 
 
 def _report_rejected_steps(statistics: Statistics, step: StepControl) -> None:
-    """Warn when steps of a fixed size had to be cut: the result is good, the step was too long."""
+    """Warn when steps of a fixed size were shortened: the result is valid, but the given step is too long."""
     if statistics.rejected_steps and isinstance(step, FixedStep):
         warnings.warn(
             f"{statistics.rejected_steps} steps did not converge and were cut "

@@ -110,6 +110,6 @@ class SlideFriction(JointFriction):
 
 
 def _size(across: jax.Array) -> jax.Array:
-    """Length of the force, with a finite derivative at zero."""
+    """Magnitude of the force, with a finite derivative at zero."""
     square = across @ across
     return jnp.where(square > 0, jnp.sqrt(jnp.where(square > 0, square, 1.0)), 0.0)
