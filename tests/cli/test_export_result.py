@@ -146,7 +146,7 @@ def test_reduced_bodies_of_another_run_are_refused(result):
     case = read_case(result.parents[1] / "strip.toml")
     body = case.system.bodies[0].body
     write_reduced_body(result.parent / "strip-reduced.h5", replace(body, nodal_basis=-body.nodal_basis))
-    with pytest.raises(ResultFileError, match="columns that are not those of the body"):
+    with pytest.raises(ResultFileError, match="columns that are not those of the given body"):
         result_machine(result)
     (result.parent / "strip-reduced.h5").unlink()
     with pytest.raises(ResultFileError, match=r"strip-reduced.h5 is missing"):

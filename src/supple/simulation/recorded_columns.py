@@ -96,18 +96,18 @@ def _other(path: Path | str, placed: Placed, name: str, size: int) -> str:
     body = placed.body
     if name == "nodal_basis":
         return (
-            f"{path} holds a motion of body '{body.name}' on {size} columns that are not those of "
-            f"the body given, which has {body.n_coordinates}. A repeated reduction can change their signs: "
+            f"{path} contains a motion of body '{body.name}' in {size} columns that are not those of "
+            f"the given body, which has {body.n_coordinates}. A repeated reduction can change their signs: "
             "store the reduced body (write_reduced_body) and continue with it, or start a new run"
         )
     if name == "shapes":
         return (
-            f"{path} holds a motion of body '{body.name}' in {size} modes whose shapes are not those of the "
-            f"body given, which has {body.n_coordinates}. On another computer, or with another number of "
+            f"{path} contains a motion of body '{body.name}' in {size} modes whose shapes are not those of "
+            f"the given body, which has {body.n_coordinates}. On another computer, or with another number of "
             "threads, modes of equal frequency can be mixed: continue there, or start a new run"
         )
     return (
-        f"{path} holds a motion of body '{body.name}' with another {name.replace('_', ' ')} than that of the "
+        f"{path} contains a motion of body '{body.name}' with another {name.replace('_', ' ')} than the "
         "given body: continue with the original body, or start a new run"
     )
 

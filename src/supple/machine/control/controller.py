@@ -105,7 +105,7 @@ def as_memory(name: str, memory: Any) -> dict[str, np.ndarray]:
         return {key: np.array(value, dtype=float) for key, value in sorted(memory.items())}
     except (TypeError, ValueError) as error:
         raise ModelError(
-            f"controller '{name}': its memory must hold numbers and arrays of them, because it is stored in "
+            f"controller '{name}': its memory must contain numbers and arrays, because it is stored in "
             f"result files ({error})"
         ) from error
 

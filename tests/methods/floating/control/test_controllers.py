@@ -349,7 +349,7 @@ def test_what_a_controller_cannot_do_is_refused():
         m.EndReading("ground")
     with pytest.raises(ModelError, match="every must be a positive time"):
         replace(SAMPLED, every=0.0)
-    with pytest.raises(ModelError, match="its memory must hold numbers"):
+    with pytest.raises(ModelError, match="its memory must contain numbers"):
         replace(SAMPLED, memory={"word": "no"})
     with pytest.raises(ModelError, match=r"there is no joint 'elbo'; did you mean 'elbow'"):
         arm(replace(FOLLOWING, reads={"elbow": m.JointReading("elbo")}))
