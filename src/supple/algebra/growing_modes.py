@@ -123,9 +123,9 @@ class GrowingModes:
                 )
                 if not everything.values[0] > 0:
                     raise AccuracyError(
-                        f"the lowest eigenvalue of the structure is {everything.values[0]:.1e}: next to "
-                        "its stiffest motion it is too soft for the digits of its stiffness; check units, "
-                        "thicknesses and supports"
+                        f"the lowest eigenvalue of the structure is {everything.values[0]:.1e}: a "
+                        "motion is so soft that rounding errors of the stiffest one exceed its stiffness; "
+                        "check units, thicknesses and supports"
                     )
                 self.found = RitzModes.of(everything)
             else:
