@@ -115,9 +115,7 @@ def _copy_group(source: h5py.Group, target: h5py.Group, names: Collection[str]) 
 def _check_size(found: h5py.Dataset) -> None:
     claimed, limit = found.size * found.dtype.itemsize, _TIMES_ITS_SIZE * found.file.id.get_filesize()
     if claimed > limit:
-        raise ValueError(
-            f"{found.name} claims {claimed} bytes; the limit for a file of this size is {limit}"
-        )
+        raise ValueError(f"{found.name} claims {claimed} bytes; the limit for a file of this size is {limit}")
 
 
 def _limit(seconds: float, memory: int) -> None:

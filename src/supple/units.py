@@ -115,9 +115,7 @@ class UnitSystem:
         """
         for key in units:
             if key not in _STATED:
-                raise ModelError(
-                    f"units cannot be given for {key!r}{did_you_mean(key, _STATED)}"
-                )
+                raise ModelError(f"units cannot be given for {key!r}{did_you_mean(key, _STATED)}")
         given = {key: _spelled(unit) for key, unit in units.items()}
         for key in ("force", "stress"):
             if key in given and given[key] not in _STATED[key]:

@@ -261,7 +261,7 @@ class ReducedFile(BodyKind):
 
 
 class SectionTableFile(ElasticKind):
-    """The file of a section table, for beams, or for intrinsic modes with condense; the key is the file name."""
+    """A section table, for beams or intrinsic modes: the key has its file name instead of a table."""
 
     has_elements = True
 

@@ -295,9 +295,7 @@ def export(
         list[str] | None,
         typer.Option("--input", help="Joint, spring or element whose law is an input of the C or the FMU."),
     ] = None,
-    fmi: Annotated[
-        int | None, typer.Option(min=2, max=3, help="Version of FMI; default: 3.")
-    ] = None,
+    fmi: Annotated[int | None, typer.Option(min=2, max=3, help="Version of FMI; default: 3.")] = None,
     platforms: Annotated[
         list[str] | None,
         typer.Option(

@@ -254,8 +254,7 @@ class _Reader:
         is_limited = bool(model.jnt_limited[j]) and limits
         if (is_universal or kind == _BALL) and is_limited:
             raise ModelError(
-                f"{self.name}: the limits of ball and universal joints are not read; "
-                'leave_out=["limits"]'
+                f'{self.name}: the limits of ball and universal joints are not read; leave_out=["limits"]'
             )
         if is_universal and (k or c):
             raise ModelError(

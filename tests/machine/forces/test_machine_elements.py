@@ -259,7 +259,10 @@ def test_a_servo_is_held_within_its_limit_and_counts_whole_turns():
         (lambda: m.Penalty(stiffness=1.0, exponent=0.5), "exponent must be finite and at least 1"),
         (lambda: m.Penalty(stiffness=1.0, dissipation=-1.0), "dissipation must be finite, not negative"),
         (lambda: m.Coulomb(coefficient=-1.0, width=1.0), "friction coefficient must be finite"),
-        (lambda: m.Coulomb(coefficient=1.0, width=0.0), "width of a friction law must be a positive velocity"),
+        (
+            lambda: m.Coulomb(coefficient=1.0, width=0.0),
+            "width of a friction law must be a positive velocity",
+        ),
         (lambda: m.RevoluteFriction(**AXIS, moment=1.0, width=0.0), "width must be finite and positive"),
         (lambda: m.Bushing(**ENDS, stiffness=np.ones(5)), r"must be \(6,\) or \(6, 6\) finite numbers"),
         (lambda: m.Bushing(**ENDS, stiffness=SQUARE), "must be symmetric"),
