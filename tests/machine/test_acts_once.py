@@ -54,7 +54,7 @@ def test_a_servo_moves_what_its_joint_leaves_free():
     def along(axis):
         return m.SlideServo(**ENDS, axis=axis, slide=0.1, stiffness=2.0)
 
-    words = r"AngleServo on ground: it has no effect, because joint 'hinge' fixes its ends along its axis "
+    words = r"AngleServo on ground: it has no effect, because joint 'hinge' fixes its ends along the axis "
     with pytest.raises(
         ModelError, match=words + r"\(1, 0, 0\): give it an axis along \[0.0, 0.0, 1.0\], which the joint "
     ):
