@@ -78,9 +78,9 @@ def test_the_mass_follows_from_the_force():
         ),
         ({"length": "mm", "mass": "kg", "time": "s", "force": "N"}, "these have the force in .*, such as m"),
         ({"length": "metre"}, "no unit of length 'metre'"),
-        ({"lenght": "m"}, "no quantity 'lenght'.*did you mean 'length'"),
+        ({"lenght": "m"}, "units cannot be given for 'lenght'.*did you mean 'length'"),
         ({"force": "newton"}, "no unit of force 'newton'"),
-        ({"length": "ft", "time": "ms", "force": "dyn"}, "no known unit of mass goes with ft, ms and dyn"),
+        ({"length": "ft", "time": "ms", "force": "dyn"}, "no known unit of mass matches ft, ms and dyn"),
     ],
 )
 def test_units_that_are_no_set_are_refused(stated, message):

@@ -6,7 +6,7 @@ contains what most scripts need, in the order of the workflow:
 
     mesh -> model -> body -> reduction -> machine -> run -> correction -> results -> files -> pictures
 
-The sub-packages contain the rest. A name is loaded on first use, so that the import takes no time.
+All other names are in the sub-packages. A name is loaded on first use, so the import is fast.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Checks of the arguments of functions and constructors.
 
-Each check returns nothing and raises ArgumentError with location, expectation and given value. JAX tracers in
-place of numbers pass.
+A failed check raises ArgumentError, `check_ranges` ModelError. The message contains location, expectation and
+given value. JAX tracers pass as numbers.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ _NUMBERS = frozenset("iuf")
 
 
 def given(value: Any) -> str:
-    """Short description of a value for messages; a class may describe its use in `used_with`."""
+    """Short description of a value for messages, with the `used_with` of its class, if any."""
     if isinstance(value, type):
         return f"the class {value.__name__} itself; make one: {value.__name__}(...)"
     if hasattr(value, "shape") and hasattr(value, "dtype") and getattr(value, "ndim", 0):
@@ -69,7 +69,7 @@ def check_members(what: str, value: Any, members: tuple[str, ...], expected: str
         raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
 
 
-def check_text(what: str, value: Any, expected: str = "a word in quotes") -> None:
+def check_text(what: str, value: Any, expected: str = "a string") -> None:
     """Raise unless the value is a string that is not empty."""
     if not isinstance(value, str) or not value:
         raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
@@ -153,7 +153,7 @@ def _ranges(kind: type) -> dict[str, str]:
 
 
 def checked_arguments(function: _F) -> _F:
-    """The function with a check of its arguments against their annotations at each call."""
+    """Decorator that checks the arguments of each call against their annotations."""
     signature = inspect.signature(function)
 
     @wraps(function)
@@ -194,7 +194,7 @@ def _test_of(hint: Any) -> tuple[Callable[[Any], bool], str] | None:
     if hint in _PLAIN or origin in _GENERIC:
         return _PLAIN.get(hint) or _GENERIC[origin]
     if origin is tuple and set(get_args(hint)) == {float}:
-        return _passes(check_numbers), f"{len(get_args(hint))} numbers"  # the class checks their number
+        return _passes(check_numbers), f"{len(get_args(hint))} numbers"  # the class checks how many
     if hint is Any or not isinstance(hint, type):
         return None
     called = f"an object of the kind {hint.__name__}"
@@ -223,7 +223,7 @@ _PLAIN: dict[Any, tuple[Callable[[Any], bool], str]] = {
     float: (_passes(check_number), "a number"),
     int: (_passes(check_whole_number), "a whole number"),
     bool: (lambda value: isinstance(value, bool | np.bool_), "True or False"),
-    str: (lambda value: isinstance(value, str), "a word in quotes"),
+    str: (lambda value: isinstance(value, str), "a string"),
     np.ndarray: (_passes(check_numbers), "an array of numbers"),
     Path: (lambda value: isinstance(value, os.PathLike), "a path"),
 }

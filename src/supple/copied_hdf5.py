@@ -1,11 +1,10 @@
 """HDF5 files of unknown origin, copied by a separate process before they are read.
 
-On a damaged file the HDF5 library may hang, take all memory, or crash the process. Here this affects only a
-process that copies: the file that is read afterwards is new. Files with a seal are read directly.
+On a damaged file the HDF5 library may hang, take all memory, or crash the process. Here only the copying
+process is affected; the caller reads the new file. Files with a seal are read directly.
 
-The process may use 15 s of processor time, so that the result is there within 20 s on an idle computer, and
-2 GiB; a large file has a second more for every 50 MB, and twenty times its size. No array may claim more than
-twenty times the size of its file.
+Limits of the copying process: 15 s of processor time plus 1 s per 50 MB of the file, and 2 GiB of memory or
+twenty times the size of the file, if that is more. No array may be larger than twenty times the file.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ _EXPLAINED = 3
 
 @contextmanager
 def open_copied(path: Path, parts: Collection[str] | None = None) -> Iterator[h5py.File]:
-    """A copy of an HDF5 file, open for reading: arrays with text attributes, group attributes, uncompressed.
+    """Open an uncompressed copy of an HDF5 file: arrays with text attributes, groups with all attributes.
 
     parts : names of the members of the root to copy; by default all. Missing names are skipped, links are
         followed.
@@ -57,19 +56,19 @@ def _copy_apart(path: Path, copy: Path, parts: Collection[str] | None) -> None:
     size = path.stat().st_size
     seconds = SECONDS + size / _BYTES_PER_SECOND
     memory = max(MEMORY, _TIMES_ITS_SIZE * size)
-    # No parts: the root's attributes alone; a slash: everything.
+    # An empty collection copies only the root's attributes; "/" copies everything.
     words = [path.absolute(), copy, seconds, memory, *(["/"] if parts is None else parts)]
-    code, said = _answer([str(word) for word in words], _WAITING * seconds)
+    code, output = _exit_of([str(word) for word in words], _WAITING * seconds)
     if code == _EXPLAINED:
-        raise OSError(said)
+        raise OSError(output)
     if code in (None, *_OUT_OF_TIME):
         raise OSError(f"HDF5 does not finish within {seconds:.0f} s, the limit")
     if code:
         raise OSError(f"HDF5 crashes on it (exit code {code})")
 
 
-def _answer(words: list[str], seconds: float) -> tuple[int | None, str]:
-    """Exit code of the process, None if it exceeds its time, and its output."""
+def _exit_of(words: list[str], seconds: float) -> tuple[int | None, str]:
+    """Exit code of the process (None if the time limit was exceeded), and its output."""
     try:
         done = subprocess.run(
             python_command(__file__, *words),
@@ -116,9 +115,7 @@ def _copy_group(source: h5py.Group, target: h5py.Group, names: Collection[str]) 
 def _check_size(found: h5py.Dataset) -> None:
     claimed, limit = found.size * found.dtype.itemsize, _TIMES_ITS_SIZE * found.file.id.get_filesize()
     if claimed > limit:
-        raise ValueError(
-            f"{found.name} claims {claimed} bytes, and {limit} are the limit for a file of its size"
-        )
+        raise ValueError(f"{found.name} claims {claimed} bytes; the limit for a file of this size is {limit}")
 
 
 def _limit(seconds: float, memory: int) -> None:

@@ -82,7 +82,7 @@ class ValidityWarning(SuppleWarning):
 
 
 class LockingWarning(SuppleWarning):
-    """A reduced body whose static response is too small, as its basis lacks stiff motion."""
+    """A reduced body whose static response is too small because its basis lacks stiff motion."""
 
 
 class BasisWarning(SuppleWarning):
@@ -122,7 +122,7 @@ class UnlockedWarning(SuppleWarning):
 
 
 class StepCutWarning(SuppleWarning):
-    """Time steps that were cut, for Newton's method to converge or for the error tolerance."""
+    """Time steps that were shortened, for Newton's method to converge or for the error tolerance."""
 
 
 def did_you_mean(name: str, known: Collection[str]) -> str:

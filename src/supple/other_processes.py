@@ -17,10 +17,7 @@ _alone: ContextVar[bool] = ContextVar("alone", default=False)
 
 @contextmanager
 def one_core() -> Iterator[None]:
-    """Context without further processes or threads of BLAS: parallel work uses the other cores.
-
-    Two processes with two threads each on two cores took 1.4 times as long as with one thread each.
-    """
+    """Context in which `available_cores` returns 1 and BLAS has one thread: parallel work uses the others."""
     token = _alone.set(True)
     try:
         with threadpool_limits(1, user_api="blas"):
@@ -37,8 +34,8 @@ def available_cores() -> int:
 
 
 def python_command(*words: str) -> list[str]:
-    """Command that starts this Python with its own script or module, not the caller's, which multiprocessing
-    would run again. The folder of a script is not an import path."""
+    """Command that runs a script or module in this Python. `multiprocessing` would run the caller's script
+    again. The folder of the script is not on the import path (-P)."""
     return [sys.executable, "-P", *words]
 
 

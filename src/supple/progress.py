@@ -1,4 +1,4 @@
-"""Progress of long work: a bar after two seconds in a terminal or notebook, and a line of log."""
+"""Progress of long work: a bar after two seconds in a terminal or notebook, and a line in the log."""
 
 from __future__ import annotations
 
@@ -45,21 +45,21 @@ def show_progress(shown: bool = True) -> None:
 
 
 def by_fraction(share: Share) -> Callable[[float], None]:
-    """For work that reports its fraction."""
+    """Adapter for work that reports its finished fraction."""
     return share
 
 
 def by_step(share: Share) -> Callable[[str, float], None]:
-    """For work that reports steps and the fraction of each."""
+    """Adapter for work that reports steps and the finished fraction of each."""
     return lambda step, fraction: share(fraction, step)
 
 
 def with_progress_bar(
     title: str, adapter: Adapter | None = None
 ) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Decorator of long work, which logs its title and its seconds at the end.
+    """Decorator of long work: it shows a bar, and logs title and duration at the end.
 
-    With an adapter the bar receives the progress, unless `progress` is given.
+    With an adapter the work reports its progress to the bar. No bar is shown if the caller passes `progress`.
     """
 
     def decorate(work: Callable[P, T]) -> Callable[P, T]:
@@ -86,7 +86,7 @@ def with_progress_bar(
 
 @contextmanager
 def progress_bar(title: str) -> Iterator[Share | None]:
-    """Reporter to the bar of some work; None if no bar is shown, as within work with a bar."""
+    """Context with a bar; yields its reporter, or None if no bar is shown, as inside work with a bar."""
     if not (_switch["on"] and _outermost.get() and _is_watched()):
         yield None
         return
@@ -109,7 +109,7 @@ def _is_notebook() -> bool:
 
 
 class _Line(Protocol):
-    """The place of a bar."""
+    """Output line of a bar."""
 
     def update(self, text: str, fraction: float | None) -> None:
         """Show the description and the fraction."""
@@ -183,7 +183,7 @@ class _Bar:
             self._update()
 
     def stop(self) -> None:
-        """End of the work, or its failure."""
+        """Remove the bar after the work ends or fails."""
         self._timer.cancel()
         with self._lock:
             self._over = True

@@ -71,14 +71,14 @@ class Summarized:
 
 
 def listed(names: Iterable[str]) -> str:
-    """Some names in a row; of many the first, and their number."""
+    """Names separated by commas; of more than `N_LISTED` the first ones and the count."""
     every = list(names)
     more = f", ... ({len(every)} in all)" if len(every) > N_LISTED else ""
     return (", ".join(every[:N_LISTED]) or "none") + more
 
 
 def point(position: Sequence[float] | np.ndarray, size: float = 0.0) -> str:
-    """Coordinates of a point in a row, with 0 for rounding relative to the largest, or to the size."""
+    """Coordinates in parentheses; values below 1e-12 of the largest, or of `size`, are shown as 0."""
     values = np.asarray(position, dtype=np.float64)
     values = np.where(abs(values) > 1e-12 * abs(values).max(initial=size), values, 0.0)
     return "(" + ", ".join(f"{value:g}" for value in values) + ")"

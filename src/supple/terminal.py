@@ -1,6 +1,6 @@
 """The terminal of the commands: bars, lines, tables, warnings and errors on one console.
 
-Lines and tables are records of the logger "supple.cli" (INFO), which `shown_log` prints on the console: a
+Lines and tables are INFO records of the logger "supple.cli". `shown_log` prints them on the console; a
 program that calls a command may redirect them. Library code logs to "supple" and prints nothing.
 """
 
@@ -70,7 +70,7 @@ class PrintedMessage:
 
 
 class ConsoleHandler(logging.Handler):
-    """Prints output of commands and warnings of the library; bars show its other records."""
+    """Prints the output of commands, and records of the library from level WARNING."""
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Whether a record is shown."""
@@ -101,7 +101,7 @@ def shown_log() -> Iterator[None]:
 def progress_bars(on: Console | None = None, *, transient: bool = False) -> Progress:
     """Bars with the elapsed time, by default on standard output; a step of unknown length has a spinner.
 
-    transient : they disappear at the end
+    transient : the bars disappear at the end
     """
     return Progress(
         SpinnerColumn(finished_text="[green]*[/green]"),
@@ -134,7 +134,7 @@ def say(text: str, style: str = "") -> None:
 
 
 def show_any_character() -> None:
-    """Let output escape characters that its encoding lacks, instead of failing on them."""
+    """Escape characters that the encoding of the output lacks, instead of failing."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
@@ -146,7 +146,7 @@ def worded(step: str, detail: str = "") -> str:
 
 
 class ProgressBars:
-    """A bar for every step, in their order; one of unknown length has a spinner until the next."""
+    """One bar per step, in order; a step of unknown length has a spinner until the next step begins."""
 
     def __init__(self, bars: Progress) -> None:
         self._bars = bars
@@ -175,7 +175,7 @@ class ProgressBars:
 
 
 def bar(bars: Progress, label: str) -> Callable[[float], None]:
-    """One more bar; the returned function takes the finished share."""
+    """Add a bar; the returned function sets its finished fraction, 0 to 1."""
     task = bars.add_task(label, total=1.0)
     return lambda fraction: bars.update(task, completed=fraction)
 
@@ -198,10 +198,10 @@ def print_rows(title: str, rows: Iterable[tuple[str, str]]) -> None:
 
 @contextmanager
 def reported_errors(*, debug: bool) -> Iterator[None]:
-    """Print log records; print an error as a message and exit; with `debug`, as a traceback.
+    """Print log records; print an error as a message and exit. With `debug` the error is raised.
 
-    Errors raised by supple or by the system are mistakes of the input (`MISTAKE`); all others are faults of
-    supple, and the message states so (`FAULT`).
+    Errors raised by supple or by the system are mistakes of the input (exit code `MISTAKE`). All others are
+    faults of supple (`FAULT`), and the message states this.
     """
     try:
         with shown_log():
@@ -211,18 +211,18 @@ def reported_errors(*, debug: bool) -> Iterator[None]:
     except Exception as error:
         if debug:
             raise
-        message, code = _told(error)
+        message, code = _message_of(error)
         error_console.print(words("error: ", "bold red") + words(message), soft_wrap=True)
         raise typer.Exit(code) from error
 
 
-def _told(error: Exception) -> tuple[str, int]:
+def _message_of(error: Exception) -> tuple[str, int]:
     """Message and exit code of an error."""
     match error:
         case SuppleError():
             return str(error), MISTAKE
         case MemoryError():
-            return f"the memory does not suffice ({error or 'none is left'}): give a smaller model", MISTAKE
+            return f"not enough memory ({error or 'none is left'}): use a smaller model", MISTAKE
         case OSError() if error.filename is not None:
             return (
                 f"{os.fsdecode(error.filename)}: {error.strerror}; check the path and its permissions",
@@ -232,8 +232,7 @@ def _told(error: Exception) -> tuple[str, int]:
             return f"{error}; check the paths given, and the disk", MISTAKE
         case _:
             return (
-                f"{type(error).__name__}: {error}\nThis is a fault of supple, not of what it was given to "
-                "read. "
+                f"{type(error).__name__}: {error}\nThis is a fault of supple, not of its input. "
                 "Run the command again with --debug and report the traceback with the input",
                 FAULT,
             )

@@ -1,7 +1,7 @@
 """Unit system: the units of a model's numbers, and their names in pictures, tables and files.
 
-A model is computed in any consistent set of units, defined by the names of those of length, mass and time.
-All other units follow; a unit that cannot be derived has no name, and is not written.
+A model is computed in any consistent set of units, defined by the names of its units of length, mass and
+time. All other units follow; a unit that cannot be derived has no name, and is not written.
 """
 
 from __future__ import annotations
@@ -49,12 +49,12 @@ _ENERGIES = MappingProxyType({"J": 1.0, "mJ": 1e-3, "uJ": 1e-6, "kJ": 1e3, "MJ":
 _WATTS = MappingProxyType({"W": 1.0, "mW": 1e-3, "uW": 1e-6, "kW": 1e3, "MW": 1e6})
 _SPELLINGS = MappingProxyType({"µm": "um", "μm": "um", "µs": "us", "μs": "us", "sec": "s", "tonne": "t"})
 _IMPERIAL = ("in", "ft")
-# Names of the same unit agree to the digits of the definitions of feet and pounds.
+# Relative tolerance within which two units are the same; feet and pounds are defined by rounded numbers.
 _SAME = 1e-9
 
 
 class DisplayUnit(NamedTuple):
-    """A unit for display, and the factor on numbers of the model."""
+    """A unit for display, and the factor from numbers in the model's units."""
 
     unit: str
     factor: float
@@ -71,12 +71,12 @@ def headed(what: str, unit: str) -> str:
 
 
 def measured(number: str, unit: str) -> str:
-    """A number with its unit, or alone."""
+    """A number with its unit, or the number alone if the unit has no name."""
     return f"{number} {unit}" if unit else number
 
 
 def plain_number(value: float, digits: int = 3) -> str:
-    """A number with some significant digits, without a power of ten for a longer whole part: "1050"."""
+    """A number with significant digits; whole parts below 1e9 are written out: "1050", not "1.05e+03"."""
     return f"{value:.0f}" if 10**digits <= abs(value) < 1e9 else f"{value:.{digits}g}"
 
 
@@ -115,9 +115,7 @@ class UnitSystem:
         """
         for key in units:
             if key not in _STATED:
-                raise ModelError(
-                    f"there is no quantity {key!r} to give a unit of{did_you_mean(key, _STATED)}"
-                )
+                raise ModelError(f"units cannot be given for {key!r}{did_you_mean(key, _STATED)}")
         given = {key: _spelled(unit) for key, unit in units.items()}
         for key in ("force", "stress"):
             if key in given and given[key] not in _STATED[key]:
@@ -149,17 +147,17 @@ class UnitSystem:
 
     @property
     def velocity(self) -> str:
-        """Length by time."""
+        """Length per time."""
         return self.composed(length=1, time=-1)
 
     @property
     def acceleration(self) -> str:
-        """Length by time squared."""
+        """Length per time squared."""
         return self.composed(length=1, time=-2)
 
     @property
     def angular_velocity(self) -> str:
-        """Radians by time."""
+        """Radians per time."""
         return f"rad/{self.time}" if self.time else ""
 
     @property
@@ -174,7 +172,7 @@ class UnitSystem:
 
     @property
     def stress(self) -> str:
-        """Unit of stresses and moduli as computed; see `stress_shown`."""
+        """Unit of computed stresses and moduli; for display see `stress_shown`."""
         return self._named(_STRESSES, mass=1, length=-1, time=-2)
 
     @property
@@ -189,7 +187,7 @@ class UnitSystem:
 
     @property
     def density(self) -> str:
-        """Mass by length cubed."""
+        """Mass per length cubed."""
         return self.composed(mass=1, length=-3)
 
     @property
@@ -271,13 +269,16 @@ def _spelled(unit: str) -> str:
 
 
 def _mass_of(length: str, time: str, force: str) -> str:
-    """The mass consistent with length, time and force; "" if it has no name."""
+    """The mass consistent with length, time and force, "" if one of them is missing.
+
+    Raises ModelError if this mass has no name.
+    """
     if not (force and length in _LENGTHS and time in _TIMES):
         return ""
     size = _FORCES[force] * _TIMES[time] ** 2 / _LENGTHS[length]
     same = [name for name, own in _MASSES.items() if isclose(own, size, rel_tol=_SAME)]
     if not same:
-        raise ModelError(f"no known unit of mass goes with {length}, {time} and {force}: give the mass, too")
+        raise ModelError(f"no known unit of mass matches {length}, {time} and {force}: give the mass, too")
     return same[0]
 
 
@@ -287,7 +288,7 @@ def _power(name: str, power: int) -> str:
 
 
 def _ratio(factor: float, unit: float) -> float:
-    """The quotient, without the rounding of powers of ten."""
+    """The quotient to 12 digits, so that powers of ten are exact."""
     quotient = factor / unit
     return float(f"{quotient:.12g}")
 

@@ -186,7 +186,7 @@ def test_its_nodes_do_not_show_which_coordinates_a_basis_keeps(beam):
     body = superelement("arm", beam.grids, beam.stiffness, beam.mass, dofs_per_node=6, interfaces=ends)
     small = reduced(body, CraigBampton(2))
     assert small.full is None
-    with pytest.raises(ModelError, match=r"is a condensed model, .* Keep all: CompleteBasis"):
+    with pytest.raises(ModelError, match=r"is a condensed model, .* Keep all coordinates: CompleteBasis"):
         stored_basis(FullBody(body, NodalFixedFrame("root")), small)
     with pytest.raises(ModelError, match="the mass distribution of a body condensed elsewhere"):
         modal_subdomain(body, CraigBampton(2))

@@ -412,7 +412,7 @@ ONE_MISTAKE = {
     "a tolerance of an unknown number of eigenvalues": (
         SIZES,
         'reduction = { basis = "error-controlled", tolerance = 1e-3 }',
-        "reduction.modes: this key is missing; add it (elastic eigenvalues, the lowest, that are within",
+        "reduction.modes: this key is missing; add it (number of lowest elastic eigenvalues within",
     ),
     "two kinds of accuracy": (
         SIZES,

@@ -96,7 +96,7 @@ def test_a_ratio_on_modes_is_one_on_those_of_the_whole(case_folder):
     [
         ("{}", r"a split needs parts = 2, or cell_sets = \[\.\.\.\]; this one has neither"),
         ('{ parts = 2, cell_sets = ["A", "B"] }', r"this one has parts and cell_sets"),
-        ('{ cell_sets = ["A", "B"], body_axis = [1, 0, 0] }', r"parts made of cell sets have no body_axis"),
+        ('{ cell_sets = ["A", "B"], body_axis = [1, 0, 0] }', r"parts from cell sets have no body_axis"),
         (
             "{ parts = 2, axis = [1, 0, 0] }",
             r"body\[1\]\.split\.axis: axis is now body_axis: .* axes of the body",

@@ -103,7 +103,7 @@ def test_a_result_is_written_with_the_bases_and_the_rest_that_its_run_found(case
     text = re.sub(r"reduction = .*\n", "", path.read_text()).replace("[simulation]", PUSHED)
     path.write_text(text.replace("_step = 0.002", "_step = 0.02").replace("step = 0.002", "step = 0.01"))
     refused = exported(path, "--c", tmp_path / "c")
-    assert "is reduced to an accuracy, by its run" in " ".join(refused.output.split())
+    assert "is reduced to an accuracy during its run" in " ".join(refused.output.split())
     ran = CliRunner().invoke(app, ["run", str(path), "-o", str(tmp_path / "out"), "--no-errors"])
     assert ran.exit_code == 0, ran.output
     result = tmp_path / "out" / "strip.h5"

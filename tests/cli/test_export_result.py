@@ -146,7 +146,7 @@ def test_reduced_bodies_of_another_run_are_refused(result):
     case = read_case(result.parents[1] / "strip.toml")
     body = case.system.bodies[0].body
     write_reduced_body(result.parent / "strip-reduced.h5", replace(body, nodal_basis=-body.nodal_basis))
-    with pytest.raises(ResultFileError, match="columns that are not those of the body"):
+    with pytest.raises(ResultFileError, match="columns that are not those of the given body"):
         result_machine(result)
     (result.parent / "strip-reduced.h5").unlink()
     with pytest.raises(ResultFileError, match=r"strip-reduced.h5 is missing"):
@@ -170,7 +170,7 @@ def test_the_files_of_the_result_are_not_written_over(result, name):
         (("a.csv", "--time", "0.1"), "--time is not for a table of the whole machine"),
         (("a.vtu", "--times", "0:1:3"), "--times is not for a .vtu, which contains one time"),
         (("a.csv", "--fmi", "2", "--allow-code"), "--fmi and --allow-code are not for a table"),
-        (("a.csv", "--times", "0:1"), "takes FROM:TO:NUMBER"),
+        (("a.csv", "--times", "0:1"), "must be FROM:TO:NUMBER"),
         (("a.csv", "--times", "0:1:3"), "no output at 0.5: give times from 0 to 0.4"),
         (("a.vtu", "--time", "-1"), "no output at -1"),
         (("a.vtu", "--time", "nan"), "no output at nan"),

@@ -64,7 +64,7 @@ def test_what_cannot_be_written_is_refused(strip_file, tmp_path):
         ("x.mnf", (), "MNF is a closed format of Adams; write .op4 or .pch"),
         ("x.dat", (), "give the case file for .dat"),
         ("x.op4", ("--superelement",), "--superelement is for a deck (.inp)"),
-        ("x.op4", ("--times", "0:1:3"), "is not for a superelement: remove it (options there: --body)"),
+        ("x.op4", ("--times", "0:1:3"), "is not for a superelement: remove it (its options: --body)"),
         ("x.op4", ("--abaqus",), "--abaqus is not for a superelement"),
         ("x.inp", ("--superelement", "--time", "1"), "--time is not for a deck with a superelement"),
     ):

@@ -110,14 +110,14 @@ def test_a_file_that_may_not_be_read(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("below", ["", "/deeper"])
-def test_a_file_stands_where_the_folder_should_be(below, tmp_path):
+def test_a_file_has_the_name_of_the_folder(below, tmp_path):
     path, taken = tmp_path / "case.toml", tmp_path / "taken"
     path.write_text(CASE.format(title="t", name="b"))
     taken.write_text("")
     ended = run("run", path, "-o", f"{taken}{below}")
     assert ended.exit_code == MISTAKE
     assert "a file" in ended.output
-    assert "stands where a folder should be" in ended.output
+    assert "required folder" in ended.output
     ended = run("run", path, "-o", tmp_path / LONG)
     assert ended.exit_code == MISTAKE
     assert "choose a shorter one" in ended.output

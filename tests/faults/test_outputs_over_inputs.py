@@ -20,7 +20,7 @@ def refused(*arguments):
 
 def test_a_case_named_as_the_file_of_its_body(case_folder):
     path = (case_folder / "strip.toml").rename(case_folder / "strip-reduced.toml")
-    with pytest.raises(CaseError, match=r"motion and that of body 'strip' would both be .*strip-reduced\.h5"):
+    with pytest.raises(CaseError, match=r"file of body 'strip' would both be .*strip-reduced\.h5"):
         run_case(read_case(path), case_folder / "out")
 
 
@@ -32,13 +32,13 @@ def test_a_body_made_here_never_replaces_one_that_is_read(case_folder, linear, c
     other = '[[body]]\nname = "other"\nreduced = "strip-reduced.h5"\n\n[simulation]'
     path.write_text(path.read_text().replace("[simulation]", other))
     said = refused(command, path, "-o", case_folder)
-    assert f"cannot write {kept}: {path} reads this file, which would be lost" in said, said
+    assert f"cannot write {kept}: it is an input of {path} and would be lost" in said, said
     assert read_reduced_body(kept).stiffness.tobytes() == linear.stiffness.tobytes()
 
 
 def test_a_deck_never_replaces_the_mesh(case_folder):
     mesh = (case_folder / "strip.inp").read_bytes()
-    assert "reads this file, which would be lost" in refused(
+    assert "it is an input of" in refused(
         "export", case_folder / "strip.toml", "-o", case_folder / "strip.inp"
     )
     assert (case_folder / "strip.inp").read_bytes() == mesh
@@ -50,6 +50,6 @@ def test_a_table_that_is_named_as_the_report_is(tmp_path):
         bar_case(0.2, 0.1, 0.1, joint=MOTOR.replace("angle.csv", "bar.json")), encoding="utf-8"
     )
     (tmp_path / "bar.json").write_text("0,0\n1,1\n", encoding="utf-8")
-    with pytest.raises(CaseError, match=r"cannot write .*bar\.json: .* reads this file"):
+    with pytest.raises(CaseError, match=r"cannot write .*bar\.json: it is an input of .*"):
         run_case(read_case(tmp_path / "bar.toml"), tmp_path, force=True)
     assert (tmp_path / "bar.json").read_text(encoding="utf-8") == "0,0\n1,1\n"

@@ -38,7 +38,7 @@ TYPOS = {
         lambda: sp.Revolute(**ENDS, axis=("0", "0", "1")),
         "Revolute, axis: expected 3 numbers",
     ),
-    "joint name": (lambda: sp.Ball(**ENDS, name=3), r"Ball, name: expected a word in quotes, got 3 \(int\)"),
+    "joint name": (lambda: sp.Ball(**ENDS, name=3), r"Ball, name: expected a string, got 3 \(int\)"),
     "unreduced body": (lambda: sp.Placed(FLEXIBLE), r"place reduce\(body, frame, basis\), or FullBody"),
     "mesh as body": (
         lambda: sp.Placed(MESH),
@@ -160,8 +160,8 @@ TYPOS = {
     "cell type as word": (lambda: sp.block(1.0, 1.0, 1.0, 1, 1, 1, "tetra4"), "expected a CellType"),
     "cells as list": (lambda: sp.Mesh(MESH.nodes, [[0, 1, 2, 3]]), "Mesh, cells: expected a dictionary"),
     "rows of words": (lambda: sp.Mesh([["0", "0", "0"]], {}), "Mesh, nodes: expected an array of numbers"),
-    "no path": (lambda: sp.read_mesh(None), "read_mesh, path: expected a word in quotes or a path, got None"),
-    "no case": (lambda: sp.read_case(3), "read_case, path: expected a word in quotes or a path, got 3"),
+    "no path": (lambda: sp.read_mesh(None), "read_mesh, path: expected a string or a path, got None"),
+    "no case": (lambda: sp.read_case(3), "read_case, path: expected a string or a path, got 3"),
     "run as number": (lambda: sp.simulate(sp.System((HUB,)), 1.0), "simulate, run: expected .*Run, got 1.0"),
     "run and system": (
         lambda: sp.simulate(RUN, sp.System((HUB,))),

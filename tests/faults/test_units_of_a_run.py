@@ -99,7 +99,7 @@ def test_a_machine_does_not_know_its_units(runs):
             assert hinge.attrs["acts_on"] == "bob.pin"
             assert list(hinge.attrs["unit"]) == [units.force] * 3 + [units.moment] * 3
             assert list(hinge.attrs["columns"])[:2] == ["force x", "force y"]
-            assert hinge.attrs["axes"].startswith("joint axes that turn with the first end")
+            assert hinge.attrs["axes"].startswith("joint axes that rotate with the first end")
             assert file["times"].attrs["unit"] == units.time
     assert first == "m-kg-s"
     assert all(one != other for one, other in pairwise(words(each[1].numbers) for each in runs.values()))

@@ -29,7 +29,7 @@ def driving(element, name="clock"):
 
 def test_an_element_that_is_driven_does_not_stand_among_the_loads():
     words = r"controller 'clock' drives TorqueBetween on ground \('motor'\), which is also among the loads"
-    with pytest.raises(ModelError, match=words + ".*act twice: leave it out of loads"):
+    with pytest.raises(ModelError, match=words + ".*act twice; leave it out of loads"):
         wheel(loads=[TORQUE], controllers=[driving(TORQUE)])
     sampled = m.SampledController(
         reads={}, drives={"motor": TORQUE}, law=lambda *_: ({"motor": 0.0}, {}), every=0.1, name="clock"
@@ -54,7 +54,7 @@ def test_a_servo_moves_what_its_joint_leaves_free():
     def along(axis):
         return m.SlideServo(**ENDS, axis=axis, slide=0.1, stiffness=2.0)
 
-    words = r"AngleServo on ground: it has no effect, because joint 'hinge' fixes its ends along its axis "
+    words = r"AngleServo on ground: it has no effect, because joint 'hinge' fixes its ends along the axis "
     with pytest.raises(
         ModelError, match=words + r"\(1, 0, 0\): give it an axis along \[0.0, 0.0, 1.0\], which the joint "
     ):

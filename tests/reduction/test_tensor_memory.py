@@ -71,8 +71,8 @@ def test_tensors_that_would_not_fit_are_refused_with_the_size_that_does(strip_bo
     left(2_000)
     with pytest.raises(
         MemoryShortageError,
-        match=r"building the tensors of body 'strip' with 20 coordinates would take about 5\.6 MB of memory, "
-        r"and 2 MB are left: take at most 15 columns, or the body without its nonlinear strains",
+        match=r"building the tensors of body 'strip' with 20 coordinates needs about 5\.6 MB of memory, "
+        r"and 2 MB are available: take at most 15 columns, or the body without its nonlinear strains",
     ):
         reduce(strip_body, MeanAxisFrame(), Rubin(n_columns=20), derivatives=NoDerivatives(), loads=NoLoads)
 

@@ -34,7 +34,7 @@ def test_the_summary_finds_the_largest_values_and_their_times(hinged):
     joint = numbers["joints"]["hinge"]
     assert (joint["largest force"], joint["time of largest force"]) == (5.0, solution.times[1])
     assert joint["acts on"] == "rod.left"
-    assert joint["axes"].startswith("joint axes that turn with the first end")
+    assert joint["axes"].startswith("joint axes that rotate with the first end")
     assert (joint["largest moment"], joint["time of largest moment"]) == (12.0, solution.times[1])
     np.testing.assert_array_equal(joint["last force"], [-1.0, -2.0, -2.0])
     assert numbers["bodies"]["rod"] == {"kind": "rigid", "mass": 1.0}

@@ -139,5 +139,5 @@ def test_a_motion_is_never_taken_for_one_on_other_columns(tmp_path):
     again = simulate_recorded(System(bodies=(Placed(nearly),)), run, path, case="bar")
     assert again.statistics == first.statistics
     for proceed in (simulate_recorded, continue_recorded):
-        with pytest.raises(ResultFileError, match="motion of body 'bar' on 2 columns that are not those"):
+        with pytest.raises(ResultFileError, match="motion of body 'bar' in 2 columns that are not those"):
             proceed(System(bodies=(Placed(flipped),)), run, path, case="bar")

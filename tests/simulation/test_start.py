@@ -136,7 +136,7 @@ def test_on_another_basis_the_loss_is_stated_and_interfaces_stay(frame):
     body = bar_as("reduced")
     solution = an_instant(body)
     other = reduce(elastic(), frame, Rubin(3), derivatives=NoDerivatives())
-    with pytest.warns(BasisWarning, match=r"loses .* % of the initial deformation"):
+    with pytest.warns(BasisWarning, match=r"lacks .* % of the initial deformation"):
         found = Start(solution, 2.5, System([Placed(body)])).place(System([Placed(other)]))
     loss, placed = found.losses["bar"], found.system.bodies[0]
     before, after = solution.bodies["bar"], as_motion(placed).bodies["bar"]

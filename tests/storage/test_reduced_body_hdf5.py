@@ -169,7 +169,7 @@ class OwnFrame(Frame):
 
 
 def test_a_frame_without_a_name_cannot_be_written(tmp_path, linear):
-    with pytest.raises(ModelError, match="its frame is OwnFrame; a file holds MeanAxisFrame"):
+    with pytest.raises(ModelError, match="its frame is OwnFrame; a file can contain only MeanAxisFrame"):
         write_reduced_body(tmp_path / "a.h5", replace(linear, frame=OwnFrame()))
     assert not list(tmp_path.iterdir())
 

@@ -1,4 +1,4 @@
-"""Memory available to this process, checked before use, as the system ends a process that exceeds it."""
+"""Memory available to this process, checked before use, because the system ends a process that exceeds it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["available_memory", "in_words", "require_memory"]
 
 _SYSTEM = Path("/proc/meminfo")
 _GROUP = Path("/sys/fs/cgroup")
-"""File of a container's own limit, version 2."""
+"""Folder with the memory limit of a container (cgroup version 2)."""
 
 
 def available_memory() -> int | None:
@@ -41,7 +41,7 @@ def require_memory(needed: float, what: str, remedy: str) -> None:
     available = available_memory()
     if available is not None and needed > available:
         raise MemoryShortageError(
-            f"{what} would take about {in_words(needed)} of memory, and {in_words(available)} are left: "
+            f"{what} needs about {in_words(needed)} of memory, and {in_words(available)} are available: "
             f"{remedy}"
         )
 

@@ -3,8 +3,8 @@
     [ K + W diag(c) W^T   A^T ] [ x ]   [ b ]
     [ A                    0  ] [ l ] = [ g ]
 
-Most rows, the interior, are sparse and have a factor of their own; the others, the constraints `A` and the
-columns `W`, are few, and form the Schur complement.
+Most rows of K, the interior, are sparse and have a factor of their own. The other rows, the constraints `A`
+and the columns `W` are few, and form the Schur complement.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ LARGEST_REFINEMENT = 1e-3
 """As for sparse factors: largest relative change of a solution by one refinement."""
 
 _ROUNDING = 1e-13
-"""Skew part of a symmetric matrix, over its largest entry."""
+"""Largest skew part of a symmetric matrix, relative to its largest entry."""
 
 
 @dataclass(frozen=True, eq=False)

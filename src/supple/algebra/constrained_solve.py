@@ -28,7 +28,7 @@ class GroundedFactor:
     """A free body's stiffness K, supported by springs at as many freedoms as it has rigid motions.
 
     K_g = K + E k E^T is positive definite and sparse. For a self-equilibrated load (R^T b = 0) the springs
-    carry nothing, so K_g^-1 b solves K x = b exactly; and x + R a does so for every a.
+    have no force, so x = K_g^-1 b solves K x = b exactly, and so does x + R a for every a.
     """
 
     stiffness: sparse.csc_array = field(repr=False)
@@ -167,7 +167,7 @@ def constrained_factor(
         x = K_g^-1 (b - D^T mu) - R a,     R^T (b - D^T mu) = 0,     D x = c
 
     leaves a dense symmetric system of m + 6 unknowns (mu, a): the springs carry no force, so they are removed
-    exactly. D = R^T M gives inertia relief (mean-axis frame), an interface's motion its clamped solution.
+    exactly. D = R^T M gives inertia relief (mean-axis frame); the motion of an interface as D clamps it.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ __all__ = ["Eigenpairs", "count_below", "lowest_modes"]
 # Below this size a dense solution is as fast and finds every mode at once.
 LARGEST_DENSE = 400
 
-# Freedoms; above, factors of a solid take gigabytes: one more factorisation is cheaper than storing both.
+# Freedoms above which factors of a solid take gigabytes: factoring again is cheaper than storing two factors.
 LARGEST_WITH_TWO_FACTORS = 100_000
 
 LARGEST_RESIDUAL = 1e-6
@@ -63,8 +63,8 @@ def lowest_modes(
     stiffness, mass : sparse array (n, n)   symmetric; K positive semi-definite, M positive definite
     n_modes         : int                   0 <= n_modes <= n - m
     constraint      : array (m, n) or None  D of full row rank; R^T M leaves the elastic modes of a free body
-    grounded        : GroundedFactor        a factor of this stiffness, as for `count_below`; for a large one
-                                            its numbers are released meanwhile
+    grounded        : GroundedFactor        a factor of this stiffness, as for `count_below`; the numbers of a
+                                            large factor are released meanwhile
     Returns
     -------
     Eigenpairs   .values (n_modes,) ascending, .vectors (n, n_modes) with X^T M X = I, largest entry positive
@@ -179,7 +179,7 @@ def _lowest_by_inverse(
 
 
 def _first_shift(stiffness: sparse.csc_array, mass: sparse.csc_array) -> float:
-    """A shift far below the elastic eigenvalues of most bodies, yet well above the round-off of zero ones."""
+    """A shift far below the elastic eigenvalues of most bodies, far above rounding errors of zero ones."""
     return 1e-9 * float(np.max(np.divide(stiffness.diagonal(), mass.diagonal())))
 
 
@@ -234,7 +234,7 @@ def _certified_modes(
         if gap is None:
             missing, verdict = max(GUARD_MODES, n_modes - values.size), "the modes found end inside a cluster"
             continue
-        # Not in memory beside the factor for the count, either; it is recomputed if modes are missing.
+        # Not in memory beside the factor for the count; recomputed if modes are missing.
         inverse.grounded.factor.release()
         middle = 0.5 * (values[gap - 1] + values[gap])
         shifted = inverse.grounded.stiffness - (middle + shift) * mass

@@ -24,7 +24,7 @@ BLOCK = 8
 # Relative distance within which modes count as multiple.
 CLOSE = 1e-5
 
-# Residual of a mode in its equation: the error of its eigenvalue is of the order of its square.
+# Residual of a mode in its equation: the error of its eigenvalue is of the order of the squared residual.
 LARGEST_RESIDUAL = 1e-7
 
 # Krylov vectors per requested mode that usually suffice, and the growth otherwise.
@@ -69,8 +69,8 @@ class GrowingModes:
     """The lowest modes of K x + D^T mu = lambda M x, D x = 0, as many as requested, extendable.
 
     Block Lanczos on K^-1 M (constrained) with full reorthogonalisation and no restart, so that a longer list
-    costs only the addition, and in total no more than the longest one alone. The Krylov space Q and the
-    projected inverse T = Q^T M K^-1 M Q only grow. Where Q would span half of a small problem, a dense
+    costs only the additional modes, and all lists together no more than the longest. The Krylov space Q and
+    the projected inverse T = Q^T M K^-1 M Q only grow. Where Q would span half of a small problem, a dense
     solution finds all modes. A block of b columns finds at most b copies of a multiple eigenvalue (the equal
     blades of a clamped hub): if it finds as many, Q restarts with a block twice as wide.
 
@@ -105,7 +105,7 @@ class GrowingModes:
         Raises
         ------
         ModelError      more modes than there are
-        AccuracyError   a motion has no mass, or negative mass; one is so soft that round-off decides
+        AccuracyError   a motion without mass, or with negative mass; a motion too soft for the round-off
         """
         if n_modes > self.available:
             raise ModelError(f"{n_modes} modes requested of a structure with {self.available} freedoms")
@@ -123,9 +123,9 @@ class GrowingModes:
                 )
                 if not everything.values[0] > 0:
                     raise AccuracyError(
-                        f"the lowest eigenvalue of the structure is {everything.values[0]:.1e}: next to "
-                        "its stiffest motion it is too soft for the digits of its stiffness; check units, "
-                        "thicknesses and supports"
+                        f"the lowest eigenvalue of the structure is {everything.values[0]:.1e}: a "
+                        "motion is so soft that rounding errors of the stiffest one exceed its stiffness; "
+                        "check units, thicknesses and supports"
                     )
                 self.found = RitzModes.of(everything)
             else:

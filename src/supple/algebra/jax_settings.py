@@ -10,8 +10,8 @@
   settings are kept.
 - Compiled programs of any size are cached between processes: in the folder of JAX_COMPILATION_CACHE_DIR, or
   in the user's cache, unless another folder was set before.
-- They are released before they exhaust a process (`bound_programs`): Linux limits the number of memory maps
-  of a process, a program takes several, and beyond the limit the compiler ends the process.
+- Compiled programs are released before they exhaust a process (`bound_programs`): Linux limits the number of
+  memory maps of a process, a program uses several, and beyond the limit the compiler ends the process.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ def _remember_fork() -> None:
 
 
 def check_not_forked() -> None:
-    """Called before compiled code runs; ForkedProcessError where it would never return."""
+    """Raise ForkedProcessError, before compiled code runs, in a process where it would never return."""
     if _Process.forked_after_computing:
         raise ForkedProcessError(
             "this process was forked from one that had simulated already, and JAX does not work in such a "
@@ -116,15 +116,15 @@ _LOOK_EVERY = 64
 """Programs between two counts: a count takes milliseconds, and no program takes a hundred maps."""
 
 _WORTH_RELEASING = 1000
-"""Programs of 1 to 2 MB each: fewer are not what fills a memory, and take a minute to compile again."""
+"""Programs of 1 to 2 MB each: fewer do not fill a memory, and would take a minute to compile again."""
 
 
 def bound_programs() -> bool:
-    """Release all compiled programs of a Linux process that have become too many; returns whether it did.
+    """Release all compiled programs of a Linux process if there are too many; returns whether it did.
 
-    Too many use two thirds of the memory maps that the system allows a process; or they are a thousand, and
-    the process holds more memory than is still available. A later run takes them from the cache folder, or
-    compiles them again.
+    There are too many if the process uses two thirds of the memory maps that the system allows, or if there
+    are a thousand and the process holds more memory than is still available. A later run reads them from the
+    cache folder, or compiles them again.
     """
     if _Process.compiled_since_looked < _LOOK_EVERY or not _MAPS.exists():
         return False
@@ -203,14 +203,14 @@ _FLAGS = {
     "--xla_backend_extra_options": "xla_cpu_small_while_loop_byte_threshold=1000000000",
     # No library for products of small matrices: its call prevents a loop from being a function.
     "--xla_cpu_experimental_ynn_fusion_type": "",
-    # In 32 pieces it takes a quarter longer to compile, and twice the memory maps.
+    # A program in 32 pieces takes a quarter longer to compile, and twice the memory maps.
     "--xla_cpu_parallel_codegen_split_count": "1",
 }
 """JAX ends a process with an unknown flag: all versions that the package allows support these."""
 
 
 def _with_flags(given: str) -> str:
-    """XLA_FLAGS with those for compiled marches; flags already set are kept."""
+    """XLA_FLAGS with those for compiled runs; flags already set are kept."""
     own = [f"{name}={value}" for name, value in _FLAGS.items() if name not in given]
     return " ".join([given, *own]).strip()
 

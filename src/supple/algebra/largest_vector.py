@@ -22,10 +22,10 @@ def largest_vector(rows: Any, coordinates: Array) -> tuple[float, int]:
 
         f(q) = max_p |R_p q|,    f(q) <= f(q_k) + sum_j |q - q_k|_j f(e_j)
 
-    as f is a norm. Between evaluated times, only those are evaluated whose bound from the nearest ones
-    exceeds the largest value so far: for a vibration a tenth.
+    because f is a norm. A time between evaluated times is evaluated only if its bound from the nearest of
+    these exceeds the largest value so far: for a vibration a tenth of the times.
 
-    rows : (3 P, r) R, dense or sparse: for the thousand coordinates of a full body the bound excludes
+    rows : (3 P, r) R; with a sparse R, as for the thousands of coordinates of a full body, the bound excludes
         nothing, and all times are evaluated
     coordinates : (t, r)
     """
@@ -55,7 +55,7 @@ def largest_vector(rows: Any, coordinates: Array) -> tuple[float, int]:
 
 
 def _lengths(rows: Any, coordinates: Array) -> Array:
-    """F (t,) at some times."""
+    """Values (t,) of `f` at some times."""
     found = np.empty(len(coordinates))
     for start in range(0, len(found), AT_ONCE):
         part = slice(start, start + AT_ONCE)

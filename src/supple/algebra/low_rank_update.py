@@ -13,7 +13,7 @@ from supple.algebra.sparse_factor import SparseFactor
 
 @dataclass(frozen=True, eq=False)
 class LowRankUpdate:
-    """A + W diag(c) W^T, with A factored and W (n, m), m small: never formed.
+    """A + W diag(c) W^T, with A factored and W (n, m), m small; the sum is never formed.
 
         x = y - Z (diag(1 / c) + W^T Z)^-1 W^T y,     A y = b,  A Z = W
 
@@ -30,12 +30,12 @@ class LowRankUpdate:
     def solve(self, loads: ArrayLike) -> NDArray[np.float64]:
         """Solve for loads (n,) or (n, k); the solution has the same shape."""
         y = self.factor.solve(loads)
-        return y - self._answers @ np.linalg.solve(self._capacitance, self.columns.T @ y)
+        return y - self._responses @ np.linalg.solve(self._capacitance, self.columns.T @ y)
 
     @cached_property
-    def _answers(self) -> NDArray[np.float64]:
+    def _responses(self) -> NDArray[np.float64]:
         return self.factor.solve(self.columns)
 
     @cached_property
     def _capacitance(self) -> NDArray[np.float64]:
-        return np.diag(1 / self.weights) + self.columns.T @ self._answers
+        return np.diag(1 / self.weights) + self.columns.T @ self._responses

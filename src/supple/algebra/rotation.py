@@ -3,8 +3,8 @@
 A rotation `A` maps body components to global ones. Variations are on the right, in body components:
 `dA = A skew(dpsi)`. All functions are smooth at zero, so that they can be differentiated there.
 
-JAX traces each of them once for all its uses (`jax.jit`): tracing takes half a millisecond an operation, and
-a machine has thousands of these.
+JAX traces each function once for all its uses (`jax.jit`): tracing takes half a millisecond per operation,
+and a machine has thousands of operations.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ def rotation_right_jacobian(psi: jax.Array) -> jax.Array:
 
 @jax.jit
 def right_jacobian_slope(psi: jax.Array, vector: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """`T(psi)^T vector` (3,), and its derivative for `psi`, (3, 3)."""
+    """`T(psi)^T vector` (3,), and its derivative with respect to `psi`, (3, 3)."""
     square = psi @ psi
     (_, versine, cubic), (_, versine_slope, cubic_slope) = jax.jvp(
         angle_quotients, (square,), (jnp.ones_like(square),)

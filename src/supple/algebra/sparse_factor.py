@@ -162,7 +162,7 @@ class SparseFactor:
         self.n: int = matrix.indptr.size - 1
 
     def release(self) -> None:
-        """Release the memory of the numbers, not that of the symbolic analysis."""
+        """Release the memory of the numbers; the symbolic analysis is kept."""
         self._raw = None
 
     def _numbers(self) -> RawFactor:

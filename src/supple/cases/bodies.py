@@ -105,8 +105,8 @@ class Body(CheckedTable):
     )
     section_table: FileName | None = Field(
         None,
-        description="6 x 6 stiffness and inertia along a curve, beside the case file: .csv, windIO .yaml, or "
-        "the primary file of BeamDyn, .dat",
+        description="file of 6 x 6 stiffness and inertia along a curve, beside the case file: .csv, windIO "
+        ".yaml or BeamDyn primary file .dat",
     )
     interface: Annotated[tuple[Interface, ...], Field(strict=False)] = ()
     frame: Frame | None = None
@@ -272,7 +272,7 @@ class Body(CheckedTable):
             quartic=quartic_choice(self.reduction.condensed, CondensedQuartic()),
         )
         proven = body.report.certificate
-        if proven is not None:  # the last trial is not the one kept
+        if proven is not None:  # the search ends with another trial than the chosen one
             notify(step, search_words(proven.n_fixed_interface_modes, proven.largest_error))
         return body
 

@@ -53,12 +53,12 @@ _KINEMATICS = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
 
 
 class BodyKind(CheckedTable):
-    """A kind of body. Class attributes state its properties and the requirements on its table."""
+    """A kind of body; class attributes state its properties and the requirements on its table."""
 
     mesh_suffixes: ClassVar[tuple[str, ...]] = ()
-    """Suffixes of its mesh file; none without a mesh."""
+    """Suffixes of the mesh file; empty for kinds without a mesh."""
     is_elastic: ClassVar[bool] = False
-    """True for kinds that the case builds, and may reduce: with a frame, a reduction and a damping."""
+    """True for elastic kinds that the case builds, with frame, reduction and damping."""
     has_elements: ClassVar[bool] = False
     """True for kinds with node sets, stress and nonlinear strains."""
     has_connections: ClassVar[bool] = False
@@ -173,7 +173,7 @@ class Matrices(ElasticKind):
 
     stiffness: FileName = Field(
         description="DMIG .pch, OUTPUT4 .op4, OUTPUT2 .op2, HDF5 .h5, Abaqus .mtx or CalculiX .sti, beside "
-        "the case file; rows that no node has (QSET, SPOINT) are modal coordinates"
+        "the case file; rows without a node (QSET, SPOINT) are modal coordinates"
     )
     mass: FileName = Field(description="as for stiffness, or CalculiX .mas; may be the same file")
     stiffness_name: str | None = Field(
@@ -183,9 +183,9 @@ class Matrices(ElasticKind):
     damping: FileName | None = Field(None, description="as for stiffness; default: no damping matrix")
     damping_name: str | None = Field(None, description="as stiffness_name; default: the one with B..")
     recovery: FileName | None = Field(
-        None, description="HDF5 or OUTPUT4 file of displacements of inner points by the rows of the matrices"
+        None, description="HDF5 or OUTPUT4 file of the matrix from the rows to motions of inner points"
     )
-    recovery_name: str | None = Field(None, description="matrix of an OUTPUT4 file that is the recovery")
+    recovery_name: str | None = Field(None, description="name of the recovery matrix in an OUTPUT4 file")
     rigid_tolerance: Positive | None = Field(
         None, description="largest relative force under rigid motion; default: from the printed digits"
     )
@@ -207,7 +207,7 @@ class Matrices(ElasticKind):
 
 
 class Superelement(ElasticKind):
-    """A linear body from matrices of another program; rows after those of the nodes are modal coordinates."""
+    """A linear body from matrices of another program; rows after the nodal rows are modal coordinates."""
 
     stiffness: FileName = Field(
         description="Matrix Market file of the stiffness matrix, beside the case file"
@@ -219,9 +219,9 @@ class Superelement(ElasticKind):
     )
     damping: FileName | None = Field(None, description="Matrix Market file of the damping matrix")
     recovery: FileName | None = Field(
-        None, description="Matrix Market file of displacements, 3 rows a point, by the rows of the matrices"
+        None, description="Matrix Market file of the matrix from the rows to displacements, 3 rows a point"
     )
-    points: FileName | None = Field(None, description="Matrix Market file of these points, 3 columns")
+    points: FileName | None = Field(None, description="Matrix Market file of the recovered points, 3 columns")
 
     def source(self, folder: Path, _mesh: str, _cells: str | None = None, /) -> BodySource:
         """The source of the body from its Matrix Market files."""
@@ -257,11 +257,11 @@ class Rigid(BodyKind):
 
 
 class ReducedFile(BodyKind):
-    """The file of a reduced body: its key has a name instead of a table."""
+    """The file of a reduced body: the key has a file name instead of a table."""
 
 
 class SectionTableFile(ElasticKind):
-    """The file of a section table: beams, or intrinsic modes with condense. Its key has a name, no table."""
+    """A section table, for beams or intrinsic modes: the key has its file name instead of a table."""
 
     has_elements = True
 
@@ -294,7 +294,7 @@ def kind_of(body: Raw) -> type[BodyKind] | None:
 
 
 def is_elastic(body: Raw) -> bool:
-    """True for a body that the case builds, and may reduce; also if no key states its kind."""
+    """True for an elastic body that the case builds, not explicit; also if no key states its kind."""
     kind = kind_of(body)
     return (kind is None or kind.is_elastic) and not is_explicit(body)
 

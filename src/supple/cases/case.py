@@ -42,12 +42,12 @@ __all__ = ["Case"]
 class Case:
     """A checked case file. Its parts are read and built once, on first use.
 
-    path : Path             of the file; its file names are relative to it
+    path : Path             path of the file; file names in it are relative to its folder
     text : str              text of the file
-    tables : CaseTables     the same, checked
+    tables : CaseTables     checked content of the file
     lines : LineIndex       line of each table
     notify                  called at each long step of the build, with its progress
-    made : Mapping          bodies that exist already, by name: those of a sweep, reduced once
+    made : Mapping          existing bodies, by name: those of a sweep are reduced once
     """
 
     path: Path
@@ -75,7 +75,7 @@ class Case:
 
     @property
     def folder(self) -> Path:
-        """Folder of the case file and of the files in it."""
+        """Folder of the case file, to which its file names are relative."""
         return self.path.parent
 
     @property
@@ -85,7 +85,7 @@ class Case:
 
     @property
     def files(self) -> tuple[str, ...]:
-        """Names of the files that it reads, as in its tables."""
+        """Names of the files that the case reads, as written in its tables."""
         given = self.tables.model_dump(mode="json")
         return tuple(name for _, name in files_named(given) if isinstance(name, str))
 
@@ -113,7 +113,7 @@ class Case:
 
     @cached_property
     def run(self) -> Run:
-        """The time span, and the method of integration."""
+        """The time span and the method of integration."""
         return self.tables.simulation.build()
 
     @cached_property
@@ -150,7 +150,7 @@ class Case:
 
     @cached_property
     def parts(self) -> CaseTables:
-        """The case with the parts of split bodies in place of these.
+        """The tables of the case, with split bodies replaced by their parts.
 
         Raises
         ------
@@ -174,7 +174,7 @@ class Case:
 
     @cached_property
     def sources(self) -> Mapping[str, BodySource]:
-        """The source of each elastic body, by body name; for a split body those of its parts.
+        """The source of each elastic body, by body name; split bodies are replaced by their parts.
 
         Raises
         ------
@@ -215,7 +215,7 @@ class Case:
 
     @cached_property
     def bases(self) -> Mapping[str, At]:
-        """By part of a split body: the interface from which deflections are measured, the whole's first."""
+        """Reference interface of deflections, by part of a split body: the first interface of the whole."""
         found = {}
         for body in self.tables.body:
             base = base_of(body, self._split[body.name]) if body.split is not None else None
@@ -227,7 +227,7 @@ class Case:
     def system(self) -> System:
         """The bodies, reduced if their reduction has a fixed size, with joints, loads, springs and elements.
 
-        Without controllers, which `controlled` adds, as they run code.
+        Controllers are not included, because they run code; `controlled` adds them.
 
         Raises
         ------
@@ -267,8 +267,8 @@ class Case:
         check_code_allowed(control, allow_code=allow_code)
         if control is not None and self.starts:
             raise CaseError(
-                f"{self.path}: body '{next(iter(self.starts))}' is reduced to an accuracy, whose error is "
-                "not known with a controller: give it a basis of fixed size (remove accuracy), or "
+                f"{self.path}: body '{next(iter(self.starts))}' is reduced to an accuracy, but errors are "
+                "not estimated with a controller: give it a basis of fixed size (remove accuracy), or "
                 "remove control"
             )
 
@@ -283,7 +283,7 @@ class Case:
 
     @cached_property
     def starts(self) -> Mapping[str, ReductionStart]:
-        """By body: the start of its self-correcting reduction; `system` has these bodies not reduced."""
+        """Start of each self-correcting reduction, by body; in `system` these bodies are not reduced."""
         return {
             table.name: reduction_start(table.reduction, self.flexible[table.name], self._of_interest(table))
             for table in self.parts.body
@@ -330,8 +330,9 @@ class Case:
     def study(self) -> ErrorStudy:
         """The parts of the error to estimate, and the quantities of interest.
 
-        The error of bases of fixed size is estimated on request only. So is the integration error if a body
-        is not reduced, because each of the two extra runs costs as much as the first.
+        The error of bases of fixed size is estimated on request only. If a body is not reduced, the
+        integration error is also estimated on request only: each of its two extra runs costs as much as the
+        first run.
         """
         given = self.parts.error
         in_full = any(name not in self.starts for name in self.system.bodies_of(FullBody))
@@ -349,7 +350,7 @@ class Case:
 
     @cached_property
     def held_modes(self) -> Mapping[str, BodyModes]:
-        """Modes of bodies reduced here in full, clamped at the first interface, or in the frame."""
+        """Modes of the bodies before reduction, clamped at the first interface, or in the frame."""
         found = {}
         for name, full in self.fulls.items():
             held = full.interfaces[0].motion if full.interfaces else full.frame.constraint(full.body)
@@ -358,7 +359,7 @@ class Case:
 
     @cached_property
     def drawn(self) -> Mapping[str, Mesh | FiniteElementModel | None]:
-        """What bodies are drawn from: meshes, elements if they have beams, or None for points."""
+        """Geometry from which bodies are drawn: mesh, elements if they have beams, or None for points."""
         found: dict[str, Mesh | FiniteElementModel | None] = {
             table.name: None for table in self.parts.body if table.name not in self.meshes
         }
@@ -372,7 +373,7 @@ class Case:
     def _check_stress(self) -> None:
         """Raise CaseError, before the run, if bodies to be coloured have no stress.
 
-        Beam bodies without stress recovery points are drawn in plain colour beside others.
+        Beam bodies without stress recovery points are drawn in plain colour if other bodies have stress.
         """
         mistakes, beams = [], []
         shown = [name for name, look in self.drawn.items() if look is not None]

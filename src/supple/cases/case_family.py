@@ -66,7 +66,7 @@ class CaseFamily:
         return Case(self.path, self.text, tables, index_lines(self.text), notify, made or {})
 
     def raw_variant(self, values: Mapping[KeyPath, Any]) -> Raw:
-        """Its tables with other values."""
+        """The tables with other values."""
         raw: Any = self.raw
         for place, value in values.items():
             raw = with_value(raw, place, value)

@@ -13,7 +13,7 @@ from supple.storage.run_inputs import Inputs, digest_of
 
 FILE = "the file "
 """Prefix of a file name among inputs."""
-_SAID_NOT_COMPUTED = {"title", "units", "output"}
+_NOT_COMPUTED_WITH = {"title", "units", "output"}
 
 
 def inputs_of_case(tables: CheckedTable, files: Iterable[str], folder: Path) -> Inputs:
@@ -23,7 +23,7 @@ def inputs_of_case(tables: CheckedTable, files: Iterable[str], folder: Path) -> 
     ------
     CaseError   a file that cannot be read
     """
-    values = tables.model_dump(exclude=_SAID_NOT_COMPUTED)
+    values = tables.model_dump(exclude=_NOT_COMPUTED_WITH)
     return dict(_leaves("", values)) | digests_of_files(files, folder)
 
 

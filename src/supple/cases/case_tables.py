@@ -50,7 +50,7 @@ _PARTS_ARE_BODIES = (
     '[[part]] is now [[body]]: rename these tables; modal = {modes = M, interfaces = ["A"]} becomes modal = '
     '{modes = M} with interface = [{name = "A", kind = "averaging", nodes = "A"}]; angular_velocity is along '
     'the axes of the body; a [[load]] needs kind = "force"; safety, largest_ratio, interface_loss and scheme '
-    "stand in [simulation] explicit = {..}; [output] colour is one word"
+    "are keys of [simulation] explicit = {..}; [output] colour is one word"
 )
 
 

@@ -59,7 +59,7 @@ class ModeAccuracy(CheckedTable):
     """The allowed error of the truncated modes."""
 
     relative: float = Field(
-        1e-3, gt=0, lt=1, description="largest RMS error of the stations' positions over the deflection"
+        1e-3, gt=0, lt=1, description="largest RMS error of positions of stations, relative to the deflection"
     )
 
 
@@ -69,25 +69,26 @@ class Condense(CheckedTable):
     model_config = BODY_AXIS
 
     root: str = Field(description="interface at the start of the load path; a joint may support it")
-    tip: str | None = Field(None, description="interface at the end of the path; of a body with elements")
+    tip: str | None = Field(None, description="interface at the end of the path, for bodies with elements")
     stations: int | None = Field(
-        None, ge=2, description="stations along the path, both ends included; of a body with elements"
+        None, ge=2, description="number of stations along the path with both ends, for bodies with elements"
     )
     paths: Annotated[tuple[NodeIndices, ...], Field(strict=False)] | None = Field(
         None,
-        description="grids from the root outwards, a list for each branch, beginning at its branching grid; "
-        "of a matrices body, condensed on these grids by another program",
+        description="for a matrices body, condensed by another program: its grids from the root outwards, "
+        "one list per branch, beginning at the branching grid",
     )
     root_mass: RootMass | None = Field(
-        None, description="mass matrix of a first grid that the matrices lack; default: none"
+        None, description="mass matrix (6, 6) of the first grid, if the matrices omit it; default: none"
     )
     modes: int | None = Field(
         None,
         ge=1,
-        description="lowest elastic modes; the second-order modes of large bending are added; default: all",
+        description="number of lowest elastic modes; second-order modes of large bending are added; "
+        "default: all",
     )
     accuracy: ModeAccuracy | None = Field(
-        None, description="instead of modes: as many modes as this accuracy needs"
+        None, description="instead of modes: accuracy that determines their number"
     )
     support: Support = Field(
         "clamped",
@@ -96,8 +97,8 @@ class Condense(CheckedTable):
     body_axis: Vector | None = Field(None, description="direction of a hinged or sliding root, in body axes")
     released: bool = Field(
         False,
-        description="true if joints connect the body to others, or its tip: rigid motion is added to "
-        "the modes on its support",
+        description="true if joints connect the body to other bodies, or act at its tip: rigid-body motion "
+        "is added to the modes on its support",
     )
 
     def build(self, body: FlexibleBody, damping: Damping | None) -> IntrinsicBody:

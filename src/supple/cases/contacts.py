@@ -43,8 +43,8 @@ def _end(place: str) -> At:
 
 
 _MOVING: dict[str, Any] = {
-    "velocity": Key(Vector, "initial velocity, a velocity; constant without mass"),
-    "mass": Key(Positive, "mass of an obstacle that is free to move, a mass; default: driven"),
+    "velocity": Key(Vector, "initial velocity, a velocity; constant if mass is not given"),
+    "mass": Key(Positive, "mass of an obstacle that is free to move, a mass; default: infinite"),
 }
 _RADIUS = Key(Positive, "radius, a length")
 Plane = table_of(
@@ -80,7 +80,7 @@ class ContactTable(CheckedTable):
         0.2,
         gt=0.0,
         le=1.0,
-        description="stiffness over that of a node at its limit; shortens the step by sqrt(1 + fraction)",
+        description="stiffness relative to m omega_max^2 of a node; shortens the step by sqrt(1 + fraction)",
     )
 
     def build(self) -> Contact | SurfaceContact:
@@ -108,7 +108,7 @@ MortarTransfer = table_of(Mortar, "mortar")
 class TieTable(CheckedTable):
     """Nodes that move with another part."""
 
-    nodes: PlaceOf = Field(description="BODY.NODE_SET; of a modal part if the other one is modal, too")
+    nodes: PlaceOf = Field(description="BODY.NODE_SET; of a modal part only if the other part is modal")
     on: str = Field(description="the part that the nodes are tied to")
     transfer: Annotated[Made, OneOf(CollocatedTransfer, MortarTransfer)] = Field(
         CollocatedTransfer(kind="collocated"), description="how nodes follow a modal part of another mesh"
@@ -116,7 +116,7 @@ class TieTable(CheckedTable):
     continuity: Annotated[Made, OneOf(MeanContinuity, NodalContinuity)] = Field(
         MeanContinuity(kind="mean-motion"), description="continuity of two modal parts"
     )
-    within: Positive = Field(1e-6, description="largest distance from the part, over the size of the set")
+    within: Positive = Field(1e-6, description="largest distance from the part, relative to the set's size")
 
     def build(self) -> Tie:
         """The tie."""
@@ -177,7 +177,7 @@ def _suit_their_parts(raw: Raw) -> Mistakes:
         if isinstance(on, str) and on not in kinds:
             yield (*path, "on"), unknown("body", on, [str(each) for each in kinds])
         elif name is not None and name == on:
-            yield (*path, "on"), "a part is not tied to itself; name another"
+            yield (*path, "on"), "a part cannot be tied to itself; name another part"
         elif (kinds.get(name), kinds.get(on)) == ("modal", "explicit"):
             message = (
                 "a modal part cannot be tied to an explicit one; give the nodes of the explicit part, and "

@@ -1,4 +1,4 @@
-"""Start of a run from a time of an earlier one, with its result file and reduced bodies in one folder."""
+"""Start of a run from a stored time of an earlier run, whose result and reduced bodies are in one folder."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class StartState(CheckedTable):
     """A time of an earlier run at which this one begins."""
 
     file: FileName = Field(description="result file of the earlier run")
-    time: float = Field(description="one of its output times, the start of this run, a time")
+    time: float = Field(description="output time of the earlier run at which this run starts, a time")
 
 
 def continued_from(state: StartState, case: Case, system: System) -> System:

@@ -20,7 +20,7 @@ _FORM = 'control = "controller.py:function"'
 def controllers_of(
     control: str | None, system: System, folder: Path, *, allow_code: bool
 ) -> tuple[Controller | SampledController, ...]:
-    """The controllers that the function of a case creates for its machine; none without one.
+    """The controllers that the function of a case creates for its machine; none without a function.
 
     control : "FILE.py:FUNCTION"; the function takes the system, and returns one controller or several
 
@@ -60,7 +60,7 @@ def check_code_allowed(control: str | None, *, allow_code: bool) -> None:
 
 @lru_cache(maxsize=8)
 def _module(path: Path, source: bytes) -> ModuleType:
-    """The module of a file, loaded once for all cases, whose functions are then the same objects."""
+    """The module of a file, loaded once, so that its functions are the same objects in all cases."""
     module = ModuleType(f"control_of_{path.stem}")
     module.__file__ = str(path)
     exec(compile(source, path, "exec"), vars(module))
@@ -68,7 +68,7 @@ def _module(path: Path, source: bytes) -> ModuleType:
 
 
 def control_file(control: Any) -> Any:
-    """The file part of a value of the key."""
+    """The file name in a value of `control`."""
     return control.partition(":")[0] if isinstance(control, str) else None
 
 

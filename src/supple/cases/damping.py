@@ -26,7 +26,7 @@ from supple.reduction import ReducedBody, clamped_modes
 LARGEST_MISS = 0.1
 """Largest relative deviation of the ratio of a clamped mode without a warning."""
 
-HELD = "interface it acts against, the same in every frame; default: the body's frame"
+HELD = "interface relative to which mass damping acts, in any frame; default: the body's frame"
 
 
 class _RatioOfTwoModes(CheckedTable):
@@ -36,7 +36,7 @@ class _RatioOfTwoModes(CheckedTable):
     modes: Annotated[tuple[int, int], Field(strict=False)] = Field((1, 2), description="mode numbers from 1")
     held: str | None = Field(
         None,
-        description="interface clamped in these modes, against which mass damping acts; default: "
+        description="interface clamped in these modes; mass damping acts relative to it; default: "
         "free in the frame",
     )
 
@@ -82,7 +82,7 @@ class LinearRayleigh(table_of(LinearRayleighDamping, "linear-rayleigh", **_OF_MA
 
 
 _MODES = "number of lowest modes that are damped; required for a full body"
-_CLAMPED = "interface clamped in these modes, the same in every frame; default: modes in the frame"
+_CLAMPED = "interface clamped in these modes, in any frame; default: modes in the body's frame"
 
 
 class Modal(
@@ -103,7 +103,7 @@ Damping = Annotated[
 
 
 def warn_of_ratios(given: Damping | None, body: ReducedBody) -> None:
-    """Warn SuppleWarning if modes clamped at an interface have another damping ratio than specified."""
+    """Issue SuppleWarning if modes clamped at an interface have another damping ratio than specified."""
     if isinstance(given, _RatioOfTwoModes):
         modes = given.modes
     elif isinstance(given, Modal):

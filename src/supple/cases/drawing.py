@@ -55,7 +55,7 @@ class Drawing:
     format: str = "gif"
 
     def draw(self, progress: StepProgress = silent) -> None:
-        """Draw them into the folder."""
+        """Draw the pictures and the animation into the folder."""
         # Imported here: a run without pictures need not load the drawing library.
         from supple.results.colouring import PLASTIC_STRAIN
         from supple.viz import animate_run, draw_run, plot_rounds

@@ -97,10 +97,10 @@ def _as_dict(mapping: MappingProxyType[Any, Any]) -> tuple[Any, ...]:
     return dict, (dict(mapping),)
 
 
-def _tell(step: str, share: float) -> None:
+def _report(step: str, share: float) -> None:
     sys.stdout.write(f"{step}\t{share}\n")
     sys.stdout.flush()
 
 
 if __name__ == "__main__":
-    pickle.load(sys.stdin.buffer).draw(_tell)
+    pickle.load(sys.stdin.buffer).draw(_report)

@@ -72,7 +72,7 @@ ElementTable = Annotated[
             damping=Key(Six, "as stiffness; force per velocity, moment per angular velocity"),
             offset=Key(
                 Vector,
-                "undeformed, in the axes of the bushing, a length; default: as at the start",
+                "offset of the ends without force, in the bushing's axes, a length; default: as at the start",
                 default=None,
             ),
         ),
@@ -133,7 +133,7 @@ ElementTable = Annotated[
             stiffness=Key(
                 Squares, "[[[xx, xy], [yx, yy]], ..]: one for each of the speeds, force per length"
             ),
-            damping=Key(Squares, "likewise, force per velocity; default: none", default=None),
+            damping=Key(Squares, "as stiffness, force per velocity; default: none", default=None),
         ),
         _element(machine.Unbalance, "unbalance"),
         _element(machine.SphereOnPlane, "sphere-on-plane", **_CONTACT),

@@ -10,11 +10,11 @@ from supple.errors import ResultFileError
 from supple.storage import read_header
 from supple.storage.result_file import check_same_run
 
-__all__ = ["kept_so_far", "readings_paths", "refuse_overwrite", "report_path", "result_path"]
+__all__ = ["readings_paths", "refuse_overwrite", "report_path", "result_path", "stored_so_far"]
 
 
 def result_path(case: Path, folder: Path) -> Path:
-    """The file of the motion of the case in a file."""
+    """The result file, in a folder, of the case in a case file."""
     return folder / f"{case.stem}.h5"
 
 
@@ -24,12 +24,12 @@ def report_path(case: Case, folder: Path) -> Path:
 
 
 def readings_paths(folder: Path) -> tuple[Path, Path]:
-    """The files of its sensor readings: a table, and HDF5."""
+    """The files of the sensor readings of a run: a table, and HDF5."""
     return folder / "sensors.csv", folder / "sensors.h5"
 
 
-def kept_so_far(case: Path, folder: Path) -> str:
-    """Message on the results of a run that was interrupted before or after its time integration."""
+def stored_so_far(case: Path, folder: Path) -> str:
+    """Message on the stored results of an interrupted run."""
     path = result_path(case, folder)
     try:
         header = read_header(path)
@@ -49,7 +49,7 @@ def refuse_overwrite(case: Case, folder: Path, *, resume: bool, force: bool) -> 
 
     Raises
     ------
-    ResultFileError     a result would be lost; there is nothing to continue, or it is of another case
+    ResultFileError     a result would be lost; with `resume`: no result to continue, or one of another case
     """
     if force:
         return

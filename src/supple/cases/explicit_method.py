@@ -49,12 +49,12 @@ class Published(CheckedTable):
 class ExplicitMethod(CheckedTable):
     """Steps of modal parts and of explicit elements."""
 
-    safety: float = Field(0.9, gt=0.0, le=1.0, description="ratio of the step to its limit")
+    safety: float = Field(0.9, gt=0.0, le=1.0, description="ratio of the step to the stability limit")
     largest_ratio: int = Field(50, ge=1, description="largest number of explicit steps per modal step")
     interface_loss: Positive = Field(
         2e-4,
-        description="largest change of energy at the coupling of modal and explicit parts in one output "
-        "step, over the energy; above it the ratio is halved and the output step repeated",
+        description="largest relative change of energy at the coupling of modal and explicit parts in one "
+        "output step; above it the ratio is halved and the output step repeated",
     )
     scheme: Annotated[Projected | Published, Field(discriminator="kind")] = Projected(kind="projected")
 

@@ -32,7 +32,7 @@ class ModalPart(CheckedTable):
     modes: int = Field(
         ge=1,
         description="number of lowest modes of the free body; static responses to forces and "
-        "moments at its interfaces join them",
+        "moments at its interfaces are added",
     )
     highest_hz: Positive | None = Field(
         None, description="frequency above which modes are omitted, Hz; they would shorten the step"
@@ -40,8 +40,8 @@ class ModalPart(CheckedTable):
     spin_stiffness: bool = Field(False, description="true adds the geometric stiffness of free rotation")
     yield_stress: Positive | None = Field(
         None,
-        description="stress limit for a warning, force per area; default: the lowest of the explicit parts "
-        "of its material",
+        description="stress limit for a warning, force per area; default: lowest yield stress of explicit "
+        "parts of the same material",
     )
 
     def build(self, body: FlexibleBody, damping: LinearRayleighDamping | None) -> ModalSubdomain:
@@ -71,16 +71,16 @@ class ExplicitPart(CheckedTable):
     """Nonlinear finite elements."""
 
     law: MaterialLaw = Field(
-        default=StVenantKirchhoffLaw(kind="st-venant-kirchhoff"), description="stress by strain"
+        default=StVenantKirchhoffLaw(kind="st-venant-kirchhoff"), description="constitutive law"
     )
     hourglass: float = Field(
-        0.01, ge=0.0, le=1.0, description="stiffness of hourglass modes of hexahedra over that of stretching"
+        0.01, ge=0.0, le=1.0, description="hourglass stiffness of hexahedra relative to stretching"
     )
     layers: int = Field(5, ge=2, description="Gauss points through the thickness of shells with plasticity")
     deletion: Positive | None = Field(None, description="plastic strain at which an element is deleted")
     bulk_viscosity: Viscosity = Field(
         Viscosity(linear=0.06, quadratic=1.2),
-        description="pressure by the volumetric strain rate; zeros: none",
+        description="viscous pressure from the volumetric strain rate; zeros: none",
     )
 
     def build(

@@ -20,7 +20,7 @@ class Interface(CheckedTable):
     name: str = Field(min_length=1, description="used as BODY.NAME by joints, loads and output")
     nodes: str | None = Field(None, description="a node set of the mesh")
     node_indices: NodeIndices | None = Field(
-        None, description="ids of nodes in the mesh file, instead of a node set; from 0 without ids"
+        None, description="ids of nodes in the mesh file, instead of a node set; counted from 0 without ids"
     )
     connection: str | None = Field(
         None, description="rbe2_ID or rbe3_ID of a Nastran mesh, instead of nodes, kind and position"
@@ -35,8 +35,8 @@ class Interface(CheckedTable):
     ) -> RigidInterface | AveragingInterface:
         """The interface of an elastic body.
 
-        connections : of the body's files
-        numbers : node numbers of ids of its file
+        connections : RBE2 and RBE3 elements of the body's file
+        numbers : function from ids in the body's file to node numbers
         """
         if self.connection is not None:
             return connection_interface(connection_named(self.connection, connections), self.name)

@@ -84,7 +84,7 @@ class Joint(CheckedTable):
         return self.name or joint_label(self.kind, self.first, self.second)
 
     def build(self, folder: Path) -> machine.Joint:
-        """The joint; folder: that of the files of laws."""
+        """The joint; `folder` contains the files of laws."""
         own: dict[str, Any] = {name: getattr(self, key) for name, key in _needed(self.kind).items()}
         own = {name: value.build(folder) if isinstance(value, Made) else value for name, value in own.items()}
         return _KINDS[self.kind](first=self.first, second=self.second, name=self.label, **own)

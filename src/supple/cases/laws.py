@@ -47,7 +47,7 @@ ConstantRate = table_of(
 ONE = Constant(kind="constant", value=1.0)
 
 LARGEST_EXCURSION = 0.01
-"""Allowed overshoot of a spline over the range of its values; 16 rows per period of a sine suffice."""
+"""Allowed overshoot of a spline, relative to the range of its values; a sine needs 16 rows per period."""
 
 
 class TableLaw(Made):
@@ -57,7 +57,7 @@ class TableLaw(Made):
     file: FileName = Field(description="CSV file of time,value rows beside the case file")
 
     def build(self, *context: Any) -> TimeLaw:
-        """The smooth curve through the rows of the file; context: the folder of the file.
+        """The cubic spline through the rows of the file; `context` is the folder of the file.
 
         Raises
         ------

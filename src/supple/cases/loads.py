@@ -36,14 +36,14 @@ class Force(Made):
 
     kind: Literal["force", "torque"] = Field(description="force or torque")
     at: PlaceOf = Field(description="BODY.INTERFACE; or BODY.NODE_SET, whose nodes share a force evenly")
-    vector: Vector = Field(description="along global axes (of a follower: at the start), force or moment")
+    vector: Vector = Field(description="global components (for a follower at the start), force or moment")
     follower: bool = Field(False, description="true rotates the load with its interface")
     law: LoadLaw = Field(ONE, description="factor on vector against time")
 
     def build(self, *context: Any) -> DeadForce | ForceElement:
-        """The load; over nodes a force is shared evenly.
+        """The load.
 
-        context : the folder of the file of its law, and a function that finds its place
+        context : the folder of the law's file, and a function from `at` to the `Place`
         """
         folder, place, *_ = context
         body, at = place(self.at).body, place(self.at).at

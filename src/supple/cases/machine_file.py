@@ -32,7 +32,7 @@ Mistake = tuple[KeyPath, str]
 
 
 class MachineFile(CheckedTable):
-    """Rigid bodies, joints, springs and stops of a URDF or MJCF file, beside those of the case."""
+    """Rigid bodies, joints, springs and stops of a URDF or MJCF file, added to the case."""
 
     mujoco: FileName = Field(
         description="URDF or MJCF file beside the case file; pip install 'supple[mujoco]'"
@@ -46,7 +46,7 @@ class MachineFile(CheckedTable):
 
 
 def with_machine(raw: Raw, folder: Path) -> tuple[Raw, list[Mistake]]:
-    """The raw case with the tables of its machine file added, and the mistakes in these.
+    """The raw case with the tables of its machine file added, and the mistakes in them.
 
     A body of the case with the name of a body in the file replaces it: it takes the position of that body,
     and its interfaces take the positions of the joints of the same name. A body without a kind adds its keys

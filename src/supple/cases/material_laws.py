@@ -24,7 +24,7 @@ class StVenantKirchhoffLaw(CheckedTable):
     kind: Literal["st-venant-kirchhoff"]
 
     def build(self, elastic: Isotropic) -> Law:
-        """The law with those constants."""
+        """The law with the elastic constants of a material."""
         return StVenantKirchhoff(elastic)
 
 
@@ -34,7 +34,7 @@ class NeoHookeanLaw(CheckedTable):
     kind: Literal["neo-hookean"]
 
     def build(self, elastic: Isotropic) -> Law:
-        """The law with those constants."""
+        """The law with the elastic constants of a material."""
         return NeoHookean(elastic)
 
 
@@ -50,7 +50,7 @@ class J2Law(CheckedTable):
     exponent: float | None = Field(None, gt=0.0, le=1.0, description="exponent of power hardening")
 
     def build(self, elastic: Isotropic) -> Law:
-        """The law with those constants."""
+        """The law with the elastic constants of a material."""
         if self.factor is not None and self.exponent is not None:
             return J2Plasticity(elastic, PowerHardening(self.yield_stress, self.factor, self.exponent))
         return J2Plasticity(elastic, LinearHardening(self.yield_stress, self.modulus or 0.0))

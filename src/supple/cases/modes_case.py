@@ -60,7 +60,7 @@ def modes_case(
 ) -> tuple[MachineModes, dict[str, Any]]:
     """Modes of a case's machine; writes `CASE-modes.json`, a page, and pictures and animations of the shapes.
 
-    Modes with an error of 1 % or more are listed with it, and not drawn.
+    Modes with an error of 1 % or more are listed with their error, but not drawn.
 
     errors : compare with the modes of the machine whose bodies are not reduced
     allow_code : whether the controllers of the case may run
@@ -129,7 +129,7 @@ def campbell_case(
     allow_code: bool = False,
     progress: StepProgress = silent,
 ) -> CampbellDiagram:
-    """Modes over the angular velocity of the case; writes `CASE-campbell.json`, a page and a picture.
+    """Modes of a case's machine at several angular velocities; writes `CASE-campbell.json`, page and picture.
 
     Bodies with a self-correcting reduction meet their accuracy at the first and the last rate.
     Raises CaseError if the case has no spin, and as for `modes_case`.
@@ -190,7 +190,8 @@ def campbell_case(
 def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes: int, time: float) -> System:
     """The machine with its bodies reduced until its modes at all given spins meet their accuracy.
 
-    The accuracy of frequencies is the relative one of the body, or 1e-3 if that is stated as a length.
+    The allowed relative error of frequencies is the body's relative accuracy, or 1e-3 if its accuracy is a
+    length.
     """
 
     def look(reduced: System, fulls: Mapping[str, FullBody]) -> dict[str, MotionOutsideBasis]:
@@ -200,7 +201,7 @@ def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes:
             if not isinstance(linear, LinearMachine):
                 raise CaseError(
                     f"{case.path}: with a body that is not reduced, no other reduction can correct itself "
-                    f"for modes: give body '{next(iter(fulls))}' a basis of fixed size, or none too"
+                    f"for modes: give body '{next(iter(fulls))}' a basis of fixed size, or basis = \"none\""
                 )
             if linear.is_in_space:
                 raise CaseError(
@@ -229,14 +230,14 @@ def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes:
 
 
 def _known(errors: np.ndarray | None) -> list[list[float | None]] | None:
-    """Numbers over speed, None if unknown."""
+    """Numbers over speed; None if unknown."""
     if errors is None:
         return None
     return [[float(each) if np.isfinite(each) else None for each in row] for row in errors]
 
 
 def _shown(case: Case, frequencies: np.ndarray) -> np.ndarray:
-    """Frequencies in Hz if the unit of time is known, else one over it."""
+    """Frequencies in Hz if the unit of time is known, otherwise in cycles per unit of time."""
     return np.asarray(frequencies) / (2 * np.pi) * case.units.frequency_shown.factor
 
 

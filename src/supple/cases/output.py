@@ -23,7 +23,7 @@ class FilmTable(
             RotorAngle,
             joint=Key(
                 str | None,
-                "name of a joint: frames are taken whenever its rotation is at angle; a rotor appears fixed",
+                "name of a joint: frames are drawn when its rotation equals angle, so a rotor appears fixed",
                 default=None,
             ),
             angle=Key(float, "angle about the z axis of the joint, rad; zero at assembly"),
@@ -128,7 +128,7 @@ def _stress_has_elements(raw: Raw) -> Mistakes:
 def _plastic_strain_has_elements(raw: Raw) -> Mistakes:
     marched = any("explicit" in body for _, body in tables(raw, "body"))
     if table(raw, "output").get("colour") == "plastic-strain" and not marched:
-        yield ("output", "colour"), "there are no explicit elements, hence no plastic strain; remove the key"
+        yield ("output", "colour"), "without explicit elements there is no plastic strain; remove the key"
 
 
 RULES = (

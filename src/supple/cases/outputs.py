@@ -19,13 +19,13 @@ def check_outputs(case: Case, folder: Path) -> None:
     kept = {stored_path(folder, name): name for name in case.made_here}
     if result in kept:
         raise CaseError(
-            f"{case.path}: the file of its motion and that of body '{kept[result]}' would both be {result}; "
+            f"{case.path}: the result file and the file of body '{kept[result]}' would both be {result}; "
             "give the case file another name"
         )
     readings = readings_paths(folder) if case.tables.sensor else ()
     if result in readings:
         raise CaseError(
-            f"{case.path}: the file of its motion and that of its sensors would both be {result}; give "
+            f"{case.path}: the result file and the file of the sensors would both be {result}; give "
             "the case file another name"
         )
     check_not_an_input(case, [result, report_path(case, folder), page_path(folder), *kept, *readings])
@@ -38,6 +38,6 @@ def check_not_an_input(case: Case, targets: Sequence[Path]) -> None:
     for target in targets:
         if target.resolve() in read:
             raise CaseError(
-                f"cannot write {target}: {case.path} reads this file, which would be lost; write to another "
+                f"cannot write {target}: it is an input of {case.path} and would be lost; write to another "
                 "folder or file (-o)"
             )

@@ -32,7 +32,7 @@ _Root = TypeVar("_Root", bound=CheckedTable)
 LARGEST = 1e60
 """Largest number: powers and products of a few such numbers do not overflow."""
 DEEPEST = 20
-"""Largest nesting of tables and lists; those of a case nest six deep."""
+"""Largest nesting of tables and lists; a case needs six levels."""
 
 
 @checked_arguments
@@ -103,7 +103,7 @@ def checked_file(
 
 
 def raw_tables(path: Path) -> tuple[str, Raw]:
-    """The text of a case file, and its tables as the TOML reader returns them; CaseError without either."""
+    """The text of a case file, and its tables as the TOML reader returns them; CaseError if unreadable."""
     text = _text(path)
     return text, _raw(path, text)
 
@@ -132,7 +132,7 @@ def _raw(path: Path, text: str) -> dict[str, Any]:
         raw = None
     if raw is None or _depth(raw) > DEEPEST:
         raise CaseError(
-            f"{path}: its tables and lists nest more than {DEEPEST} deep, as no key does; remove a "
+            f"{path}: tables and lists nest more than {DEEPEST} deep, which no key needs; remove a "
             "repeated bracket"
         )
     return raw
@@ -155,6 +155,6 @@ def values_beyond_any_use(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyP
             yield from values_beyond_any_use(item, (*path, key))
     elif isinstance(value, int) and not -LARGEST_INTEGER - 1 <= value <= LARGEST_INTEGER:
         digits = f"{value:.6g}" if abs(value) < 10**300 else "one of over 300 digits"
-        yield path, f"a whole number has at most 64 bits, got {digits}; write it with a point, or correct it"
+        yield path, f"a whole number has at most 64 bits, got {digits}; add a decimal point, or correct it"
     elif isinstance(value, float) and LARGEST < abs(value) < float("inf"):
-        yield path, f"{value:g} is beyond the {LARGEST:g} that can be computed with; correct it"
+        yield path, f"{value:g} exceeds the largest usable magnitude, {LARGEST:g}; correct it"

@@ -11,9 +11,9 @@ from supple.storage import read_interface_names
 
 
 def with_interfaces_of_files(raw: Raw, folder: Path) -> tuple[Raw, list[tuple[KeyPath, str]]]:
-    """The raw case with the interfaces of reduced bodies added from their files, and the mistakes in these.
+    """The raw case with the interfaces of reduced bodies added from their files, and the mistakes found.
 
-    So joints and loads at these interfaces are checked like all others.
+    Joints and loads at these interfaces are then checked like all others.
     """
     bodies, mistakes = raw.get("body"), []
     if not isinstance(bodies, list):

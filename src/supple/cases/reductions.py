@@ -21,7 +21,7 @@ from supple.reduction import DerivativeChoice, LinearBasisRecipe, QuarticChoice
 from supple.reduction.eigenvalues.mode_search import search_words
 
 DEFAULT_ACCURACY = 1e-3
-"""Largest RMS error of the nodes over the largest displacement."""
+"""Largest RMS error of the nodes, relative to the largest displacement."""
 FIRST_MODES = 5
 FIRST_DERIVATIVES = 5
 CANDIDATES_PER_MODE = 5
@@ -44,8 +44,8 @@ Derivatives = Annotated[Made, OneOf(AllPairsCompressed, Picked, NoDerivatives)]
 
 _CONDENSED = Field(
     None,
-    description="false: plain tensors, as in published work, which lock if stiff motion is missing; default: "
-    "condensed for a fixed size, plain during self-correction",
+    description="true: missing stiff motion is condensed statically; false: plain tensors, as published, "
+    "which lock without it; default: true for a fixed size, false during self-correction",
 )
 
 
@@ -66,19 +66,20 @@ class Accuracy(CheckedTable):
 
     relative: Positive | None = Field(
         None,
-        description="largest RMS error of the nodes over their largest displacement from the first interface",
+        description="largest RMS error of the nodes, relative to their largest displacement from the first "
+        "interface",
     )
     absolute: Positive | None = Field(None, description="largest RMS error of the nodes, a length")
-    instants: int = Field(50, ge=1, description="output times at which the residual of a run is evaluated")
-    directions: int = Field(4, ge=1, description="columns added in a round")
+    instants: int = Field(50, ge=1, description="number of output times at which the residual is evaluated")
+    directions: int = Field(4, ge=1, description="number of columns added in a round")
     largest_size: int = Field(60, ge=1, description="largest number of coordinates")
     max_rounds: int = Field(8, ge=1, description="largest number of rounds")
     of: OfInterest | None = Field(
-        None, description="the quantity whose error is limited; default: the positions of all nodes"
+        None, description="quantity whose error is limited; default: the positions of all nodes"
     )
 
     def target(self, quantity: QuantityOfInterest | None = None) -> SelfCorrection:
-        """The target error and its settings; quantity is that of the table `of`."""
+        """The target error and its settings; `quantity` is built from the table `of`."""
         given: dict[str, Any] = self.model_dump(exclude={"of"}) | {"of": quantity}
         if self.relative is None and self.absolute is None:
             given["relative"] = DEFAULT_ACCURACY
@@ -110,7 +111,7 @@ class Correctable(Basis):
     condensed: bool | None = _CONDENSED
 
     def recipe(self, _report: Report | None = None) -> LinearBasisRecipe:
-        """The linear columns; those of the start if no number is given."""
+        """The linear columns; the initial ones of a self-correction if no number is given."""
         return self.build()
 
     @property
@@ -120,13 +121,13 @@ class Correctable(Basis):
 
 
 class Sized(Correctable):
-    """A basis of a number of modes besides static columns; it corrects itself unless the number is given."""
+    """A number of modes and static columns; corrects itself if an accuracy, or no number, is given."""
 
     modes: int | None = None
     steady: bool = Field(
         True,
-        description="fixed size: false omits the static responses to steady motion: "
-        "up to twelve columns besides the modes",
+        description="for a fixed size; false omits the static responses to steady motion, up to twelve "
+        "columns besides the modes",
     )
 
     @property
@@ -135,7 +136,7 @@ class Sized(Correctable):
         return self.accuracy is not None or self.modes is None
 
     def recipe(self, _report: Report | None = None) -> LinearBasisRecipe:
-        """The linear columns; those of the start if no number is given."""
+        """The linear columns; the initial ones of a self-correction if no number is given."""
         columns = self.build()
         return columns if self.corrects_itself or not self.steady else reduction.SteadyLoads(columns)
 
@@ -197,7 +198,7 @@ class ErrorControlled(Basis):
     tolerance: float = Field(
         ge=1e-7, lt=1.0, description="largest relative error of the eigenvalues, such as 1e-3 for 0.1 %"
     )
-    modes: int = Field(ge=1, description="elastic eigenvalues, the lowest, that are within the tolerance")
+    modes: int = Field(ge=1, description="number of lowest elastic eigenvalues within the tolerance")
     attachment_modes: bool = Field(
         True, description="false omits the static responses to forces at the interfaces"
     )
@@ -243,7 +244,7 @@ def reduction_start(
     """The initial basis and the target error of a body's self-correcting reduction.
 
     quantity : quantity whose error is limited; the positions of all nodes if None
-    given : its table; None for constraint modes and fixed-interface modes, or modes without interfaces
+    given : its table; None: Craig-Bampton, or normal modes for a body without interfaces
     """
     if given is None and body.interfaces:
         given = CraigBampton.model_validate({"basis": "craig-bampton"})

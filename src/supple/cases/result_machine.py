@@ -32,7 +32,7 @@ CASE_FILE = "case file"
 """Key in the metadata of a result file: its case file, relative to the folder of the result."""
 
 _READ_AFTERWARDS = ("sensor", "order of sensor", "parameter", "order of parameter", "error")
-"""Prefixes of inputs that no motion depends on."""
+"""Prefixes of inputs on which the motion does not depend."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +95,7 @@ def _case_path(path: Path, header: ResultHeader, given: Path | None) -> Path:
 
 
 def _of_motion(inputs: Inputs, same_text: bool) -> Inputs:
-    """Inputs of the motion. If the text of the case is the same, files alone: later versions add keys."""
+    """Inputs of the motion; for the same text of the case only its files, because later versions add keys."""
     if same_text:
         return {name: value for name, value in inputs.items() if name.startswith(FILE)}
     return {name: value for name, value in inputs.items() if not name.startswith(_READ_AFTERWARDS)}
@@ -138,7 +138,7 @@ def _kept(placed: Placed, path: Path) -> Placed:
 
 
 def _with_recorded_modes(placed: Placed, path: Path) -> Placed:
-    """The body with the number of modes found by its run, which doubled it at each trial."""
+    """The body with the number of modes that its run found by doubling."""
     (instant,) = ResultParts(path, [0])
     recorded = instant.motion(placed.body.name, FramedMotion).coordinates.shape[1]
     number, whole = FEWEST, with_modes(placed, None)

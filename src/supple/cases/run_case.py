@@ -77,8 +77,8 @@ def run_case(
     resume : continue the result file of an interrupted run, instead of starting a new one
     force : replace existing results; otherwise finished or interrupted runs there are an error
     strict : a motion beyond the limits of a body's kinematics is an error
-    errors : estimate the error of the run, which takes two more runs unless the case sets otherwise;
-        without, an accuracy is that of the basis alone; the error of an explicit run is unknown
+    errors : estimate the error of the run, with two extra runs unless the case sets otherwise. If false, an
+        accuracy limits the error of the basis only. Errors of explicit runs are not estimated.
     allow_code : run the Python file of `control`, if the case has one
 
     Raises
@@ -87,7 +87,7 @@ def run_case(
     CaseError               --resume and --force at once; a file that changed while the case was read; a
                             controller without `allow_code`, or in a case that corrects itself
     ResultFileError         a result that would be lost; a result file that cannot be written or continued, or
-                            whose case or files have changed since; another run that writes to the folder
+                            whose case or input files have changed; another run that writes to the folder
     SuppleError             errors of the build and the simulation; the results until then are stored
     """
     if resume and force:
@@ -238,7 +238,7 @@ def _simulated(
 ) -> tuple[System, Solution]:
     """The motion and its system; rounds of a self-correction are appended as they finish.
 
-    known : called with both before their error is estimated
+    known : called with system and motion before the error is estimated
     """
     machine = starting_system(case, allow_code=allow_code)
     condensed = {body.name: body.condense for body in case.tables.body if body.condense is not None}

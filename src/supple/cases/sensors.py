@@ -33,7 +33,7 @@ class SensedCase(NamedTuple):
 class SensorTable(Made):
     """The keys common to all sensors."""
 
-    name: str = Field(description="its columns are NAME.x, NAME.Fx, NAME.angle, ...")
+    name: str = Field(description="heads its columns: NAME.x, NAME.Fx, NAME.angle, ...")
 
 
 _Component = Literal["von-mises", "principal", "xx", "yy", "zz", "yz", "xz", "xy"]
@@ -127,7 +127,8 @@ _ELEMENTS = Key(str, name="at", through=lambda at, case: case.elements.get(case.
 def _model_of(body: str, case: SensedCase) -> FiniteElementModel:
     if body not in case.elements:
         raise ModelError(
-            f"body '{body}' has no elements, so it has no beams ({', '.join(case.elements) or 'none'} has)"
+            f"body '{body}' has no elements, so it has no beams (bodies with elements: "
+            f"{', '.join(case.elements) or 'none'})"
         )
     return case.elements[body]
 

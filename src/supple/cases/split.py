@@ -63,8 +63,8 @@ class Split(CheckedTable):
 class SplitSource:
     """The sources of a split body.
 
-    whole : the body as one
-    mesh  : its parts
+    whole : source of the undivided body
+    mesh  : meshes of its parts
     parts : source of each part, by its name; their meshes have node sets `cut-1 of NAME` and so on, or
         `node-ID of NAME`
     """
@@ -75,7 +75,7 @@ class SplitSource:
     parts: Mapping[str, BodySource]
 
     def places(self, nodes: IntArray) -> list[tuple[str, IntArray]]:
-        """Parts that contain some nodes of the whole, each node counted once, with their numbers there."""
+        """Parts that contain given nodes of the whole, each node once, with the node numbers in the part."""
         part = self.mesh.holder(nodes)
         if part is not None:
             return [(part_name(self.name, part), self.mesh.parts[part].numbers(nodes))]
@@ -143,7 +143,7 @@ def _is_divided_one_way(path: KeyPath, body: Raw) -> Mistakes:
         seen = " and ".join(ways) or "neither"
         yield (*path, "split"), f"a split needs parts = 2, or cell_sets = [...]; this one has {seen}"
     if "cell_sets" in given and "body_axis" in given:
-        yield (*path, "split", "body_axis"), "parts made of cell sets have no body_axis; remove the key"
+        yield (*path, "split", "body_axis"), "parts from cell sets have no body_axis; remove the key"
     sets = given.get("cell_sets")
     if isinstance(sets, list) and len(sets) < 2:
         yield (*path, "split", "cell_sets"), f"a split needs at least two cell sets; got {sets}"

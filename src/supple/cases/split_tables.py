@@ -1,4 +1,4 @@
-"""The tables of a case with the parts of split bodies, tied by fixed joints, in their place."""
+"""The tables of a case, with split bodies replaced by their parts, tied by fixed joints."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class _SplitTable:
 
 
 def with_parts(tables: CaseTables, split: Mapping[str, SplitSource]) -> CaseTables:
-    """The case with the parts of split bodies in their place.
+    """The case with split bodies replaced by their parts.
 
     Their interfaces, frames, joints, loads and springs go to the part that contains them; loads on nodes are
     distributed; each cut gets a fixed joint.
@@ -94,7 +94,7 @@ def with_parts(tables: CaseTables, split: Mapping[str, SplitSource]) -> CaseTabl
 
 
 def _renamed(tables: CaseTables, at_part: Callable[[str, str], str]) -> CaseTables:
-    """The case with every place replaced by that of the part that contains it."""
+    """The case with every place named as a place of the part that contains it."""
     raw: Any = tables.model_dump(mode="json", exclude_unset=True)
     for (*outer, key), place, word in list(named_in(CaseTables, raw)):
         if word != "file":
@@ -117,7 +117,7 @@ def base_of(body: Body, source: SplitSource) -> At | None:
 
 
 def with_damping(body: Body, whole: FlexibleBody) -> Body:
-    """A split body with one damping for all parts: a ratio on modes refers to those of the whole.
+    """A split body with one damping for all parts; a damping ratio refers to modes of the whole body.
 
     Warns SuppleWarning if mass damping acts relative to the frame of each part instead of the body's.
     """

@@ -55,7 +55,7 @@ def spin_of(case: Case) -> Spin | None:
 def analysed_system(case: Case, *, allow_code: bool) -> System:
     """The machine for its equilibrium or modes, with its controllers if their code may run.
 
-    Warns ControlWarning if it may not; raises CaseError for code that fails.
+    Issues ControlWarning if the code may not run; raises CaseError for code that fails.
     """
     control = case.tables.control
     if control is not None and not allow_code:
@@ -73,7 +73,7 @@ def starting_system(case: Case, simulated: System | None = None, *, allow_code: 
     """The machine at the start of its run: as placed (and assembled on request), in equilibrium, or in a
     state of an earlier run.
 
-    simulated : the machine with the bodies of a run, from `result_machine`; by default that of the case
+    simulated : the machine with the bodies of a run, from `result_machine`; by default the case's machine
 
     For bodies with a self-correcting reduction, the equilibrium is that of the full body. The bases of all
     rounds contain its deformed shape.

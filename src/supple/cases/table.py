@@ -21,12 +21,12 @@ from supple.importers.toml import CheckedTable, KeyPath, NonNegative, Positive
 
 @dataclass(frozen=True)
 class Key:
-    """The key of a parameter, where it differs from the parameter.
+    """The key of a parameter, as far as it differs from the parameter.
 
-    type : of its values; by default that of the parameter
+    type : type of its values; by default the parameter's type
     description : for messages; by default from the docstring of the class, if the type is the parameter's
-    name : by default that of the parameter
-    default : by default that of the parameter
+    name : by default the parameter's name
+    default : by default the parameter's default
     through : function from the value and the context of `build` to the argument; None: the value itself
     """
 
@@ -68,7 +68,7 @@ class Made(CheckedTable):
 
     @property
     def chosen(self) -> str:
-        """The value of that key."""
+        """The value of the key `choice`."""
         return getattr(self, self.choice)
 
     def build(self, *context: Any) -> Any:
@@ -80,7 +80,7 @@ class Made(CheckedTable):
 
 
 def part(makes: Callable[..., Any], **by_hand: Any) -> tuple[Callable[..., Any], dict[str, Any]]:
-    """A parameter that is an object, whose own parameters are keys of the table; as for `table_of`."""
+    """A parameter that is an object: its own parameters are keys of the table. Arguments as in `table_of`."""
     return makes, by_hand
 
 
@@ -204,7 +204,7 @@ def named_in(table: Any, value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPa
 
 @cache
 def _naming_keys(table: type[CheckedTable]) -> tuple[tuple[str, Any], ...]:
-    """Keys of a table that may contain such values, with their types; cached, as most tables have none."""
+    """Keys of a table that `named_in` may find, with their types; cached, as most tables have none."""
     kinds: dict[str, Any] = {}
     for key, field in table.model_fields.items():
         kinds[key] = Annotated[field.annotation, *field.metadata, None]  # ty: ignore[invalid-type-form]

@@ -19,7 +19,7 @@ GROUP = "supple.benchmarks"
 
 
 class BenchmarkGroup(TyperGroup):
-    """Group of commands, one per entry point; their names are known before any of them is loaded."""
+    """Group of commands, one per entry point; their names are listed without loading them."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)

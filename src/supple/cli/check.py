@@ -58,7 +58,7 @@ def check_table(name: str, check: ModelCheck, units: UnitSystem = UNNAMED) -> Ta
 
 
 def _print_lines(case: Case) -> None:
-    """Print one line of text for each body that is condensed already; ModelError if a model is refused."""
+    """Print one line for each body from a section table or condensed matrices; ModelError if refused."""
     hertz, factor = case.units.frequency_shown
     for table in case.tables.body:
         if not table.is_line:
@@ -90,5 +90,5 @@ def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, U
         complete = ", ".join((".toml", *DECK_SUFFIXES, *HDF5_SUFFIXES))
         raise ImportFormatError(
             f"{path}: not a whole model; give a file that ends in {complete} (a mesh without materials, or "
-            "matrices without nodes: write a case file for both)"
+            "matrices without nodes, needs a case file)"
         )

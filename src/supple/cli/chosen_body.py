@@ -13,8 +13,9 @@ __all__ = ["chosen_body"]
 def chosen_body(case: Case, names: Sequence[str] | None, known: Sequence[str], kind: str, none: str) -> str:
     """The body with the given name, or the only one.
 
-    known : bodies that can be written;  kind : description of these;  none : remedy if there are no such
-        bodies
+    known : bodies that can be written
+    kind : description of these bodies
+    none : remedy if there are no such bodies
 
     Raises CaseError for several names, an unknown name, or no name where there are several bodies.
     """

@@ -23,9 +23,9 @@ class DeckReport:
     """Contents of a deck.
 
     mass : None if elements could not be created
-    frequencies : Hz, in the unit of time of the deck; None if not requested, or not found
+    frequencies : cycles per unit of time of the deck; None if not requested, or not found
     faults : causes of missing values
-    superelements : their own masses by name; None if elements could not be created
+    superelements : mass of each superelement by name; None if its elements could not be created
     """
 
     deck: Deck
@@ -65,7 +65,7 @@ def _described(deck: Deck, mass: MassProperties | None) -> dict[str, Any]:
 def deck_report(deck: Deck, *, n_modes: int = 0, held: bool = False) -> DeckReport:
     """Mass, and frequencies on request; a fault of the model is part of the report.
 
-    held : at the deck's own supports
+    held : frequencies with the deck's own supports, instead of free
     """
     faults: list[str] = []
     mass = frequencies = None

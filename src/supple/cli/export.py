@@ -1,4 +1,4 @@
-"""`supple export`: the target by the file name, and its options."""
+"""`supple export`: choice of the output by the file name, and check of its options."""
 
 from __future__ import annotations
 
@@ -51,13 +51,13 @@ class _Target:
     write: Callable[[Path, Path, ExportOptions], None]
 
     def check(self, options: ExportOptions) -> None:
-        """ArgumentError for options that it does not have."""
+        """Raise ArgumentError for options that this output does not have."""
         other = [_flag(name) for name in options.given if name not in self.options]
         if other:
             taken = ", ".join(map(_flag, self.options)) or "none"
             raise ArgumentError(
                 f"{' and '.join(other)} {'is' if len(other) == 1 else 'are'} not for {self.words}: remove "
-                f"{'it' if len(other) == 1 else 'them'} (options there: {taken})"
+                f"{'it' if len(other) == 1 else 'them'} (its options: {taken})"
             )
 
 
@@ -70,7 +70,7 @@ def export(path: Path, output: Path | None, c: Path | None, options: ExportOptio
     errors of the writer
     """
     if output is None and c is None:
-        raise ArgumentError("give the file to write (-o FILE), or the folder of the C (--c FOLDER)")
+        raise ArgumentError("give the file to write (-o FILE), or the folder for C source (--c FOLDER)")
     if output is not None and c is not None:
         raise ArgumentError("a machine is written as C (--c FOLDER) or as a file (-o FILE): give one of them")
     target = _target(path, output, options)
@@ -81,7 +81,7 @@ def export(path: Path, output: Path | None, c: Path | None, options: ExportOptio
 
 
 def _target(path: Path, output: Path | None, options: ExportOptions) -> _Target:
-    """The first matching row."""
+    """The output for these arguments: the first matching row."""
     from supple.cli.export_superelement import SUPERELEMENT_SUFFIXES
     from supple.export import TABLE_SUFFIXES
 

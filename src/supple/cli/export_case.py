@@ -21,14 +21,15 @@ def export_case(
 ) -> None:
     """Write a body of the case at `path`, clamped at its joints, under its loads at one time.
 
-    body : its name, one; by default the only one with elements
+    body : name of one body; by default the only one with elements
     abaqus : three-node shells for Abaqus, instead of the six-node ones for CalculiX
-    time : s, of the laws of the loads; by default the end of the run
+    time : time at which the loads are evaluated; by default the end of the run
 
     Raises
     ------
-    CaseError           mistakes in the case file; no such body, or several to choose from
-    ModelError          contents that a deck cannot have, or a body without joints
+    CaseError           mistakes in the case file; no such body, or several to choose from; a body without
+                        joints
+    ModelError          contents that a deck cannot have
     ResultFileError     a file that cannot be written
     """
     with console.status("reading") as status:
@@ -40,7 +41,7 @@ def export_case(
             body,
             known,
             "bodies with elements",
-            "only bodies with a mesh can be exported, and no explicit ones",
+            "only bodies with a mesh that are not explicit can be exported",
         )
         flexible, model = case.flexible[name], case.elements[name]
         table = next(one for one in case.tables.body if one.name == name)

@@ -44,7 +44,7 @@ def export_c(
     """Write the machine of a case, or of a result, at the start of its run, as a folder of C source.
 
     inputs : names of joints, springs and elements whose laws become inputs
-    case_file : of a result, as for `result_machine`
+    case_file : case file of a result, as in `result_machine`
 
     Raises
     ------
@@ -71,9 +71,9 @@ def export_fmu(
 ) -> None:
     """Write the machine as an FMU.
 
-    fmi : version of the interface
+    fmi : version of FMI
     platforms : operating systems of its libraries; by default this computer's
-    linear : small motions about the equilibrium of the machine, as matrices
+    linear : export the machine linearised about its equilibrium, as matrices
 
     Raises ArgumentError for an unknown operating system, and as `export_c`, `write_fmu`, `linear_form`.
     """
@@ -96,7 +96,7 @@ def export_fmu(
 def _opened(
     path: Path, target: Path, case_file: Path | None, allow_code: bool
 ) -> Iterator[tuple[Case, System, Notify]]:
-    """Case and machine, once the target is known not to be an input, and the report of steps in the block."""
+    """Case, machine and the display of the current step; CaseError if the target is an input of the case."""
     with console.status("reading") as status:
 
         def notify(step: str, detail: str = "") -> None:
@@ -148,11 +148,11 @@ def _export_linear(
         "states": str(len(form.state)),
         "inputs": ", ".join(variable.name for variable in form.inputs) or "none",
         "outputs": ", ".join(variable.name for variable in form.outputs),
-        "first accelerations off the nonlinear ones": f"{form.deviation:.2g} of their size",
+        "relative deviation of the first accelerations from the nonlinear ones": f"{form.deviation:.2g}",
     }
     print_rows("Linear machine", list(rows.items()))
     if form.left_out:
-        say(f"left out, for they are read from results alone: {', '.join(form.left_out)}")
+        say(f"left out, because only results contain them: {', '.join(form.left_out)}")
 
 
 def _platforms(names: Sequence[str]) -> tuple[Platform, ...]:
@@ -172,14 +172,14 @@ def _machine(path: Path, case_file: Path | None, allow_code: bool, notify: Any) 
     case = read_case(path, notify)
     if case.starts:
         raise CaseError(
-            f"{path}: body '{next(iter(case.starts))}' is reduced to an accuracy, by its run: run "
+            f"{path}: body '{next(iter(case.starts))}' is reduced to an accuracy during its run: run "
             "the case, and export its result (.h5)"
         )
     return case, starting_system(case, allow_code=allow_code)
 
 
 def _inputs(case: Case, system: System, names: Sequence[str]) -> tuple[dict[str, Any], dict[str, str]]:
-    """The elements whose laws are inputs, and the units of these, by name."""
+    """The elements whose laws are inputs, and the units of the inputs, by name."""
     known = _elements(case, system)
     for name in names:
         if name not in known:
@@ -248,7 +248,7 @@ def _unit(case: Case, element: Any) -> str:
 
 
 def machine_outputs(case: Case, system: System) -> list[Quantity]:
-    """Its sensors, its tracked places, and the motions of joints about or along their axes."""
+    """Sensors and tracked places of the case, and motions of joints about or along their axes."""
     sensors = list(case.sensors)
     tracked = [PositionSensor(name, case.place(name)) for name in case.parts.output.track]
     joints = [
@@ -269,9 +269,9 @@ def _report(step: StepProgram) -> None:
         "coordinates": f"{step.march.n_velocities} velocities, {step.n_equations} equations of joints",
         "step": f"{step.size:g}",
         "parameters": ", ".join(variable.name for variable in step.parameters) or "none",
-        "inputs": ", ".join(variable.name for variable in step.inputs.variables) or "none: the time alone",
+        "inputs": ", ".join(variable.name for variable in step.inputs.variables) or "none (time only)",
         "outputs": ", ".join(variable.name for variable in step.outputs.variables) or "none",
     }
     print_rows("Machine", list(rows.items()))
     if step.outputs.left_out:
-        say(f"left out, as only results have them: {', '.join(step.outputs.left_out)}")
+        say(f"left out, because only results contain them: {', '.join(step.outputs.left_out)}")

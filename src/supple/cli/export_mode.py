@@ -15,11 +15,11 @@ from supple.terminal import console, say, worded
 
 
 def export_mode(path: Path, target: Path, mode: int, *, bodies: Sequence[str] | None, time: float) -> None:
-    """Write one period of a mode (.vtkhdf), or its phase 0 (.vtu), of the machine of the case at `path`.
+    """Write one period (.vtkhdf) or phase 0 (.vtu) of a mode of the machine of the case at `path`.
 
     mode : from 1, in order of frequency
     bodies : names of the bodies to write; by default all, with the joints
-    time : of loads and laws
+    time : time at which loads and laws are evaluated
 
     Raises
     ------

@@ -37,10 +37,10 @@ def export_result(
     """Write the run in the result file at `path`, in the format of the target's suffix.
 
     bodies : names of bodies for ParaView; by default all, with the joints
-    time : of a .vtu; by default the end of the run
-    times : FROM:TO:NUMBER, evenly spread times, for any other format; by default all
-    stress : whether files for ParaView contain it
-    case_file : as for `result_machine`
+    time : time of a .vtu; by default the end of the run
+    times : FROM:TO:NUMBER, evenly spaced times, for any other format; by default all
+    stress : whether files for ParaView contain stress
+    case_file : as in `result_machine`
 
     Raises
     ------
@@ -72,7 +72,7 @@ def export_result(
 
 
 def _bodies_beside(found: ResultMachine, path: Path) -> set[Path]:
-    """Files of the reduced bodies of its motion."""
+    """Files of the reduced bodies of the result."""
     return {stored_path(path.parent, placed.body.name).resolve() for placed in found.system.bodies}
 
 
@@ -100,7 +100,7 @@ def _spread(times: str) -> NDArray[np.float64]:
         first, last, number = times.split(":")
         return np.linspace(float(first), float(last), int(number))
     except ValueError as error:
-        raise ArgumentError(f"--times takes FROM:TO:NUMBER, such as 0:10:101, got {times}") from error
+        raise ArgumentError(f"--times must be FROM:TO:NUMBER, such as 0:10:101, got {times}") from error
 
 
 def _write_picture(

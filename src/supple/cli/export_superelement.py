@@ -58,8 +58,8 @@ SUPERELEMENT_SUFFIXES = (*_OF_INTERFACES, *_OF_BODIES, _OPENFAST, _CLOSED)
 def export_superelement(path: Path, target: Path, *, body: Sequence[str] | None, abaqus: bool) -> None:
     """Write a reduced body of the case at `path`, or of a file of its own, in the target's format.
 
-    body : its name, one; by default the only one
-    abaqus : for a deck (.inp), matrices for Abaqus, instead of equations for CalculiX
+    body : name of one body; by default the only one
+    abaqus : write a deck (.inp) with matrices for Abaqus, instead of equations for CalculiX
 
     Raises
     ------
@@ -72,7 +72,7 @@ def export_superelement(path: Path, target: Path, *, body: Sequence[str] | None,
     if suffix == _CLOSED:
         raise ArgumentError(
             f"cannot write {target}: MNF is a closed format of Adams; write .op4 or .pch for a program that "
-            "makes it, such as Nastran"
+            "writes MNF, such as Nastran"
         )
     with console.status("reading") as status:
         if path.suffix.lower() != ".toml":
@@ -137,7 +137,7 @@ def _free_interface(case: Case, form: InterfaceForm) -> str:
     if len(free) != 1:
         raise CaseError(
             f"{case.path}: {len(free)} interfaces of '{form.name}' are not joined to the ground "
-            f"({', '.join(free) or 'none'}); ExtPtfm joins a superelement at one, with the others fixed"
+            f"({', '.join(free) or 'none'}); ExtPtfm needs exactly one such interface, and fixes the others"
         )
     return free[0]
 

@@ -19,7 +19,9 @@ from supple.units import measured
 def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: bool = False) -> None:
     """Print a summary of the file at `path`: a case, mesh, deck or result.
 
-    json : for a deck, output file of its numbers;  n_modes, held : its frequencies, at its own supports
+    json : output file for the numbers of a deck
+    n_modes : number of frequencies of a deck
+    held : frequencies with the deck's own supports
 
     Raises
     ------

@@ -17,7 +17,7 @@ app = typer.Typer(
     help="Reduced-order flexible multibody dynamics.",
     no_args_is_help=True,
     add_completion=False,
-    # Plain text: markup would take [spin] for a style, and write a type behind every flag.
+    # Plain text: markup would interpret [spin] as a style, and add a type to every flag.
     rich_markup_mode=None,
     context_settings={"max_content_width": 110},
     pretty_exceptions_show_locals=False,
@@ -166,7 +166,7 @@ def sweep_page(
     folder: Annotated[Path, typer.Argument(help="Folder of a sweep.")],
     reports: Annotated[
         int,
-        typer.Option(min=0, help="Number of cases to simulate for a report: those with the most extremes."),
+        typer.Option(min=0, help="Number of cases with the most extremes to simulate for a report."),
     ] = 3,
     allow_code: AllowCode = False,
     debug: Debug = False,
@@ -202,7 +202,7 @@ def static(
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
-    """Find the equilibrium of the machine of a case file, in steady rotation if the file has a table spin."""
+    """Find the equilibrium of the machine of a case file; with a table spin, in steady rotation."""
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple.cli.static_case import static_case
 
@@ -254,15 +254,15 @@ def export(
         typer.Option(
             "-o",
             "--output",
-            help="File to write. Of a result: FILE.vtkhdf (ParaView), .vtu (one time), .csv, .mat, .outb, "
-            ".nc or .h5 (tables). Of a case: a deck, FILE.inp; of a mode FILE.vtkhdf or .vtu. Of a body: "
-            ".op4, .pch (Nastran), .sid (Simpack), .fem (MBDyn), .npz (Exudyn), .dat (OpenFAST). Of a "
-            "machine for co-simulation: FILE.fmu.",
+            help="File to write. From a result: .vtkhdf (ParaView), .vtu (one time), .csv, .mat, .outb, .nc "
+            "or .h5 (tables). From a case: a deck (.inp), a mode (.vtkhdf, .vtu), a body (.op4, .pch for "
+            "Nastran, .sid for Simpack, .fem for MBDyn, .npz for Exudyn, .dat for OpenFAST), or the machine "
+            "for co-simulation (.fmu).",
         ),
     ] = None,
     body: Annotated[
         list[str] | None,
-        typer.Option(help="Body, for ParaView also several (--body A --body B); default: all."),
+        typer.Option(help="Name of a body; for ParaView also several (--body A --body B); default: all."),
     ] = None,
     time: Annotated[
         float | None,
@@ -270,7 +270,7 @@ def export(
     ] = None,
     mode: Annotated[
         int | None,
-        typer.Option(min=1, help="Mode of a case's machine, for ParaView; 1: the lowest."),
+        typer.Option(min=1, help="Number of a mode of the machine, for ParaView; 1: the lowest."),
     ] = None,
     times: Annotated[
         str | None, typer.Option(help="FROM:TO:NUMBER: times of a result; default: all.")
@@ -282,10 +282,11 @@ def export(
         Path | None, typer.Option("--case", help="Case file of a result, if it was moved.")
     ] = None,
     abaqus: Annotated[
-        bool, typer.Option("--abaqus", help="A deck for Abaqus: three-node shells, or matrices.")
+        bool, typer.Option("--abaqus", help="Write a deck for Abaqus: three-node shells, or matrices.")
     ] = False,
     superelement: Annotated[
-        bool, typer.Option("--superelement", help="A deck with the reduced body, to be included in others.")
+        bool,
+        typer.Option("--superelement", help="Write a deck with the reduced body, for inclusion in others."),
     ] = False,
     c: Annotated[
         Path | None, typer.Option("--c", help="Folder for the machine as C: source, header, test, Makefile.")
@@ -294,28 +295,26 @@ def export(
         list[str] | None,
         typer.Option("--input", help="Joint, spring or element whose law is an input of the C or the FMU."),
     ] = None,
-    fmi: Annotated[
-        int | None, typer.Option(min=2, max=3, help="Version of the FMU's interface; default: 3.")
-    ] = None,
+    fmi: Annotated[int | None, typer.Option(min=2, max=3, help="Version of FMI; default: 3.")] = None,
     platforms: Annotated[
         list[str] | None,
         typer.Option(
             "--platform",
-            help="System for which an FMU has a library: linux, windows or macos, by the cross-compiler of "
-            "supple[fmu]; default: this computer, by its own compiler.",
+            help="Operating system of an FMU's library: linux, windows or macos (needs supple[fmu]); "
+            "default: that of this computer, by its own compiler.",
         ),
     ] = None,
     linear: Annotated[
         bool,
         typer.Option(
-            "--linear", help="An FMU of small motions about the equilibrium: matrices and one runtime."
+            "--linear", help="Write an FMU of the machine linearised about its equilibrium (matrices)."
         ),
     ] = False,
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
-    """Export a run (ParaView, tables), a mode (ParaView), a body (decks and other programs), or a machine, as
-    C source (--c FOLDER) or for co-simulation (-o FILE.fmu).
+    """Export a run (ParaView, tables), a mode (ParaView), a body (decks and other programs), or a machine
+    (C source with --c FOLDER, co-simulation with -o FILE.fmu).
 
     A deck (Abaqus, CalculiX) contains one body, clamped at its joints.
     """
@@ -346,10 +345,10 @@ def info(
     path: Annotated[
         Path, typer.Argument(help="Case (.toml), deck (.inp, .bdf ..), mesh (.msh) or result (.h5).")
     ],
-    json: Annotated[Path | None, typer.Option("--json", help="File for the numbers of a deck.")] = None,
-    modes: Annotated[int, typer.Option(min=0, help="Lowest frequencies of a deck to compute.")] = 0,
+    json: Annotated[Path | None, typer.Option("--json", help="JSON file for the numbers of a deck.")] = None,
+    modes: Annotated[int, typer.Option(min=0, help="Number of lowest frequencies of a deck.")] = 0,
     held: Annotated[
-        bool, typer.Option("--held", help="Compute them with the deck's own supports, instead of free.")
+        bool, typer.Option("--held", help="Frequencies with the deck's own supports, instead of free.")
     ] = False,
     debug: Debug = False,
 ) -> None:
@@ -365,7 +364,7 @@ def check(
     path: Annotated[
         Path, typer.Argument(help="Case (.toml), Nastran model (.bdf ..) or HDF5 matrices (.h5).")
     ],
-    modes: Annotated[int, typer.Option(min=0, help="Elastic modes to compute; 0: none.")] = 6,
+    modes: Annotated[int, typer.Option(min=0, help="Number of elastic modes to compute.")] = 6,
     debug: Debug = False,
 ) -> None:
     """Check the models of a file; exit with an error if one cannot be used."""

@@ -31,8 +31,8 @@ def reduce_case(path: Path, folder: Path) -> None:
     if not bodies:
         raise CaseError(
             f"{path} has no body to reduce: give an elastic body a reduction of fixed size, for example "
-            'reduction = { basis = "error-controlled", tolerance = 1e-3, modes = 10 }; one that corrects '
-            "itself is written by supple run"
+            'reduction = { basis = "error-controlled", tolerance = 1e-3, modes = 10 }; supple run writes '
+            "self-correcting bodies"
         )
     numbers = {body.name: body_numbers(body, case.units, case.fulls.get(body.name)) for body in bodies}
     print_table(*body_table({"units": unit_names(case.units), "bodies": numbers}))

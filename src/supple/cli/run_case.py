@@ -8,7 +8,7 @@ from pathlib import Path
 import typer
 
 from supple import cases
-from supple.cases.existing_results import kept_so_far
+from supple.cases.existing_results import stored_so_far
 from supple.error import SelfCorrectionError, correction_numbers
 from supple.results.explicit_numbers import explicit_cost_line
 from supple.results.run_start import start_lines
@@ -35,8 +35,7 @@ def run_case(
 ) -> None:
     """Run the case file at `path` and print its tables; parameters and exceptions as for `cases.run_case`.
 
-    Interrupted by Ctrl-C (SIGINT) or by the system (SIGTERM), it prints what is stored, and exits with 130 or
-    143.
+    If interrupted by Ctrl-C (SIGINT) or the system (SIGTERM), print what is stored, and exit with 130 or 143.
     """
     with raising_terminated():
         try:
@@ -50,7 +49,7 @@ def run_case(
                 allow_code=allow_code,
             )
         except INTERRUPTIONS as error:
-            kept = "; ".join(getattr(error, "__notes__", [])) or kept_so_far(path, folder)
+            kept = "; ".join(getattr(error, "__notes__", [])) or stored_so_far(path, folder)
             error_console.print(words("stopped: ", "bold red") + words(kept), soft_wrap=True)
             number = signal.SIGTERM if isinstance(error, Terminated) else signal.SIGINT
             raise typer.Exit(128 + number) from error

@@ -42,13 +42,13 @@ def chosen_executors(workers: int | None, cluster: str | None, mpi: bool) -> Exe
 
 
 def share_of(text: str) -> tuple[int, int]:
-    """The number of a job and of all jobs, from K/N."""
+    """The number of a job, and the number of all jobs, from K/N."""
     try:
         number, of = map(int, text.split("/"))
     except ValueError:
         number, of = 0, 0
     if not 1 <= number <= of:
-        raise ArgumentError(f"--share takes K/N, such as 3/40: job 3 of 40; got {text}")
+        raise ArgumentError(f"--share must be K/N, such as 3/40 (job 3 of 40); got {text}")
     return number, of
 
 
@@ -63,8 +63,7 @@ def sweep_cases(
 ) -> None:
     """Run the unfinished cases of a sweep file; exit with 3 or 4 as in `SweepStatus`.
 
-    Interrupted by Ctrl-C (SIGINT) or by the system (SIGTERM), it prints what is done, and exits with 130 or
-    143.
+    If interrupted by Ctrl-C (SIGINT) or the system (SIGTERM), print what is done, and exit with 130 or 143.
     """
     with raising_terminated():
         try:

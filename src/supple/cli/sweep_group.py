@@ -10,7 +10,7 @@ __all__ = ["SweepGroup"]
 
 
 class SweepGroup(TyperGroup):
-    """The commands of `sweep`; a file name in place of a command is run."""
+    """The commands of `sweep`; a file name in place of a command runs that sweep."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """The arguments, with the command `run` inserted before a file or an option of it."""

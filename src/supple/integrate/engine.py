@@ -24,7 +24,7 @@ Recorder = Callable[[Solution], None]
 
 @dataclass(frozen=True)
 class Leg(Generic[S]):
-    """A part of a run: the states at its output times, as far as they were reached.
+    """A part of a run: the states at its reached output times.
 
     states : the states reached, stacked or listed as the engine needs
     n_reached : int         their number

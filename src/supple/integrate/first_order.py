@@ -16,11 +16,11 @@ class RungeKutta4:
 
 @dataclass(frozen=True)
 class ResidualRungeKutta4:
-    """The same rule for the lowest modes, which limit the step; the higher ones follow them statically.
+    """`RungeKutta4` for the lowest modes only, which then limit the step; higher modes follow statically.
 
     n_kept : int            number of dynamic modes, rigid ones included
     sweeps : int            iterations for the higher modes at each of the rule's four stages
-    largest_contraction : float     of these iterations; the run ends where they converge more slowly
+    largest_contraction : float     largest ratio of successive iterations; above it the run ends
     """
 
     n_kept: int

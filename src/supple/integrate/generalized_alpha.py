@@ -109,7 +109,7 @@ class HilberHughesTaylor:
 
 
 class StepFactors(NamedTuple):
-    """Derivatives of position and velocity by the new true acceleration, for the tangent of a step.
+    """Derivatives of position and velocity with respect to the new true acceleration, for a step's tangent.
 
     With `kappa = (1 - alpha_f)/(1 - alpha_m)`, the derivative of the auxiliary acceleration, these are the
     `1/beta'` and `gamma'/beta'` of Arnold & Bruels: `beta h^2 kappa` and `gamma h kappa`.

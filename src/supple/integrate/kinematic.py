@@ -13,9 +13,10 @@ class Kinematic:
 
         g(q, t) = 0,      G v = -g_t,      G vdot = -d2g/dt2 at constant v
 
-    and the joint forces follow from the motion (inverse dynamics). Each instant is solved by itself to the
-    accuracy of the closed joints. The run's step is the largest interval between two instants: of several
-    configurations that satisfy the joints, the nearest is taken. Bodies keep their shape.
+    and the joint forces follow from the motion (inverse dynamics). Each instant is solved separately to the
+    accuracy of the closed joints. The run's step is the largest interval between two instants: if several
+    configurations satisfy the joints, the one nearest to the previous instant is found. Bodies keep their
+    shape.
 
     Source: [Nikravesh1988] chapter 3; for the forces chapter 8.
     """

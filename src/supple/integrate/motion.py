@@ -141,6 +141,6 @@ class FloatingMotion(FramedMotion):
         return assessed
 
     def at(self, rows: slice | np.ndarray) -> Self:
-        """The motion at some of its output times, by their numbers; the error remains that of the whole."""
+        """The motion at some of its output times, by their numbers, with the error of the whole motion."""
         part = super().at(rows)
         return part if self.error is None else part.with_error(self.error)

@@ -26,9 +26,9 @@ class Validity:
     """Limits of validity of a run: of the kinematics, the initial state, and the steps.
 
     strict : exceeding a limit is an error, raised when it is detected, instead of a warning
-    spin_ratio : largest angular velocity of a linear body, relative to its lowest frequency; at 0.3 the
-        missing centrifugal stiffness is already about 10 % of the elastic one; likewise for a reduced body
-        whose condensed motion has no inertia
+    spin_ratio : largest angular velocity, relative to the lowest frequency, of a linear body, or of a reduced
+        body whose condensed motion has no inertia; at 0.3 the missing centrifugal stiffness is already about
+        10 % of the elastic stiffness
     """
 
     strict: bool = False
@@ -53,8 +53,8 @@ class Run(Summarized):
     tolerances : Tolerances
     validity : Validity     warn about a motion beyond the limits of the kinematics, or stop
     start : float           time of the initial state
-    Raises ValueError for a duration or output step that is not positive, not a multiple of the other, or has
-        over `MOST_OUTPUT_TIMES` output times.
+    Raises ValueError for a duration or output step that is not positive, a duration that is no multiple of
+        the output step, or more than `MOST_OUTPUT_TIMES` output times.
     """
 
     duration: float
@@ -90,11 +90,11 @@ class Run(Summarized):
             )
 
     def summary(self) -> Summary:
-        """Its span and its steps."""
+        """Time span, steps and method."""
         span = f"{self.start:g} to {self.start + self.duration:g}"
         rows = [
             ("times", f"{span}, {self.times.size} output times, every {self.output_step:g}"),
-            ("step", "of the machine, or of the output" if self.step is None else str(self.step)),
+            ("step", "default of the machine" if self.step is None else str(self.step)),
             ("method", str(self.method)),
             ("tolerances", str(self.tolerances)),
             ("validity", str(self.validity)),
@@ -114,7 +114,7 @@ class Run(Summarized):
 
     @property
     def n_steps(self) -> float:
-        """Number of steps of the first size; with fixed steps, of all."""
+        """Number of steps of the first size; with fixed steps the number of all steps."""
         return self.duration / float(self.step_control.first)
 
     @property

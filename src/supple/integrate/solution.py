@@ -20,8 +20,8 @@ _M = TypeVar("_M", bound=Motion)
 
 JOINT_COMPONENTS = ("force x", "force y", "force z", "moment x", "moment y", "moment z")
 """Columns of the forces of a joint."""
-JOINT_AXES = "joint axes that turn with the first end, z along the axis of the joint"
-"""Axes of these components."""
+JOINT_AXES = "joint axes that rotate with the first end, z along the axis of the joint"
+"""Axes of `JOINT_COMPONENTS`."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Statistics:
     largest_error : largest local error of an accepted step, as `AdaptiveStep` measures it
     largest_turn : largest rotation of a body within an accepted step, rad
     factorizations : number of factored tangents; 0 where an engine does not count them
-    decades : reduction of the residual by all iterations together, in powers of ten; 0 likewise
+    decades : reduction of the residual by all iterations together, in powers of ten; 0 where not counted
     """
 
     steps: int = 0
@@ -48,7 +48,7 @@ class Statistics:
 
     @property
     def contraction(self) -> float | None:
-        """Geometric mean of the residual's factor in an iteration; None where it is unknown."""
+        """Geometric mean of the factor on the residual per iteration; None where it is unknown."""
         return 10 ** (-self.decades / self.iterations) if self.iterations and self.decades else None
 
     def __add__(self, other: Statistics) -> Statistics:
@@ -73,7 +73,7 @@ class Solution(Summarized):
     """Body name to its motion, of the type of the body's form; see `motion`."""
     joint_forces: Mapping[str, np.ndarray]
     """Joint name to (t, 6) force and moment on the joint's second end, at that end's point: x, y, z of the
-    force, then of the moment, along the joint axes that turn with the first end (z is the joint's axis)."""
+    force, then of the moment, along the joint axes that rotate with the first end (z is the joint's axis)."""
     statistics: Statistics
     stopped: str | None = None
     """Cause of an end before the last output time; None for a complete run."""
@@ -132,7 +132,7 @@ class Solution(Summarized):
         )
 
     def at(self, rows: slice | np.ndarray) -> Solution:
-        """The solution at some of its output times, by their numbers; its cost remains that of the whole."""
+        """The solution at some of its output times, by their numbers, with the cost of the whole run."""
         return Solution(
             times=self.times[rows],
             bodies={name: motion.at(rows) for name, motion in self.bodies.items()},

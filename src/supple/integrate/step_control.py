@@ -68,8 +68,8 @@ class FixedStep:
 class AdaptiveStep:
     """Steps chosen so that the local error stays below `tolerance`.
 
-    The error is measured per step: translations over the size of the system, rotations in radians,
-    deformation coordinates over the size of the system times the root of the body's mass.
+    The error is measured per step: translations relative to the size of the system, rotations in radians,
+    deformation coordinates relative to the size of the system times the root of the body's mass.
     """
 
     first: float = 1e-6

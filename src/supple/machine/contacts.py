@@ -18,8 +18,9 @@ class Contact:
 
     nodes : At(part, node set)
     obstacle : RigidPlane(..), RigidCylinder(..) or RigidSphere(..)
-    stiffness : N/m per node; default `fraction` of the stiffness at the step limit of the node's mass
-    fraction : of m omega_max^2; it shortens the step by sqrt(1 + fraction)
+    stiffness : N/m per node; default `fraction * m omega_max^2`, with the mass m of the node and the highest
+        frequency omega_max of the part
+    fraction : shortens the stable step by the factor sqrt(1 + fraction)
     """
 
     nodes: At
@@ -39,9 +40,9 @@ class SurfaceContact:
     nodes : At(part, node set)
     surface : At(part, node set)    outer faces with all corners in the set; choose the coarser, or
         stiffer, side
-    stiffness : N/m per node; default `fraction` of the stiffness at the step limit of the lightest node of
+    stiffness : N/m per node; default `fraction * m omega_max^2`, with the mass m of the lightest node of
         either side
-    fraction : of m omega_max^2; it shortens the step by no more than sqrt(1 + 2 fraction)
+    fraction : shortens the stable step by at most the factor sqrt(1 + 2 fraction)
     """
 
     nodes: At

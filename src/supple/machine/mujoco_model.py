@@ -57,7 +57,7 @@ class _Group:
     points: dict[str, Array] = field(default_factory=dict)
 
     def local(self, point: Array) -> Array:
-        """A point of space in its axes."""
+        """A global point in the axes of the group."""
         return self.rotation.T @ (point - self.position)
 
 
@@ -78,10 +78,10 @@ def read_mujoco(
 
     Parameters
     ----------
-    bodies : by name, replacements of rigid bodies, such as a ReducedBody: in the axes of the file's body,
-        with an interface named as each of its joints, at the position of the joint
+    bodies : replacements of rigid bodies by name, such as a ReducedBody, in the axes of the file's body; each
+        joint needs an interface of its name at its position
     leave_out : features of the file that are omitted: "actuators", "tendons", "friction", "armature",
-        "equality", "limits" (of more than a turn)
+        "equality", "limits" (of joint motions)
     Raises
     ------
     ImportFormatError   mujoco missing (install `supple[mujoco]`); a file that MuJoCo rejects
@@ -235,9 +235,9 @@ class _Reader:
         else:
             words = {_FREE: "free", _BALL: "ball", _SLIDE: "slide", _HINGE: "hinge"}
             raise ModelError(
-                f"{self.name}: body '{self.label(model.name_bodyadr, body, str(body))}' moves by "
-                f"{' and '.join(words[kind] for kind in kinds)}, which no joint here allows; put a body of "
-                "small mass between them"
+                f"{self.name}: body '{self.label(model.name_bodyadr, body, str(body))}' has the joints "
+                f"{' and '.join(words[kind] for kind in kinds)}, which no single joint combines; put a body "
+                "of small mass between them"
             )
         for j in own:
             loads += self._in_joint(j, ends, isinstance(joints[-1], Universal), limits)
@@ -254,8 +254,7 @@ class _Reader:
         is_limited = bool(model.jnt_limited[j]) and limits
         if (is_universal or kind == _BALL) and is_limited:
             raise ModelError(
-                f"{self.name}: the limits of the balls and universal joints are not read; "
-                'leave_out=["limits"]'
+                f'{self.name}: the limits of ball and universal joints are not read; leave_out=["limits"]'
             )
         if is_universal and (k or c):
             raise ModelError(
@@ -290,15 +289,14 @@ class _Reader:
                 raise ModelError(
                     f"{self.name}: joint '{self.label(model.name_jntadr, j, str(j))}' is limited to "
                     f"{lower:.4g} .. {upper:.4g} rad from its position in the file; stops must be within "
-                    "half a "
-                    'revolution: leave_out=["limits"], or draw it in another position'
+                    'half a revolution: leave_out=["limits"], or change its position in the file'
                 )
             stop = AngleStop if kind == _HINGE else SlideStop
             found.append(stop(**ends, axis=axis, lower=lower, upper=upper, penalty=self._penalty(j, dof)))
         return found
 
     def _penalty(self, j: int, dof: int) -> Penalty:
-        """Penalty for its effective inertia, as stiff as MuJoCo's reference spring: k = I / (tau zeta)^2."""
+        """Penalty of a limit, as stiff as MuJoCo's: k = I / (tau zeta)^2, with the effective inertia I."""
         time, ratio = (float(value) for value in self.model.jnt_solref[j])
         inertia = 1 / max(float(self.model.dof_invweight0[dof]), np.finfo(float).tiny)
         rate = 1 / (time * ratio) ** 2 if time > 0 else -time  # negative: stiffness and damping themselves
@@ -335,7 +333,7 @@ def _placed(group: _Group, other: Any) -> Placed:
     if other is not None:
         if other.name != group.name:
             raise ModelError(
-                f"body '{other.name}' replaces '{group.name}': give it this name, which joints use"
+                f"body '{other.name}' replaces '{group.name}': give it the same name, which the joints use"
             )
         size = max(float(np.abs(list(group.points.values())).max(initial=0.0)), np.finfo(float).tiny)
         for name, point in group.points.items():

@@ -40,7 +40,7 @@ class Obstacle(Protocol):
 
 @dataclass(frozen=True)
 class RigidPlane:
-    """The half space behind a plane; nodes belong on the side its normal points to.
+    """The half space behind a plane; the normal points to the side of the nodes.
 
     point, normal : (3,);   velocity : (3,) m/s;   mass : kg
     """
@@ -66,7 +66,7 @@ class RigidPlane:
 
 @dataclass(frozen=True)
 class RigidSphere:
-    """A ball.
+    """A sphere.
 
     centre : (3,) m;   radius : m;   velocity : (3,) m/s;   mass : kg
     """

@@ -10,7 +10,7 @@ import jax
 __all__ = ["Parameters", "Pose", "Wrench", "Wrenches"]
 
 Parameters = Sequence[jax.Array]
-"""Numbers of a force element, and arrays of them, in its equations."""
+"""Numbers and arrays in the equations of a force element."""
 
 
 class Pose(NamedTuple):
@@ -27,7 +27,7 @@ class Pose(NamedTuple):
 
 
 class Wrench(NamedTuple):
-    """Force and moment on one end, global components, the force acting at its point."""
+    """Force at the point of one end, and moment, global components."""
 
     force: jax.Array
     moment: jax.Array

@@ -20,7 +20,7 @@ from supple.mesh import Cuts, DividedMesh, Division, cuts_at_sections, divided
 
 __all__ = ["SplitBody", "split_body"]
 
-# Relative change of frequencies by the ties from which a warning is issued.
+# Smallest relative change of frequencies by the ties that causes a warning.
 NOTABLE = 0.02
 
 Interface = RigidInterface | AveragingInterface
@@ -34,7 +34,7 @@ class SplitBody:
     name  : of the whole body
     mesh  : DividedMesh    nodes and cells of each part
     parts : FlexibleBody   named NAME-1, NAME-2, ..., all in the axes of the whole mesh
-    base  : At             the first interface of the whole, on its part; None if there was none
+    base  : At             the first interface of the whole body, on its part; None without interfaces
     """
 
     name: str
@@ -56,14 +56,14 @@ class SplitBody:
 
     @property
     def bases(self) -> Mapping[str, At]:
-        """Reference of the deflections of each part, by its name: the first interface of the whole."""
+        """Reference interface of deflections, by name of the part: the first interface of the whole body."""
         return {} if self.base is None else {part.name: self.base for part in self.parts}
 
     def frequencies(self, count: int) -> NDArray[np.float64]:
         """The lowest elastic frequencies of the tied parts, free and undeformed, rad/s.
 
-        Compared with those of the whole body they show the effect of the ties: rigid sections stiffen a body
-        whose sections would deform, averaging ones soften it.
+        Their difference from those of the whole body is the effect of the ties: rigid ties stiffen a body
+        whose sections would deform, averaging ties soften it.
         """
         first = np.cumsum([0, *(part.n for part in self.parts)])
         rows = []
@@ -95,9 +95,9 @@ def frequency_changes(whole: FlexibleBody, split: SplitBody) -> NDArray[np.float
     if np.abs(changes).max() >= NOTABLE:
         listed = ", ".join(f"{100 * change:+.2g}" for change in changes)
         warnings.warn(
-            f"body '{whole.name}': its {len(split.parts)} parts, tied together, have other frequencies than "
-            f"the whole: the lowest free ones change by {listed} %. The ties keep sections rigid "
-            "that would deform: cut where they do not, or try the other tie (rigid, averaging)",
+            f"body '{whole.name}': the ties of its {len(split.parts)} parts change the lowest free "
+            f"frequencies by {listed} %. Rigid ties stiffen sections that would deform, averaging ties "
+            "soften them: cut where sections do not deform, or try the other tie (rigid, averaging)",
             SuppleWarning,
             stacklevel=3,
         )

@@ -40,7 +40,7 @@ _ACROSS = 1e-3
 # Members of every form of body that a machine uses.
 _BODY = ("name", "kind", "n_coordinates", "interfaces")
 _EXPLICIT = ("modal", "explicit")
-"""Kinds of bodies of explicit runs alone: parts on four-point frames, and of finite elements."""
+"""Kinds of bodies in explicit runs only: modal parts on four-point frames, parts of finite elements."""
 _OF_PARTS = {
     "ties": ((Tie,), "ties such as Tie(At(part, node set), on=part)"),
     "contacts": (
@@ -49,7 +49,7 @@ _OF_PARTS = {
     ),
     "supports": ((Support,), "supports such as Support(At(part, node set), axes)"),
 }
-"""Lists of a system for explicit parts alone."""
+"""Lists of a system for explicit parts only."""
 
 
 class AssembledPose(NamedTuple):
@@ -67,12 +67,12 @@ class Placed(Summarized):
 
     position : (3,)           frame origin, global
     rotation : (3,) or (3, 3) rotation vector (rad) or matrix, body to global
-    velocity : (3,)           of the frame origin, global: of an elastic body the origin of its mesh
-        (`with_centre_velocity` takes that of the centre of mass)
+    velocity : (3,)           of the frame origin, global; for an elastic body this is the origin of its mesh
+        (for the velocity of the centre of mass use `with_centre_velocity`)
     angular_velocity : (3,)   body components, rad/s
-        Where one of the two is omitted (None), it follows from joints, their laws and other bodies at the
-        start, and is zero where these leave it free; given zeros are kept where the joints allow it.
-    coordinates, coordinate_rates : (r,) deformation at the start; default zero
+        A velocity of None follows from the joints, their laws and the other bodies, and is zero where these
+        leave it free. A given velocity, also zero, is kept where the joints allow it.
+    coordinates, coordinate_rates : (r,) deformation at the start, and its rates; default zero
     assembled : AssembledPose pose at assembly, which determines the points and axes of joints and forces;
         default the initial pose. An `equilibrium` starts in another pose of the same machine.
     Raises ModelError for a vector of the wrong size, a matrix that is not a rotation, or a FlexibleBody,
@@ -94,12 +94,12 @@ class Placed(Summarized):
         rows = [("position", point(self.position)), ("rotation vector, rad", point(angles))]
         for name in ("velocity", "angular_velocity"):
             value = getattr(self, name)
-            rows.append((name.replace("_", " "), "of the joints, or zero" if value is None else point(value)))
+            rows.append((name.replace("_", " "), "by the joints, or zero" if value is None else point(value)))
         rows.append(("deformed", "yes" if np.any(self.coordinates) else "no"))
         return Summary(f"Placed body '{self.body.name}' ({self.body.kind}) at {point(self.position)}", rows)
 
     def __post_init__(self) -> None:
-        if not isinstance(self.body, FlexibleBody):  # which has a message of its own
+        if not isinstance(self.body, FlexibleBody):  # a FlexibleBody has a message of its own
             check_members("Placed, body", self.body, _BODY, "a RigidBody, a ReducedBody or a FullBody")
         name = self.body.name
         if isinstance(self.body, FlexibleBody):
@@ -135,7 +135,7 @@ class Placed(Summarized):
         return np.concatenate([np.zeros(3) if part is None else part for part in given])
 
     def in_form(self, form: Any, onto: Any) -> Placed:
-        """The body in another form, of coordinates `onto @ coordinates`, and their rates likewise.
+        """The body in another form; `onto` maps the coordinates and their rates.
 
         onto : (r', r)     a matrix, dense or sparse
         """
@@ -147,7 +147,7 @@ class Placed(Summarized):
         )
 
     def with_centre_velocity(self, velocity: ArrayLike) -> Placed:
-        """The same body with another velocity (3,) of its centre of mass, global, undeformed.
+        """The same body with a given velocity (3,) of its undeformed centre of mass, global.
 
             v = v_c - A (w x c)
 
@@ -275,7 +275,7 @@ class System(Summarized):
                     self.body_index(each.on, what)
 
     def check_has_frames(self) -> None:
-        """Raise ModelError for explicit finite elements, whose equations no other method has."""
+        """Raise ModelError for explicit finite elements, which only explicit runs support."""
         for body in (placed.body for placed in self.bodies):
             if not body.has_frame:
                 raise ModelError(
@@ -308,26 +308,26 @@ class System(Summarized):
         for number, (own, element) in enumerate(drivers):
             if any(element is other for _, other in drivers[:number]):
                 raise ModelError(
-                    f"controller '{own.name}' drives {element.label}, which another output drives already, "
-                    "so its own law would act twice: give each output an element of its own"
+                    f"controller '{own.name}' drives {element.label}, which another output drives already: "
+                    "the element would act twice; give each output an element of its own"
                 )
 
     def _check_acts_once(self, what: str, element: ForceElement) -> None:
         if any(element is load for load in self.loads):
             raise ModelError(
-                f"{what}, which is also among the loads, so its own law would act twice: leave it "
-                "out of loads; in a case file, remove its table and create it in the controller's function"
+                f"{what}, which is also among the loads: the element would act twice; leave it out of "
+                "loads (in a case file, remove its table and create it in the controller's function)"
             )
 
     def _check_moves_something(self, element: ForceElement) -> None:
         """Raise ModelError for a servo or motor along directions that a joint of its two ends fixes."""
-        if not isinstance(element, AxialElement) or not element.held_by:
+        if not isinstance(element, AxialElement) or not element.blocked_by:
             return
         for joint in self.joints:
             if {joint.first, joint.second} != {element.first, element.second}:
                 continue
             held = np.array(
-                [any(f"{words} {axis}" in joint.rows for words in element.held_by) for axis in "xyz"]
+                [any(f"{words} {axis}" in joint.rows for words in element.blocked_by) for axis in "xyz"]
             )
             held[2] &= joint.law is None
             free = joint.initial_axes[:, ~held]
@@ -338,7 +338,7 @@ class System(Summarized):
                 )
                 raise ModelError(
                     f"{element.label}: it has no effect, because joint '{joint.name}' fixes its ends along "
-                    f"its axis {tuple(element.axis)}: {remedy} ends that can move relative to each other"
+                    f"the axis {tuple(element.axis)}: {remedy} ends that can move relative to each other"
                 )
 
     def _check_load(self, load: Load) -> None:

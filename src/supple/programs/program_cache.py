@@ -98,7 +98,7 @@ class CachedProgram:
         return folder / "by-structure" / digest_of_sources()[:16] / digest
 
     def _by_text(self, arguments: Any, shapes: Any, known: Path, taken: Any) -> Any:
-        """The program found by its text, or compiled; its structure is then a key, too."""
+        """The program found by its text, or compiled; afterwards its structure finds it, too."""
 
         def kept(*arguments: Any) -> Any:
             return self.function(*arguments)
@@ -183,7 +183,7 @@ def _folder() -> Path | None:
 
 @contextmanager
 def _no_garbage_collected() -> Iterator[None]:
-    """Disable garbage collection, a tenth of the time of tracing: its millions of objects are not garbage."""
+    """Disable garbage collection, which takes a tenth of the time of tracing and would find no garbage."""
     was_enabled = gc.isenabled()
     gc.disable()
     try:

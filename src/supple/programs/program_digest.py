@@ -1,10 +1,10 @@
 """Digest of everything that a compiled program depends on; equal in all processes.
 
-It contains, of the arguments: their structure with all fixed values, shapes and types; and furthermore: the
-sources of this package except `_ABOVE`, the versions of JAX and of the hardware, and the compiler options.
-Fixed values in a structure must be objects of this package or plain values. A user's function is represented
-by its bytecode and by all values this takes from its surroundings. These must be representable in the same
-way or belong to `jax.numpy` or `math`; a program with any other function has no digest.
+It covers the structure of the arguments with all fixed values, shapes and types, the sources of this package
+except `_ABOVE`, the versions of JAX and of the hardware, and the compiler options. Fixed values in a
+structure must be objects of this package or plain values. A user's function is represented by its bytecode
+and by all values that the bytecode takes from its surroundings. These values must be representable in the
+same way or belong to `jax.numpy` or `math`; a program with any other function has no digest.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ __all__ = ["digest_of_sources", "program_digest", "text_digest"]
 
 _PACKAGE = __name__.partition(".")[0]
 _ABOVE = ("cases", "cli", "export", "report", "results", "sweeps", "viz")
-"""Folders of this package that contain no traced code: by the layers they import it, never the reverse."""
+"""Folders of this package that contain no traced code: traced code never imports them."""
 
 
 _Compiled = type(jax.jit(lambda: None))
@@ -149,7 +149,7 @@ _OUTSIDE = ("IMPORT", "STORE_GLOBAL", "DELETE_GLOBAL", "LOAD_NAME", "LOAD_BUILD_
 
 
 def _content(function: FunctionType) -> Any:
-    """Content of a function: its code, and the values this takes from its closure, defaults and module."""
+    """Content of a function: its code, and the values that it takes from closure, defaults and module."""
     if function.__dict__:
         raise _StrangerError
     try:

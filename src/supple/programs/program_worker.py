@@ -33,7 +33,7 @@ def program_of_file(file: Path, taken: Any, given: Any = None) -> Any:
     the structure of its result.
 
     taken : structure of the arguments
-    given : structure of the result; None: that of the second object in the file
+    given : structure of the result; None: the structure of the second object in the file
     """
     _bind_lapack()
     content = io.BytesIO(zlib.decompress(file.read_bytes()))
@@ -47,7 +47,7 @@ def program_of_file(file: Path, taken: Any, given: Any = None) -> Any:
 
 @lru_cache
 def _bind_lapack() -> None:
-    """Register the LAPACK routines with JAX, which it otherwise does only when lowering a program."""
+    """Register the LAPACK routines with JAX, which otherwise does this only when lowering a program."""
     prepare_lapack_call("getrf", np.dtype(float))
 
 
@@ -56,7 +56,7 @@ def answer(questions: BinaryIO, answers: BinaryIO) -> None:
     file, n_arguments, n_results = pickle.load(questions)
     taken = jax.tree.structure((tuple(range(n_arguments)), {}))
     program = program_of_file(Path(file), taken, jax.tree.structure(list(range(n_results))))
-    _say("ready", answers)
+    _send("ready", answers)
     while True:
         try:
             arguments = pickle.load(questions)
@@ -64,11 +64,11 @@ def answer(questions: BinaryIO, answers: BinaryIO) -> None:
             return
         began = perf_counter()
         found = [np.asarray(each) for each in jax.device_get(program(*arguments))]
-        _say((perf_counter() - began, found), answers)
+        _send((perf_counter() - began, found), answers)
 
 
-def _say(answered: Any, answers: BinaryIO) -> None:
-    pickle.dump(answered, answers, pickle.HIGHEST_PROTOCOL)
+def _send(result: Any, answers: BinaryIO) -> None:
+    pickle.dump(result, answers, pickle.HIGHEST_PROTOCOL)
     answers.flush()
 
 

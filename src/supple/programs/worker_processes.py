@@ -1,9 +1,9 @@
 """Many tasks of one kind on all cores of a processor: worker processes take tasks that are not started yet.
 
-JAX runs the programs of a process one after the other where it has one thread. With more threads, a single
-program uses twice the processor time without benefit (`jax_settings`). The other cores therefore get
-processes of their own. A worker for a compiled program reads it from the cache and needs nothing else: the
-functions in it, also a user's, need not be sent. It is ready as soon as JAX is imported.
+With one thread, JAX runs the programs of a process one after the other. With more threads, a single program
+uses twice the processor time without benefit (`jax_settings`). The other cores therefore get processes of
+their own. A worker for a compiled program reads the program from the cache and needs nothing else: the
+functions in it, also a user's, need not be sent. The worker is ready as soon as JAX is imported.
 
 `concurrent.futures.ProcessPoolExecutor` is not used here. Its processes import the script of the caller again
 (JAX does not survive a fork), which runs it a second time unless everything is below
@@ -122,9 +122,9 @@ def on_all_cores(program: CachedProgram, tasks: Sequence[Task]) -> Iterator[Fini
 def shared_out(work: Work, tasks: Sequence[Task]) -> Iterator[Finished]:
     """Work for many arguments on all cores; results in order of completion.
 
-    The time of the first task predicts the others and the useful number of processes: none where the
-    remaining time is short, where no worker can do the work, or on devices other than a processor. Tasks that
-    a worker leaves unfinished because it ends early are done by this process.
+    The time of the first task predicts the remaining time, and with it the useful number of processes. No
+    process is started if the remaining time is short, if no worker can do the work, or on devices other than
+    a CPU. Tasks that a worker leaves unfinished because it ends early are done by this process.
     """
     waiting = deque(range(len(tasks)))
     number = _next(waiting)

@@ -32,7 +32,7 @@ class BeamForceSensor:
     They are the forces that the part towards the beam's second end exerts on the part before the section; N
     is positive in tension, and moments are about the beam's axis (`beam_forces`).
 
-    body : its name;   model : its elements
+    body : name of the body;   model : elements of the body
     beam : id of the element in the mesh or deck
     end : 1 or 2, the first or second end of the element
     """

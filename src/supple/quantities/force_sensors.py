@@ -43,9 +43,9 @@ def six_channels(axes: str) -> tuple[Channel, ...]:
 class JointForceSensor:
     """Force and moment of a joint on its second end, along its axes on the first end, (t, 6).
 
-    As a quantity of interest, it is the force.
+    As a quantity of interest it is the force alone.
 
-    joint : its name
+    joint : name of the joint
     """
 
     name: str
@@ -107,7 +107,7 @@ class _OfElement:
 class SpringForceSensor(_OfElement):
     """Force and moment of a spring, damper or torque on its second end, global components, (t, 6).
 
-    element : ForceElement      of the machine's loads, or a hypothetical one
+    element : ForceElement      a load of the machine, or a hypothetical element
     """
 
     def channels(self, system: System) -> Sequence[Channel]:
@@ -123,11 +123,10 @@ class SpringForceSensor(_OfElement):
 class ElementEnergySensor(_OfElement):
     """Energy stored in a spring, stop, contact, ..., and the power of its forces on both of its ends, (t, 2).
 
-    The dissipated power is `-power - d(stored)/dt`; for an element driven by a law of time or by a controller
-    this includes the power supplied. For an element driven by a controller only the law of time is known
-    here.
+    The dissipated power is `-power - d(stored)/dt`, which includes the power supplied by a law of time. The
+    output of a controller is unknown here, and not included.
 
-    element : ForceElement      of the machine's loads, or a hypothetical one
+    element : ForceElement      a load of the machine, or a hypothetical element
     """
 
     def channels(self, system: System) -> Sequence[Channel]:
@@ -185,7 +184,7 @@ def joint_loads(system: System, solution: Solution) -> dict[str, dict[str, Array
     Returns
     -------
     by joint, then "force" (t, 3) and "moment" (t, 3) at the second end's point, in the units of the model; a
-    joint that fixes no direction, or no rotation, has no such entry
+    joint that fixes no position has no force, one that fixes no rotation no moment
     """
     return {
         joint.name: {

@@ -27,10 +27,11 @@ class JointMotionSensor:
 
         tan(angle) = (y_1 . x_2 - x_1 . y_2) / (x_1 . x_2 + y_1 . y_2),    slide = z_1 . (r_2 - r_1)
 
-    Both are zero in the undeformed assembled machine. The angle is counted beyond pi: from one output time to
-    the next it must differ by less than half a revolution from the change given by the mean of its rates.
+    Both are zero in the undeformed assembled machine. Revolutions are counted: from one output time to the
+    next, the change of the angle must differ by less than half a revolution from the integral of its rate
+    (trapezoidal rule).
 
-    joint : its name
+    joint : name of the joint
     """
 
     name: str

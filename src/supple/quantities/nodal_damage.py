@@ -39,11 +39,11 @@ class StressCriterion(Protocol):
 class CriticalPlane:
     """Stress normal to planes of all directions: the plane with the largest damage counts.
 
-    It holds where principal axes rotate and components are out of phase, unlike a signed equivalent stress,
-    which jumps. The nearest plane is off by at most `spacing` / sqrt(2), and the range of uniaxial stress too
+    Valid also if principal axes rotate or components are out of phase, where a signed equivalent stress
+    jumps. The nearest plane is off by at most `spacing` / sqrt(2), and the range of uniaxial stress is too
     small by at most the square of that: 1.5 % at 10 degrees.
 
-    spacing : of the planes' normals, rad
+    spacing : angle between neighbouring normals of planes, rad
     """
 
     spacing: Positive = float(np.radians(10.0))
@@ -85,8 +85,9 @@ class CriticalPlane:
 class SignedVonMises:
     """Von Mises stress with the sign of the principal stress of largest magnitude: one history a tensor.
 
-    For stress that stays proportional and near uniaxial; where the sign changes at large shear it jumps, and
-    the damage is too large. It serves as a quick search for the nodes to be assessed by `CriticalPlane`.
+    For stress that stays proportional and near uniaxial. If the sign changes at large shear, the history
+    jumps and the damage is too large. Suitable for a quick search of nodes to be assessed by
+    `CriticalPlane`.
     """
 
     @property
@@ -124,8 +125,8 @@ def hot_spot_damage(
     ----------
     modes : of `stress_modes`
     coordinates : (t, r) of the body over time
-    curve : in the units of the stress; its class must fit the stress definition: that of the mesh, without
-        the notch of a weld that is not modelled
+    curve : in the units of the stress; its class must fit the stress of the mesh, which lacks the notch of a
+        weld that is not modelled
     criterion : `CriticalPlane` or `SignedVonMises`
 
     Raises

@@ -97,9 +97,9 @@ class Nearest:
     words: str = field(default="nearest to the centroid", init=False)
 
     def read(self, points: Array) -> IntArray:
-        """That node."""
+        """The nearest node."""
         return np.array([np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1))])
 
     def combined(self, blocks: Iterable[MeasuredBlock], shape: tuple[int, int, int]) -> Combined:
-        """The channels of that node."""
+        """The channels of the nearest node."""
         return Maximum().combined(blocks, shape)

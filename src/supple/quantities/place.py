@@ -45,7 +45,7 @@ class Place:
         return body
 
     def rest(self, body: BodyForm) -> Array:
-        """Its undeformed position, (3,), mesh axes."""
+        """Undeformed position of the place, (3,), mesh axes."""
         if isinstance(self.at, str):
             return body.interface(self.at).position
         return body.nodes[list(self.at)].mean(axis=0)

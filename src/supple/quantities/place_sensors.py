@@ -97,7 +97,7 @@ class VelocitySensor(_AtPlace):
 
 
 class AccelerationSensor(_AtPlace):
-    """Acceleration of a place in space, (t, 3); an accelerometer shows it minus gravity, in its own axes.
+    """Acceleration of a place in space, (t, 3); an accelerometer measures it minus gravity, in its own axes.
 
     Where the base of the machine accelerates (`BaseAcceleration`), positions and velocities are relative to
     the base; the acceleration is absolute.

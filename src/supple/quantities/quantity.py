@@ -82,7 +82,7 @@ def read_in_parts(sensors: Sequence[Quantity], system: System, parts: Iterable[S
     found: list[Readings] = []
     last: Solution | None = None
     for part in parts:
-        # An angle continues from the last time before.
+        # The last time of the previous part is repeated, so that angles continue from it.
         begun = part if last is None else concatenate([last, part])
         readings = read_sensors(sensors, system, begun)
         found.append(readings if last is None else _continued(found[-1], readings))
@@ -93,7 +93,7 @@ def read_in_parts(sensors: Sequence[Quantity], system: System, parts: Iterable[S
 
 
 def _continued(before: Readings, readings: Readings) -> Readings:
-    """The readings without their first time, which is the last one before; angles continue from there."""
+    """The readings without their first time, the last one of `before`; angles continue from there."""
 
     def continued(old: Reading, new: Reading) -> Reading:
         is_angle = np.array([each.quantity is QuantityKind.ANGLE for each in new.channels])

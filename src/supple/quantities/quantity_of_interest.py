@@ -26,7 +26,7 @@ class QuantityOfInterest(Protocol):
 
     @property
     def name(self) -> str:
-        """Name in the error report; for a whole body that of the body."""
+        """Name in the error report; for a whole body the body's name."""
         ...
 
     @property
@@ -95,7 +95,7 @@ def largest_displacement(
 
     coordinates : (t, r)
     nodes : nodes to evaluate
-    The rotation of the interface relative to the frame is taken as small.
+    The rotation of the interface relative to the frame is assumed to be small.
     """
     sizes = []
     for rows in blocks_of_times(len(coordinates)):

@@ -43,10 +43,10 @@ def von_mises_history(
 ) -> Array:
     """Von Mises stress (t, N), Pa, the largest over the layers, at coordinates (t, r).
 
-    A reduced body uses its stress modes; a full body, as the reference, is recovered one vector at a time, as
-    is a body with more columns than tensors allow (`ReducedBody.elastic_elsewhere`). Elements at rigid
-    interfaces have the strain that includes their ties. A linear body has the stress of its linear strain; an
-    intrinsic one that of the static shapes of its section loads.
+    The stress of a reduced body follows from its stress modes. The stress of a full body, or of a reduced
+    body with more columns than tensors allow (`ReducedBody.elastic_elsewhere`), is recovered one vector at a
+    time. The strain of elements at rigid interfaces includes their ties. A linear body has the stress of its
+    linear strain, an intrinsic body that of the static shapes of its section loads.
 
     Parameters
     ----------
@@ -74,8 +74,8 @@ def tensor_blocks(
 ) -> Iterator[TensorBlock]:
     """A tensor at N nodes over t times, in blocks that fit in memory.
 
-    It has l layers (`StressLayers`). Every pair of a time and a node is in one block. Errors are those of
-    `von_mises_history`.
+    The tensor has l layers (`StressLayers`). Every pair of a time and a node is in one block. Errors are
+    those of `von_mises_history`.
     """
     if not _has_modes(body):
         yield from _recovered(body, tensor.recovery(model), coordinates, nodes)
@@ -88,7 +88,7 @@ def tensor_blocks(
 
 
 def von_mises_by_end(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> Array:
-    """Von Mises stress (t, N, 1 + ends), Pa: the largest of solids and shells, and that of each beam end.
+    """Von Mises stress (t, N, 1 + ends), Pa: first the largest of solids and shells, then at each beam end.
 
     Ends are those of `StressLayers`; zero where a node has fewer. Other parameters and errors as for
     `von_mises_history`.
@@ -130,8 +130,8 @@ class LargestStress(NamedTuple):
 def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> LargestStress:
     """The largest von Mises stress over nodes of cells, layers and times; errors as for the history.
 
-    All nodes are evaluated at a hundred evenly spread times, and at all times the hundred nodes of largest
-    stress found there. The result is exact for runs of up to a hundred outputs.
+    All nodes are evaluated at a hundred evenly spaced times. The hundred nodes with the largest stress found
+    there are evaluated at all times. The result is exact for runs of up to a hundred outputs.
     """
     recovery = stress_recovery(model)
     nodes = _nodes_with_stress(recovery)

@@ -107,8 +107,7 @@ class Principal:
 class _TensorSensor(ABC):
     """A tensor at nodes of a body, averaged over the elements at each; for a shell at its three layers.
 
-    As a quantity of interest it is the measure at each of the nodes, for a shell in the layer where it is
-    largest.
+    As a quantity of interest it is the measure at each of the nodes, in the layer of largest magnitude.
     """
 
     name: str
@@ -223,7 +222,7 @@ class StressSensor(_TensorSensor):
     """Stress at nodes of a body, averaged over the elements at each; for a shell at bottom, middle and top;
     for a beam at the points of its section, without averaging over the beams of a node.
 
-    body : its name;   model : its elements
+    body : name of the body;   model : elements of the body
     nodes : number of one node, or of several
     measure : VonMises(), Component("xx"), Principal() or a user-defined one
     over : for several nodes the Maximum() of magnitude, the Mean(), or the one Nearest() to their centroid

@@ -44,8 +44,8 @@ def node_positions(body: BodyForm, motion: Motion, nodes: ArrayLike | slice = sl
 def displacement_from_axes(positions: Array, origin: ArrayLike, rotation: Array, rest: ArrayLike) -> Array:
     """Displacement A^T (r - R) - q_0 of points relative to moving axes.
 
-    The tip displacement of [Wu2019] (51) is that of the tip relative to the axes of the driven root, whatever
-    the floating frame of the body.
+    The tip displacement of [Wu2019] (51) is relative to the axes of the driven root, for any floating
+    frame of the body.
 
     Parameters
     ----------

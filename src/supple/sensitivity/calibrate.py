@@ -16,7 +16,7 @@ from supple.arguments import checked_arguments
 from supple.errors import ConvergenceError, IdentifiabilityWarning, ModelError, SuppleWarning, did_you_mean
 from supple.integrate import Run, Solution
 from supple.progress import with_progress_bar
-from supple.sensitivity.calibration import Calibration, uncertainty, without_blind
+from supple.sensitivity.calibration import Calibration, uncertainty, without_undetermined
 from supple.sensitivity.derivative_reader import read
 from supple.sensitivity.measurement import Measurement
 from supple.sensitivity.observable import Observables
@@ -31,9 +31,9 @@ Array = NDArray[np.float64]
 _MOST = 100
 """Largest number of runs of a fit."""
 _KEPT = 1e-7
-"""Relative to the largest singular value of the Jacobian, scaled by the sizes of parameters."""
+"""Weight of the initial values, relative to the largest singular value of the scaled Jacobian."""
 _NEAR = 1e-3
-"""Relative to the sizes of parameters, and to the sum of squares."""
+"""Smallest notable step relative to the sizes of parameters, and gain relative to the sum of squares."""
 
 
 @checked_arguments
@@ -69,8 +69,8 @@ def calibrate(
 
     Raises
     ------
-    ModelError          as for `sensitivities`; fewer measured values than parameters, deviations of some
-                        measurements alone, a start outside the bounds
+    ModelError          as for `sensitivities`; fewer measured values than parameters, a measurement without
+                        deviation among several, a start outside the bounds
     ConvergenceError    a fit that does not converge, or a run at its start that does not
 
     Warns
@@ -85,7 +85,7 @@ def calibrate(
     low, high = (side / unit for side in _bounds(start, bounds))
 
     def jacobian(z: Array) -> Array:
-        return without_blind(fit.jacobian(z * unit) * unit)
+        return without_undetermined(fit.jacobian(z * unit) * unit)
 
     # Small enough to affect only parameters that the data do not determine, which keep their initial values.
     weight = _KEPT * np.linalg.norm(jacobian(begin), 2)
@@ -97,7 +97,7 @@ def calibrate(
         max_nfev=_MOST,
     )
     held = np.isclose(found.x, low) | np.isclose(found.x, high)
-    if not found.success or _could_go_on(jacobian(found.x)[:, ~held], fit.residuals(found.x * unit)):
+    if not found.success or _could_improve(jacobian(found.x)[:, ~held], fit.residuals(found.x * unit)):
         raise ConvergenceError(
             f"the fit does not converge in {fit.runs} runs (sum of squares {2 * found.cost:.3g})"
             + (f"; some of them failed: {fit.broken}" if fit.broken else "")
@@ -106,7 +106,7 @@ def calibrate(
     return fit.result(found.x * unit, held)
 
 
-def _could_go_on(jacobian: Array, residuals: Array) -> bool:
+def _could_improve(jacobian: Array, residuals: Array) -> bool:
     """Whether a step to the minimum of the linearised residuals would still be a notable improvement."""
     step = np.linalg.lstsq(jacobian, residuals)[0]
     gained = jacobian @ step
@@ -120,8 +120,8 @@ def _checked(measurements: Sequence[Measurement], n_parameters: int) -> tuple[Me
     without = [each.observable for each in measurements if each.deviation is None]
     if without and len(measurements) > 1:
         raise ModelError(
-            f"measurements of {', '.join(without)} have no deviation, which weights several against "
-            "each other: give all of them one"
+            f"measurements of {', '.join(without)} have no deviation, which is needed to weight several "
+            "measurements: give each a deviation"
         )
     return tuple(measurements)
 
@@ -223,8 +223,8 @@ class _Fit:
             names = sorted({name for each in sure.undetermined for name in each})
             warnings.warn(
                 f"the measurements do not determine {', '.join(names)}: {len(sure.undetermined)} of their "
-                "combinations change nothing that was measured. Fix some at known values, or measure what "
-                "they affect",
+                "combinations do not affect the measured values. Fix some parameters at known values, or "
+                "measure what they affect",
                 IdentifiabilityWarning,
                 stacklevel=5,
             )

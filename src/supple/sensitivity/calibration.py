@@ -15,7 +15,7 @@ __all__ = ["Calibration", "Uncertainty", "uncertainty"]
 
 Array = NDArray[np.float64]
 
-_BLIND = 1e-7
+_UNDETERMINED = 1e-7
 """Relative to the largest singular value of the scaled Jacobian: smaller ones are rounding."""
 _INVOLVED = 1e-3
 """Component of an undetermined direction above which a parameter is part of it."""
@@ -46,14 +46,14 @@ class Uncertainty:
             return self.covariance / np.outer(self.deviations, self.deviations)
 
 
-def without_blind(jacobian: Array) -> Array:
+def without_undetermined(jacobian: Array) -> Array:
     """A scaled Jacobian (n, p) without the directions within rounding, which the data do not determine."""
     left, singular, right = np.linalg.svd(jacobian, full_matrices=False)
-    return (left * np.where(_seen(singular), singular, 0.0)) @ right
+    return (left * np.where(_determined(singular), singular, 0.0)) @ right
 
 
-def _seen(singular: Array) -> NDArray[np.bool_]:
-    return singular > _BLIND * np.max(singular, initial=0.0)
+def _determined(singular: Array) -> NDArray[np.bool_]:
+    return singular > _UNDETERMINED * np.max(singular, initial=0.0)
 
 
 def uncertainty(jacobian: Array, sizes: Mapping[str, float], variance: float) -> Uncertainty:
@@ -65,19 +65,19 @@ def uncertainty(jacobian: Array, sizes: Mapping[str, float], variance: float) ->
     """
     scale = np.array(list(sizes.values()))
     _, singular, right = np.linalg.svd(jacobian * scale, full_matrices=False)
-    seen = _seen(singular)
-    inverse = np.where(seen, 1 / np.where(seen, singular, 1.0), 0.0)
+    determined = _determined(singular)
+    inverse = np.where(determined, 1 / np.where(determined, singular, 1.0), 0.0)
     half = (right.T * inverse) * scale[:, None]
     covariance = variance * half @ half.T
-    blind = right[~seen]
-    involved = np.any(abs(blind) > _INVOLVED, axis=0)
+    undetermined = right[~determined]
+    involved = np.any(abs(undetermined) > _INVOLVED, axis=0)
     covariance[involved] = covariance[:, involved] = np.nan
     covariance[involved, involved] = np.inf
     return Uncertainty(
         covariance,
         tuple(
             {name: float(own) for name, own in zip(sizes, row, strict=True) if abs(own) > _INVOLVED}
-            for row in blind
+            for row in undetermined
         ),
     )
 
@@ -90,12 +90,12 @@ class Calibration(Summarized):
     uncertainty : of the parameters
     residuals : by measurement, in their given order: computed minus measured (k,), in the units of the
         measurement
-    misfit : weighted sum of squares of the residuals over their number minus that of the parameters; 1 is
-        expected where the deviations are known; otherwise it is the square of their estimate
+    misfit : weighted sum of squares of the residuals, divided by their number minus the number of parameters:
+        near 1 if the deviations are known, otherwise an estimate of the squared deviation
     jacobian : (n, p) of the weighted residuals
     solution : the run of the fitted machine
     runs : number of runs, with and without derivatives
-    at_bounds : names of parameters at a bound, for which the deviations of an unbounded fit do not hold
+    at_bounds : names of parameters at a bound, for which the standard deviations are not valid
     """
 
     parameters: Mapping[str, float]

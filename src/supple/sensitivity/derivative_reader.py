@@ -1,9 +1,9 @@
-"""Derivatives of observables of a run, from those of its motion and of the machine.
+"""Derivatives of observables of a run, from the derivatives of its motion and of the machine.
 
     d Q(machine(p), motion(p)) / dp = dQ/dmachine machine' + dQ/dmotion motion'
 
-Sensors are functions of NumPy arrays of little cost: each part is a central difference of fourth order, over
-machines of other parameters at fixed motion, and along the motion's own derivative.
+Sensors are cheap functions of NumPy arrays. Each part is a central difference of fourth order: the first over
+machines with other parameters at fixed motion, the second along the derivative of the motion.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class DerivativeReader:
         return {name: by_machine[name] + by_motion[name] for name in values}
 
     def _check_elements(self, parameter: str, systems: Sequence[System]) -> None:
-        """ModelError for stress by the elements of a body that the parameter replaces."""
+        """Raise ModelError for stress in elements if the parameter replaces elastic bodies."""
         bodies = {id(placed.body) for placed in self.machine.system.bodies}
         others = (placed.body for system in systems for placed in system.bodies)
         if all(body.kind == "rigid" or id(body) in bodies for body in others):

@@ -28,7 +28,7 @@ class Measurement:
     times : (k,)            ascending, within the run; between output times a cubic spline is used
     values : (k,)           in the units of the model; nan for missing values
     channel : str | int     name of the channel, or number of the column; 0 for a single channel
-    deviation : float | (k,)    standard deviation of the noise; None for the only measurement of a fit, where
+    deviation : float | (k,)    standard deviation of the noise; None only in a fit of one measurement, where
         it follows from the residuals
     Raises ModelError for other shapes, times that do not ascend, a deviation that is not positive.
     """

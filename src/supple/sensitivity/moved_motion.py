@@ -21,7 +21,10 @@ _UNDEFORMED = 1e-8
 
 
 def moved(states: State, change: StateChange, parameter: int, step: float) -> State:
-    """States (t, ..) displaced by a step of a parameter along derivatives (t, p, ..); rotations stay such."""
+    """States (t, ..) displaced by a step of a parameter along derivatives (t, p, ..).
+
+    Rotations are displaced on their group.
+    """
     carried = change.carried
     of_configuration = carried.configuration
 

@@ -25,7 +25,7 @@ class Observable(Protocol):
 
     @property
     def name(self) -> str:
-        """Unique among those of a call."""
+        """Name, unique among the observables of a call."""
         ...
 
     def values(self, system: System, solution: Solution, /) -> Array:

@@ -1,8 +1,8 @@
-"""Derivatives of the numbers of a compiled machine, of its start and of its stops by parameters.
+"""Derivatives of a compiled machine's numbers, start and stops with respect to parameters.
 
-They are smooth and cost little compared to a run, so they are differentiated by central differences of fourth
-order: exact up to rounding where they are polynomials, as most are. The motion is differentiated exactly
-(`methods/floating/compiled/sensitivity_step`).
+These quantities are smooth and cost little compared to a run, so they are differentiated by central
+differences of fourth order: exact up to rounding for low-order polynomials, as most are. The motion is
+differentiated exactly (`methods/floating/compiled/sensitivity_step`).
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Neighbours(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ParameterChanges:
-    """A machine prepared for the march, and derivatives of its numbers by p parameters."""
+    """A machine prepared for a run, and derivatives of its numbers by p parameters."""
 
     system: System
     model: Model
@@ -63,7 +63,7 @@ class ParameterChanges:
 
 
 class _Numbers(NamedTuple):
-    """All inputs of a march that depend on parameters."""
+    """All inputs of a run that depend on parameters."""
 
     model: Model
     start: StateChange
@@ -75,7 +75,7 @@ def parameter_changes(
 ) -> ParameterChanges:
     """The machine at some parameters, with derivatives of its numbers by each of them.
 
-    sizes : by parameter, a large change of it
+    sizes : magnitude of a large change of each parameter, by name
 
     Raises ModelError for a machine without derivatives, or a parameter that changes more than its numbers.
     """
@@ -110,7 +110,7 @@ def parameter_changes(
 
 def _built(build: Build, parameters: Mapping[str, float]) -> System:
     system = build(parameters)
-    check_instance("what the function of the parameters gives", system, System, "a System")
+    check_instance("the result of the function of the parameters", system, System, "a System")
     return system
 
 
@@ -164,9 +164,9 @@ def _check_same_stops(name: str, middle: Any, around: Sequence[Any]) -> None:
 
 
 def _magnitudes(numbers: _Numbers, run: Run) -> list[float]:
-    """Reference for rounding and for an equilibrium's tolerance, by leaf, besides the leaf itself.
+    """Least reference values by leaf, for rounding and for the tolerance of an equilibrium.
 
-    Accelerations and multipliers follow from the other quantities; near zero at rest they are their rounding.
+    Accelerations and multipliers follow from the other quantities; at rest they are rounding errors.
     """
     model, carried = numbers.model, numbers.start.carried
     length, scale = float(model.length), float(np.max(position_scale(model), initial=1.0))

@@ -74,10 +74,10 @@ def sensitivities(
 ) -> Sensitivities:
     """Derivatives of sensors and statistics of a run with respect to parameters of its machine.
 
-    They are those of the discrete motion: the number of steps is constant, their lengths follow instants at
-    which laws change. They are accurate to about 1e-9 and the tolerance of the run, for any motion, and
+    The discrete motion is differentiated: the number of steps is constant, and their lengths follow the kinks
+    of laws. The derivatives are accurate to about 1e-9 and the tolerance of the run, for any motion, and
     include initial values, an equilibrium or an assembly within `build`. Forward mode: the cost grows with
-    the parameters, not with the observables.
+    the number of parameters, not of observables.
 
     Parameters
     ----------
@@ -87,8 +87,8 @@ def sensitivities(
     run : Run               as for `simulate`, with fixed or adaptive steps
     observables : sensors, `Statistic` of them, or any object with a name and `values(system, solution)`;
         those that refer to parts of the machine, such as a `SpringForceSensor`, by a function of the System
-    sizes : by parameter, a large change of it; by default its magnitude, so that a parameter with value 0
-        needs one
+    sizes : magnitude of a large change of each parameter, by name; by default the magnitude of its value, so
+        that a parameter with value 0 needs a size
 
     Returns
     -------

@@ -2,7 +2,7 @@
 
 The cases are systems of the same bodies, joints and kinds of loads that differ in numbers: tables of loads,
 initial motion, gravity, even stiffness. Numbers that all cases share are stored once; the others get a
-leading axis, and the compiled march is mapped over it (`jax.vmap`), unless cases freeze their tangents
+leading axis, and the compiled run is mapped over it (`jax.vmap`), unless cases freeze their tangents
 (`shares_of_cases`). All processor cores are used where that is worthwhile (`worker_processes`).
 """
 
@@ -50,7 +50,7 @@ __all__ = ["simulate_batch"]
 
 _CHUNK = 64
 _SMALL_CHUNK = 16
-"""Chunk on a processor: equally fast per case, and more shares for the cores."""
+"""Chunk on a CPU: equally fast per case, and more shares for the cores."""
 _RESULTS_AT_ONCE = 64
 
 
@@ -69,10 +69,10 @@ def simulate_batch(
 
     Parameters
     ----------
-    cases : systems of the same bodies, joints and kinds of loads; their numbers may differ, those
-        of their laws of time too. Functions, of time and of controllers, must be the same objects in all
+    cases : systems of the same bodies, joints and kinds of loads, which may differ in numbers, also those of
+        laws of time. Functions of time and of controllers must be the same objects in all cases
     run : Run       as for `simulate`
-    chunk : number of cases mapped together; by default 64, and 16 for reduced bodies on a processor
+    chunk : number of cases mapped together; by default 64, on a CPU 16 for rigid and reduced bodies
     progress : called with the finished fraction of the cases
 
     Returns
@@ -81,7 +81,7 @@ def simulate_batch(
 
     Raises
     ------
-    ModelError      no case, cases that differ in more than numbers, a SampledController in cases that march
+    ModelError      no case, cases that differ in more than numbers, a SampledController in cases that run
                     together
     MemoryShortageError     a chunk would not fit in the available memory
     """
@@ -146,8 +146,8 @@ def _check_cases(cases: Sequence[System], run: Run, chunk: int | None) -> None:
     sampled = [each for system in cases for each in system.controllers if isinstance(each, SampledController)]
     if sampled and not any(placed.body.kind == "full" for placed in cases[0].bodies):
         raise ModelError(
-            f"controller '{sampled[0].name}' is called between the steps, which cases that march together "
-            "cannot interrupt: simulate them one by one, or write it as a Controller"
+            f"controller '{sampled[0].name}' is called between the steps, where cases that run together "
+            "cannot stop: simulate them one by one, or write it as a Controller"
         )
     if chunk is not None and chunk < 1:
         raise ValueError(f"chunk must be at least 1, got {chunk}")
@@ -157,7 +157,7 @@ def _check_cases(cases: Sequence[System], run: Run, chunk: int | None) -> None:
 
 
 def _briefest(cases: Sequence[System], run: Run) -> System:
-    """The case with the law that varies fastest: steps resolve the other cases better."""
+    """The case with the law that varies fastest: steps that resolve it also resolve the other cases."""
     begin, end = float(run.times[0]), float(run.times[-1])
 
     def shortest(system: System) -> float:

@@ -1,4 +1,4 @@
-"""Load cases that cannot march together in one program, run one after another."""
+"""Load cases that cannot run together in one program, run one after another."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Load cases of a machine of intrinsic bodies, marched together.
+"""Load cases of a machine of intrinsic bodies, run together.
 
-Chunks of cases are distributed over the processors of JAX: one, unless more were set before its start
+Chunks of cases are distributed over the devices of JAX: one, unless more were set before JAX starts
 (JAX_NUM_CPU_DEVICES=2 in the environment).
 """
 
@@ -35,8 +35,9 @@ __all__ = ["batch_of_lines"]
 def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Progress | None) -> BatchSolution:
     """The solutions of `simulate` for machines of intrinsic bodies.
 
-    Machines with joints run one after another; those whose roots are connected to the ground alone march
-    together. The Runge-Kutta method gains most, where cases differ only in loads, motions and initial states.
+    Machines with joints between bodies run one after another; machines whose roots are connected only to the
+    ground run together. The gain is largest for the Runge-Kutta method with cases that differ only in
+    loads, motions and initial states.
     Raises ModelError for cases that differ in more than numbers.
     """
     if any(map(is_joined, cases)):
@@ -70,7 +71,7 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
         began = clock.perf_counter()
         group = chunks[begin : begin + len(devices)]
         marching = [sent(own, device) for own, device in zip(group, devices, strict=False)]
-        # The first of a kind is compiled when dispatched; the march is asynchronous.
+        # The first call compiles the program when dispatched; the call is asynchronous.
         preparing += (sending := clock.perf_counter() - began)
         began += sending
         reached = jax.device_get(marching)
@@ -92,7 +93,7 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
 def _solution(
     engine: IntrinsicEngine, start: LineMarchState, reached: LineMarchState, times: np.ndarray, seconds: float
 ) -> Solution:
-    """The start, and the solution of a case up to the time reached."""
+    """The solution of a case from its start to the time reached."""
     whole = jax.tree.map(lambda first, leaf: np.concatenate([np.asarray(first)[None], leaf]), start, reached)
     leg = engine.leg(start, whole, times, seconds)
     return replace(engine.solution(leg), stopped=leg.stopped)

@@ -1,12 +1,12 @@
 """Transfer of a body's deformation from one form or basis to another by its mass matrix.
 
-A frame of another kind is placed first, so that its six conditions hold for the same shape in space. In the
-columns V of a reduced body, the remaining coordinates x have the projection
+A frame of another kind is placed first, so that its six conditions hold for the same shape in space. The
+coordinates x relative to this frame are then projected on the columns V of a reduced body,
 
     gamma = V^T M ( x - z(gamma) ),       V^T M V = 1,
 
-with z the motion outside the columns that follows the coordinates. Then the interfaces are moved to their
-positions by the least motion in the mass norm, as far as the columns allow: joints stay closed.
+where z is the condensed motion outside the columns. Finally the interfaces are moved to their positions by
+the least motion in the mass norm, as far as the columns allow: joints stay closed.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ SAME_PLACE = 1e-6
 """Relative to the size of a body: allowed distance of nodes in two equal meshes."""
 MOST_ROUNDS, CONVERGED = 30, 1e-14
 """Iterations for a frame, and for coordinates with their condensed motion; relative change at the end."""
-DEAR = 1e-3
+SMALLEST_MOTION = 1e-3
 """Relative to the largest interface motion per unit of the columns: smaller motions are not corrected."""
 
 
@@ -44,7 +44,7 @@ class Deformation(NamedTuple):
 
 
 class PlacedFrame(NamedTuple):
-    """Pose and velocities of a floating frame, as of `Placed`."""
+    """Pose and velocities of a floating frame, as in `Placed`."""
 
     position: Array
     rotation: Array
@@ -56,11 +56,11 @@ class PlacedFrame(NamedTuple):
 class ProjectionLoss:
     """The part of a deformation outside the columns of a body, in the mass norm.
 
-    rms : float         of the displacement, unit of length
-    relative : float    the same over the whole deformation
-    rate : float        the same for the deformation's rates, relative
-    gap : float         largest displacement of an interface, unit of length, that joints close by rigid
-        motion
+    rms : float         RMS displacement of this part, unit of length
+    relative : float    its norm, relative to that of the whole deformation
+    rate : float        relative norm of the lost part of the deformation's rates
+    gap : float         largest displacement of an interface by the loss, unit of length, which joints close
+        by rigid motion
     """
 
     rms: float
@@ -95,9 +95,9 @@ def carried_deformation(
     Parameters
     ----------
     then, now : ReducedBody | FullBody | ModalSubdomain     the form of the motion, and the new one
-    nodes : (N, 3)      of the former, in the units of the latter
+    nodes : (N, 3)      nodes of `then` in the units of `now`
 
-    Raises ModelError for bodies with other meshes, and for a reduced one without a known full body.
+    Raises ModelError for bodies with different meshes, and for a reduced body without a known full body.
     """
     _check_same_mesh(now, nodes)
     body = _flexible(now)
@@ -147,7 +147,8 @@ def carried_deformation(
 
 
 def _interfaces(now: BodyForm, body: FlexibleBody) -> tuple[Array, Array, Any]:
-    """The least coordinates (r, 6 p) for unit motions of interfaces; their motions (6 p, r) and (6 p, n)."""
+    """Least coordinates (r, 6 p) for unit motions of p interfaces; motions (6 p, r) and (6 p, n) of these
+    by reduced and by full coordinates."""
     ends = [each for each in body.interfaces if each.name in {own.name for own in now.interfaces}]
     if not ends:
         return np.zeros((now.n_coordinates, 0)), np.zeros((0, now.n_coordinates)), np.zeros((0, body.n))
@@ -155,7 +156,7 @@ def _interfaces(now: BodyForm, body: FlexibleBody) -> tuple[Array, Array, Any]:
     wanted = np.vstack([each.motion.toarray() for each in ends])
     # Rotations in units of length, with the body's size as the arm.
     scale = np.tile(np.repeat([1.0, float(np.ptp(body.nodes, axis=0).max())], 3), len(ends))
-    back = np.linalg.pinv(scale[:, None] * moved, rcond=DEAR) * scale
+    back = np.linalg.pinv(scale[:, None] * moved, rcond=SMALLEST_MOTION) * scale
     return back, moved, wanted
 
 
@@ -262,8 +263,8 @@ def _flexible(now: Any) -> FlexibleBody:
     if now.kind == "reduced":
         if now.full is None:
             raise ModelError(
-                f"body '{now.name}' was read as reduced, without the mass matrix that projects another basis "
-                "on its own: reduce it here, or continue with the reduced body of the motion"
+                f"body '{now.name}' was read as reduced, without the mass matrix for a projection on its "
+                "basis: reduce it here, or continue with the reduced body of the motion"
             )
         now = now.full
     if now.body.n_modal:

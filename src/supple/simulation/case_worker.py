@@ -19,7 +19,7 @@ __all__ = ["CaseWork"]
 
 
 class CaseWork:
-    """`Work` of runs; the argument of each is a machine."""
+    """`Work` that runs one machine per task."""
 
     script = __file__
 
@@ -59,7 +59,7 @@ def _marched(system: System, run: Run) -> Solution:
 def answer(questions: BinaryIO, answers: BinaryIO) -> None:
     """Run all received cases."""
     run = pickle.load(questions)
-    _say("ready", answers)
+    _send("ready", answers)
     while True:
         try:
             system = pickle.load(questions)
@@ -70,7 +70,7 @@ def answer(questions: BinaryIO, answers: BinaryIO) -> None:
             warnings.simplefilter("always")
             solution = _marched(system, run)
         parts = {each.name: _plain(getattr(solution, each.name)) for each in fields(solution)}
-        _say((perf_counter() - began, (parts, [each.message for each in caught])), answers)
+        _send((perf_counter() - began, (parts, [each.message for each in caught])), answers)
 
 
 def _plain(value: Any) -> Any:
@@ -78,8 +78,8 @@ def _plain(value: Any) -> Any:
     return dict(value) if isinstance(value, Mapping) else value
 
 
-def _say(answered: Any, answers: BinaryIO) -> None:
-    pickle.dump(answered, answers, pickle.HIGHEST_PROTOCOL)
+def _send(result: Any, answers: BinaryIO) -> None:
+    pickle.dump(result, answers, pickle.HIGHEST_PROTOCOL)
     answers.flush()
 
 

@@ -30,9 +30,9 @@ def description(system: System, run: Run) -> str:
 def inputs_of(system: System, run: Run, case: str) -> Inputs:
     """The inputs of a motion: description of the run; digests of bodies, of loads and joints, of gravity.
 
-    For modal bodies, the inputs of their modes; for reduced bodies only their form, position and initial
-    motion: a repeated reduction changes the last digits and signs of modes, and result files identify these
-    otherwise (`recorded_columns`).
+    A modal body is represented by the inputs of its modes. A reduced body is represented only by its form,
+    position and initial motion, because a repeated reduction changes last digits and signs of modes;
+    `recorded_columns` identifies its basis.
     """
     if is_explicit(system, run):
         run = replace(run, method=explicit_method(run))

@@ -28,7 +28,7 @@ def _sparse_engine(system: System, run: Run) -> FullEngine:
 
 
 def _intrinsic_engine(system: System, run: Run) -> Engine[Any]:
-    """The march of lines; the sparse engine where it does not support the run or the other bodies."""
+    """The engine for lines, or the sparse engine if lines do not support the run or the other bodies."""
     if system.bodies_of(FullBody) or (is_joined(system) and isinstance(run.step_control, AdaptiveStep)):
         return _sparse_engine(system, run)
     return intrinsic_engine(system, run)
@@ -73,7 +73,7 @@ def is_explicit(system: System, run: Run) -> bool:
 
 
 def refuse_explicit(system: System, run: Run, what: str) -> None:
-    """ModelError for an explicit march where it is not supported; `what` as in "a batch"."""
+    """Raise ModelError for an explicit march; `what` does not support it, such as "a batch"."""
     if is_explicit(system, run):
         system.check_has_frames()
         raise ModelError(

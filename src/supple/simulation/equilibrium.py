@@ -41,9 +41,9 @@ class Equilibrium(Summarized):
     full : (System, Solution)   the same equilibrium with all coordinates of the bodies with known full
                 bodies; None where there is none, or it was not found
     stable : bool | None    whether the tangent stiffness, in co-rotating axes, is positive on the motions
-                that the joints leave free; None where this does not decide: loads that follow the bodies,
-                controllers, gyroscopic forces that may stabilise two unstable directions
-    is_held : bool          whether the joints leave no rigid motion free
+                that the joints leave free; None where its sign does not decide: with follower loads,
+                controllers, or gyroscopic forces that may stabilise two unstable directions
+    is_held : bool          whether the joints fix all rigid motion
     """
 
     system: System
@@ -91,18 +91,17 @@ def equilibrium(
 
     with the inertia force `I` of the `spin`, zero without one. The search descends from the bodies'
     placement, so that it ends in a stable equilibrium nearby. Initial velocities of the bodies are ignored;
-    those of the equilibrium are the spin's. Loads and gravity that do not rotate with the machine are
-    constant, as at that time.
+    velocities of the equilibrium are those of the spin. Loads and gravity that do not rotate with the machine
+    keep their values at that time.
 
     Parameters
     ----------
-    time : of the loads and laws
-    spin : Spin       of the machine, or of the bodies listed in it; the others are at rest
+    time : time at which loads and laws are evaluated
+    spin : Spin       of the machine, or of the bodies listed in it; all other bodies are at rest
     search : StaticSearch       accuracy and step
-    fulls : FullBody            the full bodies of reduced ones: one factorisation gives the error of the
-        bases (`Equilibrium.errors`). None: those known to the reduced bodies, all except those read from
-        files;
-        (): no factorisation and no estimate
+    fulls : FullBody            full bodies of the reduced bodies, for the error of the bases
+        (`Equilibrium.errors`) by one factorisation. None: the full bodies known to the reduced bodies, which
+        bodies read from files do not have; (): no factorisation and no estimate
     progress : called with each iteration and its largest relative residual
 
     Controllers act as in a run, and their states are in equilibrium too: `f(0, q, z) = 0`. The controllers of
@@ -110,9 +109,9 @@ def equilibrium(
 
     Raises
     ------
-    ModelError          the errors of joints at the start of a run; a sampled controller; a full body that is
-                        not that of the reduced one, or of a body that is not reduced; an intrinsic body
-                        whose support prevents the spin
+    ModelError          the errors of joints at the start of a run; a sampled controller; a full body that
+                        does not belong to a reduced body of the machine; an intrinsic body whose support
+                        prevents the spin
     ConvergenceError    no equilibrium was found, also for a controller's state
     Warns BasisWarning where the error of a body is 1 % of its largest displacement or more.
     Source: [KelleyKeyes1998] for the search.

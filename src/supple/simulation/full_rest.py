@@ -3,11 +3,12 @@
 At the equilibrium of a reduced machine, expanded to all coordinates, the full equations leave a residual r,
 
     [ K_T + M / k   G^T ] [ delta  ]       [ r ]
-    [ G              0  ] [ lambda ]  =  - [ g ],       k long against all vibrations,
+    [ G              0  ] [ lambda ]  =  - [ g ],       k >> 1 / omega^2 of all vibrations,
 
-G of joints and frames. The factor is kept for repeated sweeps from the corrected state: the ratio of the
-second to the first shows whether first order suffices, and their sum is the whole error. If a sweep exceeds a
-third of the one before, the search for the full machine's equilibrium starts there instead.
+where G are the constraints of joints and frames. The factor is reused for repeated sweeps, each from the
+corrected state. The sum of the sweeps is the error; the ratio of the second to the first shows whether first
+order suffices. If a sweep exceeds a third of the previous, the equilibrium of the full machine is searched
+from the expanded equilibrium instead.
 """
 
 from __future__ import annotations
@@ -39,9 +40,9 @@ from supple.simulation.stored_basis import stored_bases
 __all__ = ["FullRest", "RestError", "full_rest", "holds_all", "known_fulls", "rest_errors"]
 
 SLOWNESS = 1e3
-"""Ratio of the lowest vibration's rate to that of the correction."""
+"""Ratio of the lowest angular frequency to the rate of the correction."""
 CONTRACTS = 1 / 3
-"""Largest ratio of a sweep to the one before."""
+"""Largest ratio of a sweep to the previous sweep."""
 CONVERGED = 1e-4
 """Relative to the first sweep: a smaller sweep is the last."""
 NOTHING = 1e-8
@@ -55,11 +56,11 @@ NEAR_BY = 20
 class RestError:
     """Error of the basis of a reduced body at an equilibrium.
 
-    displacement : (N, 3)   of the nodes, in space: positions with all coordinates minus those of the reduced
-                body; only of the deformation where the joints leave rigid motion free
+    displacement : (N, 3)   of the nodes, in space: positions with all coordinates minus positions of the
+                reduced body; without rigid motion where the joints leave it free
     deformation : (n,)      of the body's coordinates relative to its frame: the column missing in its basis
     size : float            largest displacement of a node, relative to the first interface
-    strain : float          root of the strain energy of the missing deformation over that of the whole
+    strain : float          root of the strain energy of the missing deformation, relative to the whole
     second : float          ratio of the second sweep to the first: above a third, first order is insufficient
     known : bool            False where no equilibrium with all coordinates was found: the errors are infinite
     """
@@ -102,7 +103,7 @@ class RestError:
 
     @property
     def relative(self) -> float:
-        """Error of the worst node over the largest displacement; zero without displacement."""
+        """Error of the worst node relative to the largest displacement; zero without displacement."""
         return self.worst / self.size if self.size > 0 else 0.0
 
 
@@ -127,7 +128,7 @@ def known_fulls(
 ) -> dict[str, FullBody]:
     """Full bodies by name: those given, or by default (None) those known to the reduced bodies.
 
-    Raises ModelError for a full body whose reduced body is not in the machine.
+    Raises ModelError for a name that no reduced or full body of the machine has.
     """
     if fulls is None:
         reduced = system.bodies_of(ReducedBody)
@@ -146,10 +147,10 @@ def known_fulls(
 def full_rest(
     reduced: RestingState, fulls: Mapping[str, FullBody], time: float, search: StaticSearch
 ) -> FullRest | None:
-    """The equilibrium with all coordinates, from that of the reduced machine; None without reduced bodies.
+    """The equilibrium with all coordinates, found from the reduced one; None without reduced bodies.
 
     fulls : the full bodies of reduced ones, by name; other bodies are unchanged
-    Raises ModelError for a full body that is not that of the reduced one.
+    Raises ModelError for a full body that does not belong to the reduced body of its name.
     """
     bases = stored_bases(reduced.system, fulls)
     if not bases:
@@ -246,7 +247,7 @@ def _expanded(
 def _swept(
     statics: FullStatics, state: StaticState, time: float, k: float
 ) -> tuple[StaticState | None, float]:
-    """The corrected state by sweeps with one factor, None if they do not contract; their first ratio."""
+    """State corrected by sweeps with one factor, None if they do not contract; ratio of second to first."""
     scale, before, first, second = statics.position_scale, np.inf, 0.0, 0.0
     found = statics.unbalance(state, time)
     try:
@@ -271,7 +272,7 @@ def _swept(
 
 
 def _strain(full: FullBody, before: np.ndarray, after: np.ndarray) -> float:
-    """Root of the work of the missing forces on the missing deformation, over the total work."""
+    """Root of the work of the missing forces on the missing deformation, relative to the total work."""
     force = full.body.force.internal_force
     whole = abs(after @ force(after))
     missing = abs((after - before) @ (force(after) - force(before)))

@@ -29,7 +29,7 @@ class Terminated(SystemExit):
 INTERRUPTIONS = (KeyboardInterrupt, Terminated)
 """Exceptions that end a run from outside."""
 _A_MOMENT = 0.05
-"""s"""
+"""s, delay before an interruption is sent again"""
 
 
 @contextmanager

@@ -38,13 +38,13 @@ class AssembledMachine:
 def assemble(system: System, *, time: float = 0.0) -> AssembledMachine:
     """The machine with its bodies moved rigidly until every joint is closed: `g(q, t) = 0`.
 
-    Each step is the least one in the mass norm, so that light bodies near a gap move first; of several
-    possible assemblies it finds the one nearest to the given placement. Points and axes of joints on the
-    bodies are unchanged, and so are velocities, which a run corrects.
+    Each step is the least one in the mass norm, so that light bodies near a gap move first, and the assembly
+    nearest to the given placement is found. Points and axes of joints on the bodies are unchanged, and so are
+    velocities, which a run corrects.
 
     Parameters
     ----------
-    time : of the joints' laws
+    time : time at which the joints' laws are evaluated
 
     Raises
     ------

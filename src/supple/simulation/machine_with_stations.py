@@ -24,5 +24,5 @@ def machine_with_stations(system: System) -> MachineWithStations:
 
 
 def full_system(system: System, active: tuple[int, ...] | None = None) -> FullSystem:
-    """Its equations; `active` leaves out redundant constraint equations."""
+    """The equations of a machine; `active` are the independent constraint equations."""
     return FullSystem(machine_with_stations(system), active)

@@ -36,8 +36,8 @@ def place_errors(
 
         error = place with the bases - place with all coordinates
 
-    places, bases : as of `tracked_places`
-    Places with unknown error are left out; without an equilibrium with all coordinates, these are all.
+    places, bases : as in `tracked_places`
+    Places with unknown error are omitted: all places if there is no equilibrium with all coordinates.
     """
     if found.full is None:
         return {}

@@ -49,22 +49,22 @@ def measured_columns(system: System) -> dict[str, dict[str, list[float]]]:
 
 
 def are_same_columns(then: Mapping[str, Any], placed: Placed) -> bool:
-    """Whether coordinates have the same motion on a body as on the body of these measures."""
+    """Whether coordinates describe the same motion of a body as of the body with the measures `then`."""
     now = dict(_measures(placed))
     of_columns = [name for name in _OF_COORDINATES if name in now]
     return all(name in then and same_measures(then[name], now[name]) for name in of_columns)
 
 
 def check_motions(system: System, solution: Solution) -> None:
-    """ModelError where a solution has the columns of its coordinates and a body has others."""
+    """Raise ModelError if the columns recorded in a solution differ from those of its body."""
     for placed in system.bodies:
         name = placed.body.name
         then = solution.columns.get(name)
         if then is not None and placed.body.n_coordinates and not are_same_columns(then, placed):
             raise ModelError(
-                f"the motion of body '{name}' has other columns than the given body: those of a body "
-                "that is reduced again may have other signs. Use the body of the run (read_reduced_body of "
-                "NAME-reduced.h5 beside the result)"
+                f"the motion of body '{name}' has other columns than the given body: a repeated reduction "
+                "can change their signs. Use the body of the run (read_reduced_body of NAME-reduced.h5 "
+                "beside the result)"
             )
 
 
@@ -74,7 +74,7 @@ def check_columns(header: ResultHeader, system: System, path: Path | str) -> Non
 
 
 def check_bodies(header: ResultHeader, system: System, path: Path | str) -> None:
-    """ResultFileError when a system's elastic bodies differ, wherever they start."""
+    """ResultFileError when a system's elastic bodies differ; their start is not compared."""
     _check(header, system, path, lambda placed: _of_body(placed.body))
 
 
@@ -96,24 +96,24 @@ def _other(path: Path | str, placed: Placed, name: str, size: int) -> str:
     body = placed.body
     if name == "nodal_basis":
         return (
-            f"{path} holds a motion of body '{body.name}' on {size} columns that are not those of "
-            f"the body given, which has {body.n_coordinates}. Reducing again can change their signs: keep "
-            "the reduced body beside its motion (write_reduced_body) and continue with it, or start a new run"
+            f"{path} contains a motion of body '{body.name}' in {size} columns that are not those of "
+            f"the given body, which has {body.n_coordinates}. A repeated reduction can change their signs: "
+            "store the reduced body (write_reduced_body) and continue with it, or start a new run"
         )
     if name == "shapes":
         return (
-            f"{path} holds a motion of body '{body.name}' in {size} modes whose shapes are not those of the "
-            f"body given, which has {body.n_coordinates}. On another computer, or with another number of "
+            f"{path} contains a motion of body '{body.name}' in {size} modes whose shapes are not those of "
+            f"the given body, which has {body.n_coordinates}. On another computer, or with another number of "
             "threads, modes of equal frequency can be mixed: continue there, or start a new run"
         )
     return (
-        f"{path} holds a motion of body '{body.name}' with another {name.replace('_', ' ')} than that of the "
+        f"{path} contains a motion of body '{body.name}' with another {name.replace('_', ' ')} than the "
         "given body: continue with the original body, or start a new run"
     )
 
 
 def _measures(placed: Placed) -> Iterator[tuple[str, np.ndarray]]:
-    """Measures that identify an elastic body and its start, by name; none for a rigid one."""
+    """Measures that identify an elastic body and its start, by name; none for a rigid body."""
     body = placed.body
     of_body = list(_of_body(body))
     yield from of_body

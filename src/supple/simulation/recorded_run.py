@@ -118,7 +118,7 @@ def simulate_recorded(
     Raises
     ------
     ResultFileError     the file has another run, or motions of bodies other than those given; another run
-                        is writing it; it cannot be read or written (a full disk, say)
+                        is writing it; it cannot be read or written (a full disk)
     errors of `simulate`; the results until then are in the file
     """
     path = Path(path)
@@ -147,10 +147,10 @@ def recorded(
     progress: Progress | None = None,
     check: bool = True,
 ) -> Solution:
-    """Simulate the part of a run missing from a result file, into it; the whole run, read back."""
+    """Simulate the missing part of a run and append it to its result file; returns the whole run."""
     start = file.last_instant() if file.header.n_times else None
     stopped, truncation = None, {}
-    # A run interrupted between its last output time and its end only has to be completed.
+    # A run interrupted after its last output time only has to be marked as complete.
     if start is None or _is_something_left(run, start):
         with noted_interruption(file):
             done = watched_run(system, run, resume=start, record=file.append, progress=progress, check=check)

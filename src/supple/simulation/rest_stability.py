@@ -18,8 +18,8 @@ __all__ = ["is_stable"]
 SKEW = 1e-6
 """Relative to the stiffness: a larger unsymmetric part is not rounding, but due to nonconservative forces."""
 DISCRETE = 1e-2
-"""The same for intrinsic bodies, between two vibrations: the velocities of points, at which joints and loads
-act, and of modes differ by the square of a segment's length."""
+"""The same for intrinsic bodies, for the coupling of two vibrations: velocities of points, where joints and
+loads act, and of modes differ by the order of a segment's length squared."""
 ROUNDING = 1e-12
 """Relative to the largest eigenvalue."""
 
@@ -29,8 +29,8 @@ def is_stable(found: RestingState, time: float) -> bool | None:
 
         p^T K p >= 0  for all  G p = 0
 
-    K in co-rotating axes, with the centrifugal part. None where it does not decide: K is not symmetric,
-    a controller acts, or a spin may stabilise an even number of unstable directions by gyroscopic forces.
+    K in co-rotating axes, with the centrifugal part. None if K does not decide: K is not symmetric, a
+    controller acts, or gyroscopic forces may stabilise an even number of unstable directions.
     Source: Lagrange and Dirichlet; Kelvin and Tait for the spin.
     """
     if found.system.controllers:
@@ -64,7 +64,7 @@ def _falling_sparse(equations: SparseEquations) -> int | None:
     if _is_skew(stiffness):
         return None
     symmetric = (stiffness + stiffness.T) / 2
-    # A motion without stiffness makes the matrix singular: negative values within rounding are set to zero.
+    # A motion without stiffness makes the matrix singular; a shift within rounding makes it positive.
     squares = abs(symmetric.diagonal()) / equations.mass.diagonal()
     for shift in (0.0, ROUNDING * float(squares[np.isfinite(squares)].max(initial=0.0))):
         with suppress(AccuracyError):
@@ -75,7 +75,7 @@ def _falling_sparse(equations: SparseEquations) -> int | None:
 
 
 def _largest_coupling(mass: np.ndarray, stiffness: np.ndarray) -> float:
-    """Unsymmetric part between vibrations of the symmetric one, over the mean of their stiffnesses."""
+    """Largest unsymmetric coupling of two modes of the symmetric part, relative to their mean stiffness."""
     values, motions = scipy.linalg.eigh((stiffness + stiffness.T) / 2, (mass + mass.T) / 2)
     coupling = abs(motions.T @ (stiffness - stiffness.T) @ motions) / 2
     size = abs(values)[:, None] + abs(values)

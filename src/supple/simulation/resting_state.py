@@ -48,7 +48,7 @@ def resting_state(
     search: StaticSearch | None = None,
     progress: Callable[[int, float], None] = lambda *_: None,
 ) -> RestingState:
-    """The arrays behind an `equilibrium`, with its arguments and errors."""
+    """The equilibrium of a machine as arrays; arguments and errors as for `equilibrium`."""
     check_time(time)
     _refuse_sampled(system)
     search = StaticSearch() if search is None else search

@@ -20,7 +20,7 @@ __all__ = ["MarchedCase", "solutions_of"]
 
 @dataclass(frozen=True)
 class MarchedCase:
-    """A case as far as it was marched."""
+    """The computed part of a case."""
 
     system: System
     model: Model
@@ -30,8 +30,8 @@ class MarchedCase:
 
 
 def solutions_of(cases: Sequence[MarchedCase]) -> list[Solution]:
-    """The solutions of cases; those with the same bodies and joints are concatenated in time
-    for their joint forces, whose cost is per call more than per time."""
+    """The solutions of cases. Cases with the same bodies and joints are concatenated in time, so that one
+    call computes their joint forces: its cost is per call more than per time."""
     alike: dict[Hashable, list[int]] = {}
     for number, case in enumerate(cases):
         alike.setdefault(_bodies_and_joints(case), []).append(number)

@@ -1,16 +1,16 @@
-"""Cases of a batch in shares, each marched by one call of a compiled program.
+"""Cases of a batch in shares, each computed by one call of a compiled program.
 
 Cases are mapped together, up to a chunk, except for the solution of Newton's equations, which is sequential
 and skips converged cases (`sequential_vmap`). A smaller last share repeats its last case, so that one program
 serves all.
 
-With a frozen tangent, mapped cases would all compute one at every iterate: a map has no branch for the case
-that needs a new one. For a body with 25 coordinates that costs up to three times a single case. Such cases
-are therefore not mapped, and share the program of a single case.
+With a frozen tangent, all mapped cases would compute a new tangent at every iterate, because a map cannot
+branch for the case that needs one. For a body with 25 coordinates each case would cost up to three times a
+single case. Such cases are therefore not mapped, and share the program of a single case.
 
-Arrays with the cases innermost, so that a vector holds a number of each, were measured for the most expensive
-part, the inverse of a tangent: 33 us per case of 31 unknowns, 8 or 16 in step, against 18 one after the
-other. One matrix stays in the cache next to the processor, those of many cases do not.
+Arrays with the cases as innermost axis, for vector instructions, were measured for the most expensive part,
+the inverse of a tangent of 31 unknowns: 33 us per case with 8 or 16 cases together, 18 us one after the
+other. One matrix stays in the nearest cache, the matrices of many cases do not.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ __all__ = ["SharesOfCases", "shares_of"]
 
 @dataclass(frozen=True)
 class SharesOfCases:
-    """Cases marched by one call, and the arguments of the program."""
+    """Cases computed by one call, and the arguments of the program."""
 
     program: CachedProgram
     cases: tuple[Sequence[int], ...]
@@ -45,7 +45,7 @@ class SharesOfCases:
     """Whether the result of the program is for one case, without an axis of cases"""
 
     def of_each(self, share: int, result: Any) -> Iterator[tuple[int, State, State]]:
-        """The cases of a share by their numbers, each with its last state, and those at the stops."""
+        """Number, last state and states at the stops of each case of a share."""
         for place, number in enumerate(self.cases[share]):
             last, states = result if self.alone else jax.tree.map(lambda leaf, i=place: leaf[i], result)
             yield number, last, states
@@ -94,7 +94,7 @@ def _mapped(
 def _march_of_cases(
     first: Model, differing: list[Any], settings: Controls, states: State, stops: Any
 ) -> tuple[State, State]:
-    """The march, mapped over cases: the first one's model, with leaves that differ replaced (else None)."""
+    """The run, mapped over cases: the first model, with its leaves replaced by `differing` if not None."""
     leaves, structure = jax.tree.flatten(first)
 
     def of_case(own: list[Any], state: State) -> tuple[State, State]:

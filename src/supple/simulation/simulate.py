@@ -30,8 +30,8 @@ def simulate(
 ) -> Solution:
     """Motion of a system from its initial state over a run.
 
-    The form of the bodies chooses the method: rigid and reduced ones are marched by one compiled program,
-    full ones by sparse Newton steps.
+    The form of the bodies determines the method: rigid and reduced bodies are integrated by one compiled
+    program, machines with full bodies by sparse Newton steps.
 
     Parameters
     ----------
@@ -53,8 +53,9 @@ def simulate(
     ModelError          a joint open at the start, a table that begins too late or ends too early
     ConvergenceError    a step that fails at the smallest size: time, residual and remedy; the results until
                         then were passed to `record` and are in the file
-    ValidityError       the warnings below under Validity, Start and Resolution, except output times, with
-                        `Validity(strict=True)`
+    ValidityError       with `Validity(strict=True)`, in place of the warnings below on validity, start and
+                        resolution, except those on output times
+    ValueError          `overwrite` without `file`; `resume` or `record` with `file`
     ResultFileError     the file has another run, another run is writing it, or it cannot be read or written
     KeyboardInterrupt   (Ctrl-C; on SIGTERM `Terminated`) with a note with the last time in the file
 

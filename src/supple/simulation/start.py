@@ -52,10 +52,9 @@ class Start:
     """A time of a motion from which another machine with the same bodies continues.
 
     solution : Solution         computed, or read from a file
-    time : float | None         one of its output times; the last where None
-    machine : System | None     the machine of the motion: needed where a body changes its form or basis
-    length, duration : float    units of length and time of the motion in those of the new machine; the time
-        is in the latter
+    time : float | None         one of its output times, in the unit of the new machine; None: the last one
+    machine : System | None     the machine of the motion, needed if a body changes its form or basis
+    length, duration : float    units of length and time of the motion in those of the new machine
     Raises ModelError for a time that is not among the output times.
     """
 
@@ -91,19 +90,18 @@ class Start:
             near = times[max(row - 1, 0) : row + 2]
             raise ModelError(
                 f"a machine starts from an output time, where its whole state is stored; {self.time:g} is "
-                f"none of {times[0]:g} to {times[-1]:g}: use one such as "
-                + " or ".join(f"{each:.12g}" for each in near)
+                f"none of {times[0]:g} to {times[-1]:g}: use " + " or ".join(f"{each:.12g}" for each in near)
             )
         return row
 
     def place(self, system: System) -> StartedMachine:
         """The machine with its bodies as at that time; bodies are matched by their names.
 
-        With the same columns, positions, velocities and deformation are those of that time. Points and axes
-        of joints and forces remain those of the machine as placed. A body in another form or basis is
-        projected in the mass norm, with its interfaces at their positions (`carried_deformation`).
-        Accelerations and joint forces are computed anew, as at the start of a run: afterwards the run differs
-        from an uninterrupted one by the order of its method.
+        A body with the same columns has its position, velocity and deformation of that time. A body in
+        another form or basis is projected in the mass norm, with its interfaces at their positions
+        (`carried_deformation`). Points and axes of joints and forces remain those of the machine as placed.
+        Accelerations and joint forces are computed anew, as at the start of a run. The run therefore differs
+        from an uninterrupted run by errors of the order of its method.
 
         Raises
         ------
@@ -134,14 +132,14 @@ class Start:
         if isinstance(motion, IntrinsicMotion) and body.kind == "intrinsic":
             if not same:
                 raise ModelError(
-                    f"body '{name}' must keep the intrinsic modes of the motion, and these are others: "
-                    "condense it with the same modes, in the same units"
+                    f"body '{name}' has other intrinsic modes than the motion: condense it with the same "
+                    "modes, in the same units"
                 )
             return placed_at_instant(placed, motion, self.row), None
         if not isinstance(motion, FloatingMotion) or not body.has_frame or body.kind == "intrinsic":
             raise ModelError(
                 f"body '{name}' is {body.kind}, and its motion is {motion.kind}: keep the form "
-                "of the motion; explicit elements, whose plastic strain is not stored, by "
+                "of the motion; explicit elements, whose plastic strain is not stored, continue only by "
                 "--resume"
             )
         state, q, dq = self._state(motion)
@@ -181,7 +179,7 @@ class Start:
         return state, motion.coordinates[row], motion.coordinate_rates[row]
 
     def _scaled(self, deformation: Deformation, dofs_per_node: int) -> Deformation:
-        """The deformation in units of the machine: translations; rotations have none."""
+        """The deformation in units of the machine: translations are scaled, rotations are not."""
         units = np.ones(dofs_per_node)
         units[:3] = self.length
         nodal, rates = (each.reshape(-1, dofs_per_node) * units for each in deformation)
@@ -197,9 +195,9 @@ class Start:
             )
         if self.machine is None:
             raise ModelError(
-                f"body '{name}' moved in {size} columns other than its present ones "
+                f"the motion of body '{name}' has {size} columns, other than those of the body "
                 f"({placed.body.n_coordinates}): give the machine of the motion, Start(solution, time, "
-                "machine), whose shapes are then projected on the new ones"
+                "machine), for a projection"
             )
         then = self.machine.placed(name, "start")
         if not then.body.has_frame or then.body.n_coordinates != size:
@@ -215,7 +213,7 @@ class Start:
         return then.body
 
     def _goes_on(self, number: int, controller: Any) -> Any:
-        """The controller with its states at the end of the motion, if it starts there; else as it begins."""
+        """The controller with its states at the end of the motion if the run starts there, else unchanged."""
         known = self.solution.engine_state if self.row == len(self.solution.times) - 1 else {}
         states = known.get(f"control.states.{number}")
         is_traced = isinstance(controller, Controller)
@@ -223,8 +221,8 @@ class Start:
             return replace(controller, initial=np.asarray(states)[: len(controller.initial)])
         if not is_traced or len(controller.initial):
             warnings.warn(
-                f"controller '{controller.name}' restarts: its memory is stored at the end of a run "
-                "only, and for sampled ones only for --resume",
+                f"controller '{controller.name}' restarts: states of controllers are stored only at the end "
+                "of a run, those of sampled controllers only for --resume",
                 StartWarning,
                 stacklevel=4,
             )
@@ -235,7 +233,7 @@ def _warn(losses: Mapping[str, ProjectionLoss]) -> None:
     for name, loss in losses.items():
         if max(loss.relative, loss.rate) >= LARGEST_ERROR:
             warnings.warn(
-                f"body '{name}': its basis loses {100 * loss.relative:.2g} % of the initial deformation "
+                f"body '{name}': its basis lacks {100 * loss.relative:.2g} % of the initial deformation "
                 f"({loss.rms:.2g} RMS) and {100 * loss.rate:.2g} % of its rates, in the mass norm: "
                 "keep more modes, or the basis of the motion",
                 BasisWarning,

@@ -24,12 +24,12 @@ LIKE = 1e-6
 def stored_basis(full: FullBody, reduced: ReducedBody) -> ReductionBasis:
     """V with T V = nodal basis: least squares, exact for a body reduced from this one.
 
-    Raises ModelError for the reduction of another body, or with coordinates invisible at the nodes.
+    Raises ModelError for the reduction of another body, or for modal coordinates, which no node shows.
     """
     if full.body.n_modal:
         raise ModelError(
             f"body '{full.name}' is a condensed model, whose nodes do not show its modal "
-            "coordinates, so the kept ones are unknown. Keep all: "
+            "coordinates, so the reduced basis is unknown in them. Keep all coordinates: "
             'CompleteBasis(), or reduction = { basis = "complete" }'
         )
     T = full.body.expansion

@@ -1,4 +1,4 @@
-"""The reduced bodies of a run, stored beside its motion, whose coordinates depend on them."""
+"""The reduced bodies of a run, stored beside its motion, because its coordinates depend on them."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ def watched_run(
     record: Recorder | None = None,
     check: bool = True,
 ) -> Solution:
-    """March a machine by the engine for the form of its bodies; parameters as for `simulate`."""
+    """Run a machine by the engine for the form of its bodies; parameters as for `simulate`."""
     before_compiled_code()
     times = run.times
     check_laws_cover(system, times[0], times[-1])
@@ -74,7 +74,7 @@ def warn_of_unseen_laws(system: System, run: Run) -> None:
 
 
 def check_laws_cover(system: System, begin: float, end: float) -> None:
-    """Raise ModelError for a tabulated load or motion that starts after the run does, or stops before."""
+    """Raise ModelError for a table that begins after the start of the run, or ends before its end."""
     laws = [(f"joint '{joint.name}'", joint.law) for joint in system.joints]
     laws += [(load.label, load.law) for load in system.loads]
     for what, law in laws:
@@ -91,7 +91,7 @@ def check_laws_cover(system: System, begin: float, end: float) -> None:
 
 
 def _report_rejected_steps(statistics: Statistics, step: StepControl) -> None:
-    """Warn when steps of a fixed size had to be cut: the result is good, the step was too long."""
+    """Warn when steps of a fixed size were shortened: the result is valid, but the given step is too long."""
     if statistics.rejected_steps and isinstance(step, FixedStep):
         warnings.warn(
             f"{statistics.rejected_steps} steps did not converge and were cut "

@@ -112,13 +112,13 @@ def external_inputs(
 def _with_input(name: str, element: Any, first: int, time: float) -> tuple[_External, Any]:
     """Placeholder for the law of an element, with input indices from `first`, and the element with it."""
     if getattr(element, "law", None) is None:
-        raise ModelError(f"nothing in '{name}' varies with time, hence there is no input: give it a law")
+        raise ModelError(f"nothing in '{name}' varies with time, so it has no input: give it a law")
     for field in fields(element):
         try:
             start = np.asarray(as_time_law(getattr(element, field.name))(time), dtype=float)
             law = _External(first + np.arange(start.size).reshape(start.shape), start)
             changed = replace(element, **{field.name: law})
-        except (SuppleError, TypeError, ValueError):  # another field than that of the law
+        except (SuppleError, TypeError, ValueError):  # this field is not the law
             continue
         # The set-point of a servo is a part of its law.
         if any(leaf is law for leaf in jax.tree.leaves(changed.law, is_leaf=_is_external)):

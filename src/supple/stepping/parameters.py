@@ -1,8 +1,8 @@
 """Parameters of an exported machine: its arrays as affine functions of some numbers.
 
-The arrays and the initial state of a machine are taken as affine functions of the parameters,
-`a(p) = a(p_0) + sum_k (p_k - p_0k) da/dp_k`. This is checked against the arrays that are built from other
-values. Therefore an exported machine does not contain the code that builds the arrays.
+The arrays and the initial state of a machine are assumed to be affine functions of the parameters,
+`a(p) = a(p_0) + sum_k (p_k - p_0k) da/dp_k`. This is checked against arrays built from other values. An
+exported machine therefore does not contain the code that builds the arrays.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A machine for its sensors, with the stations of intrinsic bodies that they read as bodies."""
+"""A machine for its sensors, with the stations that they read on intrinsic bodies as bodies."""
 
 from __future__ import annotations
 

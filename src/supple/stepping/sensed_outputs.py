@@ -176,7 +176,7 @@ def _deflection(seen: SensedMachine, sensor: DeflectionSensor) -> Reads | None:
     form: Any = seen.own.placed(base.body).body
     body: Any = seen.own.placed(sensor.place.body).body
     rest = np.asarray(sensor.place.rest(body)) - np.asarray(form.interface(base.interface).position)
-    # A reader uses the global axes of the assembly, a deflection those of the mesh.
+    # A reader uses the global axes at assembly, a deflection the axes of the mesh.
     to_mesh = np.asarray(seen.system.placed(end.body).assembly.rotation)
 
     def read(model: Model, motion: SystemMotion, *_: Any) -> Any:
@@ -234,7 +234,7 @@ def _joint_force(seen: SensedMachine, sensor: JointForceSensor) -> Reads:
 
 
 class _Unnamed:
-    """A function that compares equal to all others: its data are leaves of the pytree around it."""
+    """A function equal to all other objects of this type: its data are leaves of the pytree around it."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.function = function

@@ -98,7 +98,7 @@ class StepProgram:
 
     @cached_property
     def fixed_parameters(self) -> frozenset[int]:
-        """Indices of the parameters on which the start depends; they can be set before the start only."""
+        """Indices of the parameters on which the start depends; these can be set only before the start."""
         return frozenset(
             self.parts.depend(lambda parts: (parts.configuration, parts.velocity, parts.control))
         )
@@ -128,8 +128,8 @@ class StepProgram:
     def advanced(self, now: StepState, end: Any) -> StepState:
         """The state at `end`, by equal steps of `size` at most, or before the first step that fails.
 
-        JAX can trace and compile it. Forward-mode derivatives (`jax.jvp`, `jax.jacfwd`) for inputs and state
-        are those of the discrete motion.
+        JAX can trace and compile this function. Forward-mode derivatives (`jax.jvp`, `jax.jacfwd`) with
+        respect to inputs and state are those of the discrete motion.
         """
         parts = self.parts.at(now.parameter)
         arrays = self.inputs.given(parts.arrays, now.input)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 
 def reserve_space(path: Path, size: int) -> None:
-    """Reserve space so that an existing file can grow to `size` bytes; its length may be reported as `size`.
+    """Reserve space so that an existing file can grow to `size` bytes; its length may then be `size`.
 
     HDF5 does not survive a failed write: the process crashes when it closes the file. Writing to reserved
     bytes cannot fail, neither for a full disk nor for a quota, so the space is reserved first.

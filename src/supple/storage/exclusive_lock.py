@@ -1,7 +1,7 @@
 """Exclusive lock: one writer at a time for a file, or for a folder.
 
-The lock is one of the operating system, on a file `.NAME.lock` in the same folder. It ends with the process
-that holds it, however that ends, so that a lock file left by a killed run blocks nobody.
+The operating system locks a file `.NAME.lock` in the same folder, and releases the lock when the process that
+holds it ends in any way. A lock file left by a killed run therefore blocks nobody.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ _PATIENCE = 0.05
 
 
 class ExclusiveLock:
-    """A lock from its creation until `release`, the end of a `with` block, or the end of the process.
+    """A lock, from creation until `release`, the end of a `with` block, or the end of the process.
 
     path : file to lock, which need not exist, or an existing folder
-    wait : wait until another holder releases it
+    wait : wait until another holder releases the lock
 
     Raises
     ------

@@ -30,8 +30,8 @@ _REMEDIES = {
     errno.EROFS: "the file system is read-only: choose another folder",
     errno.ENOENT: "no such file or folder: check the path",
     errno.EISDIR: "this is a folder: give the path of a file",
-    errno.EEXIST: "a file of that name stands where a folder should be: remove it, or choose another folder",
-    errno.ENOTDIR: "a file stands where a folder should be: choose another folder",
+    errno.EEXIST: "a file has the name of the required folder: remove it, or choose another folder",
+    errno.ENOTDIR: "a file has the name of a required folder: choose another folder",
     errno.ENAMETOOLONG: "the name is longer than this file system allows: choose a shorter one",
     errno.EAGAIN: "another process holds the file: wait for it to finish",
 }

@@ -14,7 +14,7 @@ _QUOTED = frozenset('%/\\:*?"<>|')
 
 
 def file_name(name: str) -> str:
-    """The name with forbidden characters as %XX; a longer name is cut and ends in a hash of the whole.
+    """The name with forbidden characters as %XX; above `LONGEST` bytes it is cut and ends in a hash.
 
     Different names stay different; a name without such characters is unchanged.
     """

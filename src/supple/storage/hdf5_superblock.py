@@ -1,4 +1,4 @@
-"""Superblock: the first bytes of an HDF5 file, changed on reading so that it opens without waiting.
+"""Superblock: the first bytes of an HDF5 file, changed while reading so that the file opens at once.
 
 A run in progress, or a killed one, leaves its file marked as being written. HDF5 opens such a file in a mode
 in which it reads damaged parts repeatedly, for minutes. Here the mark is removed from the bytes passed to
@@ -40,7 +40,7 @@ def is_current_hdf5(path: Path) -> bool:
 
 
 @contextmanager
-def open_settled(path: Path) -> Iterator[h5py.File]:
+def open_unmarked(path: Path) -> Iterator[h5py.File]:
     """The file, opened for reading as if no process were writing it.
 
     Raises
@@ -56,12 +56,12 @@ def open_settled(path: Path) -> Iterator[h5py.File]:
 
 
 def is_marked(path: Path) -> bool:
-    """Whether such a file is marked as being written: a run is in progress, or was killed."""
+    """Whether a file of version 3 is marked as being written: a run is in progress, or was killed."""
     return _fields(path)[_MARK] != 0
 
 
 def written_size(path: Path) -> int:
-    """Bytes of such a file in use by HDF5; more may be reserved behind them."""
+    """Bytes of a file of version 3 in use by HDF5; more bytes may be reserved behind them."""
     return _fields(path)[_END]
 
 

@@ -236,8 +236,8 @@ def _frame_attributes(body: ReducedBody) -> dict[str, str]:
             return {"frame": "nodal-fixed", "frame_interface": interface}
         case other:
             raise ModelError(
-                f"cannot write body '{body.name}': its frame is {type(other).__name__}; a file holds "
-                "MeanAxisFrame and NodalFixedFrame only: replace the body's frame by one of these"
+                f"cannot write body '{body.name}': its frame is {type(other).__name__}; a file can "
+                "contain only MeanAxisFrame and NodalFixedFrame: replace the body's frame by one of these"
             )
 
 

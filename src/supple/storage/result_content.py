@@ -130,7 +130,7 @@ class ResultContent:
         """The header, after a check of all rows of `commits`."""
         broken = [number for number in range(len(self._rows)) if not self._is_row_sound(number)]
         if broken:
-            raise self._chunks_damaged({number: "its row of commits" for number in broken})
+            raise self._chunks_damaged({number: "its row of commits has changed" for number in broken})
         begins = np.concatenate([[0], np.cumsum(self._rows[:, 1])])
         if (begins[:-1] != self._rows[:, 0]).any():
             raise damaged(self._path, ValueError("its chunks are not contiguous"))
@@ -204,13 +204,13 @@ class ResultContent:
 
     @property
     def times(self) -> Array:
-        """All output times, (t,); errors as of `solution`."""
+        """All output times, (t,); errors as for `solution`."""
         n_times = self.header.n_times
         self._check_not_empty()
         return self._checked("times", np.dtype(np.float64), (), rows=n_times)[:n_times]
 
     def _check_sound(self, number: int, span: tuple[int, int]) -> None:
-        """Check the seal of a chunk, block by block; DamagedResultError where it does not match."""
+        """Check the seal of a chunk, block by block; DamagedResultError if it does not match."""
         try:
             rows = {
                 path: _RowsOf(self._checked(path, np.dtype(np.float64), shape, rows=span[1]), *span)
@@ -273,12 +273,12 @@ class ResultContent:
         self, number: int, arrays: Mapping[str, SeriesRows], state: Mapping[str, Array]
     ) -> None:
         if content_seal(arrays, state) != self._content_seals[number]:
-            raise ValueError("its numbers")
+            raise ValueError("its numbers have changed")
 
     def _chunk(self, number: int, *, last_only: bool = False) -> Solution:
         """A chunk; ValueError, or an exception of HDF5, where it is damaged."""
         if not self._is_row_sound(number):
-            raise ValueError("its row of commits")
+            raise ValueError("its row of commits has changed")
         begin, n_times = self._rows[number, :2].astype(int)
         arrays = self._arrays(begin, begin + n_times)
         state = self._state(number)

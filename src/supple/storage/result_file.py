@@ -19,7 +19,8 @@ Format "supple-result", version 4, an HDF5 file (any HDF5 reader opens it):
                                obstacles and contacts
     commits      (k, 11)       one row per chunk written: its first row and its number of times, then its
                                steps, iterations, rejected steps, seconds, seconds of compilation, the
-                               largest local error and rotation of a step, factorizations, and decades gained
+                               largest local error and rotation of a step, factorizations, and the decades by
+                               which the residuals were reduced
     engine_state/<key>         (k, ...) engine state for an exact continuation, one row per chunk, or absent
     seals/header, chunks, end  (32,), (k, 64), (32,) digests of all of the above, see `result_seals`
 
@@ -75,8 +76,8 @@ class ResultFile:
             simulate(system, ..., record=file.append)
             file.finish()
 
-    Leaving the block without `finish` closes the file as an incomplete run, which `resume` continues. Until
-    then no other process can write it.
+    Leaving the block without `finish` closes the file as an incomplete run, which `resume` continues. While
+    the file is open, no other process can write it.
     """
 
     def __init__(
@@ -127,7 +128,7 @@ class ResultFile:
 
     @classmethod
     def resume(cls, path: Path | str, *, case: str, inputs: Inputs = MappingProxyType({})) -> Self:
-        """Continue the file of an interrupted run; `read_last_instant` gives the state to start from.
+        """Continue the file of an interrupted run, from the state of `read_last_instant`.
 
         inputs : the current inputs of the motion; without inputs in the file and in the call, the text of the
             case must be the same
@@ -196,7 +197,7 @@ class ResultFile:
         return self._content.solution()
 
     def last_instant(self) -> Solution:
-        """The last output time, read as by `solution`; errors as there."""
+        """The solution at the last output time; errors as for `solution`."""
         return self._content.last_instant()
 
     @property
@@ -279,8 +280,8 @@ class ResultFile:
             changed = sorted(key for key in there.keys() | here.keys() if there.get(key) != here.get(key))
             if changed:
                 raise ResultFileError(
-                    f"cannot append to {self.path}: {changed[0]} has row shape {here.get(changed[0])}, "
-                    f"{there.get(changed[0])} so far: write each system to its own file"
+                    f"cannot append to {self.path}: {changed[0]} has row shape {here.get(changed[0])}, but "
+                    f"{there.get(changed[0])} in the file: write each system to its own file"
                 )
         for path, array in arrays.items():
             if len(array) != len(times):

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from supple.errors import ResultFileError
 from supple.integrate.solution import Solution
 from supple.storage.file_errors import file_errors
-from supple.storage.hdf5_superblock import open_settled
+from supple.storage.hdf5_superblock import open_unmarked
 from supple.storage.result_content import ResultContent
 from supple.storage.result_reader import read_times
 
@@ -22,7 +22,7 @@ _PART_BYTES = 2**26
 
 
 class ResultParts:
-    """Output times of a result file; iterating yields them as Solutions, some at a time, repeatedly.
+    """Output times of a result file; each loop over them yields Solutions of some output times each.
 
         for part in ResultParts("blade.h5"): ...
 
@@ -46,6 +46,6 @@ class ResultParts:
         self.times: NDArray[np.float64] = times[self.rows]
 
     def __iter__(self) -> Iterator[Solution]:
-        with file_errors("read", self.path), open_settled(self.path) as file:
+        with file_errors("read", self.path), open_unmarked(self.path) as file:
             content = ResultContent(self.path, file, self.path.stat().st_size)
             yield from content.parts(self.rows, max(1, _PART_BYTES // content.row_bytes))

@@ -15,7 +15,7 @@ from supple.arguments import checked_arguments
 from supple.errors import ResultFileError
 from supple.integrate.solution import Solution
 from supple.storage.file_errors import DAMAGE, file_errors
-from supple.storage.hdf5_superblock import is_current_hdf5, is_marked, open_settled
+from supple.storage.hdf5_superblock import is_current_hdf5, is_marked, open_unmarked
 from supple.storage.result_content import DamagedResultError, ResultContent, ResultHeader, damaged, not_ours
 
 __all__ = ["read_header", "read_last_instant", "read_solution", "read_sound_part", "read_times"]
@@ -94,7 +94,7 @@ def _read(path: Path, wanted: Callable[[ResultContent], _T]) -> _T:
 
 def _read_once(path: Path, wanted: Callable[[ResultContent], _T]) -> _T:
     try:
-        with open_settled(path) as file:
+        with open_unmarked(path) as file:
             return wanted(ResultContent(path, file, path.stat().st_size))
     except ResultFileError:
         raise

@@ -20,8 +20,8 @@ __all__ = ["is_whole", "open_sealed", "writing_sealed"]
 def writing_sealed(path: Path) -> Iterator[h5py.File]:
     """An HDF5 file in memory that replaces `path`, with its seal, when the block succeeds.
 
-    HDF5 does not survive a failed write, and a reader sees either the old file or the new one. The file must
-    fit in memory. ResultFileError where it cannot be written.
+    It is built in memory, because HDF5 does not survive a failed write; a reader sees either the old file or
+    the new one. The file must fit in memory. Raises ResultFileError if it cannot be written.
     """
     with h5py.File("image", "w", driver="core", backing_store=False) as file:
         yield file

@@ -259,7 +259,10 @@ def test_a_servo_is_held_within_its_limit_and_counts_whole_turns():
         (lambda: m.Penalty(stiffness=1.0, exponent=0.5), "exponent must be finite and at least 1"),
         (lambda: m.Penalty(stiffness=1.0, dissipation=-1.0), "dissipation must be finite, not negative"),
         (lambda: m.Coulomb(coefficient=-1.0, width=1.0), "friction coefficient must be finite"),
-        (lambda: m.Coulomb(coefficient=1.0, width=0.0), "width of a friction must be a positive velocity"),
+        (
+            lambda: m.Coulomb(coefficient=1.0, width=0.0),
+            "width of a friction law must be a positive velocity",
+        ),
         (lambda: m.RevoluteFriction(**AXIS, moment=1.0, width=0.0), "width must be finite and positive"),
         (lambda: m.Bushing(**ENDS, stiffness=np.ones(5)), r"must be \(6,\) or \(6, 6\) finite numbers"),
         (lambda: m.Bushing(**ENDS, stiffness=SQUARE), "must be symmetric"),
@@ -268,7 +271,7 @@ def test_a_servo_is_held_within_its_limit_and_counts_whole_turns():
         (lambda: m.SlideStop(**AXIS, lower=1.0, upper=0.0, penalty=PENALTY), "lower must not be above upper"),
         (lambda: m.DistanceStop(first="a.eye", penalty=PENALTY), "needs an anchor"),
         (lambda: m.Gear(**AXIS, teeth=(1.5, 2), stiffness=1.0), "two whole numbers"),
-        (lambda: m.Gear(**AXIS, teeth=(20, -20), stiffness=1.0), "opposite and equal"),
+        (lambda: m.Gear(**AXIS, teeth=(20, -20), stiffness=1.0), "not opposite and equal"),
         (lambda: m.Screw(**AXIS, pitch=0.0, stiffness=1.0), "pitch must be finite and not zero"),
         (
             lambda: m.RackAndPinion(**AXIS, direction=(1, 0, 0), radius=0.0, stiffness=1.0),

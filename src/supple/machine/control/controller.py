@@ -18,18 +18,18 @@ __all__ = ["Controller", "SampledController"]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Controller:
-    """A law that depends on time and on readings, with states of its own, within the compiled step.
+    """A control law of time, readings and controller states, evaluated within the compiled step.
 
         dz/dt = rates(t, readings, z),     u = outputs(t, readings, z)
 
     Each output adds to the law of time of a force element: the torque of a `TorqueBetween`, the command of a
-    `MotorCurve`, ... The states follow the trapezoidal rule, of second order and stable for every step,
-    together with the motion: outputs and motion of a step are simultaneous, without lag.
+    `MotorCurve`, ... The states are integrated by the trapezoidal rule (second order, unconditionally
+    stable) together with the motion: outputs and motion of a step are simultaneous, without lag.
 
     Both functions are written with `jax.numpy`, and are part of the compiled program, as a `TimeFunction` is.
 
-    reads : by name, JointReading or EndReading
-    drives : by name, force elements with a law of time; they must not be among the machine's loads
+    reads : JointReading or EndReading, by name
+    drives : force elements with a law of time, by name; they must not be among the machine's loads
     outputs : `(time, readings, states) -> {name: value}`, a value for every driven element;
         `readings` is a dictionary of `AxialMotion` and `Pose`, `states` an array (k,)
     rates : `(time, readings, states) -> (k,)`; None without states
@@ -56,7 +56,7 @@ class Controller:
         if (self.rates is None) != (states.size == 0):
             function = "no function" if self.rates is None else "a function"
             raise ModelError(
-                f"controller '{self.name}': states need rates, and rates states; it has {states.size} "
+                f"controller '{self.name}': states and rates must be given together; it has {states.size} "
                 f"initial states and {function} of their rates"
             )
         states.setflags(write=False)
@@ -67,11 +67,11 @@ class Controller:
 class SampledController:
     """A law in plain Python, called between steps; its outputs are constant until the next sampling instant.
 
-    The time integration stops at every instant `start + i every` of a run, where the function is called once,
-    and accelerations are computed again for its outputs. Its memory is stored in result files, so that an
+    At every instant `start + i every` of a run, the time integration stops, the law is called once, and the
+    accelerations are computed again for the new outputs. The memory is stored in result files, so that an
     interrupted run continues exactly.
 
-    reads, drives : as of a `Controller`; readings are NumPy arrays and numbers
+    reads, drives : as in `Controller`; readings are NumPy arrays and numbers
     law : `(time, readings, memory) -> (outputs, memory)`, outputs `{name: value}` for every driven element
     memory : initial memory: numbers and arrays by name, whose shapes are fixed
     every : sampling period
@@ -105,7 +105,7 @@ def as_memory(name: str, memory: Any) -> dict[str, np.ndarray]:
         return {key: np.array(value, dtype=float) for key, value in sorted(memory.items())}
     except (TypeError, ValueError) as error:
         raise ModelError(
-            f"controller '{name}': its memory must hold numbers and arrays of them, because it is stored in "
+            f"controller '{name}': its memory must contain numbers and arrays, because it is stored in "
             f"result files ({error})"
         ) from error
 

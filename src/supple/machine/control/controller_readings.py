@@ -13,9 +13,9 @@ __all__ = ["EndReading", "JointReading"]
 
 @dataclass(frozen=True)
 class JointReading:
-    """Angle, rate, slide and speed of a joint, an `AxialMotion`, as of a `JointMotionSensor`.
+    """`AxialMotion` of a joint: angle, rate, slide and speed, as in `JointMotionSensor`.
 
-    The angle continues beyond pi, as long as a step rotates the joint by less than half a revolution.
+    The angle continues beyond pi if each step rotates the joint by less than half a revolution.
     """
 
     joint: str
@@ -24,10 +24,10 @@ class JointReading:
 
 @dataclass(frozen=True)
 class EndReading:
-    """Position and motion of an interface, a `Pose`: point, axes, velocity, angular velocity; global."""
+    """`Pose` of an interface in global components: point, axes, velocity, angular velocity."""
 
     at: At | Any
-    """"BODY.INTERFACE" or `At(body, interface)`; its axes are global ones at assembly"""
+    """"BODY.INTERFACE" or `At(body, interface)`; its axes coincide with the global axes at assembly"""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "at", as_end(self.at))

@@ -1,4 +1,4 @@
-"""Torque about an axis and force along it between two ends, as of motors and cylinders."""
+"""Torque about an axis, and force along it, between two ends: motors and cylinders."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class TorqueBetween(AxialElement):
 
 @dataclass(frozen=True, kw_only=True)
 class ForceBetween(AxialElement):
-    """A force on the second end along an axis of the first, and its balance on the first."""
+    """A force on the second end along an axis of the first, and the balancing wrench on the first."""
 
     force: Any = 0.0
     """a number or a law of time; the output of a controller adds to it"""

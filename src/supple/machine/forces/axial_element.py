@@ -22,8 +22,8 @@ class AxialElement(ForceElement):
 
     axis: tuple[float, float, float]
 
-    held_by: ClassVar[tuple[str, ...]] = ()
-    """First words of the joint equations that prevent its motion; empty where it may act against a joint."""
+    blocked_by: ClassVar[tuple[str, ...]] = ()
+    """First words of the joint equations that block the element's motion, an error; empty: no check."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

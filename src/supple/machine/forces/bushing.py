@@ -31,7 +31,7 @@ class Bushing(AxialElement):
     to x, so that `x^T K x / 2` is conserved without damping; the angle of theta must stay below pi.
 
     axis : z of the bushing at the start, global axes
-    x_axis : direction near which x lies
+    x_axis : the bushing's x axis is as near this direction as possible
     stiffness, damping : (6,) diagonal, or (6, 6) symmetric and not negative; translations first
     Raises ModelError for any other matrix.
     """
@@ -41,7 +41,7 @@ class Bushing(AxialElement):
     stiffness: Any
     damping: Any = (0.0,) * 6
     offset: tuple[float, float, float] | None = None
-    """d_0, in the bushing's axes; default that of its ends at assembly"""
+    """d_0, in the bushing's axes; default the offset of its ends at assembly"""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -51,7 +51,7 @@ class Bushing(AxialElement):
 
     @property
     def initial_axes(self) -> np.ndarray:
-        """Z along the axis, x near the x axis."""
+        """Z along the axis, x as near `x_axis` as possible."""
         return axes_along(self.axis, hint=self.x_axis)
 
     @property
@@ -60,7 +60,7 @@ class Bushing(AxialElement):
         return (np.array(self.stiffness), np.array(self.damping), np.array(self.offset or np.zeros(3)))
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> Bushing:
-        """The bushing with the offset of its ends."""
+        """The bushing with the offset of its ends at assembly as `d_0`, if none is given."""
         if self.offset is not None:
             return self
         return replace(self, offset=tuple((self.initial_axes.T @ (second - first)).tolist()))
@@ -101,7 +101,7 @@ def _matrix(what: str, given: Any) -> tuple[tuple[float, ...], ...]:
     size = abs(matrix).max()
     if abs(matrix - matrix.T).max() > _SYMMETRIC * size:
         raise ModelError(f"{what} must be symmetric: otherwise it would generate energy")
-    # Scaled by freedom, so that moments are not compared with forces.
+    # Scaled by the diagonal, so that moments are not compared with forces.
     own = np.sqrt(np.abs(np.diag(matrix)))
     scale = np.where(own > 0, own, np.sqrt(size) if size else 1.0)
     scaled = matrix / np.outer(scale, scale)

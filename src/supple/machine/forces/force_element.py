@@ -30,10 +30,10 @@ class ForceElement(ABC):
     value_shape: ClassVar[tuple[int, ...]] = ()
     """Shape of the law's value, if there is a law."""
     acts_along_line: ClassVar[bool] = False
-    """True when the law needs a line between its ends, which must then stay apart."""
+    """True if the law needs the line between its ends; the ends must then not coincide."""
 
     reads_reaction: ClassVar[bool] = False
-    """True when `wrenches` depends on a joint force instead of a law: a `JointFriction`."""
+    """True if the `value` of `wrenches` is a joint force instead of a law's value: a `JointFriction`."""
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -56,7 +56,7 @@ class ForceElement(ABC):
 
     @property
     def ground_point(self) -> np.ndarray | None:
-        """Point of action on the ground (3,); None: the initial position of its other end."""
+        """Point of action on the ground (3,); None: the initial position of the element's other end."""
         return None
 
     @property
@@ -76,7 +76,7 @@ class ForceElement(ABC):
     @staticmethod
     @abstractmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
-        """Wrenches on the two ends; `value` is that of the law at this time, None without a law."""
+        """Wrenches on the two ends; `value` is the law's value at this time, None without a law."""
 
     @staticmethod
     def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004

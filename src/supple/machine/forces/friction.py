@@ -39,8 +39,8 @@ class Coulomb:
             raise ModelError(f"a friction coefficient must be finite, not negative, got {self.coefficient}")
         if not (np.isfinite(self.width) and self.width > 0):
             raise ModelError(
-                f"the width of a friction must be a positive velocity, got {self.width}: below it contacts "
-                "creep; a thousandth of the sliding velocities is usual"
+                f"the width of a friction law must be a positive velocity, got {self.width}: below it "
+                "contacts creep; a thousandth of the sliding velocities is usual"
             )
 
 
@@ -53,11 +53,11 @@ def regularized_direction(velocity: jax.Array, width: jax.Array) -> jax.Array:
 class RevoluteFriction(AxialElement):
     """Moment `M v / sqrt(v^2 + w^2)` against the rate v of the angle about the axis of a hinge.
 
-    M does not depend on the joint force: it is that of a preload, `mu N r` of a normal force N at a radius r,
-    a number or a law of time. For friction under the normal force of the motion use contacts or
-    `HingeFriction`.
+    M does not depend on the joint force. For a preload N at a radius r, `M = mu N r`. For friction that
+    follows the joint force use `HingeFriction`, or contacts.
 
-    moment : M              width : w, rad per time, below which it acts as a damper
+    moment : M, a number or a law of time
+    width : w, rad per time; below it the friction acts as a damper
     """
 
     moment: Any
@@ -84,9 +84,10 @@ class RevoluteFriction(AxialElement):
 class PrismaticFriction(AxialElement):
     """Force `F v / sqrt(v^2 + w^2)` against the speed v of the slide along an axis.
 
-    F does not depend on the joint force: it is that of a preload, `mu N`, a number or a law of time.
+    F does not depend on the joint force. For a preload N, `F = mu N`.
 
-    force : F               width : w, a velocity, below which it acts as a damper
+    force : F, a number or a law of time
+    width : w, a velocity; below it the friction acts as a damper
     """
 
     force: Any

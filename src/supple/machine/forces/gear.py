@@ -24,17 +24,17 @@ _TEETH = 2
 
 @dataclass(frozen=True, kw_only=True)
 class Gear(AxialElement):
-    """Spur gear: a force `k s + c ds/dt` across the line of centres, at the point where the wheels roll.
+    """Spur gear: a force `k s + c ds/dt` across the line of centres, at the pitch point.
 
         s = l (z_1 phi_1 + z_2 phi_2) / (z_1 + z_2),      l = |r_2 - r_1|
 
     with the angles of both wheels relative to the line of centres, about the axis. The line may rotate with a
-    carrier, as for planets; no carrier body is needed. The phase is taken within half a tooth, so the number
-    of revolutions is not limited; a load beyond half a tooth makes them skip one.
+    carrier, as for planets; no carrier body is needed. The phase is wrapped to half a tooth, so the number of
+    revolutions is not limited; a deflection beyond half a tooth makes the wheels skip a tooth.
 
-    Their joints must keep the axes of both wheels parallel.
+    The joints must keep the axes of both wheels parallel.
 
-    teeth : of both wheels, z_1 and z_2; negative for a ring with inner teeth
+    teeth : numbers of teeth of both wheels, z_1 and z_2; negative for a ring with inner teeth
     stiffness : k of the tooth mesh, force per length
     damping : c of the tooth mesh, force per velocity
     anchor : centre of a wheel on the ground, global axes, a length
@@ -56,8 +56,8 @@ class Gear(AxialElement):
         whole = len(self.teeth) == _TEETH and all(z == int(z) and z for z in self.teeth)
         if not whole or sum(self.teeth) == 0:
             raise ModelError(
-                f"{self.label}: teeth are two whole numbers, a negative one for inner teeth, that are not "
-                f"opposite and equal; got {self.teeth}"
+                f"{self.label}: teeth must be two whole numbers, negative for inner teeth, not opposite and "
+                f"equal; got {self.teeth}"
             )
 
     @property
@@ -76,12 +76,12 @@ class Gear(AxialElement):
         return (*map(float, self.teeth), self.stiffness, self.damping)
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> Gear:
-        """The gear with its line of centres."""
+        """The gear with its line of centres at assembly, if none is given."""
         return self if self.line else replace(self, line=tuple((second - first).tolist()))
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """Equal and opposite forces at the point where the wheels roll."""
+        """Equal and opposite forces at the pitch point."""
         teeth_1, teeth_2, stiffness, damping = parameters
         length, line, across, slip = _mesh(first, second, parameters)
         radius = length * teeth_1 / (teeth_1 + teeth_2)
@@ -102,7 +102,7 @@ class Gear(AxialElement):
 
 
 def _mesh(first: Pose, second: Pose, parameters: Parameters) -> tuple[jax.Array, ...]:
-    """Distance and line of the centres, the direction across, and `s`."""
+    """Distance of the centres, unit vectors along and across their line, and `s`."""
     teeth_1, teeth_2, _, _ = parameters
     axis = first.axes[:, 2]
     between = second.point - first.point

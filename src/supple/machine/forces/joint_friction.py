@@ -24,13 +24,13 @@ __all__ = ["HingeFriction", "JointFriction", "SlideFriction"]
 
 @dataclass(frozen=True, kw_only=True)
 class JointFriction(ForceElement):
-    """Friction `mu N v / sqrt(v^2 + w^2)` in a joint, with N its force across the axis.
+    """Friction `mu N v / sqrt(v^2 + w^2)` in a joint, where N is the joint force across the axis.
 
     N depends on the motion: it follows from the joint's multipliers at the same instant. Forces along the
     axis and tilting moments cause no friction.
 
-    joint : of the machine          coefficient : mu, not negative
-    width : w, below which it acts as a damper
+    joint : a joint of the machine          coefficient : mu, not negative
+    width : w; below it the friction acts as a damper
     """
 
     joint: Joint
@@ -42,7 +42,7 @@ class JointFriction(ForceElement):
 
     reads_reaction: ClassVar[bool] = True
     kinds: ClassVar[tuple[type[Joint], ...]] = ()
-    """Types of joints that it supports"""
+    """Supported types of joints"""
 
     def __post_init__(self) -> None:
         names = " or ".join(kind.__name__ for kind in self.kinds)
@@ -80,7 +80,7 @@ class HingeFriction(JointFriction):
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
-        """Equal and opposite moments about the axis; `value` is the joint's force across it, (2,)."""
+        """Equal and opposite moments about the axis; `value` (2,) is the joint force across the axis."""
         lever, width = parameters
         rate = axial_motion(first, second).rate
         return moment_pair(first, -lever * _size(value) * regularized_direction(rate, width))
@@ -102,7 +102,7 @@ class SlideFriction(JointFriction):
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
-        """Equal and opposite forces along the axis; `value` is the joint's force across it, (2,)."""
+        """Equal and opposite forces along the axis; `value` (2,) is the joint force across the axis."""
         coefficient, width = parameters
         speed = axial_motion(first, second).speed
         force = -coefficient * _size(value) * regularized_direction(speed, width)
@@ -110,6 +110,6 @@ class SlideFriction(JointFriction):
 
 
 def _size(across: jax.Array) -> jax.Array:
-    """Length of the force, with a finite derivative at zero."""
+    """Magnitude of the force, with a finite derivative at zero."""
     square = across @ across
     return jnp.where(square > 0, jnp.sqrt(jnp.where(square > 0, square, 1.0)), 0.0)

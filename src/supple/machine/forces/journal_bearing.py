@@ -1,4 +1,4 @@
-"""Rotor bearing: stiffness and damping across its axis, with cross terms, by speed."""
+"""Rotor bearing: stiffness and damping across its axis, with cross terms, as functions of speed."""
 
 from __future__ import annotations
 
@@ -23,11 +23,12 @@ __all__ = ["JournalBearing"]
 class JournalBearing(AxialElement):
     """Force `- K(Omega) u - C(Omega) du/dt` on the journal, the second end, across the bearing's axis.
 
-    `u` (2,) are the journal's displacements along x and y of the bearing, the first end, relative to
-    assembly; `Omega` is the angular velocity of the journal about the axis. Cross terms of opposite sign feed
-    energy into whirl. The numbers are interpolated between the speeds of the table, and constant beyond them.
+    `u` (2,) is the offset of the journal from the bearing, the first end, along x and y of the bearing;
+    `Omega` is the angular velocity of the journal relative to the bearing, about the axis. Cross terms of
+    opposite sign feed energy into whirl. Matrices are interpolated linearly between the speeds of the table,
+    and constant beyond them.
 
-    x_axis : direction near which x lies
+    x_axis : the bearing's x axis is as near this direction as possible
     stiffness, damping : (2, 2), or (n, 2, 2) with speeds
     speeds : (n,) rad per time, ascending, two or more
     Raises ModelError for other shapes, and for numbers that are not finite.
@@ -57,7 +58,7 @@ class JournalBearing(AxialElement):
 
     @property
     def initial_axes(self) -> np.ndarray:
-        """Z along the axis, x near the x axis."""
+        """Z along the axis, x as near `x_axis` as possible."""
         return axes_along(self.axis, hint=self.x_axis)
 
     @property

@@ -1,4 +1,4 @@
-"""Motor: torque over its speed and its command."""
+"""Motor: torque as a function of its speed and its command."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class MotorCurve(AxialElement):
     torque: Curve | Surface
     command: Any = 1.0
 
-    held_by: ClassVar[tuple[str, ...]] = ("rotation", "tilt about")
+    blocked_by: ClassVar[tuple[str, ...]] = ("rotation", "tilt about")
 
     @property
     def law(self) -> TimeLaw:

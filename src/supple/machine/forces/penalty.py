@@ -1,4 +1,4 @@
-"""Penalty force of contacts: a spring in compression only, with damping proportional to the depth."""
+"""Penalty force of contacts: a spring in compression only, with damping proportional to its force."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Penalty:
 
     so that the restitution w/v is near 1 - 2 a v/3 for small a v.
 
-    stiffness : k, force per length or moment per rad, to the power of the exponent
+    stiffness : k, force per length^n, or moment per rad^n
     exponent : n >= 1; 1.5 for two spheres (Hertz)
     dissipation : a, one per velocity; restitution is about 1 - 2/3 dissipation v
     Raises ModelError for a stiffness that is not positive, an exponent below 1, a negative dissipation.
@@ -43,7 +43,7 @@ class Penalty:
             raise ModelError(f"a penalty's stiffness must be finite and positive, got {self.stiffness}")
         if not (np.isfinite(self.exponent) and self.exponent >= 1):
             raise ModelError(
-                f"a penalty's exponent must be finite and at least 1, got {self.exponent}: below, the force "
+                f"a penalty's exponent must be finite and at least 1, got {self.exponent}: below 1 the force "
                 "would start with infinite stiffness"
             )
         if not (np.isfinite(self.dissipation) and self.dissipation >= 0):

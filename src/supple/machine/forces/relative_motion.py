@@ -48,11 +48,11 @@ def moment_pair(first: Pose, moment: jax.Array) -> tuple[Wrench, Wrench]:
 
 
 def force_pair(first: Pose, second: Pose, force: jax.Array, moment: jax.Array) -> tuple[Wrench, Wrench]:
-    """Force and moment on the second end, and their balance on the first: free bodies keep their momentum."""
+    """Force and moment on the second end, and the balancing wrench on the first: momentum is conserved."""
     arm = second.point - first.point
     return Wrench(-force, -moment - jnp.cross(arm, force)), Wrench(force, moment)
 
 
 def wrapped(angle: jax.Array) -> jax.Array:
-    """An angle in (-pi, pi] that differs by whole revolutions."""
+    """The angle reduced to (-pi, pi] by whole revolutions."""
     return angle - 2 * jnp.pi * jnp.ceil((angle - jnp.pi) / (2 * jnp.pi))

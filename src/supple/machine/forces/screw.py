@@ -20,11 +20,11 @@ __all__ = ["RackAndPinion", "Screw"]
 
 @dataclass(frozen=True, kw_only=True)
 class Screw(AxialElement):
-    """Advance of the second end along the axis by the pitch in every revolution about it.
+    """The second end advances along the axis by the pitch in every revolution about the axis.
 
         s = x - x_0 - pitch phi / (2 pi),    force -(k s + c ds/dt),    moment pitch/(2 pi) (k s + c ds/dt)
 
-    with angle and slide of the second end about and along the first end's axis. The phase is taken within
+    with slide x and angle phi of the second end along and about the first end's axis. The phase is wrapped to
     half a revolution of the thread, so the number of revolutions is not limited. A cylindrical joint must
     keep the second end on the axis.
 
@@ -50,7 +50,7 @@ class Screw(AxialElement):
         return (self.pitch / (2 * np.pi), self.stiffness, self.damping, self.offset or 0.0)
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> Screw:
-        """The screw with the slide of its ends."""
+        """The screw with the slide of its ends at assembly as `x_0`, if none is given."""
         slide = float(self.initial_axes[:, 2] @ (second - first))
         return self if self.offset is not None else replace(self, offset=slide)
 
@@ -75,18 +75,18 @@ class Screw(AxialElement):
 
 @dataclass(frozen=True, kw_only=True)
 class RackAndPinion(AxialElement):
-    """Rolling of the second end, a pinion, along the first, a rack.
+    """The second end, a pinion, rolls along the first, a rack.
 
         s = x - x_0 + radius phi,      force -(k s + c ds/dt) on the pinion where it touches the rack
 
     with the displacement x of the pinion's centre along the rack and its angle phi about the axis, both
-    relative to the rack. The phase is taken within half a revolution of the pinion, whose revolutions are not
-    limited.
+    relative to the rack. The phase is wrapped to half a revolution of the pinion, so the number of
+    revolutions is not limited.
 
-    axis : of the pinion at the start, global axes
-    direction : of the rack at the start, global axes, across the axis; both are fixed to the rack
-    radius : of the pitch circle, a length; contact is on the side of `- axis x direction`, on the other
-        one if negative
+    axis : axis of the pinion at the start, global axes; fixed to the rack
+    direction : direction of the rack at the start, global axes, across the axis; fixed to the rack
+    radius : radius of the pitch circle, a length; contact is on the side of `- axis x direction`, or on the
+        opposite side for a negative radius
     stiffness : k of the tooth mesh along the rack, force per length
     damping : c of the tooth mesh along the rack, force per velocity
     """
@@ -115,7 +115,7 @@ class RackAndPinion(AxialElement):
         return (self.radius, self.stiffness, self.damping, self.offset or 0.0)
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> RackAndPinion:
-        """The pinion with the displacement of its ends."""
+        """The pinion with the displacement of its ends at assembly as `x_0`, if none is given."""
         way = float(self.initial_axes[:, 0] @ (second - first))
         return self if self.offset is not None else replace(self, offset=way)
 

@@ -22,10 +22,10 @@ __all__ = ["AngleServo", "SlideServo"]
 
 @dataclass(frozen=True, kw_only=True)
 class AngleServo(AxialElement):
-    """Moment `k (phi_0 - phi) + c (dphi_0/dt - dphi/dt)` about a hinge, limited in size.
+    """Moment `k (phi_0 - phi) + c (dphi_0/dt - dphi/dt)` about a hinge, limited in magnitude.
 
-    The difference of the angles is taken in (-pi, pi]: revolutions of the hinge are not limited, but it must
-    not lag behind the law by half a revolution.
+    The difference of the angles is wrapped to (-pi, pi]: the number of revolutions is not limited, but the
+    hinge must not lag behind the law by half a revolution.
 
     angle : phi_0(t), rad, a number or a law of time        limit : largest moment
     stiffness : k, moment per rad
@@ -37,7 +37,7 @@ class AngleServo(AxialElement):
     damping: NotNegative = 0.0
     limit: float = np.inf
 
-    held_by: ClassVar[tuple[str, ...]] = ("rotation", "tilt about")
+    blocked_by: ClassVar[tuple[str, ...]] = ("rotation", "tilt about")
     value_shape: ClassVar[tuple[int, ...]] = (2,)
 
     def __post_init__(self) -> None:
@@ -65,9 +65,9 @@ class AngleServo(AxialElement):
 
 @dataclass(frozen=True, kw_only=True)
 class SlideServo(AxialElement):
-    """Force `k (x_0 - x) + c (dx_0/dt - dx/dt)` along an axis of the first end, limited in size.
+    """Force `k (x_0 - x) + c (dx_0/dt - dx/dt)` along an axis of the first end, limited in magnitude.
 
-    slide : x_0(t) of `x = z_1 . (r_2 - r_1)`, a number or a law of time        limit : largest force
+    slide : x_0(t), a number or a law of time, for `x = z_1 . (r_2 - r_1)`        limit : largest force
     stiffness : k, force per length
     damping : c, force per velocity
     """
@@ -77,7 +77,7 @@ class SlideServo(AxialElement):
     damping: NotNegative = 0.0
     limit: float = np.inf
 
-    held_by: ClassVar[tuple[str, ...]] = ("position",)
+    blocked_by: ClassVar[tuple[str, ...]] = ("position",)
     value_shape: ClassVar[tuple[int, ...]] = (2,)
 
     def __post_init__(self) -> None:

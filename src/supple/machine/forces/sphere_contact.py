@@ -63,7 +63,7 @@ class SphereContact(AxialElement):
 
 @dataclass(frozen=True, kw_only=True)
 class SphereOnPlane(SphereContact):
-    """A sphere (first end) on a plane through the second end; `axis` is the plane's normal, out of it."""
+    """A sphere (first end) on a plane through the second end; `axis` is the plane's outward normal."""
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004

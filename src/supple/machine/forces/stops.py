@@ -35,7 +35,7 @@ class AngleStop(AxialElement):
         super().__post_init__()
         if not -np.pi < self.lower <= self.upper < np.pi:
             raise ModelError(
-                f"{self.label}: the limits must be -pi < lower <= upper < pi, where the angle jumps, "
+                f"{self.label}: the limits must be -pi < lower <= upper < pi, because the angle jumps at pi; "
                 f"got {self.lower} and {self.upper}"
             )
 
@@ -60,7 +60,7 @@ class AngleStop(AxialElement):
 class SlideStop(AxialElement):
     """Limits the slide `z_1 . (r_2 - r_1)` along the first end's axis to `lower <= x <= upper`, by a force.
 
-    lower, upper : limits of the slide, a length; infinite without a stop
+    lower, upper : limits of the slide, a length; infinite: no stop on that side
     penalty : Penalty   of the slide beyond a limit
     """
 
@@ -94,7 +94,7 @@ class SlideStop(AxialElement):
 class DistanceStop(ForceElement):
     """Limits the distance of two points to `lower <= l <= upper`, as a rope or a bump stop.
 
-    lower, upper : limits of the distance, a length; upper is infinite without a stop
+    lower, upper : limits of the distance, a length; an infinite upper limit is no stop
     penalty : Penalty   of the distance beyond a limit
     anchor : point of an end on the ground, global axes, a length
     """

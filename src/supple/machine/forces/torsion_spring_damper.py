@@ -20,7 +20,7 @@ __all__ = ["TorsionSpringDamper"]
 
 @dataclass(frozen=True, kw_only=True)
 class TorsionSpringDamper(ForceElement):
-    """Moment `k (phi - phi_0(t)) + c dphi/dt` about an axis; the angle phi is taken in (-pi, pi].
+    """Moment `- k (phi - phi_0(t)) - c dphi/dt` on the second end about an axis, with phi in (-pi, pi].
 
     axis : direction at the start, global axes; it is fixed to the first end
     stiffness : k, moment per rad

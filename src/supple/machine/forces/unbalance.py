@@ -17,10 +17,10 @@ __all__ = ["Unbalance"]
 
 @dataclass(frozen=True, kw_only=True)
 class Unbalance(ForceElement):
-    """Force `- omega x (omega x U)` of an eccentric mass m at an interface, at `U/m` from it.
+    """Force `- omega x (omega x U)` of a small eccentric mass m at the distance `U/m` from an interface.
 
-    It is the centrifugal part alone. The mass itself, and the force of a changing speed, are neglected, as is
-    valid for a small m. For a larger mass use a rigid body.
+    Only the centrifugal force is included. The weight and inertia of the mass, and its force under angular
+    acceleration, are neglected. For a larger mass use a rigid body.
 
     moment : U, mass times eccentricity: global axes at the start; rotates with the end
     """

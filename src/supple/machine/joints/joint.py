@@ -49,7 +49,7 @@ def axes_along(axis: Any, hint: Any = None) -> np.ndarray:
 
 
 def _unit(axis: Any) -> np.ndarray:
-    """Direction of an axis of any length, also where its square overflows."""
+    """Unit vector along an axis of any length, scaled first so that no square overflows."""
     direction = np.asarray(axis, dtype=float)
     if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
         raise ModelError(f"a joint axis must be three finite numbers, not all zero; got {axis}")
@@ -100,7 +100,7 @@ class Joint(ABC):
     def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:
         """The equations `g = 0`, (n_constraints,), affine in the second frame relative to the first.
 
-        `value` is that of the law at this time, or None.
+        `value` is the law's value at this time; None without a law.
         """
 
 

@@ -36,11 +36,11 @@ class Constant(UnboundedLaw):
             raise ModelError(f"a constant quantity has NaN or infinite entries: {value}; give finite numbers")
         object.__setattr__(self, "value", value)
 
-    def __call__(self, time: ArrayLike) -> jax.Array:  # noqa: ARG002 - a law is called with the time, needed or not
+    def __call__(self, time: ArrayLike) -> jax.Array:  # noqa: ARG002 - the signature of a law
         """The value."""
         return self.value
 
-    def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002 - of the span nothing matters
+    def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002 - no kinks
         """No instants."""
         return np.zeros(0)
 

@@ -18,9 +18,10 @@ __all__ = ["ConstantRate"]
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class ConstantRate(UnboundedLaw):
-    """`q(t) = start + rate t`, as a prescribed rotation: a drive at constant speed.
+    """`q(t) = start + rate t`.
 
-    The bodies must start at that speed; otherwise the start is corrected to it, with a warning.
+    In a prescribed motion the bodies must start at this rate; otherwise their initial velocities are
+    corrected, with a warning.
 
     Raises ModelError for numbers that are not finite.
     """
@@ -37,7 +38,7 @@ class ConstantRate(UnboundedLaw):
         """The value at a time."""
         return self.start + self.rate * time
 
-    def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002 - it never breaks
+    def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002 - no kinks
         """No instants."""
         return np.zeros(0)
 

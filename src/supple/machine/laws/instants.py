@@ -13,7 +13,7 @@ from supple.machine.laws.time_law import TimeLaw
 __all__ = ["KnownLaw", "instants_of", "rows_that_bend", "shortest_scale_of", "within"]
 
 BENDS = 1e-6
-"""Smallest bend of a table's curve relative to its range that counts as an instant."""
+"""Smallest bend of a table's curve, relative to its range, that counts as a kink."""
 
 
 @runtime_checkable
@@ -21,11 +21,11 @@ class KnownLaw(Protocol):
     """A law with known kinks and time scales; other laws are sampled, which can miss short features."""
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """Times strictly between at which a derivative jumps, or a short event begins or ends, (k,)."""
+        """Times (k,) strictly between `begin` and `end`: jumps of a derivative, limits of short events."""
         ...
 
     def shortest_scale(self, begin: float, end: float) -> float:
-        """Shortest period, rise or distance of rows in the span; infinite for a constant law."""
+        """Shortest period, rise time or row spacing from `begin` to `end`; infinite for a constant law."""
         ...
 
 
@@ -48,7 +48,7 @@ def within(times: Iterable[float] | np.ndarray, begin: float, end: float) -> np.
 
 
 def rows_that_bend(times: np.ndarray, values: np.ndarray, jumps: np.ndarray, power: int) -> np.ndarray:
-    """Times of a table's inner rows with a significant jump of a derivative; its first and last row.
+    """Times of a table's first and last row, and of inner rows with a significant jump of a derivative.
 
     times : (k,)        values : (k, ...)
     jumps : (k - 2, m)      of the derivative of order `power` at the inner rows

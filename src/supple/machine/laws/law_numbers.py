@@ -14,9 +14,9 @@ __all__ = ["OfRows", "are_numbers", "finite", "finite_and_positive", "increasing
 
 
 def are_numbers(*values: Any) -> bool:
-    """Whether all values are numbers or arrays of them, not the tracers of JAX.
+    """Whether all values are numbers or arrays of them, not JAX tracers.
 
-    ArgumentError for a text.
+    Raises ArgumentError for text, dictionaries and classes.
     """
     for value in values:
         if isinstance(value, (str, bytes, dict, type)):
@@ -61,7 +61,7 @@ def increasing_rows(times: Any, values: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 class OfRows:
-    """A law defined by rows: its span, and the smallest distance of rows."""
+    """A law defined by rows: its time span, and the smallest spacing of rows."""
 
     times: Any
 
@@ -76,5 +76,5 @@ class OfRows:
         return float(self.times[-1])
 
     def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002 - of the whole table
-        """The smallest distance of two rows."""
+        """The smallest spacing of rows."""
         return float(np.diff(self.times).min())

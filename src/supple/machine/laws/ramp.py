@@ -22,7 +22,7 @@ __all__ = ["Ramp"]
 class Ramp(UnboundedLaw):
     """From zero to a value, with continuous first and second derivatives.
 
-        q(t) = value s^3 (10 - 15 s + 6 s^2),   s = t / duration, held between 0 and 1
+        q(t) = value s^3 (10 - 15 s + 6 s^2),   s = t / duration, limited to [0, 1]
 
     value : number or array     reached at the end
     duration : float            s, positive

@@ -1,9 +1,9 @@
 """Laws of unknown shape: jumps and turning points, found by sampling.
 
-The kinks of a function of time in Python are unknown. It is evaluated at some 17 000 equally spaced times of
-the run. Where neighbouring samples differ much, jumps are located by repeated subdivision. A pulse has a
-turning point: a step that ends there resolves the pulse, and the error estimate does the rest. Features
-shorter than the sampling distance are not found.
+The kinks of a Python function of time are unknown. The function is evaluated at some 17 000 equally spaced
+times of the run. Where neighbouring samples differ much, jumps are located by repeated subdivision. A pulse
+has a turning point; a step that ends there does not miss the pulse, and step control refines the next steps.
+Features shorter than the sampling distance are not found.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ BLOCK = 64 * 33
 """Times that are evaluated together: the subdivisions of all jumps in one round."""
 N_SAMPLES = 8 * BLOCK - 1
 MOST_NUMBERS = 4_000_000
-"""Largest number of values of all samples together; the field of a load on many nodes would not fit."""
+"""Largest number of values of all samples together: those of a load on many nodes would exceed the memory."""
 MOST_JUMPS = 64
 DIVISIONS, ROUNDS = 32, 5
-"""Rounds of subdivision: a jump is located to a 32^5 part of the distance of the samples."""
+"""Parts of an interval, and rounds of subdivision: a jump is located to 32^-5 of the distance of samples."""
 JUMPS = 1e-4
-"""Change in the last bracket of a jump, relative to the range of the function."""
+"""Smallest change in the last bracket that counts as a jump, relative to the range of the function."""
 TURNS = 1e-3
 """Smallest difference of turning points to their neighbours, relative to the range; less is ripple."""
 MOST_TURNS = 512
-"""Most jumps or turning points; a function with more varies everywhere, and no step can miss all of it."""
+"""Largest number of turning points; a function with more oscillates everywhere, so no step misses it."""
 
 _OfTime = Callable[[jax.Array], jax.Array]
 
@@ -50,7 +50,7 @@ class Jumps(NamedTuple):
 
 def sampled(law: _OfTime, times: np.ndarray, *, order: int = 0) -> list[np.ndarray]:
     """Values of a law at times (k,), (k, m), and its derivatives up to an order, (k, m) each."""
-    # One program for any number of times, which are evaluated in blocks of one size.
+    # Blocks of one size: one program for any number of times.
     size = max(1, min(BLOCK, MOST_NUMBERS // _numbers(law)))
     blocks = np.pad(times, (0, -len(times) % size), mode="edge").reshape(-1, size)
     parts = [jax.device_get(_program(order)(law, block)) for block in blocks]
@@ -103,14 +103,14 @@ def jumps(of_times: Sampled, times: np.ndarray, values: np.ndarray) -> Jumps:
 
 
 def sampled_instants(law: _OfTime, begin: float, end: float) -> np.ndarray:
-    """Times strictly between with a jump (both sides) or turning point of a function, (k,)."""
+    """Times (k,) strictly between `begin` and `end`: both sides of each jump, and turning points."""
     if not end > begin:
         return np.zeros(0)
     numbers = _numbers(law)
     n = min(N_SAMPLES, MOST_NUMBERS // numbers)
     times = np.linspace(begin, end, max(n, 2) + 1)
 
-    # Three combinations of the components show every change of one of them.
+    # A change of any component also changes three random combinations.
     mix = np.random.default_rng(0).standard_normal((numbers, 3))
 
     def of_times(at: np.ndarray) -> np.ndarray:
@@ -131,7 +131,7 @@ def _turning_points(times: np.ndarray, values: np.ndarray) -> np.ndarray:
     if not moving.size:
         return np.zeros(0)
     signs = np.sign(np.diff(values)[moving])
-    # Both ends of a plateau count: the last sample before it that differs, and the first after it.
+    # Both ends of a plateau count: its first sample and its last.
     turn = np.flatnonzero(signs[1:] != signs[:-1])
     at = np.unique(np.concatenate([[0], moving[turn] + 1, moving[turn + 1], [len(values) - 1]]))
     steps = np.abs(np.diff(values[at]))

@@ -23,7 +23,7 @@ class Scaled:
     """`v(t) = vector factor(t)`: one direction, or one pattern over nodes, and a number over time.
 
     vector : (..., 3)       direction and size at factor 1
-    factor : a law, or a function of time, of numbers ()
+    factor : a law or function of time with one number as its value
     Raises ModelError for a vector that is not finite, or a factor that is not one number over time.
     """
 

@@ -22,7 +22,7 @@ __all__ = ["SpinUp"]
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class SpinUp(UnboundedLaw):
-    """Prescribed rotation that rises smoothly to the speed omega_s at the time T_s, then constant speed.
+    """Prescribed rotation whose speed rises smoothly to omega_s at the time T_s and is constant afterwards.
 
         theta(t) = omega_s / T_s [t^2 / 2 + (T_s / 2 pi)^2 (cos(2 pi t / T_s) - 1)]     t <= T_s
                  = omega_s (t - T_s / 2)                                                t >  T_s
@@ -67,6 +67,6 @@ class SpinUp(UnboundedLaw):
         """The end of the rise."""
         return within([self.rise_time], begin, end)
 
-    def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002 - it rises until it is up
+    def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002 - begin decides
         """The rise time; infinite once the speed is reached."""
         return self.rise_time if begin < self.rise_time else float("inf")

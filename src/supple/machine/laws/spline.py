@@ -22,9 +22,9 @@ __all__ = ["Spline"]
 class Spline(OfRows):
     """Natural cubic spline through rows.
 
-    Value, first and second derivative are continuous between the first row and the last; there the second
-    derivative is zero. Beyond them the value is constant, and the law is not defined for a motion, which
-    would stop at once.
+    Value, first and second derivative are continuous between the first and the last row, where the second
+    derivative is zero. Outside the rows the value is constant. A prescribed motion is not defined there,
+    because it would stop abruptly.
 
     times : (k,)        s, increasing, k >= 2
     values : (k, ...)   one row for each time
@@ -52,7 +52,7 @@ class Spline(OfRows):
         return jnp.polyval(jnp.asarray(self.coefficients)[:, piece], t - starts[piece])
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """The rows, without those at which the cubic continues unchanged."""
+        """Times of the rows, except those at which the cubic continues unchanged."""
         times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
         third = 6.0 * np.asarray(self.coefficients)[0].reshape(len(times) - 1, -1)
         return within(rows_that_bend(times, values, np.diff(third, axis=0), 3), begin, end)
@@ -61,7 +61,7 @@ class Spline(OfRows):
         """Overshoot of each piece beyond the range of the rows around it, (k - 1,), relative to all values.
 
         The rows are those at both ends of the piece and one more on either side. For smooth data the
-        overshoot is below a per cent; at a jump the spline oscillates.
+        overshoot is below one per cent; at a jump the spline oscillates.
         """
         times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
         values = values.reshape(len(times), -1)
@@ -79,7 +79,7 @@ def _leaves(law: Spline) -> tuple[tuple[Any, Any, Any], None]:
 
 
 def _from_leaves(_: None, leaves: Any) -> Spline:
-    # Without `__post_init__`: the coefficients of traced rows are leaves of their own, never computed again.
+    # Without `__post_init__`: the coefficients are leaves too, and are not computed again from traced rows.
     law = object.__new__(Spline)
     for name, leaf in zip(("times", "values", "coefficients"), leaves, strict=True):
         object.__setattr__(law, name, leaf)

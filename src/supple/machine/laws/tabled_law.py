@@ -46,7 +46,7 @@ class Table(OfRows):
         return v0 + (v1 - v0) * ((time - t0) / (t1 - t0))
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """The rows, without those in line with their neighbours."""
+        """Times of the rows, except those in line with their neighbours."""
         times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
         slopes = np.diff(values.reshape(len(times), -1), axis=0) / np.diff(times)[:, None]
         return within(rows_that_bend(times, values, np.diff(slopes, axis=0), 1), begin, end)

@@ -29,7 +29,8 @@ _EXPECTED = "a number, an array, a law such as Ramp(1.0, 2.0), or a function of 
 class TimeLaw(Protocol):
     """A value, or an array of them, over time: `law(time)`, defined from `law.begin` to `law.end`.
 
-    A user-defined law is a dataclass with these three, registered by `jax.tree_util.register_dataclass`.
+    A user-defined law is a dataclass with `__call__`, `begin` and `end`, registered by
+    `jax.tree_util.register_dataclass`.
     """
 
     def __call__(self, time: ArrayLike) -> jax.Array:
@@ -48,7 +49,7 @@ class TimeLaw(Protocol):
 
 def as_time_law(value: Any) -> TimeLaw:
     """The law from a law, a function of time, a number or an array."""
-    if isinstance(value, type):  # which has the members of its objects
+    if isinstance(value, type):  # a class has the members of its objects
         raise ArgumentError(f"a quantity over time: expected {_EXPECTED}, got {given(value)}")
     if isinstance(value, TimeLaw):
         return value
@@ -81,7 +82,7 @@ def check_law_shape(what: str, law: TimeLaw, *shapes: tuple[int, ...]) -> None:
         ) from error
     if found.dtype.kind not in "iuf":
         raise ModelError(
-            f"{what}: its values over time are of the kind {found.dtype}; give real numbers, for a choice "
+            f"{what}: its values over time are of the kind {found.dtype}; give real numbers, such as "
             "jnp.where(condition, 1.0, 0.0)"
         )
     if found.shape not in shapes:
@@ -91,12 +92,12 @@ def check_law_shape(what: str, law: TimeLaw, *shapes: tuple[int, ...]) -> None:
 
 @dataclass(frozen=True)
 class _LawStructure:
-    """Common structure of laws that differ in numbers alone; equal for all of these."""
+    """Structure of a law without its numbers: equal for laws that differ only in numbers."""
 
     structure: Any
     shapes: tuple[tuple[int, ...], ...]
     law: TimeLaw = field(compare=False)
-    """One of these laws"""
+    """One law of this structure"""
 
 
 def _value_of(law: TimeLaw) -> jax.ShapeDtypeStruct:
@@ -106,7 +107,7 @@ def _value_of(law: TimeLaw) -> jax.ShapeDtypeStruct:
     if all(isinstance(leaf, float) or _is_array(leaf) for leaf in leaves):
         try:
             hash(own)
-        except TypeError:  # of a part without a hash
+        except TypeError:  # a part has no hash
             pass
         else:
             return _traced_value(own)
@@ -114,7 +115,7 @@ def _value_of(law: TimeLaw) -> jax.ShapeDtypeStruct:
 
 
 def _is_array(leaf: Any) -> bool:
-    """Whether a leaf is a number or an array, not a tracer of JAX."""
+    """Whether a leaf is a float64 array, not a JAX tracer."""
     return isinstance(leaf, np.ndarray) and leaf.dtype == np.float64
 
 

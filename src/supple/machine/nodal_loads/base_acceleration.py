@@ -14,8 +14,8 @@ __all__ = ["BaseAcceleration"]
 class BaseAcceleration:
     """Accelerated base; the motion is relative to it.
 
-    `- m a(t)` acts on every mass, as gravity does: the ground of the joints, positions and displacements are
-    relative to the base. The energies of `balances` include gravity alone.
+    `- m a(t)` acts on every mass, like gravity. The ground of the joints, positions and displacements are
+    relative to the base. The energies of `balances` include gravity, not this load.
     """
 
     acceleration: Any

@@ -65,7 +65,7 @@ class DeadForce(NodalLoad):
 
     @property
     def facets(self) -> np.ndarray:
-        """Every node by itself, or the point of the interface."""
+        """Each node alone, or the point of the interface."""
         return np.arange(1 if isinstance(self.at, str) else len(self.nodes))[:, None]
 
     @property

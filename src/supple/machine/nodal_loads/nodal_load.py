@@ -1,7 +1,7 @@
 """Base of all loads on nodes: forces on facets of a few nodes each, in the frame of their body.
 
-A load is one function, `facet_forces`; both engines evaluate the forces of all facets and their derivatives
-by it. A facet is a single node where the load does not depend on neighbouring nodes.
+A load is one function, `facet_forces`, from which the engines compute the forces of all facets and their
+derivatives. A facet is a single node if the load does not depend on neighbouring nodes.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class NodalLoad(ABC):
     follows_nodes: ClassVar[bool]
     """Whether the forces, in body components, change as the nodes are displaced."""
     turns_against_frame: ClassVar[bool]
-    """Whether they change as the frame rotates."""
+    """Whether the forces, in body components, change as the frame rotates."""
 
     @property
     @abstractmethod
@@ -54,7 +54,7 @@ class NodalLoad(ABC):
     @property
     @abstractmethod
     def value_shapes(self) -> tuple[tuple[int, ...], ...]:
-        """Allowed shapes of the law's value; a leading axis of length k belongs to the facets."""
+        """Allowed shapes of the law's value; the first axis of a larger value counts the facets."""
 
     @staticmethod
     @abstractmethod
@@ -68,7 +68,7 @@ class NodalLoad(ABC):
 
 
 def node_numbers(label: str, nodes: Any) -> np.ndarray:
-    """Node numbers (k,); ModelError unless they are a list of at least one."""
+    """Node numbers (k,); ModelError unless they are a list of one or more whole numbers."""
     check_numbers(f"{label}, nodes", nodes)
     numbers = np.asarray(nodes)
     if numbers.ndim != 1 or numbers.size == 0:

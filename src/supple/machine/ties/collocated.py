@@ -15,7 +15,7 @@ __all__ = ["Collocated"]
 
 @dataclass(frozen=True)
 class Collocated:
-    """Each node at its own point: tied to a node of the other mesh, or to the corners of the face under it.
+    """Each node is tied to the node of the other mesh at its position, or to the face under it.
 
     Linear displacements are transferred exactly. Forces act on the corners near each node only: where the
     tied mesh is the coarser one, a constant traction is not transferred exactly.
@@ -31,7 +31,8 @@ class Collocated:
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Nodes (n, c) of a mesh that points (n, 3) follow, and their weights (n, c), which sum to one.
 
-        faces : (T, 3) triangles of the tied side, by number of point;   within : m, between the sides
+        faces : (T, 3) triangles of the tied side, by number of point
+        within : largest distance between the sides, m
         Raises ModelError for a point without a face.
         """
         met = meeting_nodes(points, mesh.nodes, within)

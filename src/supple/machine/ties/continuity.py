@@ -1,8 +1,8 @@
 """Continuity of a tie of two modal sub-domains: combinations of the gap between their interfaces.
 
-Each basis allows only a few motions of its interface. If all nodes must coincide, only common motions remain.
-Modes of free parts have few of these, so the tie locks. So continuity is a choice of the model, which depends
-on the static shapes in the bases.
+Each basis allows only a few motions of its interface. If all nodes must coincide, only motions that both
+bases contain remain. Modes of free parts have few common motions, so the tie locks. The continuity is
+therefore a choice of the model, which depends on the static shapes in the bases.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ __all__ = ["EveryNode", "MeanMotion"]
 
 FloatArray = NDArray[np.float64]
 
-_COLLINEAR = 1e-6  # of the size of an interface: a narrower one has no rotation about its own line
+_COLLINEAR = 1e-6  # relative width of an interface, below which its rotation about its own line is undefined
 
 
 class Continuity(Protocol):
@@ -29,7 +29,7 @@ class Continuity(Protocol):
         """L (r, n, 3) with sum_c L_rc . gap_c = 0.
 
         points : (n, 3) of the interface
-        reach : (3 n, m)    gap per motion of both parts of unit kinetic energy
+        reach : (3 n, m)    gap by each motion of the two parts, scaled to unit kinetic energy
         """
         ...
 
@@ -38,10 +38,10 @@ class Continuity(Protocol):
 class MeanMotion:
     """Equal mean displacement and mean rotation of the interfaces: the best-fit rigid motion of each.
 
-    Six combinations; five for nodes on one line, about which the parts rotate as on a hinge, three for a
-    single node. The forces of the tie are distributed as those of an `AveragingInterface`, whose static
-    responses a `Rubin` basis includes: with these both parts bend as under the true force. Sections may warp
-    independently, which makes a joint of solids slightly too soft.
+    Six combinations; three for a single node; five for nodes on one line, about which the parts rotate as on
+    a hinge. The forces of the tie are distributed as those of an `AveragingInterface`. A `Rubin` basis
+    includes the static responses to these forces, so both parts bend as under the true force. Sections may
+    warp independently, which makes a joint of solids slightly too soft.
     """
 
     def patterns(self, points: FloatArray, reach: FloatArray) -> FloatArray:  # noqa: ARG002 - of the protocol
@@ -59,10 +59,9 @@ class MeanMotion:
 class EveryNode:
     """All nodes of the interfaces coincide, as far as the two bases can move them apart.
 
-    Of the 3 n combinations, those are imposed whose gap can exceed `tolerance` times the largest (singular
-    values of the gap per motion of unit kinetic energy); the others follow to first order. For bases with
-    common motions of their interface: static shapes of rigid interfaces, or nearly all modes. With few free
-    modes it locks.
+    A combination is imposed if its gap can exceed `tolerance` times the largest (singular values of `reach`);
+    the other combinations follow to first order. Suitable for bases with common motions of their interface:
+    static shapes of rigid interfaces, or nearly all modes. With few free modes the tie locks.
     """
 
     tolerance: float = 1e-4

@@ -1,4 +1,4 @@
-"""Matching points of nodes on a mesh: a node of it, or a face of one of its cells."""
+"""Points of a mesh that match given nodes: nodes of the mesh, or points on its faces."""
 
 from __future__ import annotations
 
@@ -48,15 +48,18 @@ def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[
         if gaps[best] > within:
             raise ModelError(
                 f"{what}: the node at {np.array2string(point, precision=6)} does not match the other part; "
-                f"the nearest face is {gaps[best]:.3g} away, allowed are {within:.3g}. Check the positions "
-                "of the parts; `within` allows a larger distance"
+                f"the nearest face is {gaps[best]:.3g} away, at most {within:.3g} is allowed. Check the "
+                "positions of the parts; `within` allows a larger distance"
             )
         found[number], weights[number] = triangles[near[best]], own[best]
     return found, weights
 
 
 def _gaps(point: FloatArray, corners: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distance of a point from triangles (t, 3, 3), and its area coordinates limited to them."""
+    """Distances (t,) of a point from its projections onto triangles (t, 3, 3), and their area coordinates.
+
+    Area coordinates (t, 3) are limited to the triangles.
+    """
     edges = corners[:, 1:] - corners[:, :1]
     gram = np.einsum("tai,tbi->tab", edges, edges)
     right = np.einsum("tai,ti->ta", edges, point - corners[:, 0])

@@ -1,11 +1,11 @@
-"""Mortar tie of different meshes: equal in the mean, weighted by dual functions of the tied side.
+"""Mortar tie of different meshes: positions equal in the mean, weighted by dual functions of the tied side.
 
     int psi_i (x_tied - x) dA = 0   ->   x_i = sum_m (int psi_i N_m dA / int N_i dA) x_m
 
 with linear shape functions N of both sides and psi_i = 4 N_i - 1 on each triangle of the tied side, which is
-biorthogonal to them (int psi_i N_j = delta_ij int N_i). Each node follows the corners near it, without the
-solution of a system. Both integrals are exact: faces are cut along the edges of the other side. So linear
-displacements are transferred exactly one way, and a constant traction the other.
+biorthogonal to its N (int psi_i N_j = delta_ij int N_i). Each node follows the corners near it; no system of
+equations is solved. Both integrals are exact: faces are cut along the edges of the other side. Therefore
+linear displacements are transferred exactly in one direction, and constant tractions in the other.
 
 B. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989-1012, on dual Lagrange multipliers.
 """
@@ -29,7 +29,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _INSIDE = 1e-12  # in area coordinates: tolerance for points on an edge of a triangle
-_COVERED = 1e-6  # largest part of the area of a face outside the other side
+_COVERED = 1e-6  # largest part of a face's area that the other side need not cover
 _MIDDLES = np.array([[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]])
 """Mid-side points of a triangle: equal weights there integrate polynomials of second degree exactly."""
 
@@ -38,8 +38,8 @@ _MIDDLES = np.array([[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]])
 class Mortar:
     """Nodes follow the other mesh in the mean over the faces around them, by exact integrals.
 
-    For faces with straight sides and corner nodes alone, covered by the other mesh; flat ones, or as curved
-    as the `within` of the tie allows.
+    The faces must be covered by the other mesh, and have straight sides and corner nodes only. The two sides
+    may differ by the `within` of the tie, for curved surfaces.
     """
 
     def weights(
@@ -47,7 +47,8 @@ class Mortar:
     ) -> tuple[IntArray, FloatArray]:
         """Nodes (n, c) of a mesh that points (n, 3) follow, and their weights (n, c), which sum to one.
 
-        faces : (T, 3) triangles of the tied side, by number of point;   within : m, between the sides
+        faces : (T, 3) triangles of the tied side, by number of point
+        within : largest distance between the sides, m
         Raises ModelError for points that are not corners of a face, and faces that the mesh does not cover.
         """
         alone = np.setdiff1d(np.arange(len(points)), faces)
@@ -99,7 +100,7 @@ def _near(first: FloatArray, second: FloatArray) -> tuple[IntArray, IntArray]:
 def _overlaps(own: FloatArray, other: FloatArray, within: float) -> tuple[FloatArray, FloatArray]:
     """Int psi_i N_m dA (P, 3, 3) over the common part of pairs of triangles (P, 3, 3), and its area (P,).
 
-    In the area coordinates (1 - s - t, s, t) of the first one, on whose plane the second is projected.
+    Area coordinates (1 - s - t, s, t) are those of the first triangle; the second is projected on its plane.
     """
     edges = own[:, 1:] - own[:, :1]
     gram = edges @ edges.swapaxes(1, 2)
@@ -143,8 +144,8 @@ def _area_coordinates(at: FloatArray, to_other: FloatArray) -> FloatArray:
 def _common_polygon(flat: FloatArray, to_other: FloatArray, upright: NDArray[np.bool_]) -> FloatArray:
     """Corners (P, 15, 2), in order, of the intersection of triangles with the reference triangle.
 
-    They are corners of one inside the other, and intersections of sides; the rest repeats the first of them.
-    Pairs without an intersection have all corners at one point.
+    These are corners of one triangle inside the other, and intersections of sides; unused rows repeat the
+    first corner. Pairs without an intersection have all corners at one point.
     """
     reference = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
     count = len(flat)

@@ -342,14 +342,14 @@ def test_what_a_controller_cannot_do_is_refused():
     with pytest.raises(ModelError, match="drives nothing"):
         m.Controller(reads={}, drives={}, outputs=follow)
     with pytest.raises(
-        ModelError, match="states need rates, and rates states; it has 1 initial states and no function"
+        ModelError, match="states and rates must be given together; it has 1 initial states and no function"
     ):
         m.Controller(reads={}, drives=DRIVES, outputs=follow, initial=[0.0])
     with pytest.raises(ModelError, match="reads the ground, which does not move"):
         m.EndReading("ground")
     with pytest.raises(ModelError, match="every must be a positive time"):
         replace(SAMPLED, every=0.0)
-    with pytest.raises(ModelError, match="its memory must hold numbers"):
+    with pytest.raises(ModelError, match="its memory must contain numbers"):
         replace(SAMPLED, memory={"word": "no"})
     with pytest.raises(ModelError, match=r"there is no joint 'elbo'; did you mean 'elbow'"):
         arm(replace(FOLLOWING, reads={"elbow": m.JointReading("elbo")}))
