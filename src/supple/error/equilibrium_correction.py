@@ -1,7 +1,7 @@
 """Self-correction at rest: find an equilibrium or modes, and enrich the bases by the motion outside them.
 
-No time integration is needed. The equilibrium in all coordinates is one factorisation away from the reduced
-one, and the enriched basis contains it. One or two rounds therefore suffice.
+No time integration is needed. The equilibrium in all coordinates follows from the reduced one by one
+factorisation, and the enriched basis contains it. One or two rounds therefore suffice.
 """
 
 from __future__ import annotations
@@ -174,7 +174,7 @@ def _reduced(
     starts: Mapping[str, ReductionStart],
     bases: Mapping[str, ReductionBasis],
 ) -> System:
-    """The machine with its bodies on the bases; their initial deformation is projected on these."""
+    """The machine with reduced bodies; their initial deformation is projected on the bases."""
     with warnings.catch_warnings():
         # Locking is caused by motion outside the basis, which the rounds find and report.
         warnings.simplefilter("ignore", LockingWarning)

@@ -59,16 +59,16 @@ def correct_recorded(
         the run apply to the accepted run only, because a run with too small a basis may violate them
     path : result file to write; `self_correction/` and `NAME-reduced.h5` are written beside it
     case, metadata : stored in the file
-    inputs : what the motion depends on, stored for a later continuation, as for `CorrectionFolder.create`
+    inputs : data on which the motion depends, as for `CorrectionFolder.create`
     resume : continue with the rounds of an interrupted run
     overwrite : start anew and replace existing files
 
     Raises
     ------
     SelfCorrectionError     a target error was not met; its message names the error reached and the file of
-                            the best round, its `rounds` are in the order of completion
-    ResultFileError         existing rounds or results would be lost; files that cannot be written or
-                            continued, or that another run is writing; a run that is complete
+                            the best round; its `rounds` are in the order of completion
+    ResultFileError         existing rounds or results would be lost; a file cannot be written or continued,
+                            or another run is writing it; the run is complete
     errors of `self_correct`
     """
     path, folder = Path(path), Path(path).parent / ROUNDS_FOLDER

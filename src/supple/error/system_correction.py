@@ -40,12 +40,13 @@ Announce = Callable[[Round], None]
 """Called with every finished round; with several bodies, once per body."""
 
 Accepted = Callable[[CorrectedSystem], None]
-"""Called with the run whose basis meets the target, before the other parts of the error are estimated."""
+"""Called with the run whose basis meets the target, before other parts of the error are estimated."""
 
 PASSING = 1e-2
 """`PROVEN` of a first round, which is never the last: its error is needed to a factor of two only."""
-MOST_STEPS_WITH_ROOM = 20_000
-"""For runs whose rounds share compiled programs (`padded`); in longer runs padding coordinates cost more."""
+MOST_PADDED_STEPS = 20_000
+"""Largest number of steps with padding coordinates (`padded`), by which rounds share compiled programs; in
+longer runs these coordinates cost more time than another compilation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,9 +57,10 @@ class Problem:
     fulls, starts : by body
     run : settings of every round
     announce, accepted, progress, archive : as for `self_correct`
-    first : bases to start with, where an earlier pass has found them; with their number in the archive
-    spent : share of the allowed error of a body that other parts than the basis take
-    confirmed : bodies whose estimates an earlier pass has confirmed; this pass starts from their bases
+    first : bases to start with, from an earlier pass
+    number : number of the first run in the archive
+    spent : part of the allowed error reserved for errors other than that of the basis, by body
+    confirmed : bodies whose estimates an earlier pass has confirmed
     besides : further quantities of interest of the accepted run
     """
 
@@ -178,7 +180,7 @@ def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
             )
             for name, full in problem.fulls.items()
         }
-    brief = problem.run.n_steps <= MOST_STEPS_WITH_ROOM
+    brief = problem.run.n_steps <= MOST_PADDED_STEPS
     ready = {name: padded(body) for name, body in bodies.items()} if brief else bodies
     system = with_reduced(problem.system, ready, bases.bases)
     return _Model(number, bases, bodies, system, perf_counter() - began)
@@ -191,7 +193,7 @@ def _look_at_loads(problem: Problem, model: _Model) -> None:
 
 
 def _simulated(problem: Problem, model: _Model) -> _Run:
-    """The run; a start basis without derivatives may stop early, which still shows the missing motion."""
+    """The run. With a start basis without derivatives it may stop early, but still shows missing motion."""
     began = perf_counter()
     step = f"{model.label}: simulating"
     problem.report(step, 0.0)

@@ -1,12 +1,12 @@
 """Self-correction with a target for the sum of errors: basis, time step, Newton's tolerance and model.
 
-The rounds reduce the error of the basis at the given steps. Then the accepted bodies are run twice more to
-measure the other parts. If the sum exceeds the target, the parts that are too large are reduced, the cheapest
-first: a tighter tolerance costs iterations, a shorter step costs steps, a smaller error of the basis costs
-rounds and coordinates. Each part is reduced at most to its share of the allowed error less the error of the
-model. As soon as the sum is small enough, the remaining parts stay unchanged. The rounds then continue from
-the existing bases. The error of the model cannot be reduced by any run; if it alone is too large, this is
-reported.
+The rounds reduce the error of the basis at the given steps. Two more runs of the accepted bodies then measure
+the other parts. If the sum exceeds the target, the parts are reduced one by one, the cheapest first: a tighter
+tolerance costs iterations, a shorter step costs steps, a smaller error of the basis costs rounds and
+coordinates. The difference between the allowed error and the error of the model is divided into shares; no
+part is reduced below its share. As soon as the sum is small enough, the remaining parts stay unchanged. The
+rounds then continue from the existing bases. No run can reduce the error of the model; if this error alone is
+too large, it is reported.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from supple.integrate import ErrorPart, ErrorStatement, Run, Solution
 __all__ = ["correct_wholly"]
 
 SHARES = {"newton": 0.1, "step": 0.4, "basis": 0.5}
-"""Shares of the allowed error less that of the model, to which the parts are reduced, the cheapest first."""
+"""Shares of the parts in the allowed error minus that of the model, the cheapest part first."""
 ROOM = 0.8
 """Safety factor on the target of a part, so that one reduction is enough."""
 SHORTEST = 1 / 8
@@ -46,7 +46,7 @@ class _Mended:
     tolerance: float = 1.0
     step: float = 1.0
     basis: float | None = None
-    """Share of the allowed error that the other parts will take."""
+    """Part of the allowed error reserved for errors other than that of the basis."""
 
 
 def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
@@ -188,7 +188,7 @@ def _is_same(mended: Problem, problem: Problem) -> bool:
 
 
 def _needed(stated: ErrorStatement) -> _Mended:
-    """Reductions that bring the sum below the allowed error: cheapest parts first, none below its share."""
+    """Reductions that bring the sum below the allowed error; the cheapest parts first, none below its share."""
     allowed = stated.allowed or 0.0
     values = {name: part.value for name, part in stated.parts.items() if name in SHARES}
     left = ROOM * (allowed - (0.0 if stated.model is None else stated.model.value))
