@@ -31,8 +31,8 @@ class BodyError:
     worst_node : int        the node with that error
     worst_time : float      time of that error
     rest : float            largest RMS of corrections outside the error space, at times not used to build it
-    second : float | None   ratio of a second correction to the first at the times of the largest errors; above
-                            a third the error is an order of magnitude only; None: not estimated
+    second : float | None   ratio of a second correction to the first at the times of the largest errors;
+                            above a third the error is an order of magnitude only; None: not estimated
     history : (t,)          RMS over the nodes at the output times
     indicator : float       largest RMS over the nodes of the motion outside the basis at rest; infinite
                             where no equilibrium was found; 0: not estimated

@@ -205,7 +205,7 @@ def size_of_motion(body: ReducedBody, motion: FloatingMotion) -> float:
 
 
 def _seen_instants(system: System, run: Run, solution: Solution) -> Solution:
-    """The run at every step; a long run at `MOST_INSTANTS` of its times at most, which are the error's steps."""
+    """The run at every step; a long run at no more than `MOST_INSTANTS` times, the steps of its error."""
     seen = solution if len(solution.times) > MOST_INSTANTS else every_step(system, run, solution).solution
     return seen.at(slice(None, None, -(-(len(seen.times) - 1) // MOST_INSTANTS)))
 

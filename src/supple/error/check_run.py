@@ -97,7 +97,7 @@ def check_run(
 
 
 def _richer(full: FullBody, basis: ReductionBasis, missed: np.ndarray | None) -> ReductionBasis:
-    """The basis with modes and the motion outside it; where this motion is unknown, with another start basis."""
+    """The basis with modes and the motion outside it; if that is unknown, with another start basis."""
     n_modes = min(MODES, max(full.n_coordinates - 8, 1))
     modes = reduction_basis(full.body, full.frame, NormalModes(n_modes), derivatives=NoDerivatives())
     more = enrich(full.body, basis, modes.vectors, n_modes).basis

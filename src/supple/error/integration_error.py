@@ -1,17 +1,18 @@
 """Error of a run caused by the time integration: its step, and the tolerance of Newton's iteration.
 
 Two more runs of the same machine measure this error, the first with a hundredth of the tolerance, the second
-in addition with half the step. With q(h) and q(h/2) their motions, and q(h) = q + c h^2 + .. for an integrator
-of second order,
+in addition with half the step. With q(h) and q(h/2) their motions, and q(h) = q + c h^2 + .. for an
+integrator of second order,
 
     step = 4/3 |q(h) - q(h/2)|,        newton = max( |q_run - q(h)|, 10 tol |u| ),
 
 both in the norm of the quantity of interest. Where a load jumps, a fixed step meets the jump up to half a
 step too early or too late. This error is of first order, q(h) = q + c h + .., and halves with the step. The
-stated error of the step is then its bound 2 |q(h) - q(h/2)|. Adaptive steps with local error tol have a global
-error of about tol^(2/3). For these, the second run has an eighth of the local error and half the largest step.
-Newton's tolerance is relative to the forces in balance. The remaining error is therefore at least about ten
-times tol |u|, u the displacement. This floor of the integration error is the smallest value stated.
+stated error of the step is then its bound 2 |q(h) - q(h/2)|. Adaptive steps with local error tol have a
+global error of about tol^(2/3). For these, the second run has an eighth of the local error and half the
+largest step. Newton's tolerance is relative to the forces in balance. The remaining error is therefore at
+least about ten times tol |u|, u the displacement. This floor of the integration error is the smallest value
+stated.
 """
 
 from __future__ import annotations

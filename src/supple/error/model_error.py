@@ -18,12 +18,12 @@ relative error of a deflection is about 2e-3 at the `rotation_limit` (strips of 
 third power of the rotation.
 
 A linear body is compared with the original body, whose quadratic strains include the shortening by bending
-and the stiffening of the membrane. If the body bends by more than its thickness, its linear motion has a large
-residual from stretching alone (a plate of 4 mm, its nodes displaced by 14 mm: 0.3 m instead of 0.14 mm). The
-linear motion is therefore corrected to second order first; Newton's method continues from the result
+and the stiffening of the membrane. If the body bends by more than its thickness, its linear motion has a
+large residual from stretching alone (a plate of 4 mm, its nodes displaced by 14 mm: 0.3 m instead of 0.14
+mm). The linear motion is therefore corrected to second order first; Newton's method continues from the result
 (`MissingMotionSearch`). The error of a linear body without elements is theta^2 / 2 of its length, theta its
-largest rotation. Where rotations are unknown, theta is that of a cantilever with the same displacement,
-3 u / 2 L.
+largest rotation. Where rotations are unknown, theta is that of a cantilever with the same displacement, 3 u /
+2 L.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def _turned_exactly(
     solution: Solution,
     progress: Progress | None,
 ) -> dict[str, ResidualCorrections]:
-    """Quasi-static change of the motion due to exactly rotated elements, at the largest rotations; by body."""
+    """Quasi-static change of the motion if elements rotate exactly, at the largest rotations; by body."""
     instants = widest_instants(system, solution)
     seen = expanded_states(system, fulls, bases, solution, instants)
     search = MissingMotionSearch(seen.prepared, seen.by_position)
@@ -191,7 +191,7 @@ def widest_instants(system: System, solution: Solution) -> np.ndarray:
 
 
 def _widest_turn(body: BodyForm, motion: FramedMotion) -> np.ndarray:
-    """Largest rotation of material relative to the frame (t,), rad; if unknown, the norm of the coordinates."""
+    """Largest rotation relative to the frame (t,), rad; if unknown, the norm of the coordinates instead."""
     rows = body.rotation_rows
     if rows is None:
         return np.linalg.norm(motion.coordinates, axis=1)

@@ -58,7 +58,7 @@ class RoundArchive(Protocol):
         ...
 
     def simulate(self, number: int, system: System, run: Run, *, progress: Progress) -> Solution:
-        """Simulate from the start or continue the stored part; `Solution.stopped` is the reason of an early end."""
+        """Simulate from the start or the stored part; `Solution.stopped` is the reason of an early end."""
         ...
 
 

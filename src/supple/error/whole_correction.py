@@ -1,8 +1,8 @@
 """Self-correction with a target for the sum of errors: basis, time step, Newton's tolerance and model.
 
 The rounds reduce the error of the basis at the given steps. Two more runs of the accepted bodies then measure
-the other parts. If the sum exceeds the target, the parts are reduced one by one, the cheapest first: a tighter
-tolerance costs iterations, a shorter step costs steps, a smaller error of the basis costs rounds and
+the other parts. If the sum exceeds the target, the parts are reduced one by one, the cheapest first: a
+tighter tolerance costs iterations, a shorter step costs steps, a smaller error of the basis costs rounds and
 coordinates. The difference between the allowed error and the error of the model is divided into shares; no
 part is reduced below its share. As soon as the sum is small enough, the remaining parts stay unchanged. The
 rounds then continue from the existing bases. No run can reduce the error of the model; if this error alone is
@@ -188,7 +188,7 @@ def _is_same(mended: Problem, problem: Problem) -> bool:
 
 
 def _needed(stated: ErrorStatement) -> _Mended:
-    """Reductions that bring the sum below the allowed error; the cheapest parts first, none below its share."""
+    """Reductions that bring the sum below the allowed error; cheapest parts first, none below its share."""
     allowed = stated.allowed or 0.0
     values = {name: part.value for name, part in stated.parts.items() if name in SHARES}
     left = ROOM * (allowed - (0.0 if stated.model is None else stated.model.value))

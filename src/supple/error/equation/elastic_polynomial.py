@@ -8,8 +8,8 @@ stiffness at rest
     f_a       = (L_ajl / 2 + T_ajl) g_j g_l + C_iajl g_i g_j g_l / 2
     df_a/dg_b = (L_abl + T_abl + T_alb) g_l + (C_bajl / 2 + C_jabl) g_j g_l
 
-with L, T, C the works `linear`, `turned`, `cubic` of the columns on themselves. The force of damping by strain
-rate is v_a = (L_ajk + T_ajk) g_j g'_k + C_iajk g_i g_j g'_k.
+with L, T, C the works `linear`, `turned`, `cubic` of the columns on themselves. The force of damping by
+strain rate is v_a = (L_ajk + T_ajk) g_j g'_k + C_iajk g_i g_j g'_k.
 """
 
 from __future__ import annotations

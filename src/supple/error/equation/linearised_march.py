@@ -2,8 +2,8 @@
 
 The unknowns are differences between the true motion and the run: `eps` of the positions (origin of the frame,
 its rotation psi from A to A exp(psi), coordinates), `w` of the velocities, `c` and `a` of the true and the
-auxiliary accelerations. `T` and `Ad`, the right Jacobian and the inverse rotation of the step, act on the rows
-of rotations:
+auxiliary accelerations. `T` and `Ad`, the right Jacobian and the inverse rotation of the step, act on the
+rows of rotations:
 
     a_k   = (alpha_f c_0 - alpha_m a_0) / (1 - alpha_m)
     eps_p = Ad eps_0 + T { h w_0 + h^2 [(1/2 - beta) a_0 + beta a_k] }
