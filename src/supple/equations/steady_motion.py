@@ -1,7 +1,7 @@
 """Machines in steady rotation: their motion at one time, and their equations in co-rotating axes.
 
 A body that rotates about a fixed axis has constant velocities in its own axes. Small motions about that state
-are measured there as well: `p = (A^T dR, psi, e)`, with the velocities and accelerations
+are measured in these axes: `p = (A^T dR, psi, e)`, with the velocities and accelerations
 
     V = dp/dt + S p,        a = dV/dt + S_R V,
 
@@ -70,8 +70,8 @@ class SteadyEquations:
 
     machine : Any               prepared for its method, with independent equations
     begin : Any                 state with bodies as placed
-    turning : Turning | None    rotation of the bodies in their order; None at rest
-    held : (n,)                 forces held back
+    turning : SteadyTurning | None      rotation of the bodies in their order; None at rest
+    held : (n,)                 forces subtracted during the search
     """
 
     machine: Any
@@ -125,7 +125,7 @@ def steady_motion(
     multipliers: AnyArray,
     states: AnyArray,
 ) -> SystemMotion:
-    """The motion of bodies in steady rotation, with all else constant.
+    """The motion of bodies in steady rotation, with constant coordinates.
 
     states : of all controllers, one after the other
     """
@@ -164,7 +164,7 @@ def linear_equations(
 ) -> LinearEquations:
     """The equations of motion, linearised about a steady motion; `terms` were evaluated there."""
     mass = step_matrix(model, motion, terms, 0.0, 0.0)
-    # A factor so large that no digit is lost beside the mass, in any unit of time.
+    # The factor is so large that adding the mass loses no digit, in any unit of time.
     damping = (step_matrix(model, motion, terms, 0.0, _LARGE) - mass) / _LARGE
     stiffness = (step_matrix(model, motion, terms, _LARGE, 0.0) - mass) / _LARGE
     axes = in_turning_axes(model, motion.configuration)

@@ -27,12 +27,12 @@ STILL = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class ModeError:
-    """Modes of a reduced machine, compared with those with all coordinates.
+    """Modes of a reduced machine, compared with the modes in all coordinates.
 
     eigenvalues : complex (k,)      of each mode with all coordinates; NaN without a matching mode
     relative : (k,)                 |s - s_full| / |s_full|; infinite without a matching mode
-    missed : complex (m,)           eigenvalues of the full machine below the fastest mode, missing in the
-        reduced
+    missed : complex (m,)           eigenvalues of the full machine below that of the fastest mode, without a
+        mode of the reduced machine
     fields : (n, j), by body        deformation of the full machine's modes, matched and missed
     """
 
