@@ -258,7 +258,8 @@ def test_zeros_given_to_all_bodies_and_a_law_with_a_rate(rod):
     )
     bar = Placed(rod("bar", 1.0), position=[0.5, 0, 0], velocity=[0, 0, 0], angular_velocity=[0, 0, 0])
     words = r"kinetic energy is 0\.6667 instead of 0; body 'bar' starts with a speed of 1 instead of 0 and "
-    with pytest.warns(StartWarning, match=words + "an angular velocity of 2 instead of 0.*none to a body that joints drive"):
+    words += "an angular velocity of 2 instead of 0.*none to a body that joints drive"
+    with pytest.warns(StartWarning, match=words):
         simulate(System([bar], [motor]), Run(0.002, 0.001))
 
 

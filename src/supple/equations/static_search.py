@@ -54,7 +54,7 @@ _WORSE = 10.0
 """Largest growth of the residual in a step that would otherwise be rejected, in continuation."""
 _SHORTEST = 1e-4
 """Relative to the first step: shorter steps are not rejected."""
-_ARRIVAL = 20
+_AFTER_REVOLUTION = 20
 """Iterations in addition to those of a full revolution by the largest moves (a beam rolled up by a moment). A
 direct search that needs more is stopped, and load and rotation are increased in steps instead."""
 _OF_A_SHARE = 12
@@ -222,7 +222,7 @@ def search_equilibrium(
     Raises ConvergenceError   no equilibrium found: an unsupported body, or loads beyond the strength of a
     body
     """
-    enough = int(2 * np.pi / search.largest_move) + _ARRIVAL
+    enough = int(2 * np.pi / search.largest_move) + _AFTER_REVOLUTION
     if search.max_iterations <= enough:
         return _downhill(machine, state, time, search, progress)
     tried: list[int] = []

@@ -33,7 +33,7 @@ from supple.error.equation import (
 from supple.error.equation.elastic_polynomial import ElasticPolynomial
 from supple.error.equation.error_batch import first_together
 from supple.error.equation.error_model import body_of_columns, padded_size
-from supple.error.error_estimate import WILD, modal_damping, reduced_form
+from supple.error.error_estimate import DIVERGED, modal_damping, reduced_form
 from supple.error.residual_correction import active_constraints
 from supple.integrate import FloatingMotion, Run, Solution
 from supple.machine import System
@@ -212,7 +212,7 @@ def _seen_instants(system: System, run: Run, solution: Solution) -> Solution:
 
 def _bounded(history: ErrorHistory, size: float) -> Indicated:
     largest = float(history.rms.max())
-    return Indicated(largest if largest <= WILD * size else np.inf, size)
+    return Indicated(largest if largest <= DIVERGED * size else np.inf, size)
 
 
 def _long(system: System, bodies: Mapping[str, IndicatorBody]) -> float:

@@ -57,7 +57,7 @@ __all__ = ["ErrorEstimate", "ErrorEstimator", "estimate_error"]
 INSTANTS = 50
 FRESH = 16
 """Number of the `INSTANTS` not used to build the error space; their corrections measure the part outside."""
-WILD = 10.0
+DIVERGED = 10.0
 """Ratio of error to deformation above which the error is a numerical instability."""
 
 
@@ -384,7 +384,7 @@ def _differences(
 
 def _are_bounded(histories: Mapping[str, ErrorHistory]) -> bool:
     return is_finite(histories) and all(
-        float(history.rms.max()) <= WILD * deflection(history) for history in histories.values()
+        float(history.rms.max()) <= DIVERGED * deflection(history) for history in histories.values()
     )
 
 

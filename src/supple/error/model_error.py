@@ -84,12 +84,12 @@ def model_errors(
         seen_bodies = []
     missed: dict[str, ResidualCorrections] = {}
     if seen_bodies:
-        missed = _turned_exactly(system, seen_bodies, bases, solution, progress)
+        missed = _with_exact_rotations(system, seen_bodies, bases, solution, progress)
     limits = model_errors_by_limit(system, solution, but=missed)
     return {each.name: _part(each, system, solution, fulls, missed, limits) for each in quantities}
 
 
-def _turned_exactly(
+def _with_exact_rotations(
     system: System,
     fulls: Sequence[FullBody],
     bases: Mapping[str, ReductionBasis],
@@ -166,7 +166,7 @@ def model_errors_by_limit(
         if not body.n_coordinates or body.name in but:
             continue
         size = largest_displacement(body, motion.coordinates)
-        turn = float(_widest_turn(body, motion).max(initial=0.0))
+        turn = float(_largest_rotation(body, motion).max(initial=0.0))
         if body.is_linear:
             length = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
             if body.rotation_rows is None:
@@ -184,13 +184,13 @@ def widest_instants(system: System, solution: Solution) -> np.ndarray:
     turns = np.zeros(len(solution.times))
     for placed in system.bodies:
         if placed.body.n_coordinates:
-            own = _widest_turn(placed.body, solution.motion(placed.body.name, FramedMotion))
+            own = _largest_rotation(placed.body, solution.motion(placed.body.name, FramedMotion))
             turns = np.maximum(turns, own / max(float(own.max(initial=0.0)), 1e-300))
     parts = np.array_split(np.arange(len(turns)), min(INSTANTS, len(turns)))
     return np.array([part[np.argmax(turns[part])] for part in parts])
 
 
-def _widest_turn(body: BodyForm, motion: FramedMotion) -> np.ndarray:
+def _largest_rotation(body: BodyForm, motion: FramedMotion) -> np.ndarray:
     """Largest rotation relative to the frame (t,), rad; if unknown, the norm of the coordinates instead."""
     rows = body.rotation_rows
     if rows is None:

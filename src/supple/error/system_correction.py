@@ -136,7 +136,7 @@ def correct(problem: Problem) -> CorrectedSystem:
     number = problem.number
     kept = problem.archive.read_bases(number, problem.fulls)
     model = _reduced(problem, number, kept or problem.first or _first_bases(problem))
-    _look_at_loads(problem, model)
+    _check_load_band(problem, model)
     while True:
         run = _simulated(problem, model)
         number = model.number + 1
@@ -186,7 +186,7 @@ def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
     return _Model(number, bases, bodies, system, perf_counter() - began)
 
 
-def _look_at_loads(problem: Problem, model: _Model) -> None:
+def _check_load_band(problem: Problem, model: _Model) -> None:
     times = problem.run.times
     for name, full in problem.fulls.items():
         warn_of_missing_modes(model.system, times, full.body, model.bodies[name])

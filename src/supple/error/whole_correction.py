@@ -40,7 +40,7 @@ MANY = 10
 
 
 @dataclass(frozen=True)
-class _Mended:
+class _Reductions:
     """Changes for the next pass: factors, 1 for no change."""
 
     tolerance: float = 1.0
@@ -73,11 +73,11 @@ def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
         if not unmet:
             return corrected
         _check_model(unmet, before)
-        mended = _mended(problem, corrected, unmet)
-        if attempt == PASSES - 1 or _is_same(mended, problem):
+        following = _next_pass(problem, corrected, unmet)
+        if attempt == PASSES - 1 or _is_same(following, problem):
             break
-        _announce_steps(asked_run, problem, mended)
-        problem = mended
+        _announce_steps(asked_run, problem, following)
+        problem = following
     raise SelfCorrectionError(
         " ".join(
             f"self-correction of body '{name}' did not reach the error {problem.target(name).wanted} in "
@@ -134,7 +134,7 @@ def _with_solution(corrected: CorrectedSystem, solution: Solution, run: Run) -> 
     return replace(corrected, bodies=bodies, run=run)
 
 
-def _mended(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str, ErrorStatement]) -> Problem:
+def _next_pass(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str, ErrorStatement]) -> Problem:
     """The next pass: from the current bases, with the changes that unmet bodies need."""
     needs = {name: _needed(each) for name, each in unmet.items()}
     run = problem.run
@@ -160,34 +160,34 @@ def _mended(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str, Er
     )
 
 
-def _announce_steps(asked: Run, problem: Problem, mended: Problem) -> None:
+def _announce_steps(asked: Run, problem: Problem, following: Problem) -> None:
     """Report the number of steps before a pass; warn where it is many times the given one."""
-    before, after, wanted = (round(each.n_steps) for each in (problem.run, mended.run, asked))
+    before, after, wanted = (round(each.n_steps) for each in (problem.run, following.run, asked))
     if after == before:
         return
-    words = f"{after} steps of at most {mended.run.step_control.largest:.3g} instead of {before}"
+    words = f"{after} steps of at most {following.run.step_control.largest:.3g} instead of {before}"
     problem.report(f"the error of the time step is too large: {words}", 0.0)
     if after >= MANY * wanted > before:
         warnings.warn(
-            f"self-correction needs {after} steps of at most {mended.run.step_control.largest:.3g} instead "
-            f"of {wanted}, which takes as many times longer: "
-            "allow a larger error, or take adaptive steps",
+            f"self-correction needs {after} steps of at most {following.run.step_control.largest:.3g} "
+            f"instead of {wanted}, so that each run takes {after / wanted:.0f} times as long: allow a larger "
+            "error, or take adaptive steps",
             StepCutWarning,
             stacklevel=4,
         )
 
 
-def _is_same(mended: Problem, problem: Problem) -> bool:
+def _is_same(following: Problem, problem: Problem) -> bool:
     """Whether a pass would repeat the last one, because step and tolerance cannot be reduced further."""
-    one, other = mended.run, problem.run
+    one, other = following.run, problem.run
     return (
-        mended.spent == problem.spent
+        following.spent == problem.spent
         and one.tolerances == other.tolerances
         and one.step_control == other.step_control
     )
 
 
-def _needed(stated: ErrorStatement) -> _Mended:
+def _needed(stated: ErrorStatement) -> _Reductions:
     """Reductions that bring the sum below the allowed error; cheapest parts first, none below its share."""
     allowed = stated.allowed or 0.0
     values = {name: part.value for name, part in stated.parts.items() if name in SHARES}
@@ -208,7 +208,7 @@ def _needed(stated: ErrorStatement) -> _Mended:
     basis = None
     if brought.get("basis", 0.0) < values.get("basis", 0.0):
         basis = allowed - brought["basis"]
-    return _Mended(tolerance, step, basis)
+    return _Reductions(tolerance, step, basis)
 
 
 def _check_model(unmet: Mapping[str, ErrorStatement], rounds: Mapping[str, tuple[Round, ...]]) -> None:

@@ -158,7 +158,7 @@ def campbell_diagram(
     followed: list[np.ndarray] = []
     likeness: list[Array] = []
     errors: list[Array] = []
-    said: list[list[str]] = []
+    messages: list[list[str]] = []
     before: MachineModes | None = None
     wanted = n_modes
     senses: list[Array] = []
@@ -167,7 +167,7 @@ def campbell_diagram(
     for number, spin in enumerate(spins):
         with _basis_warnings() as words:
             linear = linearize(system, spin=spin, time=time, fulls=fulls)
-        said.append(words)
+        messages.append(words)
         # For a machine with full bodies, modes are matched among more than the requested number.
         modes = machine_modes(linear, 2 * n_modes + 6 if isinstance(linear, SparseMachine) else None)
         if before is None:
@@ -183,7 +183,7 @@ def campbell_diagram(
         eigenvalues = _placed(wanted, rows, modes.eigenvalues[chosen])
         with _basis_warnings() as words:
             errors.append(_placed(wanted, rows, _errors(linear, chosen)))
-        said[-1] += words
+        messages[-1] += words
         # A mode without a match (it may have become two real ones) keeps its last shape for later speeds.
         shapes = np.zeros_like(modes.independent, shape=(len(modes.independent), wanted))
         if before is not None:
@@ -201,7 +201,7 @@ def campbell_diagram(
         before = replace(modes, eigenvalues=known, independent=shapes)
         progress((number + 1) / len(spins))
     rates, known = np.array([spin.rate for spin in spins]), np.array(errors)
-    _warn_of_worst(rates, known, said)
+    _warn_of_worst(rates, known, messages)
     return CampbellDiagram(
         rates,
         np.array(followed),
@@ -248,15 +248,15 @@ def _basis_warnings() -> Iterator[list[str]]:
             warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
 
 
-def _warn_of_worst(rates: Array, errors: Array, said: Sequence[Sequence[str]]) -> None:
+def _warn_of_worst(rates: Array, errors: Array, messages: Sequence[Sequence[str]]) -> None:
     """BasisWarnings of the speed with the largest basis error, among the speeds with warnings."""
-    warned = [number for number, words in enumerate(said) if words]
+    warned = [number for number, words in enumerate(messages) if words]
     if not warned:
         return
     largest = np.nanmax(np.nan_to_num(errors[warned], nan=0.0, posinf=1.0), axis=1, initial=0.0)
     worst = warned[int(np.argmax(largest))]
     speeds = f"at {len(warned)} of {len(rates)} speeds, most at {rates[worst]:.4g} rad per unit of time"
-    for words in said[worst]:
+    for words in messages[worst]:
         warnings.warn(f"{speeds}: {words}", BasisWarning, stacklevel=4)
 
 

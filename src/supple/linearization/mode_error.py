@@ -43,7 +43,7 @@ class ModeError:
 
     def warn(self, values: Any) -> None:
         """BasisWarning of modes that are off by 1 % or more, and of missing modes."""
-        said = [
+        messages = [
             f"mode {number + 1} is off by {100 * self.relative[number]:.2g} %"
             if np.isfinite(self.relative[number])
             else f"mode {number + 1} is not a mode of the full machine"
@@ -51,9 +51,11 @@ class ModeError:
         ]
         if len(self.missed):
             rates = ", ".join(f"{abs(value):.4g}" for value in self.missed)
-            said.append(f"modes at {rates} rad per unit of time, below {abs(values).max():.4g}, are missing")
-        if said:
-            warnings.warn(f"the bases of the bodies: {'; '.join(said)}. {REMEDY}", BasisWarning, stacklevel=4)
+            limit = abs(values).max()
+            messages.append(f"modes at {rates} rad per unit of time, below {limit:.4g}, are missing")
+        if messages:
+            message = f"the bases of the bodies: {'; '.join(messages)}. {REMEDY}"
+            warnings.warn(message, BasisWarning, stacklevel=4)
 
 
 def mode_error(
