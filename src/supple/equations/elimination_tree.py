@@ -28,11 +28,11 @@ class _Joint(NamedTuple):
     first: int
     second: int
     row: int
-    """Its first equation"""
+    """First equation of the joint"""
     size: int
 
     def other(self, body: int) -> int:
-        """The body at its other end."""
+        """The body at the other end of the joint."""
         return self.second if body == self.first else self.first
 
 

@@ -60,7 +60,7 @@ class VelocityChange(NamedTuple):
     """Changes of velocities that satisfy the joints, vectors (n,); their sum is `rigid + deforming`."""
 
     rigid: np.ndarray
-    """Of the frames"""
+    """Rigid motion of the frames"""
     against: np.ndarray
     """The part of `rigid` that changes given velocities"""
     deforming: np.ndarray

@@ -125,11 +125,11 @@ class StaticStep(NamedTuple):
     """One implicit step."""
 
     increment: np.ndarray
-    """Of the configuration, (n,)"""
+    """Increment of the configuration, (n,)"""
     multipliers: np.ndarray
     frame_multipliers: tuple[np.ndarray, ...] = ()
     control: np.ndarray = _NONE
-    """Of the controllers' states"""
+    """Change of the controllers' states"""
     climbs: bool = False
     """True if the tangent is known to have negative directions, so that the step may ascend"""
 

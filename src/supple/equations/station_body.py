@@ -82,7 +82,7 @@ class StationBody(Protocol):
         ...
 
     def motion(self, states: list[BodyState]) -> FramedMotion:
-        """Its motion over some times."""
+        """Motion of the body over some times."""
         ...
 
     def station_motions(self, motion: Motion) -> Mapping[str, FloatingMotion]:

@@ -60,7 +60,7 @@ class SteadyTurning(NamedTuple):
     """(3,), on the axis"""
 
     def slowed(self, share: float) -> SteadyTurning:
-        """The same at a share of its rate."""
+        """The rotation at a share of its rate."""
         return self._replace(angular_velocities=share * np.asarray(self.angular_velocities))
 
 
