@@ -156,7 +156,7 @@ def driven_ends(law: ControlLaw) -> list[Ends]:
 
 
 def by_body(ends: list[Ends]) -> dict[int, list[int]]:
-    """Numbers of the ends on each body; the ground left out."""
+    """Numbers of the ends on each body, without the ground."""
     found: dict[int, list[int]] = {}
     for number, end in enumerate(ends):
         if not end.on_ground:

@@ -41,7 +41,7 @@ def joints_closed(
             change = machine.least_change(configuration, still, terms, terms.residual)
         configuration = machine.moved(configuration, change)
     raise ConvergenceError(
-        f"the joints could not be closed at the start: largest gap {largest:.3g} after 20 iterations. "
+        f"the joints could not be closed at the start: largest residual {largest:.3g} after 20 iterations. "
         "Place the bodies closer to a configuration in which every joint is closed"
     )
 

@@ -178,7 +178,7 @@ class Equations(Protocol):
         ...
 
     def eased(self, share: float, held: np.ndarray) -> Self:
-        """The machine at a share of its angular velocity, with forces (n,) held back."""
+        """The machine at a share of its angular velocity, with forces (n,) subtracted."""
         ...
 
     def moved(self, configuration: Any, increment: np.ndarray) -> Any:

@@ -66,7 +66,7 @@ class SteadyTurning(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SteadyEquations:
-    """Data of the `Equations` of all methods: a machine, its start, its rotation, and forces held back.
+    """Data of the `Equations` of all methods: a machine, its start, its rotation, and subtracted forces.
 
     machine : Any               prepared for its method, with independent equations
     begin : Any                 state with bodies as placed
@@ -84,7 +84,7 @@ class SteadyEquations:
         return replace(self, turning=None)
 
     def eased(self, share: float, held: np.ndarray) -> Self:
-        """The machine at a share of its angular velocity, with forces (n,) held back."""
+        """The machine at a share of its angular velocity, with forces (n,) subtracted."""
         return replace(self, turning=None if self.turning is None else self.turning.slowed(share), held=held)
 
     @property

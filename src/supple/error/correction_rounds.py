@@ -43,8 +43,8 @@ class SelfCorrection:
                             to the body's first interface, or to its floating frame without an interface
     instants : int          number of stratified samples of the run at which the residual is balanced, in
                             addition to the times of load peaks and kinks
-    directions : int        columns added per round; fewer may save single columns, but a stiff direction that
-                            is left out locks the others and takes a further round
+    directions : int        columns added per round; fewer may save single columns, but an omitted stiff
+                            direction locks the others and costs a further round
     largest_size : int      largest number of coordinates of the basis
     max_rounds : int        largest number of enrichments
     of : QuantityOfInterest     the error of which is limited; by default the positions of all nodes

@@ -78,8 +78,8 @@ def correct_at_rest(
     """Reduce bodies of a system together until their error in an equilibrium is allowed.
 
     system : System     contains each body to reduce as a FullBody, with its frame and damping
-    target : the target error of every full body (SelfCorrection); with the start basis (ReductionStart); or
-        such a start for each named body, while the others stay as they are
+    target : the target error of every full body (SelfCorrection), or also its start basis (ReductionStart);
+        or a ReductionStart for each named body, with all other bodies unchanged
     time, spin, search : as for `equilibrium`
 
     Raises

@@ -49,8 +49,8 @@ def self_correct(
     ----------
     system : System     contains each body to reduce as a FullBody, with its frame and damping
     run : Run           settings of every round
-    target : the target error of every full body (SelfCorrection); with the start basis (ReductionStart); or
-        such a start for each named body, while the others stay as they are
+    target : the target error of every full body (SelfCorrection), or also its start basis (ReductionStart);
+        or a ReductionStart for each named body, with all other bodies unchanged
     announce : function     called with every round as it is finished
     accepted : function     called with the run whose basis meets the target, in every pass, before the
         other parts of the error in the study are estimated

@@ -61,7 +61,7 @@ class Problem:
     number : number of the first run in the archive
     spent : part of the allowed error reserved for errors other than that of the basis, by body
     confirmed : bodies whose estimates an earlier pass has confirmed
-    besides : further quantities of interest of the accepted run
+    besides : further quantities of interest for which the error of the accepted run is stated
     """
 
     system: System
@@ -172,7 +172,7 @@ def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
     began = perf_counter()
     problem.archive.keep_bases(number, bases)
     with warnings.catch_warnings():
-        # Locking is caused by motion outside the basis, which the rounds find; the rest is reported.
+        # No warning of locking: the rounds find and report the motion outside the basis that causes it.
         warnings.simplefilter("ignore", LockingWarning)
         bodies = {
             name: project(

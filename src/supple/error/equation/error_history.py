@@ -490,7 +490,7 @@ def _from_polynomial(
 def _more(number: int) -> int:
     """Padded number of samples, as for the columns: 32, 64, 128 .., so that rounds share one program.
 
-    A further sample takes a product of two small matrices per block; a further program takes seconds.
+    A further sample costs a product of two small matrices per block; a further program costs seconds.
     """
     return (FEWEST_SAMPLES << max(0, (number - 1) // FEWEST_SAMPLES).bit_length()) - number if number else 0
 

@@ -57,8 +57,8 @@ def rayleigh_ritz(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> LinearB
     P is the frame's projector. A static column thus also has a frequency, which weights its modal
     derivatives; modes of the frame's own eigenproblem keep their frequencies. Dependent columns are dropped.
 
-    Returns LinearBasis: labels name the raw columns kept (in their own order, not in the ascending order of
-        the frequencies); dropped names the rest.
+    Returns LinearBasis: `labels` are those of the kept raw columns (in their own order, not in the ascending
+        order of the frequencies), `dropped` those of the other raw columns.
     Raises AccuracyError when a column stores no energy, ModelError when no column is left.
     """
     # Norms before projection: the projection of a motion of the frame is round-off only.

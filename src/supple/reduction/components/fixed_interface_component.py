@@ -132,7 +132,7 @@ def residual_component(component: FixedInterfaceComponent) -> RitzComponent:
 
         K = diag(K_b, Lambda, X),   Psi^T M Y = A^T F_rs A = X,   Phi^T M Y = 0,   Y^T M Y = X2
 
-    Residual modes that are only round-off beside the vibrations are left out.
+    Residual modes that are round-off compared with the vibrations are dropped.
     """
     plain = craig_bampton_component(component)
     left = component.residual_shares > SMALLEST_RESIDUAL

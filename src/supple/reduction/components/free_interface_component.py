@@ -124,7 +124,7 @@ def rubin_component(component: FreeInterfaceComponent) -> RitzComponent:
 
         K = diag(Lambda, F),   M = diag(I, H),   q_v = [B Phi, F] x
 
-    Shapes that are only round-off beside the modes are left out.
+    Shapes that are round-off compared with the modes are dropped.
     """
     left = component.residual_shares > SMALLEST_RESIDUAL
     F, H = component.residual_flexibility[:, left], component.residual_mass[np.ix_(left, left)]

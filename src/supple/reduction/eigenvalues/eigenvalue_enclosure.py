@@ -18,7 +18,7 @@ __all__ = ["EigenvalueEnclosure", "enclose_eigenvalues"]
 ROUNDS = 12
 RIGID_MOTIONS = 6
 
-# Relative gap at the shift. A cluster larger than the set of trial motions has no wider one.
+# Smallest relative gap at the shift. A cluster larger than the set of trial motions has smaller gaps.
 SMALLEST_GAP = 1e-3
 
 # Share of the largest energy or inverse eigenvalue below which a value may be round-off.
@@ -122,7 +122,7 @@ def enclose_eigenvalues(
 def _ritz(body: FlexibleBody, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """M-orthonormal Ritz vectors of columns, and their values, ascending; the columns are overwritten.
 
-    Dependent columns are left out, and values so high that they are round-off next to the lowest.
+    Dependent columns are dropped, and values so high that they are round-off compared with the lowest.
     """
     columns /= np.sqrt(np.einsum("ij,ij->j", columns, body.stiffness @ columns))
     energies, directions = linalg.eigh(columns.T @ (body.stiffness @ columns))
