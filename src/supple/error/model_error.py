@@ -19,11 +19,11 @@ third power of the rotation.
 
 A linear body is compared with the original body, whose quadratic strains include the shortening by bending
 and the stiffening of the membrane. If the body bends by more than its thickness, its linear motion has a
-large residual from stretching alone (a plate of 4 mm, its nodes displaced by 14 mm: 0.3 m instead of 0.14
-mm). The linear motion is therefore corrected to second order first; Newton's method continues from the result
-(`MissingMotionSearch`). The error of a linear body without elements is theta^2 / 2 of its length, theta its
-largest rotation. Where rotations are unknown, theta is that of a cantilever with the same displacement, 3 u /
-2 L.
+large residual from stretching alone (for a plate of 4 mm, with nodes displaced by 14 mm: 0.3 m instead of
+0.14 mm). The linear motion is therefore corrected to second order first; Newton's method continues from the
+result (`MissingMotionSearch`). The error of a linear body without elements is theta^2 / 2 of its length, with
+theta its largest rotation. Where rotations are unknown, theta = 3 u / 2 L, that of a cantilever with the
+same displacement u.
 """
 
 from __future__ import annotations
