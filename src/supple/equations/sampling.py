@@ -83,8 +83,8 @@ class ControllerSampling:
         # Compared with the memory before the call, not with `given`, which the law may have changed in place.
         if shapes != {name: np.shape(value) for name, value in memory.items()}:
             raise ModelError(
-                f"{what}: names and shapes of its memory must not change, as result files contain it; it "
-                f"returned {shapes}; give all entries in memory={{..}}"
+                f"{what}: its memory must keep its names and shapes, as result files contain it; it returned "
+                f"{shapes}; give all entries in memory={{..}}"
             )
         return held, remembered
 
