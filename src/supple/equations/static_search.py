@@ -70,8 +70,7 @@ _ON_THE_WAY = 1e-6
 ROUND_OFF = 1e-4
 """Smallest reference of a residual, relative to the largest kind of terms, both as work in a large motion:
 where all terms of a kind vanish, as the moments of a hanging rod, only rounding remains. In a rotating
-machine
-it is also relative to the inertia forces, which may all be balanced."""
+machine the reference is also relative to the inertia forces, which may all be balanced."""
 
 
 @dataclass(frozen=True)

@@ -84,7 +84,7 @@ def _image(fields: Array, order: Array, sectors: int, axis: Array) -> Array:
 
 
 def _turned_by_a_sector(nodes: Array, axis: Array, point: Array) -> tuple[Array, int] | None:
-    """Image of each node in the least rotation of the mesh onto itself; number of sectors. None if none."""
+    """Image of each node in the least rotation of the mesh onto itself; number of sectors; or None."""
     places = nodes - point
     size = float(np.ptp(places, axis=0).max()) or 1.0
     radii = np.linalg.norm(places - np.outer(places @ axis, axis), axis=1)

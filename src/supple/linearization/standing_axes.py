@@ -3,13 +3,13 @@
 Small motions `p` of rotating bodies are measured in their own axes, where standing parts vary with the angle
 psi of rotation. Other coordinates, `p = W(psi) z`, describe both by constants:
 
-- the rigid motion of one rotating body, the hub, is a twist at the axis, in standing axes; the motions of the
-other rotating bodies are relative to the hub, so that nothing between rotating bodies varies;
-- for N >= 3 equal bodies evenly spaced around the axis, multi-blade coordinates instead of each body's own,
+- one rotating body, the hub, has its rigid motion as a twist at the axis, in standing axes; the motions of
+the other rotating bodies are relative to the hub, so that nothing between rotating bodies varies;
+- N >= 3 equal bodies evenly spaced around the axis have multi-blade coordinates instead of their own,
 
     q_b = a_0 + sum_n [ a_n cos n psi_b + b_n sin n psi_b ] (+ (-1)^b a_(N/2)),   psi_b = psi + 2 pi b / N;
 
-- for bodies with cyclic symmetry about the axis, deformation and relative motion are in standing axes
+- bodies with cyclic symmetry about the axis have deformation and relative motion in standing axes
 (`turn_generator`).
 
 With psi' = W' constant (rate r) and M, C, K at that angle,

@@ -6,8 +6,8 @@ With D the central difference of outputs at intervals H, the signal
     u = v - D q,        du/dt = a - D v
 
 contains a vibration of frequency w with the factor 1 - sin(w H) / (w H): nearly zero for dense outputs,
-nearly one beyond their limit, w H = pi. The root mean squares of u and du/dt give the frequency, |du/dt| /
-|u|, and the amplitude, |u| / (w - sin(w H) / H), of the unresolved vibration.
+nearly one beyond their limit, w H = pi. The root mean squares of u and du/dt give the frequency of the
+unresolved vibration, |du/dt| / |u|, and its amplitude, |u| / (w - sin(w H) / H).
 """
 
 from __future__ import annotations
