@@ -257,8 +257,9 @@ def test_zeros_given_to_all_bodies_and_a_law_with_a_rate(rod):
         name="motor", first=GROUND, second=At("bar", "left"), axis=Z, angle=ConstantRate(SPIN)
     )
     bar = Placed(rod("bar", 1.0), position=[0.5, 0, 0], velocity=[0, 0, 0], angular_velocity=[0, 0, 0])
-    words = r"kinetic energy is 0\.6667 instead of 0; body 'bar' starts with a speed of 1 instead of 0 and a "
-    with pytest.warns(StartWarning, match=words + "spin of 2 instead of 0.*none to a body that joints drive"):
+    words = r"kinetic energy is 0\.6667 instead of 0; body 'bar' starts with a speed of 1 instead of 0 and "
+    words += "an angular velocity of 2 instead of 0.*none to a body that joints drive"
+    with pytest.warns(StartWarning, match=words):
         simulate(System([bar], [motor]), Run(0.002, 0.001))
 
 

@@ -85,7 +85,7 @@ def test_unknown_interface_is_refused_with_the_known_ones(reduced):
 
 
 def test_body_without_rotations_says_so(reduced):
-    with pytest.raises(ModelError, match="body 'strip' carries no rotations"):
+    with pytest.raises(ModelError, match="body 'strip' has no rotations"):
         replace(reduced, rotation_basis=None).rotations(np.zeros(5))
 
 

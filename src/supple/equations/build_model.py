@@ -183,7 +183,7 @@ def _shared(trees: Sequence[Any]) -> Any:
 
 
 def _stacked_laws(laws: Sequence[Any]) -> Any:
-    """Laws with JAX arrays, accepted as those of a group and not checked again; None without laws."""
+    """The laws of a group as one law with JAX arrays, which is not checked again; None without laws."""
     if laws[0] is None:
         return None
     return jax.tree.map(lambda *leaves: jnp.asarray(np.stack([np.asarray(leaf) for leaf in leaves])), *laws)
@@ -211,7 +211,7 @@ _TENSORS = ("cubic", "quartic", "damping_cubic", "damping_quartic")
 
 @singledispatch
 def _arrays(body: Any, length: float) -> dict[str, Any]:
-    """Inertia and elasticity of a body with linear shapes, or with none."""
+    """Inertia and elasticity of a body in the form of arrays."""
     elastic = {name: getattr(body, name) for name in (*_ELASTIC, "cubic", "damping_cubic")}
     elastic |= {"quartic": body.quartic_blocks, "damping_quartic": body.damping_quartic_blocks}
     return _inertia(condensed_gram(body), body.mass, length) | elastic
@@ -296,7 +296,7 @@ def _end(system: System, end: At, axes: np.ndarray, ground_point: np.ndarray) ->
 
 
 def initial_points(system: System, element: Joint | ForceElement) -> tuple[np.ndarray, np.ndarray]:
-    """Global positions of both ends at the start; by default the ground's is that of the other end."""
+    """Global positions of both ends at the start; an end on the ground is by default at the other end."""
     own = [None if end == GROUND else system.initial_point(end) for end in (element.first, element.second)]
     given = element.ground_point if isinstance(element, ForceElement) else None
     on_ground = given if given is not None else next(point for point in own if point is not None)
@@ -445,7 +445,10 @@ def row_scales(system: System, length: float | None = None) -> np.ndarray:
 
 
 def system_length(system: System) -> float:
-    """Size of the system: the largest distance between interfaces, nodes and frame origins at the start."""
+    """Size of the system: diagonal of the box around all nodes and frame origins at the start.
+
+    For a system with a single point, the largest radius of gyration of its rigid bodies, or 1 without any.
+    """
     assemblies = [(placed.body.nodes, *placed.assembly) for placed in system.bodies]
     points = [position[None] for _, position, _ in assemblies]
     points += [position + nodes @ rotation.T for nodes, position, rotation in assemblies]
@@ -455,6 +458,6 @@ def system_length(system: System) -> float:
 
 
 def _largest_gyration(system: System) -> float:
-    """Radius of gyration of the rigid bodies of a system with a single point, as its length."""
+    """Largest radius of gyration of the rigid bodies; 1 without rigid bodies."""
     rigid = system.bodies_of(RigidBody).values()
     return max((float(np.sqrt(np.trace(body.inertia) / body.mass)) for body in rigid), default=1.0)

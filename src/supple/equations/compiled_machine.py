@@ -68,7 +68,7 @@ class CompiledMachine:
         return np.array([mass[p.start : p.start + 6, p.start : p.start + 6] for p in self.model.slices])
 
     def kinetic_energies(self, configuration: Configuration, velocity: np.ndarray) -> np.ndarray:
-        """`v^T M v / 2` by body: bodies share no mass."""
+        """`v^T M v / 2` by body; bodies are not coupled in M."""
         products = velocity * (self.metric(configuration) @ velocity)
         return np.array([products[part].sum() / 2 for part in self.model.slices])
 

@@ -23,7 +23,7 @@ __all__ = [
 ]
 
 AnyArray = Any
-"""A NumPy array or a JAX one: both methods use the same records for their states."""
+"""A NumPy or a JAX array: compiled and sparse methods use the same records for their states."""
 
 
 class Configuration(NamedTuple):
@@ -45,9 +45,9 @@ class ControlState(NamedTuple):
     rates: tuple[AnyArray, ...]
     """Rates of the states, (k,)"""
     held: tuple[dict[str, AnyArray], ...]
-    """Outputs of sampled controllers by name; empty of others"""
+    """Outputs of sampled controllers by name; empty for other controllers"""
     memory: tuple[dict[str, AnyArray], ...]
-    """Memory of sampled controllers; no equation uses it"""
+    """Memory of sampled controllers; not part of any equation"""
 
 
 class ControlStep(NamedTuple):

@@ -1,9 +1,9 @@
 """Consistent start: positions and velocities that satisfy the joints, redundant equations left out.
 
-Positions are corrected until `g(q, t_0) = 0` by the least rigid motion of the bodies in the mass norm, as
-closing a joint by bending its bodies would store unintended energy; bodies deform only where no rigid motion
-closes the joints. Velocities are corrected likewise until `dg/dt = 0` (`start_velocity`). All methods start
-here; they differ in how such a least motion is computed.
+Positions are corrected until `g(q, t_0) = 0` by the least rigid motion of the bodies in the mass norm. Bodies
+deform only where no rigid motion closes the joints, because bent bodies would store unintended energy.
+Velocities are corrected likewise until `dg/dt = 0` (`start_velocity`). All methods start in this way; they
+differ in how the least motion is computed.
 Redundant constraint equations are found by orthogonalising the rows of the Jacobian, and reported by name.
 """
 
@@ -31,7 +31,7 @@ __all__ = ["ConsistentStart", "consistent_start"]
 _REDUNDANT = 1e-9
 """A constraint row with a smaller remainder after projection on earlier rows is redundant."""
 _OPEN = 1e-3
-"""A gap larger than this part of the system's size is a modelling error, not rounding."""
+"""Constraint residual, relative to the system's size or in rad, above which the model is in error."""
 
 
 M = TypeVar("M", bound=StartingMachine)
@@ -52,8 +52,8 @@ def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
 
     Raises
     ------
-    ModelError          a joint open by more than a thousandth of the size; joints that contradict each other;
-                                   a mechanism at a singular position (dead point)
+    ModelError          a constraint residual above a thousandth (of the size, or in rad); joints that
+                        contradict each other; a mechanism at a singular position (dead point)
     ConvergenceError    joints that cannot be closed
 
     Warns

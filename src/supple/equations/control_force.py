@@ -5,7 +5,7 @@ The states of a controller obey the trapezoidal rule over the step,
     z_1 = z_0 + h/2 ( f(t_0, y_0, z_0) + f(t_1, y_1, z_1) ),
 
 solved for z_1 at each evaluation of the equations: outputs then depend on the motion y_1 alone, and the
-tangent includes them.
+tangent includes the derivatives of the outputs.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ __all__ = [
 ]
 
 _ITERATIONS = 3
-"""Newton iterations for the states of one step: one is exact for rates linear in the states."""
+"""Newton iterations for the states of one step; a single one is exact if the rates are linear in them."""
 
 
 def force(model: Model, motion: SystemMotion) -> Iterator[tuple[Places, jax.Array]]:
@@ -156,7 +156,7 @@ def driven_ends(law: ControlLaw) -> list[Ends]:
 
 
 def by_body(ends: list[Ends]) -> dict[int, list[int]]:
-    """Numbers of the ends on each body; the ground left out."""
+    """Numbers of the ends on each body, without the ground."""
     found: dict[int, list[int]] = {}
     for number, end in enumerate(ends):
         if not end.on_ground:
@@ -202,7 +202,7 @@ def _one(stacked: Any, number: int) -> Any:
 
 
 def readings_of(law: ControlLaw, states: Any, seen: Pose) -> dict[str, Any]:
-    """Readings by name; joint angles near those of the states, which count revolutions."""
+    """Readings by name; joint angles include the revolutions counted in the states."""
     found: dict[str, Any] = {}
     counted = len(law.initial)
     for number, reader in enumerate(law.readers):
@@ -264,7 +264,7 @@ def _new_states(law: ControlLaw, number: int, motion: SystemMotion, readings: Ma
         return states - old - half * (rates + rates_of(law, motion.time, readings, states))
 
     states = old + step.size * rates
-    # Unrolled for differentiation: the derivative of the last iteration is the exact one of the solution.
+    # Unrolled for differentiation: the derivative of the last iteration is exactly that of the solution.
     for _ in range(_ITERATIONS):
         states = states - jnp.linalg.solve(jax.jacfwd(left)(states), left(states))
     return states

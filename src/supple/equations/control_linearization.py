@@ -1,4 +1,4 @@
-"""Linearised controllers at equilibrium: inputs to their states, and the effect of their states."""
+"""Linearised controllers at equilibrium: rates of their states, and the forces due to their states."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def unrest(
     if not linear.size:
         return {}
     first = np.concatenate([own.initial for own in controllers])
-    # States have different units: the matrix that couples them makes them comparable.
+    # States have different units: balancing the matrix that couples them makes them comparable.
     _, (units, _) = scipy.linalg.matrix_balance(linear.by_state, permute=False, separate=True)
     largest = np.max(np.maximum(np.abs(states), np.abs(first)) / units)
     parts = abs(linear.by_position) @ position_scale + abs(linear.by_velocity) @ abs(velocity)

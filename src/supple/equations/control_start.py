@@ -20,7 +20,7 @@ __all__ = ["control_after", "first_control", "fresh_control", "kept_control", "r
 
 
 def fresh_control(system: System) -> ControlState | None:
-    """Initial controllers: sampled ones have no outputs yet."""
+    """Controllers before a run, with zero outputs of sampled controllers."""
     if not system.controllers:
         return None
     states, rates, held, memory = [], [], [], []
@@ -64,7 +64,7 @@ def kept_control(control: ControlState | None) -> dict[str, np.ndarray]:
 
 
 def resumed_control(system: System, known: Mapping[str, Any]) -> ControlState | None:
-    """The stored controller states; ModelError if the recorded part has none, or different ones."""
+    """The stored controller states; ModelError if the recorded part has other controllers, or none."""
     fresh = fresh_control(system)
     if fresh is None:
         return None

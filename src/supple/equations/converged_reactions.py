@@ -20,17 +20,16 @@ S = TypeVar("S", bound=tuple[Any, ...])
 def converged_reactions(answered: Callable[[np.ndarray], S], found: S) -> S:
     """Accelerations, multipliers and any further quantities, by fixed-point iteration.
 
-    answered : these quantities, for forces at given multipliers (m,)
-    found : the same without such forces
+    answered : function that returns these quantities for friction at given multipliers (m,)
+    found : these quantities without friction
 
-    Raises ConvergenceError where friction and the joint forces that cause it increase each other without
-    limit.
+    Raises ConvergenceError where friction and joint forces increase each other without limit.
     """
     for _ in range(MOST):
         before, found = found[1], answered(found[1])
         if not np.isfinite(found[1]).all():
             break
-        # For diverging values the largest entry, as its square would overflow.
+        # Largest entries instead of norms: squares of diverging values would overflow.
         if np.max(abs(found[1] - before)) <= CONVERGED * np.max(abs(found[1])):
             return found
     raise ConvergenceError(

@@ -1,9 +1,10 @@
 """Elimination order of the unknowns of a machine for little fill-in.
 
 Bodies are nodes, and each joint or force between two bodies is an edge. Bodies whose removal leaves no closed
-path form the border. The others are trees: each body is eliminated after all of its children, together with
-the equations of the joint to its parent; its Schur complement then involves its parent and the border only.
-The roots include their joints with the ground. Joints that close a path belong to the border.
+path form the border. The other bodies form trees: each body is eliminated after all of its children, together
+with the equations of the joint to its parent; its Schur complement then involves its parent and the border
+only. A root is eliminated together with its joints to the ground. Joints that close a path belong to the
+border.
 """
 
 from __future__ import annotations
@@ -27,11 +28,11 @@ class _Joint(NamedTuple):
     first: int
     second: int
     row: int
-    """Its first equation"""
+    """First equation of the joint"""
     size: int
 
     def other(self, body: int) -> int:
-        """The body at its other end."""
+        """The body at the other end of the joint."""
         return self.second if body == self.first else self.first
 
 
@@ -62,7 +63,7 @@ def elimination_tree(model: Model) -> EliminationTree:
     place = {body: i for i, body in enumerate(order)} | {NONE: len(order)}
     own: dict[int, list[Places]] = {body: [] for body in order}
     border_rows = []
-    # Of several joints with one parent, the largest: all together may overconstrain the body.
+    # With several joints to one parent, the one of most equations: all together may overconstrain the body.
     taken: set[int] = set()
     for joint in sorted(joints, key=lambda joint: -joint.size):
         rows = Places((joint.row,), joint.size)

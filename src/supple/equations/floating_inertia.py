@@ -51,8 +51,8 @@ class InertiaArrays:
     by_spin: Any
     """(1 + r, 3 (6 + 4r)): rows of the rotation, then of each `e_i x V_k`, the three axes side by side"""
     by_deformation: Any
-    """(12, r^2): coefficients of `w_i` in the gyroscopic matrix (3), its transposes (3), of `w_i w_j` in the
-    centrifugal one (6, `i <= j`)"""
+    """(12, r^2): coefficients of `w_i` in the gyroscopic matrix (3), their transposes (3), and coefficients
+    of `w_i w_j` in the centrifugal matrix (6, `i <= j`)"""
     inertia: Any
     """(r, r): mass of the deformation, the identity for orthonormal shapes"""
 

@@ -39,7 +39,7 @@ def floating_solution(
     slices : positions of the velocities of each body
     active : constraint equations that were kept, in the order of the multipliers
     engine_state : further numbers for an exact resume
-    seen : motions of bodies represented by stations, if there are any
+    seen : motions of bodies represented by stations; None without such bodies
     """
     bodies: dict[str, Any] = dict(
         body_motions(system, slices, motion.configuration, motion.velocity, motion.acceleration)
@@ -147,8 +147,9 @@ def last_instant(system: System, done: Solution) -> LastInstant:
 
 
 def failure_message(time: float, relative_residual: np.ndarray, *, undamped: bool = False) -> str:
-    """Time and cause of a failed run; `relative_residual` is that of the four kinds of equations.
+    """Message with the time and the likely cause of a failed run.
 
+    relative_residual : (4,)    of forces, moments, deformation and constraints
     undamped : the machine has joints, and the method does not damp their forces
     """
     kinds = ("forces", "moments", "deformation", "constraints")

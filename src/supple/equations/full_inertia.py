@@ -7,7 +7,7 @@ momentum `S q'` of the rates and the first moment `s = s_0 + S q`:
     force        p = P' + w x P,             P = w x s + S q',     P' = m a + w' x s + w x S q' + S q''
     moment       m = H' + w x H + s x a,     H = P_i . q' + q B_i q' + J(q) w
 
-These do not contain the velocity of the frame's origin; `momenta` does. They are the equations of
+These forces do not depend on the velocity of the frame's origin; `momenta` do. The equations are those of
 `floating_inertia` with V = I, for sparse matrices.
 """
 
@@ -208,7 +208,7 @@ class FullInertia:
     def first_moment(self, coordinates: np.ndarray) -> np.ndarray:
         """`sum m (x + u)` in body components, (3, t), for coordinates (n, t).
 
-        The static part is `Phi_t^T M Phi_w(0) = -(m c)~`, the rest `Phi_t^T M q`, whose rate is the momentum.
+        It is the vector of `Phi_t^T M Phi_w(0) = -(m c)~` plus `Phi_t^T M q`.
         """
         turning = self._rigid[:3, 3:]
         rest = np.array([turning[1, 2], turning[2, 0], turning[0, 1]])

@@ -49,7 +49,7 @@ def force(group: BodyGroup, states: FloatingState) -> tuple[jax.Array, InternalM
 def tangent(matrices: InternalMatrices, factors: StepFactors) -> jax.Array:
     """Derivative of the internal forces with respect to the coordinates' new accelerations, (k, r, r).
 
-    The change of D(g) with g is left out: the damping is small beside the elastic force, and Newton's
-    iteration converges equally fast without it.
+    The change of D(g) with g is neglected: damping is small compared with the elastic force, and Newton's
+    iteration converges equally fast.
     """
     return factors.by_position * matrices.stiffness + factors.by_velocity * matrices.damping

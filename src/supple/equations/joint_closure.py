@@ -14,10 +14,10 @@ from supple.machine import System
 __all__ = ["joints_assembled", "joints_closed", "row_labels"]
 
 _LARGEST_TURN = 0.3
-"""rad, largest rotation of a body before the joints are evaluated again; translations in proportion."""
+"""rad, largest rotation of a body in an iteration; translations are limited by this part of the size."""
 _MOST_ITERATIONS = 200
 _UNCLOSED = 1e-10
-"""Relative to the machine's size, and rad: joints with a larger remaining gap cannot be closed."""
+"""Relative to the machine's size, or in rad: residual above which joints cannot be closed."""
 
 
 def joints_closed(
@@ -32,7 +32,7 @@ def joints_closed(
         rounding = machine.model.length * float(
             position_rounding(machine.model.length, configuration.origins)
         )
-        # A further iteration removes remaining rounding errors, until there is no improvement.
+        # Further iterations remove remaining rounding errors, until there is no improvement.
         if largest <= 0.01 * rounding or (largest <= rounding and largest > 0.1 * before):
             return configuration
         before = largest
@@ -41,7 +41,7 @@ def joints_closed(
             change = machine.least_change(configuration, still, terms, terms.residual)
         configuration = machine.moved(configuration, change)
     raise ConvergenceError(
-        f"the joints could not be closed at the start: largest gap {largest:.3g} after 20 iterations. "
+        f"the joints could not be closed at the start: largest residual {largest:.3g} after 20 iterations. "
         "Place the bodies closer to a configuration in which every joint is closed"
     )
 
@@ -77,12 +77,12 @@ def _of_bodies(machine: StartingMachine, change: np.ndarray) -> np.ndarray:
 def joints_assembled(machine: StartingMachine, time: float, configuration: Configuration) -> Configuration:
     """The configuration near the given one in which all joints are closed, however far they are open.
 
-    Gauss-Newton iteration on the rows of all joints, each step of least rigid motion, limited so that no body
-    rotates by more than 0.3 rad, nor moves by more than 0.3 of the machine's size.
+    Gauss-Newton iteration on the rows of all joints. Each step is the least rigid motion, limited so that no
+    body rotates by more than 0.3 rad or moves by more than 0.3 of the machine's size.
 
     Raises
     ------
-    ConvergenceError    joints that cannot be closed: the worst, and its remaining gap
+    ConvergenceError    joints cannot be closed; the message has the worst one and its residual
     """
     system, length = machine.system, float(machine.model.length)
     scales, still = row_scales(system), np.zeros(machine.slices[-1].stop)

@@ -92,14 +92,14 @@ Affine = tuple[Any, Any]
 def affine_form(constraint: Constraint, value: Any) -> Affine:
     """The affine form of a joint's equations.
 
-    For a joint without a law, of which `value` is None, they are constants of the compiled program.
+    For a joint without a law (`value` is None), `L` and `c` are constants of the compiled program.
     """
     return _constant(constraint) if value is None else _affine(constraint, value)
 
 
 @lru_cache(maxsize=64)
 def _constant(constraint: Constraint) -> Affine:
-    """The affine form of a joint without a law, by a separate small program while another is traced."""
+    """The affine form of a joint without a law, computed by a small program of its own during tracing."""
     coefficients, constant = map(read_only, CachedProgram(partial(_affine, constraint, None), STARTING)())
     return coefficients, constant
 
@@ -118,7 +118,7 @@ def axial(matrix: jax.Array) -> jax.Array:
 
 
 def _seen(second: Marker, coefficients: Any) -> Marker:
-    """The second marker, unrotated if the joint ignores its rotation: the compiler drops the unused part."""
+    """The second marker, without a rotation that the joint ignores: the compiler then drops unused terms."""
     if isinstance(coefficients, np.ndarray) and not coefficients[:, 3:].any():
         return second._replace(rotation_vector=jnp.zeros(3))
     return second

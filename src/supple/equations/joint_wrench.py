@@ -5,8 +5,8 @@ lambda, `p = L_d^T lambda` and `P = L_Q^T lambda`, the joint exerts at the secon
 
     force  -p,        moment  -ax(P Q^T),
 
-both along the joint axes on the first end. The first end receives the opposite of the same wrench, at the
-second end's point.
+both along the joint axes on the first end. The first end receives the opposite wrench, at the second end's
+point.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ def joint_wrenches(
 ) -> dict[str, np.ndarray]:
     """Force and moment (t, 6) of each joint on its second end, at that end's point.
 
-    Components are along the joint axes, which rotate with the first end, z the joint's axis; components along
-    free directions are zero.
+    Components are along the joint axes, which rotate with the first end; z is the joint's axis. Components
+    along free directions are zero.
 
     Parameters
     ----------

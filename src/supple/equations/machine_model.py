@@ -59,7 +59,7 @@ class BodyGroup:
     damping: Any
     """(k, r, r), undeformed"""
     damping_cubic: Any
-    """Change of the damping with deformation, with the next; None without strain-rate damping."""
+    """As in `ReducedBody`, for deformed bodies; None without strain-rate damping."""
     damping_quartic: Any
     coordinate_scale: Any
     """(k,) size of a coordinate that moves the body by the system's length: `length sqrt(mass)`."""
@@ -83,7 +83,7 @@ class Ends:
     """The k ends on one side of a group of joints or forces: markers of equal bodies, or of the ground."""
 
     bodies: tuple[int, ...] = field(metadata=STATIC)
-    """Numbers of the bodies; -1 for the ground, then for all of them"""
+    """Numbers of the bodies; all -1 for the ground"""
     velocities: Places | None = field(metadata=STATIC)
     """6 + r each; None for the ground"""
     coordinates: Places | None = field(metadata=STATIC)
@@ -127,7 +127,7 @@ class ForceGroup:
     first: Ends
     second: Ends
     reaction: Places | None = field(default=None, metadata=STATIC)
-    """Constraint equations whose multipliers the forces use, in place of a law"""
+    """Constraint equations; their multipliers take the place of a law"""
 
 
 @jax.tree_util.register_dataclass
@@ -184,7 +184,7 @@ class ControlLaw:
 
     @property
     def bodies(self) -> tuple[int, ...]:
-        """Numbers of the bodies that it reads or drives, without the ground."""
+        """Numbers of the bodies with a reading or a driven element, without the ground."""
         ends = [end for reader in self.readers for end in (reader.first, reader.second)]
         ends += [end for each in self.actuators for end in (each.force.first, each.force.second)]
         return tuple(sorted({end.bodies[0] for end in ends if not end.on_ground}))
@@ -247,7 +247,7 @@ class Model:
 
     @property
     def joints_alone(self) -> Model:
-        """The data of constraint equations only: their program then serves other bodies and loads as well."""
+        """The data of constraint equations only; their program then serves other bodies and loads, too."""
         return self._without_loads(groups=())
 
     @property
@@ -263,7 +263,7 @@ class Model:
         return self.gravity - sum(law(time) for law in self.base_accelerations)
 
     def loads_at(self, time: Any) -> Model:
-        """The model with loads fixed at a time: without their tables, which may be long."""
+        """The model with loads fixed at a time, without their tables, which may be long."""
 
         def held(group: ForceGroup) -> ForceGroup:
             if group.law is None:

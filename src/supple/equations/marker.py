@@ -5,14 +5,14 @@ position `x_p`, and the displacement `u` and rotation `theta` relative to the fr
 
     r_p = R + A (x_p + u),        A_p = A exp(phi) C,        phi = theta (1 + c theta.theta),
 
-where the constant `C` rotates the interface's axes to the joint's, and `c` is the interface's
-(`BodyInterface.cubic_turn`), a third-order correction of the rotation. The twelve *local freedoms* of a
+where the constant `C` rotates the interface's axes to those of the joint, and `c` is a third-order correction
+of the rotation (`BodyInterface.cubic_turn`). The twelve *local freedoms* of a
 marker are the variations of `(R, psi, u, theta)`, `dA = A skew(dpsi)`; `u` and `theta` are linear in the
 body's coordinates, so one constant matrix (`selection`, 12 x (6 + r)) maps them to the body and back.
 
 Source: [Wu2019] (1)-(5), (26)-(28).
 
-Like rotations, they are traced once for all their uses (`algebra/rotation.py`).
+Like the functions of rotations, those of markers are traced once for all uses (`algebra/rotation.py`).
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class Marker(NamedTuple):
     rotation_vector: jax.Array
     """`theta`, body components."""
     cubic_turn: jax.Array
-    """`c`, (); in its rotation vector `phi = theta (1 + c theta.theta)`."""
+    """`c`, (), of the rotation vector `phi = theta (1 + c theta.theta)`."""
     offset: jax.Array
     """Rest position `x_p` in the body frame."""
     axes: jax.Array

@@ -49,7 +49,7 @@ def _ends(forces: ForceGroup, motion: SystemMotion) -> tuple[Marker, Marker]:
 
 
 def _reactions(model: Model, forces: ForceGroup, motion: SystemMotion) -> Any:
-    """Joint multipliers on which the forces depend, (k, 2); None for most."""
+    """Joint multipliers on which the forces depend, (k, 2); None for forces without such a dependence."""
     if forces.reaction is None:
         return None
     return forces.reaction.take(all_multipliers(model, jnp.asarray(motion.multipliers)))
@@ -74,8 +74,8 @@ def tangent(
 ) -> Iterator[MatrixBlock]:
     """Derivative of the generalised forces by the new accelerations, at constant joint multipliers.
 
-    The dependence of friction on the joints' multipliers is not in the tangent: Newton's iteration converges
-    linearly, at a rate equal to the share of friction in the balance.
+    The tangent does not contain the dependence of friction on the multipliers: with such friction, Newton's
+    iteration converges linearly, at a rate equal to the share of friction in the balance.
     """
     still = jnp.zeros(2 * N_LOCAL)
 

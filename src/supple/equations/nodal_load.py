@@ -1,7 +1,7 @@
 """Loads on nodes, as a term of the equations: the forces of all facets and their derivatives.
 
-The functions here apply to reduced bodies, by their basis, and to full ones, by nodes. With arms
-`x_a = X_a + u_a` and forces `F_a` in body components the generalised forces are
+The functions here apply to reduced bodies (through their basis) and to full bodies (at their nodes). With
+arms `x_a = X_a + u_a` and forces `F_a` in body components, the generalised forces are
 
     force  A sum F_a,     moment  sum x_a x F_a,     deformation  sum V_a^T F_a
 """
@@ -41,7 +41,7 @@ class PreparedLoad:
     follows_nodes: bool = field(metadata=STATIC)
     turns_against_frame: bool = field(metadata=STATIC)
     value_rank: int = field(metadata=STATIC)
-    """Axis of the law's value for one facet"""
+    """Number of axes of the law's value for one facet"""
     law: Any
     facets: Any
     """(e, m) nodes of every facet, by their positions among the nodes of the load"""

@@ -1,8 +1,8 @@
 """Positions of equal pieces of a system in its common vectors and matrices.
 
-They are known when a program is compiled, so that adjacent pieces are read by a slice, and only the others
+The positions are known when a program is compiled: adjacent pieces are read by a slice, and only other pieces
 are gathered and scattered one by one. Equal bodies and equal joints are treated together, as arrays with a
-leading axis: the number of traced operations grows with the number of their kinds.
+leading axis, so that the number of traced operations grows with the number of different kinds only.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Places:
 
     @property
     def number(self) -> int:
-        """K."""
+        """Number k of pieces."""
         return len(self.starts)
 
     @property
@@ -66,7 +66,7 @@ def over(function: Callable[..., Any], *arguments: Any) -> Any:
     """
     leaves, structure = jax.tree.flatten(arguments)
     shared = [leaf.shape[0] == 1 for leaf in leaves]
-    # A machine may be a constant of a program, but differentiation rules take JAX arrays only.
+    # A machine may be a constant of a program, but differentiation rules require JAX arrays.
     own = [leaf[0] if once else jnp.asarray(leaf) for leaf, once in zip(leaves, shared, strict=True)]
 
     # Applied to leaves: time laws check their arguments, and axes would fail that check.

@@ -64,7 +64,7 @@ def _force_and_tangent(
 
 @partial(_force_and_tangent.defjvp, symbolic_zeros=True)
 def _(primals: Any, tangents: Any) -> Any:
-    """`df = K_t dg`, without another pass over the tensors; their own changes are added."""
+    """`df = K_t dg`, without another pass over the tensors; changes of the tensors are added."""
     *tensors, coordinates = primals
     *tensor_changes, change = jax.tree.map(_instantiated, tangents, primals, is_leaf=_is_zero)
     found = _force_and_tangent(*primals)
@@ -75,7 +75,7 @@ def _(primals: Any, tangents: Any) -> Any:
     by_coordinates = turned, third + fourth
     if all(_is_zero(leaf) for leaf in jax.tree.leaves(tangents[:3], is_leaf=_is_zero)):
         return found, by_coordinates
-    # They are linear in the tensors.
+    # Force and tangent are linear in the tensors.
     by_tensors = _force_and_tangent(*_with_changes(tensors, tensor_changes), coordinates)
     return found, jax.tree.map(jnp.add, by_coordinates, by_tensors)
 
@@ -100,7 +100,7 @@ def _with_changes(tensors: Any, changes: Any) -> Any:
 def polynomial_damping(
     damping: jax.Array, cubic: jax.Array | None, quartic: Quartic | None, coordinates: jax.Array
 ) -> jax.Array:
-    """D(g) (r, r) of strain-rate damping; `damping` itself without it."""
+    """D(g) (r, r); constant `damping` without strain-rate damping."""
     if cubic is None or quartic is None:
         return damping
     third, fourth = _unpacked(cubic, quartic, coordinates)

@@ -24,15 +24,15 @@ __all__ = ["ControllerSampling", "march_sampled", "sampling_of"]
 S = TypeVar("S")
 
 _SAME = 1e-6
-"""Relative to a period: call times nearer to an output time are that time."""
+"""Relative to a period: call times nearer to an output time are moved to that time."""
 
 
 @dataclass(frozen=True, eq=False)
 class ControllerSampling:
     """Sampled controllers of a machine, and the call times of each.
 
-    A call due at an instant is made when the march continues from there, so that a part that ends at an
-    instant and the following part together make one call.
+    A call is made when the march continues from its time. If one part of a run ends and the next begins at a
+    call time, the two parts together therefore make one call.
     """
 
     system: System
@@ -64,11 +64,11 @@ class ControllerSampling:
         given = {name: np.array(value) for name, value in memory.items()}
         found = controller.law(time, readings, given)
         if not isinstance(found, tuple) or len(found) != 2 or not isinstance(found[0], Mapping):
-            raise ModelError(f"{what}: it must return (outputs, memory), two dictionaries; it gave {found!r}")
+            raise ModelError(f"{what} must return (outputs, memory), two dictionaries; it returned {found!r}")
         outputs, after = found
         if set(outputs) != set(controller.drives):
             raise ModelError(
-                f"{what}: outputs for {sorted(controller.drives)} are needed, it gave {sorted(outputs)}"
+                f"{what} must return outputs for {sorted(controller.drives)}; it returned {sorted(outputs)}"
             )
         held = {}
         for name, element in controller.drives.items():
@@ -83,7 +83,7 @@ class ControllerSampling:
         # Compared with the memory before the call, not with `given`, which the law may have changed in place.
         if shapes != {name: np.shape(value) for name, value in memory.items()}:
             raise ModelError(
-                f"{what}: its memory must keep its names and shapes, as result files contain it; it gave "
+                f"{what}: its memory must keep its names and shapes, as result files contain it; it returned "
                 f"{shapes}; give all entries in memory={{..}}"
             )
         return held, remembered
@@ -115,7 +115,8 @@ def march_sampled(
 ) -> Leg[S]:
     """March to each output time, interrupted at call times.
 
-    marched : the march without interruption;   sampled : a state after the due calls
+    marched : function for the march without interruption
+    sampled : function that returns a state after the due calls
     """
     now = float(cast(Any, state).time)
     if times[-1] <= now:

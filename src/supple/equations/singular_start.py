@@ -1,9 +1,9 @@
 """Check whether a constraint equation is redundant everywhere, or in the initial configuration alone.
 
-In a singular position (a flat parallelogram, a folded slider-crank, a taut chain between two pins) a
-mechanism's constraint equations depend on each other, but nowhere else. If such an equation is left out of
-the run, its joint opens as soon as the mechanism moves. The test moves the mechanism a little along the free
-motions of the kept joints, and closes these again; a truly redundant equation is still satisfied.
+In a singular position (a flat parallelogram, a folded slider-crank, a taut chain between two pins) constraint
+equations of a mechanism depend on each other; in other positions they do not. If such an equation is left out
+of the run, its joint opens as soon as the mechanism moves. The test moves the mechanism a little along the
+free motions of the kept joints and closes these joints again; a truly redundant equation is still satisfied.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from supple.errors import ConvergenceError, ModelError
 __all__ = ["check_redundant_nearby", "neighbours"]
 
 MOVED_BY = 1e-3
-"""Relative to the system's size, and rad: a gap quadratic in the motion is then 1e-6."""
+"""Relative to the system's size, or in rad; a residual quadratic in the motion is then 1e-6."""
 OPENED_BY = 1e-8
-"""Limit for the gap of a truly redundant equation: a thousand times the residual of closing."""
+"""Largest residual of a truly redundant equation: a thousand times that of the closed joints."""
 DIRECTIONS = 3
-"""Number of random combinations of the free motions: a single motion may open no joint."""
+"""Number of random combinations of the free motions, because a single motion may not open the joint."""
 
 
 def neighbours(length: float, parts: Sequence[slice], jacobian: np.ndarray) -> np.ndarray:
@@ -53,21 +53,24 @@ def check_redundant_nearby(
 ) -> None:
     """Raise ModelError when an omitted equation is violated in a neighbouring configuration.
 
-    labels : of all equations           left_out : those that depend on others in the initial configuration
-    nearby : motions of the frames      closed : the configuration after such a motion, kept joints closed
-    relative_residual : of all equations, positions relative to the system's size
+    labels : labels of all equations
+    left_out : numbers of the equations that depend on others in the initial configuration
+    nearby : motions of the frames
+    closed : function for the configuration after such a motion, with the kept joints closed
+    relative_residual : function for the residuals of all equations, positions relative to the system's size
     """
     for motion in nearby:
         try:
             opened = np.abs(relative_residual(closed(motion)))[list(left_out)]
         except ConvergenceError:
-            continue  # not a configuration the kept joints can reach
+            continue  # the kept joints do not allow this configuration
         worst = int(np.argmax(opened))
         if opened[worst] > OPENED_BY:
             names = ", ".join(labels[index] for index in left_out)
             raise ModelError(
                 f"the mechanism starts in a dead point: {names} depend(s) on the other joints in the initial "
                 f"configuration, but not beside it, where {labels[left_out[worst]]} would open by "
-                f"{opened[worst]:.2g} of its size or rad. How it leaves that position is undetermined: place "
-                "the bodies beside it (a driving joint with an angle there is enough), all joints closed"
+                f"{opened[worst]:.2g} of the machine's size, or rad. The motion out of a dead point is "
+                "undetermined: place the bodies beside it (a driving joint with an angle there is enough), "
+                "all joints closed"
             )

@@ -25,11 +25,11 @@ __all__ = [
 ]
 
 OPEN = 1e-6
-"""Relative to the machine's size, and rad: placements given with six digits pass."""
+"""Relative to the machine's size, or in rad: placements given with six digits are within this limit."""
 SLOWED = 1e-5
-"""Relative to the kinetic energy: velocities given with three digits pass."""
+"""Relative to the kinetic energy: velocities given with three digits are within this limit."""
 UNMET = 1e-3
-"""Relative to the largest rate of the joints' equations: placements given with three digits pass."""
+"""Relative to the largest rate of the joints' equations: the limit for placements given with three digits."""
 NAMED = 0.1
 """Relative to the largest change: bodies and joints with smaller changes are not reported."""
 ROUNDING = 1e-9
@@ -65,7 +65,7 @@ class VelocityCorrection:
 
 @dataclass(frozen=True)
 class Taken:
-    """A body without a given velocity that takes one from its drives: its speed and angular speed."""
+    """A body without a given velocity that moves with its driving joints: speed and angular speed."""
 
     body: str
     speed: float
@@ -74,7 +74,7 @@ class Taken:
 
 @dataclass(frozen=True)
 class DeformingStart:
-    """A body that starts with a deformation rate, and its kinetic energy, as no rigid motion suffices."""
+    """A body that starts with a deformation rate, as no rigid motion suffices; kinetic energy of the rate."""
 
     body: str
     energy: float
@@ -101,7 +101,7 @@ class StartChange:
     energies : kinetic energy of the bodies with a given velocity, as given, and as changed
     taken : bodies without a given velocity that start with one
     unmet, deforming : joints whose rates no rigid motion of the bodies satisfies, the worst first; bodies
-        that start with a deformation rate for it
+        that start with a deformation rate for this reason
     """
 
     open: tuple[ConstraintViolation, ...]
@@ -128,10 +128,11 @@ class StartChange:
     ) -> StartChange:
         """Compare the given state with the corrected one.
 
-        residual, rates : (m,)      of all constraint equations before, their rates at the given velocities
+        residual : (m,)             of all constraint equations as given
+        rates : (m,)                of these equations at the given velocities
         closed : Configuration      with the joints closed
         unmet : (m,)                rates that no rigid motion satisfies
-        largest_rate : of an equation, over its scale
+        largest_rate : largest rate of an equation, over its scale
         velocities : (nb, 6) each   of the frames, given and corrected
         """
         scales = row_scales(system)
@@ -183,7 +184,7 @@ def _are_largest(rates: np.ndarray) -> np.ndarray:
 
 
 def _open(system: System, gaps: np.ndarray, which: np.ndarray) -> tuple[ConstraintViolation, ...]:
-    """The worst equation of each joint that has any among `which`, the worst joint first."""
+    """The worst of the selected equations of each joint, the worst joint first."""
     relative = gaps / row_scales(system)
     worst, stands = [], system.constraint_slices
     for joint in system.joints:

@@ -1,4 +1,4 @@
-"""Velocities that satisfy the joints: by rigid motions first, by deformation only where these fail.
+"""Velocities that satisfy the joints: by rigid motions, and by deformation only where rigid motions fail.
 
 With velocities `v` as given, rates `r = G v + dg/dt` of the joints' equations, and rigid motions `R w` of the
 bodies,
@@ -6,9 +6,10 @@ bodies,
     G R w = - r,        least  w^T (R^T M R) w / 2
 
 A given velocity is kept as long as the velocities not given can satisfy the joints. There are three levels:
-bodies without any given velocity; the missing velocity, or angular velocity, of other bodies; given values. A
-level changes only by what the earlier levels cannot satisfy, each with the least kinetic energy. What no
-rigid motion satisfies is satisfied by the motion `x` of least kinetic energy beside the best rigid one:
+bodies without any given velocity; the missing velocity, or angular velocity, of other bodies; given values.
+Each level changes, with the least kinetic energy, only to cancel the rates that earlier levels cannot cancel.
+The rates that no rigid motion cancels are cancelled by the motion `x` of least kinetic energy, which is added
+to the best rigid motion:
 
     G x = - (r + G R w),    least over x and w of  x^T M x / 2
 """
@@ -39,27 +40,27 @@ __all__ = [
 _RANK = 1e-9
 """Relative effect of a motion on the joints, after projection on others, below which it is ignored."""
 _MET = 1e-9
-"""Relative to the rates from all velocities: a smaller remainder is rounding."""
+"""Relative to the rates due to all velocities: a smaller remainder is rounding."""
 
 
 class RigidFit(NamedTuple):
-    """The rigid motion that satisfies the joints' rates, or comes nearest to it."""
+    """The rigid motion that cancels the joints' rates, or as much of them as possible."""
 
     by_level: list[np.ndarray]
     """Velocities (n,) that each level adds"""
     left: np.ndarray
     """Remaining rates (m,), with rounding"""
     unmet: np.ndarray
-    """The same, with rounding set to zero"""
+    """Remaining rates, with rounding set to zero"""
     largest: float
-    """Rate of an equation from all velocities, over its scale"""
+    """Largest rate of an equation due to all velocities, over its scale"""
 
 
 class VelocityChange(NamedTuple):
     """Changes of velocities that satisfy the joints, vectors (n,); their sum is `rigid + deforming`."""
 
     rigid: np.ndarray
-    """Of the frames"""
+    """Rigid motion of the frames"""
     against: np.ndarray
     """The part of `rigid` that changes given velocities"""
     deforming: np.ndarray
@@ -104,8 +105,8 @@ def rigid_fit(
     levels : (n, k) each    rigid motions, of unit mass and orthogonal in it
     rows : (m, n)           derivatives of the rates
     rates, scales : (m,)    rates to cancel, and the scale of each
-    joint_masses : (m, m)   called where no rigid motion cancels all: the remainder is then least in the
-        kinetic energy of the motion of all freedoms that cancels it
+    joint_masses : function for (m, m), called if no rigid motion cancels all rates: the motion that cancels
+        the remainder then has the least kinetic energy
     """
     effects = [rows @ own for own in levels]
 
@@ -132,11 +133,11 @@ def given_parts(system: System) -> np.ndarray:
 
 
 def change_by_levels(effects: Sequence[np.ndarray], wanted: np.ndarray) -> list[np.ndarray]:
-    """Least squares in levels: each level adds only what the earlier ones cannot.
+    """Least squares in levels: each level contributes only where the earlier levels cannot.
 
     effects : (m, k) each, in coordinates of unit mass
-    wanted : (m,)       `sum effects x = wanted` in the least squares; of all solutions the last level's x is
-        least, then that of the level before
+    wanted : (m,)       `sum effects x = wanted` in the least squares; among all solutions the x of the last
+        level is smallest, then that of the level before
 
     Returns x (k,) of each level.
     """
@@ -160,7 +161,7 @@ def _range(matrix: np.ndarray) -> np.ndarray:
 
 
 def _least_squares(alone: np.ndarray, rest: np.ndarray, own: np.ndarray) -> np.ndarray:
-    """Least squares of a level; singular values are relative to those without earlier levels."""
+    """Least squares of a level; the rank decision is relative to the level without projection."""
     if not alone.size:
         return np.zeros(alone.shape[1])
     left, sizes, right = np.linalg.svd(alone, full_matrices=False)

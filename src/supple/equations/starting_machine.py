@@ -54,7 +54,7 @@ def joint_terms(model: Model, time: AnyArray, configuration: Configuration, velo
 
 
 class StartingMachine(Protocol):
-    """A machine as one method represents it, for its start. Vectors (n,) are those of the method."""
+    """A machine in the form of one method, for its start. Vectors (n,) are those of the method."""
 
     @property
     def system(self) -> System:
@@ -105,8 +105,8 @@ class StartingMachine(Protocol):
     ) -> np.ndarray:
         """The vector (n,) of least mass norm that cancels a residual of the joints, to first order.
 
-        The result is added to `velocity`, and preserves further conditions on it. The `terms` are those of
-        the joints in this configuration.
+        The result is added to `velocity`; the sum satisfies further conditions of the method, such as those
+        of frames. The `terms` are those of the joints in this configuration.
         """
         ...
 

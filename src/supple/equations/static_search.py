@@ -1,7 +1,7 @@
 """Search for a static equilibrium: damped descent that becomes Newton's method.
 
-At rest the equations of motion leave `f(q) + G(q)^T lambda = Q(t, q)`, `g(q, t) = 0`. Each iteration takes
-one implicit step of length `k` down the potential, in the mass norm,
+At rest the equations of motion are `f(q) + G(q)^T lambda = Q(t, q)`, `g(q, t) = 0`. Each iteration is one
+implicit step of length `k` down the potential, in the mass norm,
 
     ( M / k + K(q) ) dq + G^T dlambda = - residual,      G dq = - g,
 
@@ -14,9 +14,9 @@ and their forces `H dz` enter the first equation.
 Small k follow the descent to the next stable equilibrium, large k are Newton's method. The step is limited so
 that no point moves far at once, and so that the matrix of an unsupported body can be factored.
 
-If the search fails, as for shells whose walls wrinkle on the way, load and rotation are increased in steps:
-at a share s the machine rotates at s times its rate, and a part 1 - s of the initial unbalance without
-rotation is held back. Each search begins at the equilibrium of the share before.
+If the search fails, as for shells whose walls wrinkle on the way, load and rotation are increased in steps.
+At a share s the machine rotates at s times its rate, and the part 1 - s of the unbalanced forces of the start
+at rest is subtracted. Each search begins at the equilibrium of the share before.
 Source: pseudo-transient continuation, [KelleyKeyes1998]; natural parameter continuation.
 """
 
@@ -47,30 +47,30 @@ _LONGEST = 1e100
 _FASTEST = 100.0
 """Largest ratio of a step to the one before."""
 _LOST = 30.0
-"""Largest ratio of a residual to the smallest before; above it the search has left the equilibrium."""
+"""Ratio of a residual to the smallest earlier one, above which a search is stopped."""
 _FAR = 0.3
-"""A search with a residual below this is not considered lost."""
+"""Residual below which a search is not stopped."""
 _WORSE = 10.0
 """Largest growth of the residual in a step that would otherwise be rejected, in continuation."""
 _SHORTEST = 1e-4
 """Relative to the first step: shorter steps are not rejected."""
-_ARRIVAL = 20
-"""Iterations for a full revolution by the largest moves, as of a beam rolled up by a moment. A direct search
-that needs more is stopped, and load and rotation are increased in steps instead."""
+_AFTER_REVOLUTION = 20
+"""Iterations in addition to those of a full revolution by the largest moves (a beam rolled up by a moment). A
+direct search that needs more is stopped, and load and rotation are increased in steps instead."""
 _OF_A_SHARE = 12
-"""Iterations per share."""
+"""Largest number of iterations per share."""
 _FIRST_SHARE, _SMALLEST_SHARE = 0.25, 1 / 256
 _WANTED = 5
-"""Target number of iterations per step: the next step is longer or shorter in proportion."""
+"""Target number of iterations per share: the next increase is larger or smaller in proportion."""
 _SLOWER, _FASTER = 0.5, 1.5
-"""Smallest and largest ratio of the next step to a successful one."""
+"""Smallest and largest ratio of the next increase to a successful one."""
 _ON_THE_WAY = 1e-6
 """Residual of intermediate equilibria."""
 
 ROUND_OFF = 1e-4
-"""Where all terms of a kind vanish, as the moments of a hanging rod, only rounding remains: the reference of
-residuals is at least this part of the largest kind, both as work in a large motion. In a rotating machine all
-inertia forces may be balanced: the reference is at least this part of theirs."""
+"""Smallest reference of a residual, relative to the largest kind of terms, both as work in a large motion:
+where all terms of a kind vanish, as the moments of a hanging rod, only rounding remains. In a rotating
+machine the reference is also relative to the inertia forces, which may all be balanced."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class StaticSearch:
     """Convergence criteria and step limits of an equilibrium search.
 
     residual        : unbalanced force, moment and deformation, over the largest term in balance
-    largest_move    : of any point in an iteration, over the size of the system; of any rotation, rad
+    largest_move    : of any point in an iteration, over the size of the system; rotations in rad
     max_iterations  : limit before ConvergenceError
     """
 
@@ -117,20 +117,20 @@ class EquilibriumResidual(NamedTuple):
     size: float = 0.0
     """Largest term in balance, as work in a large motion"""
     unrest: Mapping[str, float] = MappingProxyType({})
-    """Described states of controllers, with their rates over the largest part of each"""
+    """Relative rates of controller states, by a description of the state"""
 
 
 class StaticStep(NamedTuple):
     """One implicit step."""
 
     increment: np.ndarray
-    """Of the configuration, (n,)"""
+    """Increment of the configuration, (n,)"""
     multipliers: np.ndarray
     frame_multipliers: tuple[np.ndarray, ...] = ()
     control: np.ndarray = _NONE
-    """Of the controllers' states"""
+    """Change of the controllers' states"""
     climbs: bool = False
-    """True when the step is known to ascend: its tangent has negative directions"""
+    """True if the tangent is known to have negative directions, so that the step may ascend"""
 
 
 class Equations(Protocol):
@@ -151,7 +151,7 @@ class Equations(Protocol):
 
     @property
     def is_discrete(self) -> bool:
-        """Whether velocities of forces and of masses differ, by the discretisation error of a mesh."""
+        """Whether the velocities conjugate to forces and those of masses differ by a discretisation error."""
         ...
 
     def start(self) -> StaticState:
@@ -177,7 +177,7 @@ class Equations(Protocol):
         ...
 
     def eased(self, share: float, held: np.ndarray) -> Self:
-        """The machine at a share of its angular velocity, with forces (n,) held back."""
+        """The machine at a share of its angular velocity, with forces (n,) subtracted."""
         ...
 
     def moved(self, configuration: Any, increment: np.ndarray) -> Any:
@@ -221,7 +221,7 @@ def search_equilibrium(
     Raises ConvergenceError   no equilibrium found: an unsupported body, or loads beyond the strength of a
     body
     """
-    enough = int(2 * np.pi / search.largest_move) + _ARRIVAL
+    enough = int(2 * np.pi / search.largest_move) + _AFTER_REVOLUTION
     if search.max_iterations <= enough:
         return _downhill(machine, state, time, search, progress)
     tried: list[int] = []
@@ -253,7 +253,7 @@ def search_equilibrium(
         share, step, iterations = asked, faster * (asked - share), iterations + used
     if share == 1:
         return state, iterations
-    # A free rotating body first moves outwards before Newton's method converges: that needs iterations.
+    # A free rotating body first moves outwards before Newton's method converges, which needs all iterations.
     try:
         return _downhill(machine, begun, time, search, progress)
     except ConvergenceError:
@@ -295,8 +295,8 @@ def _downhill(
         best = min(best, largest)
         if not np.isfinite(largest) or largest > max(lost * best, _FAR):
             break
-        # In a step that went far from the start, a move within rounding is zero as well: where all terms of a
-        # kind vanish, their remainder has no reference.
+        # A move within rounding, in a step longer than the first, counts as converged as well: where all
+        # terms of a kind vanish, the residual has no reference.
         stagnant = move <= 1e-13 and k >= first and _restless(found, search) is None
         if found.gap <= 1e-12 and (largest <= search.residual or stagnant):
             return state, iteration
@@ -355,7 +355,7 @@ def moved_state(machine: Equations, state: StaticState, change: StaticStep) -> S
 
 
 def carried_state(machine: Equations, time: float) -> tuple[StaticState, float]:
-    """The state with bodies as placed and joints carrying the unbalance; the share that they cannot carry."""
+    """The state with bodies as placed and with joint forces that balance it; the share left unbalanced."""
     state, weights = machine.start(), machine.position_scale
     found = machine.unbalance(state, time)
     unbalanced = weights * machine.residual(state, time)

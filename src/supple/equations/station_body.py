@@ -1,8 +1,8 @@
-"""A body in a floating frame with joints and forces at stations: any form of body.
+"""A body in a floating frame, of any form, with joints and forces at stations.
 
 Its velocities u are those of its frame and the rates of its r coordinates, as for a reduced body; its mass
-and strains are internal. For joints and forces each station is a rigid body without mass, whose velocities
-are J(q) u, and whose forces f act as J^T f:
+and strains are internal. For joints and forces each station is a rigid body without mass. Its velocities are
+J(q) u, and forces f on it act as J^T f:
 
     M(q) u' + c(q, u) + f(q) - Q + J^T f_s = 0
 """
@@ -61,7 +61,7 @@ class StationBody(Protocol):
 
     @property
     def index(self) -> int:
-        """Its number in the system."""
+        """Number of the body in the system."""
         ...
 
     @property
@@ -82,7 +82,7 @@ class StationBody(Protocol):
         ...
 
     def motion(self, states: list[BodyState]) -> FramedMotion:
-        """Its motion over some times."""
+        """Motion of the body over some times."""
         ...
 
     def station_motions(self, motion: Motion) -> Mapping[str, FloatingMotion]:
@@ -94,9 +94,9 @@ class StationBody(Protocol):
 class MachineWithStations:
     """A machine with station bodies.
 
-    system : System     itself
-    seen : System       as joints and forces use it: the other bodies in their order, then all stations
-    bodies : of stations, in the order in which they are seen
+    system : System     the machine
+    seen : System       the machine for joints and forces: the other bodies in their order, then all stations
+    bodies : the station bodies, in the order of their stations
     """
 
     system: System

@@ -1,7 +1,7 @@
 """Machines in steady rotation: their motion at one time, and their equations in co-rotating axes.
 
 A body that rotates about a fixed axis has constant velocities in its own axes. Small motions about that state
-are measured there as well: `p = (A^T dR, psi, e)`, with the velocities and accelerations
+are measured in these axes: `p = (A^T dR, psi, e)`, with the velocities and accelerations
 
     V = dp/dt + S p,        a = dV/dt + S_R V,
 
@@ -60,18 +60,18 @@ class SteadyTurning(NamedTuple):
     """(3,), on the axis"""
 
     def slowed(self, share: float) -> SteadyTurning:
-        """The same at a share of its rate."""
+        """The rotation at a share of its rate."""
         return self._replace(angular_velocities=share * np.asarray(self.angular_velocities))
 
 
 @dataclass(frozen=True, eq=False)
 class SteadyEquations:
-    """Data of the `Equations` of all methods: a machine, its start, its rotation, and forces held back.
+    """Data of the `Equations` of all methods: a machine, its start, its rotation, and subtracted forces.
 
     machine : Any               prepared for its method, with independent equations
     begin : Any                 state with bodies as placed
-    turning : Turning | None    rotation of the bodies in their order; None at rest
-    held : (n,)                 forces held back
+    turning : SteadyTurning | None      rotation of the bodies in their order; None at rest
+    held : (n,)                 forces subtracted during the search
     """
 
     machine: Any
@@ -84,7 +84,7 @@ class SteadyEquations:
         return replace(self, turning=None)
 
     def eased(self, share: float, held: np.ndarray) -> Self:
-        """The machine at a share of its angular velocity, with forces (n,) held back."""
+        """The machine at a share of its angular velocity, with forces (n,) subtracted."""
         return replace(self, turning=None if self.turning is None else self.turning.slowed(share), held=held)
 
     @property
@@ -125,7 +125,7 @@ def steady_motion(
     multipliers: AnyArray,
     states: AnyArray,
 ) -> SystemMotion:
-    """The motion of bodies in steady rotation, with all else constant.
+    """The motion of bodies in steady rotation, with constant coordinates.
 
     states : of all controllers, one after the other
     """
@@ -164,7 +164,7 @@ def linear_equations(
 ) -> LinearEquations:
     """The equations of motion, linearised about a steady motion; `terms` were evaluated there."""
     mass = step_matrix(model, motion, terms, 0.0, 0.0)
-    # A factor so large that no digit is lost beside the mass, in any unit of time.
+    # The factor is so large that adding the mass loses no digit, in any unit of time.
     damping = (step_matrix(model, motion, terms, 0.0, _LARGE) - mass) / _LARGE
     stiffness = (step_matrix(model, motion, terms, _LARGE, 0.0) - mass) / _LARGE
     axes = in_turning_axes(model, motion.configuration)

@@ -31,8 +31,8 @@ def next_step(
     """Step size after a converged step of size `h` whose local error, of third order, was `error`.
 
     Every change of the step excites the integrator's spurious roots, which look like errors: the step grows
-    only if it can grow by half. A step shortened to end at an output time does not shorten later ones: growth
-    is measured relative to the `intended` step.
+    only if it can grow by half. Growth is relative to the `intended` step, so that a step shortened to end at
+    an output time does not shorten later ones.
     """
     ratio = jnp.where(error > 0, tolerance / jnp.where(error > 0, error, 1.0), jnp.inf)
     best = 0.9 * h * ratio ** (1 / 3)

@@ -18,7 +18,7 @@ _NEAREST = 1e-5
 
 
 def laws_of(system: System) -> list[tuple[str, TimeLaw]]:
-    """Names and laws of all prescribed motions and loads, in that order; without elements that have none."""
+    """Names and laws of all prescribed motions and loads that have a law, in that order."""
     every = [(f"joint '{joint.name}'", joint.law) for joint in system.joints]
     every += [(load.label, load.law) for load in system.loads]
     return [(name, law) for name, law in every if law is not None]

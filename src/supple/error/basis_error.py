@@ -13,7 +13,7 @@ from supple.reduction.locking import TOLERATED
 __all__ = ["BasisError", "BodyError"]
 
 FIRST_ORDER = 1 / 3
-"""Second correction over the first; above it the estimate is good to an order of magnitude only."""
+"""Ratio of the second correction to the first, above which the estimate is an order of magnitude only."""
 
 ENRICH = "keep more modes, or let the reduction correct itself (accuracy = { relative = 1e-3 })"
 """Remedy for a basis whose error is too large."""
@@ -26,13 +26,13 @@ ASK_FOR_LESS = "ask for a smaller error, or start with more modes"
 class BodyError:
     """Error of one body caused by its basis, by the error equation.
 
-    rms : float             largest over time of the RMS over the nodes of their error, unit of length
-    worst : float           largest error of a node over the run, unit of length
+    rms : float             largest RMS error of the nodes at an output time, unit of length
+    worst : float           largest error of a node at the time of this RMS, unit of length
     worst_node : int        the node with that error
     worst_time : float      time of that error
-    rest : float            RMS of the corrections outside the error space, at times not used to build it
-    second : float | None   size of a second correction over the first at the worst instants; above a third
-                            the error is an order of magnitude only; None: not estimated
+    rest : float            largest RMS of corrections outside the error space, at times not used to build it
+    second : float | None   ratio of a second correction to the first at the times of the largest errors;
+                            above a third the error is an order of magnitude only; None: not estimated
     history : (t,)          RMS over the nodes at the output times
     indicator : float       largest RMS over the nodes of the motion outside the basis at rest; infinite
                             where no equilibrium was found; 0: not estimated
@@ -54,7 +54,7 @@ class BodyError:
 
     @property
     def estimate(self) -> float:
-        """Estimated error: largest RMS over the nodes in the run, plus that outside the error space."""
+        """Estimated error: largest RMS over the nodes, plus the part outside the error space."""
         return self.rms + self.rest
 
     @property

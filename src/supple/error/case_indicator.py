@@ -1,10 +1,10 @@
 """Indicator of the reduction error in many runs of one machine: the error equation in few columns.
 
-The estimate for a single run takes about a hundred columns, found by factorisations of its own. Here about
-thirty columns serve all runs of a group: the columns of their bases, the motion outside the bases that
-estimates of representative runs have found, and the lowest modes. The elasticity in these columns is one
-polynomial (`ElasticPolynomial`). Each run therefore takes one additional linear march, mapped over the cases
-in one compiled program.
+The estimate for a single run has about a hundred columns, from factorisations for this run alone. Here about
+thirty columns serve all runs of a group: the columns of their bases, the motion outside the bases found by
+estimates of representative runs, and the lowest modes. The elasticity in these columns is one polynomial
+(`ElasticPolynomial`). Each run therefore needs one additional linear march only, mapped over the cases in one
+compiled program.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from supple.error.equation import (
 from supple.error.equation.elastic_polynomial import ElasticPolynomial
 from supple.error.equation.error_batch import first_together
 from supple.error.equation.error_model import body_of_columns, padded_size
-from supple.error.error_estimate import WILD, modal_damping, reduced_form
+from supple.error.error_estimate import DIVERGED, modal_damping, reduced_form
 from supple.error.residual_correction import active_constraints
 from supple.integrate import FloatingMotion, Run, Solution
 from supple.machine import System
@@ -52,10 +52,11 @@ SLOWNESS = 1e2
 AT_ONCE = 16
 """Runs marched together: 0.2 GB for 5000 steps in 14 coordinates."""
 MOST_INSTANTS = 1250
-"""Largest number of steps of the error in a run; estimates take all steps, and their ratio corrects it."""
+"""Largest number of steps of the error in a run. Full estimates use all steps; the effectivity corrects the
+difference."""
 MANY_STEPS = np.inf
-"""Number of steps assumed in all runs of a sweep: a further column costs time in each run, and one program
-serves all of them."""
+"""Number of steps assumed in all runs of a sweep: a further column costs time in each run, but all runs share
+one program."""
 LOOKED = 200
 """Number of times at which the size of a motion is evaluated."""
 
@@ -63,7 +64,7 @@ LOOKED = 200
 class Indicated(NamedTuple):
     """Indicator of a body in a run: largest RMS error of its nodes, and its largest displacement.
 
-    error : infinite where the run stopped early, or where the error exceeds the displacement
+    error : infinite where the run stopped early, or where the error exceeds ten times the displacement
     """
 
     error: float
@@ -75,7 +76,8 @@ class IndicatorBody:
     """A body that many runs share, with the columns of their motion and of their error.
 
     full : the full body as in any of the runs, except for its damping
-    columns : of the motion;  space : of the error, contains these columns
+    columns : columns of the motion
+    space : columns of the error, which contain those of the motion
     """
 
     full: FullBody
@@ -147,7 +149,7 @@ def case_indicators(
     dampings : damping of these bodies in each case
     at_rest : whether the runs start at rest, in equilibrium
 
-    Raises ModelError for machines with intrinsic bodies or controllers, which are not linearised here.
+    The machine must have no intrinsic bodies or controllers (`check_linearised`).
     """
     found = [
         {
@@ -203,14 +205,14 @@ def size_of_motion(body: ReducedBody, motion: FloatingMotion) -> float:
 
 
 def _seen_instants(system: System, run: Run, solution: Solution) -> Solution:
-    """The run at every step; a long run at fewer times, between which the error takes longer steps."""
+    """The run at every step; a long run at no more than `MOST_INSTANTS` times, the steps of its error."""
     seen = solution if len(solution.times) > MOST_INSTANTS else every_step(system, run, solution).solution
     return seen.at(slice(None, None, -(-(len(seen.times) - 1) // MOST_INSTANTS)))
 
 
 def _bounded(history: ErrorHistory, size: float) -> Indicated:
     largest = float(history.rms.max())
-    return Indicated(largest if largest <= WILD * size else np.inf, size)
+    return Indicated(largest if largest <= DIVERGED * size else np.inf, size)
 
 
 def _long(system: System, bodies: Mapping[str, IndicatorBody]) -> float:

@@ -3,8 +3,8 @@
 The richer bases contain the old basis, the 24 lowest modes in the frame and 12 leading directions of the
 motion outside the basis (`system_corrections`). With controllers that motion is unknown, because the
 controller forces are known during the run only. Then the richer bases contain the static shapes of the
-interfaces and compressed derivatives instead. On accepted runs whose own estimate was 0.2 to 0.6 of the true
-error, the distance to such a run was 0.75 to 1.0 of it.
+interfaces and compressed derivatives instead. For accepted runs with estimates of 0.2 to 0.6 of the true
+error, the distance to a run with richer bases was 0.75 to 1.0 of the true error.
 """
 
 from __future__ import annotations
@@ -118,7 +118,7 @@ def _onto(full: FullBody, basis: ReductionBasis, richer: ReductionBasis) -> np.n
 
 
 def _richer(full: FullBody, basis: ReductionBasis, missed: np.ndarray | None) -> ReductionBasis:
-    """The basis with modes and the motion outside it; where that is unknown, with another start basis."""
+    """The basis with modes and the motion outside it; if that is unknown, with another start basis."""
     n_modes = min(MODES, max(full.n_coordinates - 8, 1))
     modes = reduction_basis(full.body, full.frame, NormalModes(n_modes), derivatives=NoDerivatives())
     more = enrich(full.body, basis, modes.vectors, n_modes).basis

@@ -22,7 +22,7 @@ __all__ = [
 ]
 
 SMALL_SECOND = 0.02
-"""A smaller second correction is not computed: the first is accurate to this ratio."""
+"""Ratio of the second correction to the first, below which the first-order error is accepted."""
 CLEAR_SECOND = 0.1
 """The same for an error that is `CLEARLY` larger than the allowed error."""
 CLEARLY = 2.0
@@ -47,9 +47,9 @@ def converged(
     """Iterate the error equation about the corrected motion until the differences converge.
 
     Each iteration is a Newton step for the motion itself. Without convergence the first differences are
-    returned, as an order of magnitude. Where forces have kinks, a small change can be an oscillation between
-    two sides of a kink; errors of the size of the deformation are far from the run. In both cases the
-    iteration continues to a smaller change.
+    returned, as an order of magnitude. The iteration continues to a smaller change in two cases: where forces
+    have kinks (a small change can be an oscillation between two sides of a kink), and for errors of the size
+    of the deformation.
     """
     found, own, changes = first, histories, dict.fromkeys(histories, np.inf)
     if not is_finite(histories):

@@ -53,7 +53,7 @@ class CorrectionFolder:
     def create(cls, folder: Path | str, *, case: str, inputs: Inputs | None = None) -> Self:
         """Start a new archive, and delete the rounds in the folder.
 
-        inputs : what the rounds depend on, stored with each; by default those of its system, run and case
+        inputs : data on which the rounds depend, stored with each; by default its system, run and case
 
         Raises
         ------
@@ -184,7 +184,7 @@ def _basis(kept: Mapping[str, np.ndarray], name: str, full: FullBody) -> Reducti
 
 
 def _plain_report(report: ReductionReport) -> dict[str, Any]:
-    """The mappings and tuples of a report as JSON takes them."""
+    """The mappings and tuples of a report in a form for JSON."""
     every = {item.name: getattr(report, item.name) for item in fields(report)}
     return {
         name: dict(value) if isinstance(value, Mapping) else value

@@ -39,15 +39,16 @@ class SelfCorrection:
     """The target error of a self-correction, and its limits.
 
     absolute : float        largest RMS error of the nodal positions over the run, unit of length; or
-    relative : float        the same over the largest displacement of a node, relative to the body's first
-                            interface (to its floating frame where it has none)
+    relative : float        the same error over the largest displacement of a node; displacements are relative
+                            to the body's first interface, or to its floating frame without an interface
     instants : int          number of stratified samples of the run at which the residual is balanced, in
                             addition to the times of load peaks and kinks
-    directions : int        columns added per round; fewer may save single columns, but a stiff direction that
-                            is left out locks the others and takes a further round
+    directions : int        columns added per round; fewer may save single columns, but an omitted stiff
+                            direction locks the others and costs a further round
     largest_size : int      largest number of coordinates of the basis
     max_rounds : int        largest number of enrichments
-    of : QuantityOfInterest     whose error is limited; by default the positions of all nodes of the body
+    of : QuantityOfInterest     the error of which is limited; by default the positions of all nodes
+
     Raises ModelError when both or none of absolute and relative are given, or a number is not positive.
     """
 
@@ -88,8 +89,8 @@ class ReductionStart:
     """Start of the reduction of one body, and its target error.
 
     target : SelfCorrection
-    basis, derivatives, quartic : as for `reduce`; the default is plain (not condensed) tensors, because the
-        rounds add the missing directions themselves: all motion is then in the basis, where loads act on it
+    basis, derivatives, quartic : as for `reduce`, except that tensors are plain (not condensed) by default:
+        the rounds add the missing directions to the basis, so that loads act on all motion
     """
 
     target: SelfCorrection = field(default_factory=lambda: SelfCorrection(relative=1e-3))
@@ -107,18 +108,18 @@ class Round:
 
     body : ReducedBody
     solution : Solution             up to the time at which the run stopped
-    estimated_error : float         largest RMS error of the nodal positions over the run, by the error
-                                    equation; infinite where the run stopped early or the error is too large
-                                    for the equation
+    estimated_error : float         of the quantity of interest (by default the largest RMS error of the nodal
+                                    positions), by the error equation; infinite where the run stopped early
+                                    or the error is too large for the equation
     indicator : float               largest RMS of the motion outside the basis, at the sample times
     singular_values : (k,)          of that motion outside the basis, in the M-norm, descending; empty for a
                                     body that is not enriched further
     seconds : float                 wall time of the reduction, the run and its correction, of all bodies
-    allowed : float                 the target error, unit of length
+    allowed : float                 the target error, in the unit of the quantity of interest
     useless : bool                  no improvement over the previous round
     unconfirmed : bool              the body locks, or the motion outside the basis at rest exceeds the
                                     estimated error, and no second run has confirmed that error
-    number : int | None             number of its run in the archive; None: the number of the round
+    number : int | None             number of the run in the archive; None: that of the round
     run : Run | None                the settings of the run as it was stepped
     """
 
@@ -166,7 +167,7 @@ class SelfCorrected:
 
     @property
     def estimated_error(self) -> float:
-        """Error of that run, unit of length."""
+        """Error of that run, in the unit of the quantity of interest."""
         return self.rounds[-1].estimated_error
 
 

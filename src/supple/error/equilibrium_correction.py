@@ -1,7 +1,7 @@
 """Self-correction at rest: find an equilibrium or modes, and enrich the bases by the motion outside them.
 
-No time integration is needed. The equilibrium in all coordinates is one factorisation away from the reduced
-one, and the enriched basis contains it. One or two rounds therefore suffice.
+No time integration is needed. The equilibrium in all coordinates follows from the reduced one by one
+factorisation, and the enriched basis contains it. One or two rounds therefore suffice.
 """
 
 from __future__ import annotations
@@ -78,8 +78,8 @@ def correct_at_rest(
     """Reduce bodies of a system together until their error in an equilibrium is allowed.
 
     system : System     contains each body to reduce as a FullBody, with its frame and damping
-    target : the target error of every full body (SelfCorrection); with the start basis (ReductionStart); or
-        such a start for each named body, while the others stay as they are
+    target : the target error of every full body (SelfCorrection), or also its start basis (ReductionStart);
+        or a ReductionStart for each named body, with all other bodies unchanged
     time, spin, search : as for `equilibrium`
 
     Raises
@@ -174,7 +174,7 @@ def _reduced(
     starts: Mapping[str, ReductionStart],
     bases: Mapping[str, ReductionBasis],
 ) -> System:
-    """The machine with its bodies on the bases; their initial deformation is projected on these."""
+    """The machine with reduced bodies; their initial deformation is projected on the bases."""
     with warnings.catch_warnings():
         # Locking is caused by motion outside the basis, which the rounds find and report.
         warnings.simplefilter("ignore", LockingWarning)

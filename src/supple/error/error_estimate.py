@@ -1,4 +1,4 @@
-"""Error of a finished reduced run caused by its bases, by the error equation; and the motion outside them."""
+"""Error of a finished reduced run caused by its bases, by the error equation; motion outside the bases."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ __all__ = ["ErrorEstimate", "ErrorEstimator", "MissingMotion", "estimate_error"]
 
 INSTANTS = 50
 FRESH = 16
-"""Number of the `INSTANTS` that are not used to build the error space: they show what is outside it."""
-WILD = 10.0
+"""Number of the `INSTANTS` not used to build the error space; their corrections measure the part outside."""
+DIVERGED = 10.0
 """Ratio of error to deformation above which the error is a numerical instability."""
 
 
@@ -68,10 +68,10 @@ class ErrorEstimate:
     error : BasisError
     histories : ErrorHistory, by body       the error at every step of the run
     missed : (n, m), by body                displacement fields outside the basis, scaled as in the run
-    corrections : ResidualCorrections, by body      the quasi-static ones among them
-    corrected : the system in the columns of the error, and the estimate of its true motion, from
-                which the error of any quantity of interest follows; None without an estimate
-    factorizations : int    of matrices of the whole system or a body in full
+    corrections : ResidualCorrections, by body      the quasi-static motion outside the basis
+    corrected : the system in the columns of the error, and the estimate of its true motion; these give
+                the error of any quantity of interest; None without an estimate
+    factorizations : int    number of factorisations of the whole system or of a full body
     """
 
     error: BasisError
@@ -112,12 +112,12 @@ def estimate_error(
     *,
     progress: Progress | None = None,
 ) -> BasisError:
-    """Error of a reduced run caused by its bases, without a full run; for self-corrected and plain runs.
+    """Error of a reduced run caused by its bases, without a full run; for self-corrected and other runs.
 
     To first order the error obeys the full equations of the system, linearised about the run and driven by
-    the run's own residual. They are solved in about a hundred coordinates per body (`ErrorEquation`), with
-    the run's own integrator and steps. Where the error is not small, they are solved again about the
-    corrected motion.
+    the run's own residual. These equations are solved in about a hundred coordinates per body
+    (`ErrorEquation`), with the run's own integrator and steps. Where the error is not small, they are solved
+    again about the corrected motion.
 
     Parameters
     ----------
@@ -370,7 +370,7 @@ def is_smooth(system: System) -> bool:
 
 
 def modal_damping(body: ReducedBody) -> ModalDamping | None:
-    """Modal damping of a reduced body whose full body has none; higher modes take the last ratio."""
+    """Modal damping of a reduced body whose full body has none; higher modes have the last ratio."""
     if not body.damping.any():
         return None
     squares, modes = np.linalg.eigh(body.stiffness)
@@ -410,7 +410,7 @@ def _differences(
 ) -> Differences | None:
     """True motion less the run's, the errors by body, and their last relative change by body.
 
-    None where the differences grow far beyond the deformation: then not even the order of magnitude is known.
+    None where the differences grow far beyond the deformation: the order of magnitude is then unknown, too.
     missed_along : motion outside the bases at rest, at many times
     allowed : as for `ErrorEstimator.assess`
     smooth : bool   whether elastic second corrections suffice to show that an error is small
@@ -426,7 +426,7 @@ def _differences(
     nonlinear = not all(history.body.full.is_linear for history in histories.values())
     if nonlinear and max(first[2].values()) > FIRST_ORDER:
         # Tangents at the run's own state can be unstable: where walls should have buckled but have not in
-        # the run, any difference grows. With the motion outside the bases at rest added, they are stable.
+        # the run, any difference grows. At the run plus the motion outside its bases, tangents are stable.
         tangents = equation.with_missed({name: _known(own) for name, own in missed_along().items()})
         about = equation.first(tangents)
         other = converged(equation, about, equation.histories(about), tangents, smooth=smooth)
@@ -437,7 +437,7 @@ def _differences(
 
 def _are_bounded(histories: Mapping[str, ErrorHistory]) -> bool:
     return is_finite(histories) and all(
-        float(history.rms.max()) <= WILD * deflection(history) for history in histories.values()
+        float(history.rms.max()) <= DIVERGED * deflection(history) for history in histories.values()
     )
 
 
@@ -495,8 +495,8 @@ def _rest(history: ErrorHistory, fresh: np.ndarray) -> float:
 def _missing(history: ErrorHistory, second: float, corrections: np.ndarray) -> np.ndarray:
     """Fields (n, m) for new columns: the corrections, and the error where it is known.
 
-    Where the march of the error has diverged, its shapes are those of the instability. For a blade whose
-    walls buckle they would displace columns found by the corrections.
+    Where the march of the error has diverged, its shapes are those of the instability. For a blade with
+    buckling walls, such shapes would displace columns found by the corrections.
     """
     if second > FIRST_ORDER and not history.body.full.is_linear:
         return corrections

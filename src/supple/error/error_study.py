@@ -28,11 +28,12 @@ __all__ = ["ErrorStudy", "state_errors"]
 class ErrorStudy:
     """The parts of the error that are estimated, and the quantities of interest.
 
-    basis : bool        by the error equation, or by one more run with richer bases; for bodies whose full
-                        coordinates are given
-    integration : bool  by two more runs: a tighter tolerance, and in addition half the step; False: only the
-                        floor of the integration error
-    model : bool        at six times: forces of all elements, and one solution of the whole system
+    basis : bool        error of the basis, by the error equation or by one more run with richer bases; for
+                        bodies whose full coordinates are given
+    integration : bool  errors of step and tolerance, by two more runs: the first with a tighter tolerance,
+                        the second also with half the step; False: only the floor of the integration error
+    model : bool        error of the kinematics, from the forces of all elements and one solution of the whole
+                        system at six times
     quantities : of interest, in addition to the positions of every elastic body
     """
 
@@ -61,15 +62,15 @@ def state_errors(
 ) -> Solution:
     """The solution with its error estimates: `solution.errors`, and `motion.error` of its bodies.
 
-    The parts are those of the basis, the time step, Newton's tolerance and the model; `ErrorStudy` describes
-    how each is found. A kinematic run has none of them.
+    The parts are the errors of the basis, the time step, Newton's tolerance and the model; `ErrorStudy`
+    describes how each is found. A kinematic run is returned unchanged.
 
     Parameters
     ----------
     system, run, solution : the machine as simulated, the settings of the run, and its result
     study : ErrorStudy      by default all parts, of every elastic body
-    fulls : the full bodies of the reduced ones; without them the basis is not assessed, and the model by its
-        limit of rotation only
+    fulls : the full bodies of the reduced ones; without them the error of the basis is not estimated, and
+        that of the model from its rotation limit only
     progress : called with the name of the current step and its completed fraction
 
     Raises

@@ -1,16 +1,18 @@
 """Error of a run caused by the time integration: its step, and the tolerance of Newton's iteration.
 
-Two more runs of the same machine measure it, the first with a hundredth of the tolerance, the second in
-addition with half the step. With q(h) their motions and an integrator of second order, q(h) = q + c h^2 + ..,
+Two more runs of the same machine measure this error, the first with a hundredth of the tolerance, the second
+in addition with half the step. With q(h) and q(h/2) their motions, and q(h) = q + c h^2 + .. for an
+integrator of second order,
 
     step = 4/3 |q(h) - q(h/2)|,        newton = max( |q_run - q(h)|, 10 tol |u| ),
 
 both in the norm of the quantity of interest. Where a load jumps, a fixed step meets the jump up to half a
 step too early or too late. This error is of first order, q(h) = q + c h + .., and halves with the step. The
-error of the step is then at most 2 |q(h) - q(h/2)|, which is stated. Adaptive steps with local error tol have
-a global error of about tol^(2/3). For these, an eighth of the tolerance and half the largest step replace
-half the step. The tolerance is relative to the forces in balance. The remaining error is therefore at least
-about ten times tol |u|, u the displacement: the floor of the integration error, the smallest value stated.
+stated error of the step is then its bound 2 |q(h) - q(h/2)|. Adaptive steps with local error tol have a
+global error of about tol^(2/3). For these, the second run has an eighth of the local error and half the
+largest step. Newton's tolerance is relative to the forces in balance. The remaining error is therefore at
+least about ten times tol |u|, u the displacement. This floor of the integration error is the smallest value
+stated.
 """
 
 from __future__ import annotations
@@ -45,7 +47,7 @@ TIGHTER = 1e-2
 RICHARDSON = 4 / 3
 """1 / (1 - HALF^2): error of second order over its change from h to h/2."""
 AT_JUMPS = 2.0
-"""The same for an error of first order."""
+"""1 / (1 - HALF): the same for an error of first order."""
 FLOOR = 10.0
 """Floor of the error, over displacement times tolerance."""
 TIGHTEST = 1e-12

@@ -10,14 +10,15 @@ straight or about to buckle. A basis enriched by such directions does not improv
 
 The solution at one time is the start value at the next: missing motion grows from zero and is followed as it
 grows. A shell whose walls buckle has several equilibria close together, and the motion follows one of them.
-Sample times far apart lose it (on the 61.5 m blade at 8 rad/s: 0.6 s apart lost, 0.2 s apart followed). At
-intermediate times a relative correction of a tenth is accurate enough, because the next search has the strict
-tolerance again. A tangent is frozen over several times while it reduces corrections to less than a third.
+If sample times are far apart, the search leaves this equilibrium (61.5 m blade at 8 rad/s: it does at 0.6 s,
+not at 0.2 s). At intermediate times a relative correction of a tenth is accurate enough, because the search
+at the next sample time has the strict tolerance again. A tangent is frozen over several times while it
+reduces corrections to less than a third.
 
-Not all sample times need intermediate times. Where every correction from the last solution on, with one
-tangent, is less than a third of the previous one, the iteration is a contraction. The solution is then the
-only one nearby, the one that following would have found. Otherwise the motion is followed from there.
-Source: this project's own.
+Not all sample times need intermediate times. If every correction by one tangent, from the last solution on,
+is less than a third of the previous one, the iteration is a contraction. Its limit is then the only solution
+nearby, the same as with intermediate times. Otherwise the motion is followed along the intermediate times.
+Source: original to this project.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ from supple.methods.floating.full.full_system import FullSystem
 __all__ = ["CONVERGED", "FOLLOWED", "MissingMotion", "MissingMotionSearch"]
 
 CONVERGED = 1e-3
-"""Last correction over the motion found: convergence tolerance."""
+"""Convergence tolerance: ratio of the last correction to the motion found."""
 FOLLOWED = 0.1
 """The same at intermediate times."""
 IRRELEVANT = 1e-7
@@ -45,7 +46,7 @@ FAST, SLOW = 0.3, 0.8
 """Largest ratio of successive corrections with a frozen tangent, and with a new one."""
 MOST_CORRECTIONS = 12
 MOST_RELAXATIONS = 4
-"""Largest number in one run: they take many factorisations, and a run that needs more is far off."""
+"""Largest number of searches by `_relaxed` in one run: each needs many factorisations."""
 MOST_STEPS_DOWNHILL = 16
 HEAVIER = 1e4
 """Factor of the inertia in the first downhill step."""
@@ -82,7 +83,7 @@ class MissingMotionSearch:
     """Finds the missing motion at ascending times; keeps the last solution and the tangent.
 
     machine : FullSystem
-    by_position : float     p; acceleration times p is displacement, for motion slow against all vibrations
+    by_position : float     p, the ratio of displacement to acceleration; large for slow motion
     """
 
     def __init__(self, machine: FullSystem, by_position: float) -> None:
@@ -112,7 +113,7 @@ class MissingMotionSearch:
         return None
 
     def directly(self, state: FullState, tolerance: float = CONVERGED) -> MissingMotion | None:
-        """The same by the iteration from the last solution; None where it is no contraction."""
+        """Missing motion by iteration from the last solution; None where this is no contraction."""
         begin = self._beginning(state)
         for _ in range(2 if self._tangent is not None else 1):
             try:
@@ -176,7 +177,7 @@ class MissingMotionSearch:
             if not rate <= FAST:
                 return None
             at = at + more
-            # The next correction is smaller by the same ratio; of the first correction no ratio is known.
+            # The next correction is smaller by the same ratio, which is unknown for the first correction.
             if (rate or FAST) * size <= self._last_correction(state, at, tolerance):
                 return at
         return None
@@ -201,15 +202,15 @@ class MissingMotionSearch:
                     before = np.inf
                     continue
             at = at + more
-            # Where corrections shrink fast, the next one would be smaller by the same ratio; of the first
-            # correction no ratio is known.
+            # Where corrections shrink fast, the next one would be smaller by the same ratio, which is unknown
+            # for the first correction.
             left = rate * size if 0.0 < rate < FAST else size
             if left <= self._last_correction(state, at, tolerance):
                 return at
         return None
 
     def _relaxed(self, state: FullState, begin: MissingMotion, tolerance: float) -> MissingMotion | None:
-        """Implicit steps of falling energy that grow into Newton steps: they end in a stable equilibrium."""
+        """Implicit steps of falling energy that become Newton steps and end in a stable equilibrium."""
         limit = LARGEST_MOVE * self._deformation(state)
         at, by_position = begin, self._by_position / HEAVIER
         self._tangent = None
@@ -266,7 +267,7 @@ class MissingMotionSearch:
         return max(tolerance * self._size(found), IRRELEVANT * self._deformation(state))
 
     def _factored(self, at: Evaluation, by_position: float) -> FrozenTangent:
-        """Symmetric part, nearly all of the tangent at rest; all where the factorisation needs pivots."""
+        """Frozen symmetric part of the tangent; the whole tangent where the factorisation needs pivots."""
         factors = StepFactors(by_position=by_position, by_velocity=0.0)
         still = np.zeros((len(self._machine.interiors), 3))
         self.factorizations += 1

@@ -8,22 +8,22 @@ system gives the resulting change of the motion,
     K_t delta = - ( f_turned(q) - f(q) ),
 
 with joints and frames constrained as for the motion outside a basis. q is the run's motion plus the motion
-outside its basis at rest (`missing_motion`). The run itself may be compressed along its elements, because its
+outside its basis at rest (`missing_motion`). In the run's own motion, elements may be compressed, because the
 basis cannot relax the compression; K_t would be nearly singular there. For a strip of 1 m, bent by a quarter
-of its length, this gave 5 mm instead of 0.1 mm. The estimate is quasi-static: an error of the stiffness also
-changes frequencies, which shows in the phase of long vibrations. The discretisation error of the mesh is not
-included.
+of its length, this gave 5 mm instead of 0.1 mm. The estimate is quasi-static. It does not include the changed
+frequencies, which affect the phase of long vibrations, nor the discretisation error of the mesh.
 
 A body without elements, and any body of a machine with controllers, is assessed by its rotation limit: the
 relative error of a deflection is about 2e-3 at the `rotation_limit` (strips of h/t = 10) and grows with the
 third power of the rotation.
 
-A linear body is compared with the original body, whose quadratic strains shorten it by bending and stiffen
-its membrane. If it bends by more than its thickness, its linear motion has a large residual from stretching
-alone (a plate of 4 mm, its nodes displaced by 14 mm: 0.3 m instead of 0.14 mm). It is therefore corrected to
-second order first, and Newton's method continues from there (`MissingMotionSearch`). The error of a linear
-body without elements is theta^2 / 2 of its length, theta its largest rotation. Where rotations are unknown,
-theta is that of a cantilever with the same displacement, 3 u / 2 L.
+A linear body is compared with the original body, whose quadratic strains include the shortening by bending
+and the stiffening of the membrane. If the body bends by more than its thickness, its linear motion has a
+large residual from stretching alone (for a plate of 4 mm, with nodes displaced by 14 mm: 0.3 m instead of
+0.14 mm). The linear motion is therefore corrected to second order first; Newton's method continues from the
+result (`MissingMotionSearch`). The error of a linear body without elements is theta^2 / 2 of its length, with
+theta its largest rotation. Where rotations are unknown, theta = 3 u / 2 L, that of a cantilever with the
+same displacement u.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ from supple.reduction import ReductionBasis
 __all__ = ["model_errors", "model_errors_by_limit", "widest_instants"]
 
 INSTANTS = 6
-"""Number of times at which forces are compared: the largest rotation in each of as many parts of the run."""
+"""Number of times at which forces are compared: those of the largest rotation in six parts of the run."""
 CANTILEVER = 1.5
 """Rotation of a cantilever's end under a force, over its deflection divided by its length."""
 AT_LIMIT = 2e-3
@@ -76,27 +76,27 @@ def model_errors(
     system, solution : the machine as simulated, with its bodies reduced, and the result
     fulls : the same bodies with all coordinates, by name; those without elements are assessed by their limit
     bases : of the reduced bodies, by name
-    quantities : positions of one of these bodies are assessed by its own motion; every other quantity by the
-        largest relative error of a body
+    quantities : the error of positions of one of these bodies follows from the body's own motion; that of
+        another quantity from the relative error of its body, or the largest of all bodies if it has none
     """
     seen_bodies = [full for name, full in fulls.items() if full.body.model is not None and name in bases]
     if system.controllers:  # their forces are known during the run only
         seen_bodies = []
     missed: dict[str, ResidualCorrections] = {}
     if seen_bodies:
-        missed = _turned_exactly(system, seen_bodies, bases, solution, progress)
+        missed = _with_exact_rotations(system, seen_bodies, bases, solution, progress)
     limits = model_errors_by_limit(system, solution, but=missed)
     return {each.name: _part(each, system, solution, fulls, missed, limits) for each in quantities}
 
 
-def _turned_exactly(
+def _with_exact_rotations(
     system: System,
     fulls: Sequence[FullBody],
     bases: Mapping[str, ReductionBasis],
     solution: Solution,
     progress: Progress | None,
 ) -> dict[str, ResidualCorrections]:
-    """Quasi-static change of the motion by exactly rotated elements, at the largest rotations; by body."""
+    """Quasi-static change of the motion if elements rotate exactly, at the largest rotations; by body."""
     instants = widest_instants(system, solution)
     seen = expanded_states(system, fulls, bases, solution, instants)
     search = MissingMotionSearch(seen.prepared, seen.by_position)
@@ -166,7 +166,7 @@ def model_errors_by_limit(
         if not body.n_coordinates or body.name in but:
             continue
         size = largest_displacement(body, motion.coordinates)
-        turn = float(_widest_turn(body, motion).max(initial=0.0))
+        turn = float(_largest_rotation(body, motion).max(initial=0.0))
         if body.is_linear:
             length = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
             if body.rotation_rows is None:
@@ -184,14 +184,14 @@ def widest_instants(system: System, solution: Solution) -> np.ndarray:
     turns = np.zeros(len(solution.times))
     for placed in system.bodies:
         if placed.body.n_coordinates:
-            own = _widest_turn(placed.body, solution.motion(placed.body.name, FramedMotion))
+            own = _largest_rotation(placed.body, solution.motion(placed.body.name, FramedMotion))
             turns = np.maximum(turns, own / max(float(own.max(initial=0.0)), 1e-300))
     parts = np.array_split(np.arange(len(turns)), min(INSTANTS, len(turns)))
     return np.array([part[np.argmax(turns[part])] for part in parts])
 
 
-def _widest_turn(body: BodyForm, motion: FramedMotion) -> np.ndarray:
-    """Largest rotation of material relative to the frame, (t,), rad; where unknown, from the displacement."""
+def _largest_rotation(body: BodyForm, motion: FramedMotion) -> np.ndarray:
+    """Largest rotation relative to the frame (t,), rad; if unknown, the norm of the coordinates instead."""
     rows = body.rotation_rows
     if rows is None:
         return np.linalg.norm(motion.coordinates, axis=1)

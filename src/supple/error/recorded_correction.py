@@ -57,18 +57,18 @@ def correct_recorded(
     ----------
     system, run, starts, announce, accepted, progress, study : as for `self_correct`; the validity limits of
         the run apply to the accepted run only, because a run with too small a basis may violate them
-    path : result file to write; `self_correction/` and `NAME-reduced.h5` are written beside it
+    path : result file to write; `self_correction/` and `NAME-reduced.h5` are written to the same folder
     case, metadata : stored in the file
-    inputs : what the motion depends on, stored for a later continuation, as for `CorrectionFolder.create`
+    inputs : data on which the motion depends, as for `CorrectionFolder.create`
     resume : continue with the rounds of an interrupted run
     overwrite : start anew and replace existing files
 
     Raises
     ------
     SelfCorrectionError     a target error was not met; its message names the error reached and the file of
-                            the best round, its `rounds` are in the order of completion
-    ResultFileError         existing rounds or results would be lost; files that cannot be written or
-                            continued, or that another run is writing; a run that is complete
+                            the best round; its `rounds` are in the order of completion
+    ResultFileError         existing rounds or results would be lost; a file cannot be written or continued,
+                            or another run is writing it; the run is complete
     errors of `self_correct`
     """
     path, folder = Path(path), Path(path).parent / ROUNDS_FOLDER
@@ -106,7 +106,7 @@ def _opened(
             ResultFile.resume(path, case=case, inputs=inputs or {"the case": case}).close()
         return CorrectionFolder.resume(folder, case=case, inputs=inputs)
     if overwrite:
-        # Deleted before the rounds and bodies are replaced: a motion never appears beside other bodies.
+        # Deleted before the rounds and bodies are replaced, so that motion and bodies always belong together.
         with ExclusiveLock(path):
             path.unlink(missing_ok=True)
     else:

@@ -10,11 +10,12 @@ by Newton's method for the whole system (`missing_motion`), with corrections
     [ G                          ] [ lambda ]     [ 0 ]
 
 K_t is the tangent of the deformed body and of the inertia forces at given accelerations (the centrifugal term
-softens, the tension it causes stiffens). The frame rows D and the joint rows G are constraints; the frame,
-the other bodies and the joint forces follow freely. One clamped interface, closed loops and free flight are
-therefore the same case. The inertia M / p resists rigid motion, which a static equilibrium would leave free.
-delta is the missing motion, quasi-static. In displacements of the run, z is zero at the first interface; in
-these equations it is relative to the body's frame. The rigid motion between the two is subtracted from delta.
+softens, the tension it causes stiffens). The frame rows D and the joint rows G are constraints; the motion of
+the frame and of the other bodies and the joint forces are unknowns. One clamped interface, closed loops and
+free flight are therefore the same case. The inertia M / p resists rigid motion, which a static equilibrium
+would leave free. delta is the quasi-static missing motion. In displacements of the run, z is zero at the
+first interface; in these equations z is relative to the body's frame. The rigid motion between the two is
+subtracted from delta.
 """
 
 from __future__ import annotations
@@ -44,14 +45,14 @@ from supple.simulation.full_rest import holds_all
 __all__ = ["ResidualCorrections", "active_constraints", "residual_corrections", "system_corrections"]
 
 _SLOWNESS = 100.0
-"""Factor by which the missing motion is slower than the body's lowest vibration: slow enough that M / p
-changes no deflection by a per cent, fast enough that a free body's tangent is regular."""
+"""Ratio of the lowest natural frequency to 1 / sqrt(p): so large that M / p changes no deflection by a per
+cent, so small that a free body's tangent is regular."""
 _SLOWNESS_IN_FLIGHT = (3.0, 30.0)
-"""The same where joints leave rigid motion free; the smaller value for rotating bodies. Only M / p resists
-rigid motion there: with slower motion, the residual of the run's tolerance rotated a spinning beam by a
-radian."""
-_SLOWER_THAN_SPIN = 3.0
-"""Ratio to the period of rotation: in fast rotation the inertia forces would exceed what M / p resists."""
+"""Bounds of this ratio where joints leave rigid motion free; the smaller one for rotating bodies. Only M / p
+resists rigid motion there: with larger ratios, a residual within the run's tolerance rotated a spinning beam
+by a radian."""
+_FASTER_THAN_SPIN = 3.0
+"""Ratio of 1 / sqrt(p) to the angular velocity, so that M / p exceeds the inertia forces of the rotation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,13 +60,13 @@ class ResidualCorrections:
     """Missing motion of one body at k times.
 
     times : (k,)
-    deformation : (n, k)    delta, on the body's coordinates, relative to its frame
+    deformation : (n, k)    delta in the body's coordinates, relative to its frame
     origin : (k, 3)         displacement of the frame's origin, global
     rotation : (k, 3)       of the frame, rad, body components
     rms : (k,)              root-mean-square displacement of the nodes: in space where the joints fix all
-                            rigid motion; of the deformation alone where the system can move freely, since no
-                            static equilibrium determines its position; infinite where no equilibrium was
-                            found (there the deformation is zero)
+                            rigid motion; otherwise of the deformation alone, since no static equilibrium
+                            determines the position; infinite where no equilibrium was found (there the
+                            deformation is zero)
     factorizations : int    of tangents of the whole system
     """
 
@@ -194,7 +195,7 @@ class ExpandedStates:
 
     prepared : FullSystem           the machine with these bodies in full
     indices : indices of these bodies in the machine
-    by_position : float             p; acceleration times p is displacement, for slow motion
+    by_position : float             p, the ratio of displacement to acceleration
     """
 
     prepared: FullSystem
@@ -216,7 +217,7 @@ def expanded_states(
     solution: Solution,
     instants: np.ndarray,
 ) -> ExpandedStates:
-    """Expanded states of a finished reduced run at some of its output times; parameters as above."""
+    """Expanded states of a finished reduced run; parameters as for `system_corrections`."""
     indices, reduced = zip(*(_found(system, full, bases[full.name]) for full in fulls), strict=True)
     placed = list(system.bodies)
     for index, full in zip(indices, fulls, strict=True):
@@ -243,7 +244,7 @@ def expanded_states(
 
 
 def active_constraints(system: System, solution: Solution) -> tuple[int, ...]:
-    """Indices of the constraint equations of a run without the redundant ones."""
+    """Indices of the constraint equations of a run that are not redundant."""
     known = solution.engine_state.get("active")
     if known is not None:
         return tuple(int(index) for index in known)
@@ -254,10 +255,10 @@ def active_constraints(system: System, solution: Solution) -> tuple[int, ...]:
 
 
 def _slowness_in_flight(solution: Solution, lowest: float) -> float:
-    """Factor by which the motion is slower than the lowest vibration, from the bodies' angular velocities."""
+    """Ratio of the lowest natural frequency to 1 / sqrt(p), from the bodies' angular velocities."""
     motions = [solution.motion(name, FramedMotion) for name in solution.bodies]
     spins = [float(np.linalg.norm(own.angular_velocity, axis=1).max()) for own in motions]
-    return float(np.clip(lowest / (_SLOWER_THAN_SPIN * max([*spins, 1e-300])), *_SLOWNESS_IN_FLIGHT))
+    return float(np.clip(lowest / (_FASTER_THAN_SPIN * max([*spins, 1e-300])), *_SLOWNESS_IN_FLIGHT))
 
 
 def _found(system: System, full: FullBody, basis: ReductionBasis) -> tuple[int, BodyForm]:
@@ -361,7 +362,7 @@ def _expanded(
 def _nodal_rms(
     full: FullBody, coordinates: np.ndarray, rotations: np.ndarray, steps: np.ndarray, determined: bool
 ) -> np.ndarray:
-    """Root-mean-square displacement of the nodes, (k,), with the rigid motion where it is determined."""
+    """Root-mean-square displacement of the nodes, (k,); with the rigid motion if joints determine it."""
     if not determined:
         without = frame_projector(full.body, MeanAxisFrame())(steps[:, 6:].T)
         moved = full.expand(without.T)

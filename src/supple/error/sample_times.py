@@ -15,7 +15,7 @@ from supple.machine.laws.sampled_law import sampled
 __all__ = ["followed", "load_peaks", "stratified_samples"]
 
 MOST_PEAKS = 8
-"""With 50 samples and the solutions for a body's modes: sixty factorisations."""
+"""Largest number of load peaks and kinks; with 50 samples and a body's modes, some sixty factorisations."""
 
 FOLLOWED = 100
 """Number of intermediate times."""
@@ -32,7 +32,7 @@ def stratified_samples(n_times: int, number: int, seed: int) -> NDArray[np.intp]
 
 
 def load_peaks(system: System, times: Sequence[float] | NDArray[np.float64]) -> NDArray[np.intp]:
-    """Output times at which laws are largest, or just after a kink; ascending, without the start."""
+    """Output times at which laws are largest, or which follow a kink; ascending, without the start."""
     times = np.asarray(times)
     found: list[float] = []
     for _, law in laws_of(system):

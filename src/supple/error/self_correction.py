@@ -42,24 +42,23 @@ def self_correct(
     some sample times (`system_corrections`); its size is reported as `Round.indicator`. Modes within the
     frequency band of the loads belong in the basis from the start (checked by `load_spectrum`).
 
-    Every round runs all bodies reduced and enriches them all, until every body meets its target in the same
-    round. Through the joints each body contributes to the errors of the others, which only runs that differ
-    in all bases can show.
+    Every round simulates all reduced bodies together and enriches all their bases, until every body meets its
+    target in the same round: through the joints, each body contributes to the errors of the others.
 
     Parameters
     ----------
     system : System     contains each body to reduce as a FullBody, with its frame and damping
     run : Run           settings of every round
-    target : the target error of every full body (SelfCorrection); with the start basis (ReductionStart); or
-        such a start for each named body, while the others stay as they are
+    target : the target error of every full body (SelfCorrection), or also its start basis (ReductionStart);
+        or a ReductionStart for each named body, with all other bodies unchanged
     announce : function     called with every round as it is finished
     accepted : function     called with the run whose basis meets the target, in every pass, before the
         other parts of the error in the study are estimated
     progress : function     called with the name of the current step and its completed fraction
     archive : RoundArchive  stores the results, and is read first; None: results are in memory only
-    study : ErrorStudy      the target then limits the sum of all parts in the study: steps are shortened and
-                            tolerances tightened as well (`correct_wholly`); None: the error of the basis
-                            alone, with the steps of the run
+    study : ErrorStudy      if given, the target limits the sum of all parts in the study: steps are shortened
+                            and tolerances tightened as well (`correct_wholly`); None: the target limits the
+                            error of the basis alone, and the steps stay unchanged
 
     Returns
     -------
@@ -86,16 +85,16 @@ def self_correct(
         announce=announce,
         progress=progress,
         archive=archive or InMemoryArchive(),
-        accepted=None if accepted is None else lambda corrected: accepted(_without_room(corrected)),
+        accepted=None if accepted is None else lambda corrected: accepted(_without_padding(corrected)),
     )
     if study is None:
-        return _without_room(correct(problem))
+        return _without_padding(correct(problem))
     problem = replace(problem, besides=tuple(quantities_of_interest(system, study)))
     corrected = correct_wholly(problem, study)
-    return _without_room(corrected)
+    return _without_padding(corrected)
 
 
-def _without_room(corrected: CorrectedSystem) -> CorrectedSystem:
+def _without_padding(corrected: CorrectedSystem) -> CorrectedSystem:
     """The reduced bodies without padding coordinates."""
     bodies = corrected.bodies
     placed = tuple(

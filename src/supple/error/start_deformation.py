@@ -15,7 +15,7 @@ __all__ = ["with_reduced", "with_start"]
 
 
 def with_start(placed: Placed, full: FullBody, basis: ReductionBasis) -> ReductionBasis:
-    """The basis extended by the body's initial deformation and its rates, which it then represents exactly.
+    """The basis extended by the body's initial deformation and its rates.
 
     An equilibrium of the full machine is then also one of the reduced machine.
     """

@@ -1,7 +1,7 @@
 """Useless and doubtful rounds of a self-correction, and the motion outside a basis where rounds stall.
 
-A useless round has no smaller error than the round before. The next round is then not accepted either,
-because its columns are of the same kind. Otherwise a loop that ends with the first small estimate would
+The error of a useless round is not smaller than that of the round before. The round after a useless one is
+not accepted, because its columns are of the same kind: a loop that ended with the first small estimate would
 accept estimates that are too small by chance.
 
 A doubtful estimate (`BodyError.is_doubtful`) is accepted once two runs confirm it: their distance must agree

@@ -40,12 +40,13 @@ Announce = Callable[[Round], None]
 """Called with every finished round; with several bodies, once per body."""
 
 Accepted = Callable[[CorrectedSystem], None]
-"""Called with the run whose basis meets the target, before the other parts of the error are estimated."""
+"""Called with the run whose basis meets the target, before other parts of the error are estimated."""
 
 PASSING = 1e-2
 """`PROVEN` of a first round, which is never the last: its error is needed to a factor of two only."""
-MOST_STEPS_WITH_ROOM = 20_000
-"""For runs whose rounds share compiled programs (`padded`); in longer runs padding coordinates cost more."""
+MOST_PADDED_STEPS = 20_000
+"""Largest number of steps with padding coordinates (`padded`), by which rounds share compiled programs; in
+longer runs these coordinates cost more time than another compilation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,10 +57,11 @@ class Problem:
     fulls, starts : by body
     run : settings of every round
     announce, accepted, progress, archive : as for `self_correct`
-    first : bases to start with, where an earlier pass has found them; with their number in the archive
-    spent : share of the allowed error of a body that other parts than the basis take
-    confirmed : bodies whose estimates an earlier pass has confirmed; this pass starts from their bases
-    besides : further quantities of interest of the accepted run
+    first : bases to start with, from an earlier pass
+    number : number of the first run in the archive
+    spent : part of the allowed error reserved for errors other than that of the basis, by body
+    confirmed : bodies whose estimates an earlier pass has confirmed
+    besides : further quantities of interest for which the error of the accepted run is stated
     """
 
     system: System
@@ -134,7 +136,7 @@ def correct(problem: Problem) -> CorrectedSystem:
     number = problem.number
     kept = problem.archive.read_bases(number, problem.fulls)
     model = _reduced(problem, number, kept or problem.first or _first_bases(problem))
-    _look_at_loads(problem, model)
+    _check_load_band(problem, model)
     while True:
         run = _simulated(problem, model)
         number = model.number + 1
@@ -170,7 +172,7 @@ def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
     began = perf_counter()
     problem.archive.keep_bases(number, bases)
     with warnings.catch_warnings():
-        # Locking is caused by motion outside the basis, which the rounds find; the rest is reported.
+        # No warning of locking: the rounds find and report the motion outside the basis that causes it.
         warnings.simplefilter("ignore", LockingWarning)
         bodies = {
             name: project(
@@ -178,20 +180,20 @@ def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
             )
             for name, full in problem.fulls.items()
         }
-    brief = problem.run.n_steps <= MOST_STEPS_WITH_ROOM
+    brief = problem.run.n_steps <= MOST_PADDED_STEPS
     ready = {name: padded(body) for name, body in bodies.items()} if brief else bodies
     system = with_reduced(problem.system, ready, bases.bases)
     return _Model(number, bases, bodies, system, perf_counter() - began)
 
 
-def _look_at_loads(problem: Problem, model: _Model) -> None:
+def _check_load_band(problem: Problem, model: _Model) -> None:
     times = problem.run.times
     for name, full in problem.fulls.items():
         warn_of_missing_modes(model.system, times, full.body, model.bodies[name])
 
 
 def _simulated(problem: Problem, model: _Model) -> _Run:
-    """The run; a start basis without derivatives may stop early, which still shows the missing motion."""
+    """The run. With a start basis without derivatives it may stop early, but still shows missing motion."""
     began = perf_counter()
     step = f"{model.label}: simulating"
     problem.report(step, 0.0)

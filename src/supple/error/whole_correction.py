@@ -1,12 +1,12 @@
 """Self-correction with a target for the sum of errors: basis, time step, Newton's tolerance and model.
 
-The rounds reduce the error of the basis at the given steps. Then the accepted bodies are run twice more to
-measure the other parts. If the sum exceeds the target, the parts that are too large are reduced, the cheapest
-first: a tighter tolerance costs iterations, a shorter step costs steps, a smaller error of the basis costs
-rounds and coordinates. Each part is reduced at most to its share of the allowed error less the error of the
-model. As soon as the sum is small enough, the remaining parts stay unchanged. The rounds then continue from
-the existing bases. The error of the model cannot be reduced by any run; if it alone is too large, this is
-reported.
+The rounds reduce the error of the basis at the given steps. Two more runs of the accepted bodies then measure
+the other parts. If the sum exceeds the target, the parts are reduced one by one, the cheapest first: a
+tighter tolerance costs iterations, a shorter step costs steps, a smaller error of the basis costs rounds and
+coordinates. The difference between the allowed error and the error of the model is divided into shares; no
+part is reduced below its share. As soon as the sum is small enough, the remaining parts stay unchanged. The
+rounds then continue from the existing bases. No run can reduce the error of the model; if this error alone is
+too large, it is reported.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from supple.integrate import ErrorPart, ErrorStatement, Run, Solution
 __all__ = ["correct_wholly"]
 
 SHARES = {"newton": 0.1, "step": 0.4, "basis": 0.5}
-"""Shares of the allowed error less that of the model, to which the parts are reduced, the cheapest first."""
+"""Shares of the parts in the allowed error minus that of the model, the cheapest part first."""
 ROOM = 0.8
 """Safety factor on the target of a part, so that one reduction is enough."""
 SHORTEST = 1 / 8
@@ -40,13 +40,13 @@ MANY = 10
 
 
 @dataclass(frozen=True)
-class _Mended:
+class _Reductions:
     """Changes for the next pass: factors, 1 for no change."""
 
     tolerance: float = 1.0
     step: float = 1.0
     basis: float | None = None
-    """Share of the allowed error that the other parts will take."""
+    """Part of the allowed error reserved for errors other than that of the basis."""
 
 
 def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
@@ -73,11 +73,11 @@ def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
         if not unmet:
             return corrected
         _check_model(unmet, before)
-        mended = _mended(problem, corrected, unmet)
-        if attempt == PASSES - 1 or _is_same(mended, problem):
+        following = _next_pass(problem, corrected, unmet)
+        if attempt == PASSES - 1 or _is_same(following, problem):
             break
-        _announce_steps(asked_run, problem, mended)
-        problem = mended
+        _announce_steps(asked_run, problem, following)
+        problem = following
     raise SelfCorrectionError(
         " ".join(
             f"self-correction of body '{name}' did not reach the error {problem.target(name).wanted} in "
@@ -134,7 +134,7 @@ def _with_solution(corrected: CorrectedSystem, solution: Solution, run: Run) -> 
     return replace(corrected, bodies=bodies, run=run)
 
 
-def _mended(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str, ErrorStatement]) -> Problem:
+def _next_pass(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str, ErrorStatement]) -> Problem:
     """The next pass: from the current bases, with the changes that unmet bodies need."""
     needs = {name: _needed(each) for name, each in unmet.items()}
     run = problem.run
@@ -160,35 +160,35 @@ def _mended(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str, Er
     )
 
 
-def _announce_steps(asked: Run, problem: Problem, mended: Problem) -> None:
+def _announce_steps(asked: Run, problem: Problem, following: Problem) -> None:
     """Report the number of steps before a pass; warn where it is many times the given one."""
-    before, after, wanted = (round(each.n_steps) for each in (problem.run, mended.run, asked))
+    before, after, wanted = (round(each.n_steps) for each in (problem.run, following.run, asked))
     if after == before:
         return
-    words = f"{after} steps of at most {mended.run.step_control.largest:.3g} instead of {before}"
+    words = f"{after} steps of at most {following.run.step_control.largest:.3g} instead of {before}"
     problem.report(f"the error of the time step is too large: {words}", 0.0)
     if after >= MANY * wanted > before:
         warnings.warn(
-            f"self-correction needs {after} steps of at most {mended.run.step_control.largest:.3g} instead "
-            f"of {wanted}, which takes as many times longer: "
-            "allow a larger error, or take adaptive steps",
+            f"self-correction needs {after} steps of at most {following.run.step_control.largest:.3g} "
+            f"instead of {wanted}, so that each run takes {after / wanted:.0f} times as long: allow a larger "
+            "error, or take adaptive steps",
             StepCutWarning,
             stacklevel=4,
         )
 
 
-def _is_same(mended: Problem, problem: Problem) -> bool:
+def _is_same(following: Problem, problem: Problem) -> bool:
     """Whether a pass would repeat the last one, because step and tolerance cannot be reduced further."""
-    one, other = mended.run, problem.run
+    one, other = following.run, problem.run
     return (
-        mended.spent == problem.spent
+        following.spent == problem.spent
         and one.tolerances == other.tolerances
         and one.step_control == other.step_control
     )
 
 
-def _needed(stated: ErrorStatement) -> _Mended:
-    """Reductions that bring the sum below the allowed error: cheapest parts first, none below its share."""
+def _needed(stated: ErrorStatement) -> _Reductions:
+    """Reductions that bring the sum below the allowed error; cheapest parts first, none below its share."""
     allowed = stated.allowed or 0.0
     values = {name: part.value for name, part in stated.parts.items() if name in SHARES}
     left = ROOM * (allowed - (0.0 if stated.model is None else stated.model.value))
@@ -208,7 +208,7 @@ def _needed(stated: ErrorStatement) -> _Mended:
     basis = None
     if brought.get("basis", 0.0) < values.get("basis", 0.0):
         basis = allowed - brought["basis"]
-    return _Mended(tolerance, step, basis)
+    return _Reductions(tolerance, step, basis)
 
 
 def _check_model(unmet: Mapping[str, ErrorStatement], rounds: Mapping[str, tuple[Round, ...]]) -> None:

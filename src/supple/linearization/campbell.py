@@ -42,10 +42,9 @@ class CampbellDiagram(Summarized):
 
     rates : (ns,) rad/s
     eigenvalues : complex (ns, nm)      one column per mode, in `axes`; NaN where the mode has ended
-    errors : (ns, nm) | None            relative basis errors of the eigenvalues; infinite for a mode of the
-                                        bases alone, NaN where there is no mode or no full equilibrium; None
-                                        without
-                                        known full bodies
+    errors : (ns, nm) | None            relative basis errors of the eigenvalues; infinite for a mode that the
+                                        full bodies do not have, NaN without a mode or a full equilibrium;
+                                        None without known full bodies
     likeness : (ns - 1, nm)             MAC between neighbouring speeds; low where modes veer
     axes : str                          description of the axes of the frequencies
     sense : (ns, nm)                    of whirl: 1 forward, -1 backward, 0 for neither or unknown
@@ -145,8 +144,8 @@ def campbell_diagram(
     spins : Spin    in tracking order, with small steps of the rate; the first rate may be zero
     n_modes : number of the slowest modes at the first speed
     time : of loads and laws
-    fulls : the bodies with all their coordinates, as for `equilibrium`: the comparison at each speed takes an
-        equilibrium and some modes of the full machine
+    fulls : the bodies with all their coordinates, as for `equilibrium`: at each speed an equilibrium and some
+        modes of the full machine are computed for comparison
 
     Raises
     ------
@@ -159,7 +158,7 @@ def campbell_diagram(
     followed: list[np.ndarray] = []
     likeness: list[Array] = []
     errors: list[Array] = []
-    said: list[list[str]] = []
+    messages: list[list[str]] = []
     before: MachineModes | None = None
     wanted = n_modes
     senses: list[Array] = []
@@ -168,15 +167,15 @@ def campbell_diagram(
     for number, spin in enumerate(spins):
         with _basis_warnings() as words:
             linear = linearize(system, spin=spin, time=time, fulls=fulls)
-        said.append(words)
-        # For a machine with full bodies, more modes than requested, among which each is matched.
+        messages.append(words)
+        # For a machine with full bodies, modes are matched among more than the requested number.
         modes = machine_modes(linear, 2 * n_modes + 6 if isinstance(linear, SparseMachine) else None)
         if before is None:
             rows = chosen = np.arange(min(n_modes, len(modes.eigenvalues)))
             wanted = len(chosen)
         else:
             table = modal_assurance(before, modes)
-            # Of two similar shapes, the nearer frequency.
+            # Between similar shapes, the nearer frequency decides.
             apart = abs(before.eigenvalues[:, None] - modes.eigenvalues)
             size = abs(before.eigenvalues[:, None]) + abs(modes.eigenvalues) + 1e-300
             rows, chosen = scipy.optimize.linear_sum_assignment(apart / size - table)
@@ -184,8 +183,8 @@ def campbell_diagram(
         eigenvalues = _placed(wanted, rows, modes.eigenvalues[chosen])
         with _basis_warnings() as words:
             errors.append(_placed(wanted, rows, _errors(linear, chosen)))
-        said[-1] += words
-        # A mode that has become two real ones, or ended, is matched by its last shape.
+        messages[-1] += words
+        # A mode without a match (it may have become two real ones) keeps its last shape for later speeds.
         shapes = np.zeros_like(modes.independent, shape=(len(modes.independent), wanted))
         if before is not None:
             shapes = modes.machine.coordinates_of(before.shapes)
@@ -202,7 +201,7 @@ def campbell_diagram(
         before = replace(modes, eigenvalues=known, independent=shapes)
         progress((number + 1) / len(spins))
     rates, known = np.array([spin.rate for spin in spins]), np.array(errors)
-    _warn_of_worst(rates, known, said)
+    _warn_of_worst(rates, known, messages)
     return CampbellDiagram(
         rates,
         np.array(followed),
@@ -249,15 +248,15 @@ def _basis_warnings() -> Iterator[list[str]]:
             warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
 
 
-def _warn_of_worst(rates: Array, errors: Array, said: Sequence[Sequence[str]]) -> None:
+def _warn_of_worst(rates: Array, errors: Array, messages: Sequence[Sequence[str]]) -> None:
     """BasisWarnings of the speed with the largest basis error, among the speeds with warnings."""
-    warned = [number for number, words in enumerate(said) if words]
+    warned = [number for number, words in enumerate(messages) if words]
     if not warned:
         return
     largest = np.nanmax(np.nan_to_num(errors[warned], nan=0.0, posinf=1.0), axis=1, initial=0.0)
     worst = warned[int(np.argmax(largest))]
     speeds = f"at {len(warned)} of {len(rates)} speeds, most at {rates[worst]:.4g} rad per unit of time"
-    for words in said[worst]:
+    for words in messages[worst]:
         warnings.warn(f"{speeds}: {words}", BasisWarning, stacklevel=4)
 
 

@@ -15,7 +15,7 @@ __all__ = ["FrequencyResponse", "RandomResponse", "frequency_response", "random_
 
 
 _BLOCK_BYTES = 2**27
-"""Number of matrices in memory at once."""
+"""Largest memory of the matrices that are solved at once, bytes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ def random_response(response: FrequencyResponse, density: ArrayLike) -> RandomRe
         S_z(w) = H S_u H^H,         rms^2 = integral S_z dw
 
     density : (nf,), uncorrelated and equal at all inputs, or (nf, ni, ni)     one-sided, per rad/s
-    Raises ModelError for another shape, or a density that is negative.
+    Raises ModelError for another shape, or a density that is negative or not finite.
     Source: [Bendat2010] chapter 7.
     """
     h = response.transfer

@@ -24,7 +24,7 @@ __all__ = ["LinearMachine"]
 
 Array = np.ndarray
 TURNING, STANDING = "turning with the machine", "standing in space"
-"""Axes of the frequencies: forward whirl at w in space is w minus the spin in co-rotating axes."""
+"""Axes of the frequencies: forward whirl of frequency w in space has w minus the spin in co-rotating axes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,8 +54,8 @@ class LinearMachine(Summarized):
 
     `p` contains per body the translation and the rotation of its frame, in the frame's own axes, and its
     deformation coordinates; `N` spans the motions that the joints leave free, so that no constraint is left.
-    For a rotating machine, the axes rotate with it: C has the gyroscopic, K the centrifugal terms. `z`
-    contains the states of the controllers, one after the other.
+    For a rotating machine, the axes rotate with the machine: C contains the gyroscopic, K the centrifugal
+    terms. `z` contains the states of the controllers, one after the other.
 
     system    : System          in its equilibrium
     spin      : Spin | None
@@ -64,10 +64,11 @@ class LinearMachine(Summarized):
     basis     : N, (n, k)
     full_mass : (n, n)          of `p`, without the joints' constraints
     control   : LinearControl   H (k, c), E_p (c, k), E_v (c, k), E_z (c, c)
-    full      : FullMachine | None      the same with all coordinates of its reduced bodies, if known
-    is_in_space : bool          whether y describes rotating bodies in standing axes; `basis` then holds at
+    full      : FullMachine | None      the machine with all coordinates of its reduced bodies, if known
+    is_in_space : bool          whether y describes rotating bodies in standing axes; `basis` is then that at
                 the angle of the system
-    periodic  : Periodic | None     the matrices over a revolution, if they vary; their means are above
+    periodic  : Periodic | None     the matrices over a revolution, if they vary; `mass`, `damping` and
+                `stiffness` are then their means
     """
 
     system: System
@@ -89,7 +90,7 @@ class LinearMachine(Summarized):
             ("bodies", listed(placed.body.name for placed in self.system.bodies)),
             ("coordinates", f"{self.size}, of {len(self.basis)} before joints"),
             ("axes", self.axes),
-            ("equations", "constant" if self.periodic is None else "periodic in the turn"),
+            ("equations", "constant" if self.periodic is None else "periodic in the rotation"),
             ("states of controllers", str(self.control.size)),
             ("compared with all coordinates", "no" if self.full is None else "yes"),
         ]
@@ -109,7 +110,7 @@ class LinearMachine(Summarized):
         return len(self.mass)
 
     def motion_near(self, displacements: Array, rates: Array, times: Array | None = None) -> Solution:
-        """The motion of small motions p (t, n) about the equilibrium, at rates p' (t, n) as at p = 0."""
+        """The bodies' motion for small p (t, n) about the equilibrium; the rates p' (t, n) as at p = 0."""
         bodies, first = {}, 0
         for placed in self.system.bodies:
             after = first + 6 + placed.body.n_coordinates
@@ -124,5 +125,5 @@ class LinearMachine(Summarized):
         return self.motion_near(np.zeros_like(self.basis.T), self.basis.T)
 
     def coordinates_of(self, motions: np.ndarray) -> np.ndarray:
-        """Independent coordinates (k, ..) of motions (n, ..), the nearest ones if these open joints."""
+        """Independent coordinates (k, ..) of motions (n, ..); the nearest if the motions violate joints."""
         return np.linalg.lstsq(self.basis, motions, rcond=None)[0]

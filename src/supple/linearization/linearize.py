@@ -32,7 +32,7 @@ from supple.simulation.resting_state import RestingState, placed_at_rest, restin
 __all__ = ["linearize"]
 
 _TURNED_ON = 0.7
-"""rad, rotation at which the equations are compared: no likely symmetry angle of a machine."""
+"""rad, rotation after which the equations are compared; unlikely as an angle of symmetry."""
 
 
 @checked_arguments
@@ -52,11 +52,12 @@ def linearize(
     The loops of controllers are closed, and their states are added to the motion (`LinearMachine`).
 
     A rotating machine is described in co-rotating axes, if the equations are constant there; otherwise in
-    standing axes (`in_standing_axes`), where a rotor on unequal bearings, or three or more equal blades on a
-    flexible tower, have constant equations; equations that vary there too have Floquet modes (`Periodic`).
+    standing axes (`in_standing_axes`). There a rotor on unequal bearings, and three or more equal blades on a
+    flexible tower, have constant equations. If the equations also vary there, the machine has Floquet modes
+    (`Periodic`).
 
-    With full bodies the result is sparse, `A p = 0` with the conditions of their frames: a `SparseMachine`,
-    whose slowest modes are found by `machine_modes`.
+    With full bodies the result is a `SparseMachine`: `A p = 0` includes the conditions of their frames, and
+    `machine_modes` finds its slowest modes.
 
     Parameters
     ----------
@@ -86,7 +87,7 @@ def linearize(
     sparse = None
     if isinstance(equations, SparseEquations):
         sparse = SparseMachine(placed_at_rest(found), spin, time, equations)
-        # Slow motions are those in which a variation would show.
+        # A variation of the equations appears in slow motions.
         basis = sparse.slow.motions
     else:
         basis = _free_motions(equations)

@@ -22,7 +22,7 @@ from supple.summary import Summarized, Summary
 __all__ = ["MachineModes", "machine_modes"]
 
 _MOTIONLESS = 1e-12
-"""Smallest share of motion in a mode; below it is a pure controller mode."""
+"""Share of motion below which a mode is a pure controller mode."""
 
 _NO_DAMPING = 1e-12
 """Damping ratio within rounding."""
@@ -35,8 +35,8 @@ _ROUNDING = 512.0
 class MachineModes(Summarized):
     """Free motions `p(t) = Re( shape exp(eigenvalue t) )` of a linearised machine, slowest first.
 
-    With controllers they are those of the closed loop, and `z(t) = Re( states exp(eigenvalue t) )`; pure
-    controller modes have a zero shape.
+    With controllers the motions are those of the closed loop, and `z(t) = Re( states exp(eigenvalue t) )`;
+    pure controller modes have a zero shape.
 
     eigenvalues : complex (k,)      1/s, one of each conjugate pair, above the real axis; one of the two zeros
                                     of a free rigid motion; all other real ones
@@ -111,14 +111,14 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
 
         ( s^2 M + s C + K ) y = H z,        ( s - E_z ) z = ( E_p + s E_v ) y
 
-    A free motion of a machine has two poles at s = 0, up to round-off: poles that are zero within rounding
-    are set to 0, with as many modes as there are shapes.
+    A free rigid motion has two poles at s = 0. Poles that are zero within rounding are set to 0, and each
+    free motion counts as one mode.
 
-    For periodic equations these are Floquet modes (`floquet_modes`): shape and eigenvalue are those of the
-    harmonic with most of the motion.
+    For periodic equations the modes are Floquet modes (`floquet_modes`): shape and eigenvalue are those of
+    the harmonic with most of the motion.
 
-    For a machine with full bodies the slowest are found by shift and invert (`slowest_motions`); with damping
-    or gyroscopic terms these are the slowest that the iteration finds.
+    For a machine with full bodies the slowest modes are found by shift and invert (`slowest_motions`); with
+    damping or gyroscopic terms, a slower mode may be missed.
 
     If the full bodies of reduced ones are known (`linearize`), and a number is given, the same modes are
     computed with all coordinates (`MachineModes.error`).
@@ -208,9 +208,9 @@ def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
 def _slow_first(machine: LinearMachine) -> Array:
     """Coordinates (k, k) that separate slow and stiff motions: undamped vibrations, slowest first.
 
-    The rounding error of an eigenvalue is relative to the largest entry beside it: in mixed coordinates that
-    of the stiffest spring. As the highest eigenvalues of the inverse, slow motions are accurate relative to
-    themselves.
+    The rounding error of an eigenvalue is relative to the largest matrix entry, in mixed coordinates that of
+    the stiffest spring. Slow motions, computed as the highest eigenvalues of the inverse, are accurate
+    relative to their own size.
     """
     stiffness, mass = (machine.stiffness + machine.stiffness.T) / 2, machine.mass
     square = 1e-9 * float(np.max(abs(np.diag(stiffness)) / np.diag(mass))) or 1.0
@@ -226,8 +226,8 @@ def _slow_first(machine: LinearMachine) -> Array:
 def _is_rigid(machine: LinearMachine, values: Any, motions: Any) -> np.ndarray:
     """Motions (k, ..) whose inertia, damping and stiffness terms are all rounding of large terms.
 
-    A spring of stiffness k beside a free motion leaves `eps k` on it: `|s|^2 M + |s| C` of the shape is
-    smaller.
+    Beside a spring of stiffness k, a free motion has a rounding error of `eps k` in its stiffness; its
+    `|s|^2 M + |s| C` is smaller than that.
     """
 
     def of_shape(matrix: Array) -> Array:
@@ -240,8 +240,9 @@ def _is_rigid(machine: LinearMachine, values: Any, motions: Any) -> np.ndarray:
 
 
 def _state_matrix(machine: LinearMachine, lower: Any) -> tuple[Array, float]:
-    """State matrix of `(u y, y', z)`, y in the mass norm, and the unit u: velocities have units of a typical
-    frequency, so that motions and velocities are of one size.
+    """State matrix of `(u y, y', z)`, y in the mass norm, and u.
+
+    u is a typical frequency, with which motions and velocities are of similar size.
     """
     k, control = machine.size, machine.control
 
@@ -281,7 +282,7 @@ def _one_of_each(values: Any, vectors: Any, scales: Array, k: int) -> tuple[Any,
     kept = (values.imag >= 0) & ~zero
     at_zero = np.hstack([vectors[:, zero].real, vectors[:, zero].imag])
     at_zero[k : 2 * k] = 0.0  # rates, which are rounding
-    # Positions in the mass norm: in balanced units the strain caused by the rate of a free rotation is as
+    # Positions in the mass norm: in balanced units, the strain due to the rate of a free rotation is as
     # large.
     weights, places = np.ones((len(at_zero), 1)), scales[:k, None] * at_zero[:k]
     weights[:k, 0] = scales[:k] * np.linalg.norm(at_zero[:k]) / (np.linalg.norm(places) or 1.0)

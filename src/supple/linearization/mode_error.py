@@ -27,12 +27,12 @@ STILL = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class ModeError:
-    """Modes of a reduced machine, compared with those with all coordinates.
+    """Modes of a reduced machine, compared with the modes in all coordinates.
 
     eigenvalues : complex (k,)      of each mode with all coordinates; NaN without a matching mode
     relative : (k,)                 |s - s_full| / |s_full|; infinite without a matching mode
-    missed : complex (m,)           eigenvalues of the full machine below the fastest mode, missing in the
-        reduced
+    missed : complex (m,)           eigenvalues of the full machine below that of the fastest mode, without a
+        mode of the reduced machine
     fields : (n, j), by body        deformation of the full machine's modes, matched and missed
     """
 
@@ -43,7 +43,7 @@ class ModeError:
 
     def warn(self, values: Any) -> None:
         """BasisWarning of modes that are off by 1 % or more, and of missing modes."""
-        said = [
+        messages = [
             f"mode {number + 1} is off by {100 * self.relative[number]:.2g} %"
             if np.isfinite(self.relative[number])
             else f"mode {number + 1} is not a mode of the full machine"
@@ -51,9 +51,11 @@ class ModeError:
         ]
         if len(self.missed):
             rates = ", ".join(f"{abs(value):.4g}" for value in self.missed)
-            said.append(f"modes at {rates} rad per unit of time, below {abs(values).max():.4g}, are missing")
-        if said:
-            warnings.warn(f"the bases of the bodies: {'; '.join(said)}. {REMEDY}", BasisWarning, stacklevel=4)
+            limit = abs(values).max()
+            messages.append(f"modes at {rates} rad per unit of time, below {limit:.4g}, are missing")
+        if messages:
+            message = f"the bases of the bodies: {'; '.join(messages)}. {REMEDY}"
+            warnings.warn(message, BasisWarning, stacklevel=4)
 
 
 def mode_error(

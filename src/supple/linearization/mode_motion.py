@@ -11,7 +11,7 @@ from supple.linearization.machine_modes import MachineModes
 __all__ = ["mode_motion"]
 
 LARGEST_TURN = 1.0
-"""rad, rotation of a frame: for a body that rotates about all its points, translation gives no scale."""
+"""rad, largest rotation of a frame; the scale of modes that rotate bodies without translation of a node."""
 
 
 def mode_motion(
@@ -21,8 +21,8 @@ def mode_motion(
 
         p(t) = a Re( shape exp(i w t) )
 
-    Frames rotate by finite rotations, so that a large amplitude shows no shear. A mode that does not
-    oscillate is shown with one cycle per unit of time.
+    Frames rotate by finite rotations, so that a large amplitude causes no shear in the picture. A mode that
+    does not oscillate is shown with one cycle per unit of time.
 
     Parameters
     ----------

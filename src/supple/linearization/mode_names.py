@@ -16,9 +16,10 @@ __all__ = ["mode_names"]
 Array = np.ndarray
 
 AWAY = 0.25
-"""Relative to the largest radius: least mean radius of the nodes of a blade, unlike those of a rotor."""
+"""Ratio of the length of the mean radius vector of the nodes to their largest radius, above which a body is
+a blade instead of a rotor."""
 SECTIONS = 12
-"""Relative to the length of a blade: motion within a slice, other than its mean, is torsion."""
+"""Number of sections of a blade; motion relative to the mean of its section is torsion."""
 
 
 def mode_names(modes: MachineModes) -> tuple[str, ...]:

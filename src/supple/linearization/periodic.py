@@ -6,7 +6,7 @@ Harmonics of the matrices and of the mode give one quadratic eigenvalue problem 
 
     sum_j [ (s + i j r)^2 M_(h-j) + (s + i j r) C_(h-j) + K_(h-j) ] y_j = 0.
 
-Each mode appears once for every harmonic, at s + i h r; the one whose mean harmonic is nearest to zero is
+Each mode appears once for every harmonic, at s + i h r. The copy with its mean harmonic nearest to zero is
 kept: its frequency is that of most of the motion.
 Source: Hill's determinant; [Hammond1974] for rotors whose equations remain periodic.
 """
@@ -28,7 +28,8 @@ Array = np.ndarray
 ROUNDS = (4, 7, 11)
 """Numbers of harmonics of a mode, increased until sufficient."""
 LEFT = 1e-4
-"""Relative to a mode's norm: allowed part in its highest harmonics; squared, the error of a frequency."""
+"""Allowed part of a mode in its highest harmonics, relative to its norm; the square of this part is about the
+relative error of the frequency."""
 LARGEST = 4000
 """Largest number of states of the eigenvalue problem."""
 HALF = 1e-3

@@ -20,7 +20,7 @@ class Port(Protocol):
 
     @property
     def label(self) -> str:
-        """Its name in tables and files."""
+        """Name of the port in tables and files."""
         ...
 
     def row(self, machine: LinearMachine) -> Array:

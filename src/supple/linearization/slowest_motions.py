@@ -24,7 +24,7 @@ from supple.linearization.sparse_machine import LARGEST_DENSE, SlowMotions, Spar
 __all__ = ["slowest_motions"]
 
 _GUARD = 4
-"""Additional modes, so that none is missed at the edge."""
+"""Number of additional modes, so that none of the requested ones is missed."""
 
 _LEFT = 1e-8
 """Largest part of a mode outside the basis."""
@@ -64,13 +64,13 @@ def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) 
     for _ in range(_ROUNDS):
         values, independent, states = modes_of(machine.along(basis))
         shapes = basis @ independent[:, :wanted]
-        answers = _left_over(machine, slow, values[:wanted], shapes, states[:, :wanted])
-        parts = _sizes(answers, mass)
+        responses = _left_over(machine, slow, values[:wanted], shapes, states[:, :wanted])
+        parts = _sizes(responses, mass)
         before, left = left, float(parts[:n_modes].max())
         if len(values) >= wanted and (left <= _LEFT or (left <= _ALLOWED and left > before / 3)):
             return basis
-        # A common size for both parts of a mode: where one is far smaller, it is rounding.
-        new = answers[:, parts > _LEFT] / parts[parts > _LEFT]
+        # Real and imaginary part have a common scale: a part that is far smaller is rounding.
+        new = responses[:, parts > _LEFT] / parts[parts > _LEFT]
         larger = _enlarged(machine, basis, np.hstack([new.real, new.imag]))
         if larger.shape[1] == basis.shape[1]:
             break
@@ -91,8 +91,8 @@ def _left_over(machine: SparseMachine, slow: SlowMotions, values: Any, shapes: A
     equations, shift = machine.equations, slow.shift
     loads = (equations.mass @ shapes) * (values**2 - shift**2)
     loads = loads + equations.damped(shapes) * (values - shift) - equations.control.forces @ states
-    answers = slow.factor.solve(np.hstack([loads.real, loads.imag]))
-    real, imaginary = np.split(answers, 2, axis=1)
+    responses = slow.factor.solve(np.hstack([loads.real, loads.imag]))
+    real, imaginary = np.split(responses, 2, axis=1)
     return shapes + real + 1j * imaginary
 
 

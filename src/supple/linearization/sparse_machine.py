@@ -1,4 +1,4 @@
-"""A linearised machine with full bodies: as many freedoms as its finite elements have."""
+"""A linearised machine with full bodies, with the freedoms of their finite elements."""
 
 from __future__ import annotations
 
@@ -23,13 +23,14 @@ LARGEST_DENSE = 1000
 """Largest number of independent freedoms for which all motions are found at once."""
 
 _FIRST, _MOST, _ROUNDS = 4, 36, 12
-"""Motions for finding the shift, besides the rigid ones of each body, and their upper limit; attempts."""
+"""Number of motions for finding the shift, in addition to six rigid ones per body; largest number of these
+rigid ones; number of attempts."""
 
 _FROM_MODES = 0.3
-"""Ratio of the shift to the frequency of the fastest of them. A far slower mode would be lost in rounding."""
+"""Ratio of the shift to the frequency of the fastest of these motions; rounding hides far slower modes."""
 
 _FREE = 1e-4
-"""Ratio of frequency to shift below which all of them count as free motions."""
+"""Ratio of frequency to shift below which all these motions count as free."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +40,7 @@ class SparseMachine:
         M p'' + C p' + K p + A^T l = 0,      A p = 0
 
     `p` contains per body the translation and the rotation of its frame, in the frame's own axes, and its
-    coordinates. Modes come from its slowest motions; no matrix here is dense of its size.
+    coordinates. Modes are computed from its slowest motions; no dense (n, n) matrix is formed.
 
     system    : System          in its equilibrium
     spin      : Spin | None
@@ -60,7 +61,7 @@ class SparseMachine:
 
     @cached_property
     def slow(self) -> SlowMotions:
-        """The solver for slow motions, with a few of them."""
+        """The solver for slow motions, and a few slow motions."""
         rigid = 6 * len(self.system.bodies)
         return _slow_motions(self.equations, min(rigid, _MOST, self.size - _FIRST) + _FIRST)
 
@@ -69,7 +70,7 @@ class SparseMachine:
         """`N` (n, k) of all motions, mass-orthonormal, for a small machine."""
         free = scipy.linalg.null_space(self.equations.constraint.toarray())
         mass, stiffness = (free.T @ (part @ free) for part in (self.equations.mass, self.equations.stiffness))
-        # As vibrations, the highest of the inverse, whose rounding is relative to the slowest.
+        # As the highest eigenvalues of the inverse, slow vibrations have small rounding errors.
         square = self.slow.shift**2
         while True:
             shifted = (stiffness + stiffness.T) / 2 + square * mass
@@ -99,7 +100,7 @@ class SparseMachine:
 
 @dataclass(frozen=True, eq=False)
 class SlowMotions:
-    """`( K + z C + z^2 M )^-1` at a shift z, for the motions that are free, and a few slow ones.
+    """`( K + z C + z^2 M )^-1` at a shift z, on motions that satisfy the constraints; a few slow motions.
 
     shift : z, rad per unit of time
     motions : (n, k), mass-orthonormal

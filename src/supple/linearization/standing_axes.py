@@ -3,20 +3,20 @@
 Small motions `p` of rotating bodies are measured in their own axes, where standing parts vary with the angle
 psi of rotation. Other coordinates, `p = W(psi) z`, describe both by constants:
 
-- the rigid motion of one rotating body, the hub, as a twist at the axis, in standing axes; the other rotating
-bodies, relative to it, so that nothing between them varies;
-- for N >= 3 equal bodies evenly spaced around the axis, multi-blade coordinates instead of each body's own,
+- one rotating body, the hub, has its rigid motion as a twist at the axis, in standing axes; the motions of
+the other rotating bodies are relative to the hub, so that nothing between rotating bodies varies;
+- N >= 3 equal bodies evenly spaced around the axis have multi-blade coordinates instead of their own,
 
     q_b = a_0 + sum_n [ a_n cos n psi_b + b_n sin n psi_b ] (+ (-1)^b a_(N/2)),   psi_b = psi + 2 pi b / N;
 
-- for bodies with cyclic symmetry about the axis, deformation and relative motion in standing axes
+- bodies with cyclic symmetry about the axis have deformation and relative motion in standing axes
 (`turn_generator`).
 
 With psi' = W' constant (rate r) and M, C, K at that angle,
 
     M_z = W^T M W,    C_z = W^T (C W + 2 r M W'),    K_z = W^T (K W + r C W' + r^2 M W'').
 
-If these do not vary with psi either, their eigenvalues are exact. Otherwise they are periodic (`Periodic`).
+If these matrices do not vary with psi, their eigenvalues are exact. Otherwise they are periodic (`Periodic`).
 Source: [ColemanFeingold1958]; [Johnson1980] chapter 8 for any number of blades.
 """
 
@@ -42,15 +42,15 @@ from supple.simulation.resting_state import RestingState, placed_at_rest
 __all__ = ["CONSTANT", "FEW", "BodyColumns", "Sampled", "constant_in_standing_axes", "in_standing_axes"]
 
 CONSTANT = 1e-6
-"""Relative variation of the equations over the rotation above which they have no eigenvalues."""
+"""Relative variation of the equations over the rotation above which they are not constant."""
 FEW, SAMPLES = 7, 16
 """Angles of a revolution at which equations are compared, and at which their harmonics are found."""
 FINE = 64
-"""Least number of angles for the coordinates alone, whose derivatives come from their harmonics."""
+"""Least number of angles for the coordinates W alone; their derivatives are computed from their harmonics."""
 PER_BLADE = 3
-"""Angles per blade: N blades have waves of up to N / 2 around, and matrices harmonics of up to N + 2."""
+"""Angles per blade: the motion of N blades has up to N / 2 waves, the matrices harmonics of up to N + 2."""
 BETWEEN = 0.7
-"""rad, not a fraction of a revolution: variations that vanish at all evenly spaced angles show here."""
+"""rad, not a fraction of a revolution: detects variations that vanish at all evenly spaced angles."""
 ROUNDING = 64 * np.finfo(float).eps
 """Relative to the terms of a sum."""
 SAME_PLACE = 1e-6
@@ -67,9 +67,9 @@ class Sampled(NamedTuple):
 
 
 class BodyColumns(NamedTuple):
-    """Positions of the motions of each body among some coordinates, and the bodies of their shapes.
+    """Positions of the motions of each body among some coordinates, and the bodies.
 
-    bodies : with `n_coordinates`, and if they deform `nodes` and a `nodal_basis`
+    bodies : objects with `n_coordinates`; deformable ones also with `nodes` and a `nodal_basis`
     """
 
     slices: Sequence[slice]
@@ -79,7 +79,7 @@ class BodyColumns(NamedTuple):
 def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str) -> LinearMachine:
     """The machine in coordinates for standing and rotating parts alike.
 
-    refusal : reason why it is not linearised in co-rotating axes, for the error
+    refusal : error message: why the machine is not linearised in co-rotating axes
     Raises ModelError for a machine whose equilibrium varies with rotation, with controllers, or whose joints
     leave other motions free at another angle.
     """
@@ -164,7 +164,7 @@ class _Seen(NamedTuple):
     """A machine in some coordinates z: free motions `W(0) N` (n, k), and their matrices.
 
     matrices : mass, damping and stiffness (s, k, k)
-    change : largest variation of these over the revolution, over the size of each row and column
+    change : largest variation of the matrices over the revolution, over the size of each row and column
     full_mass : (n, n) of p at the first angle
     """
 
@@ -197,7 +197,7 @@ def _ways(found: RestingState, spin: Spin, columns: BodyColumns, number: int) ->
 
 
 def _seen(sampled: Sampled, spin: Spin, coordinates: _Coordinates) -> _Seen | None:
-    """None if the joints leave other motions free as the machine rotates."""
+    """The machine in some coordinates; None if the joints leave other motions free as the machine rotates."""
     W, first, second = coordinates
     rows = sampled.constraint @ W
     size = 1 / np.sqrt(np.einsum("ij,ij->j", W[0], sampled.mass[0] @ W[0]))
@@ -214,7 +214,7 @@ def _seen(sampled: Sampled, spin: Spin, coordinates: _Coordinates) -> _Seen | No
 
 
 def _without_noise(matrices: Sequence[Array], rate: float) -> Iterator[Array]:
-    """Zero for rounding between two motions, which would disturb the scales of eigenvalues."""
+    """The matrices without entries that are rounding, which would disturb the scales of eigenvalues."""
     mass, _, stiffness = matrices
     size = np.sqrt(np.abs(np.diag(stiffness)) + rate**2 * np.diag(mass))
     for matrix, scale in zip(matrices, (rate**2, abs(rate), 1.0), strict=True):
@@ -270,7 +270,7 @@ def _hub_in_space(found: RestingState, spin: Spin, columns: BodyColumns, angles:
 
 
 def _equal_bodies(found: RestingState, spin: Spin, columns: BodyColumns) -> list[list[int]]:
-    """Rotating bodies, three or more, of one size and evenly around the axis; in the order of their angle."""
+    """Groups of three or more rotating bodies of equal size, evenly around the axis, by ascending angle."""
     turning, configuration = turning_bodies(found, spin), found.configuration
     hub, slices = _hub(found, turning), columns.slices
     length = float(found.equations.model.length)

@@ -1,13 +1,13 @@
-"""Modes of a machine in standing axes, with the part that the bases of its bodies lack.
+"""Modes of a machine in standing axes, with motion outside the bases of its bodies.
 
 In its own axes a body does not vary with rotation; joints and forces act at its interfaces alone. For a
 motion x of a mode, at any frequency s relative to the body, `( s^2 M + s C + K ) x = f`. The responses
 
     K(z)^-1 M x,    K(z)^-1 C x,    K(z) = K + z C + z^2 M,
 
-of the machine with all coordinates therefore contain the missing part of a basis, for every s. They are added
-to the bases, those of one blade to all equal ones, those of cyclic bodies with their rotated copies, until
-the modes converge.
+of the machine with all coordinates therefore contain the motion outside a basis, for every s. They are added
+to the bases until the modes converge: those of one blade to all equal blades, those of cyclic bodies together
+with their rotated copies.
 Source: [Voss2004], as for `slowest_motions`.
 """
 
@@ -99,7 +99,7 @@ class StandingTurn:
         Raises AccuracyError if its equations in standing axes are not constant.
         """
         expansion = self.expansion(vectors)
-        # Their columns satisfy the conditions of the frames, the last six rows of each full body.
+        # The columns satisfy the conditions of the frames, which are the last six rows of each full body.
         joints = self.turned[0].constraint.shape[0] - 6 * len(self.fulls)
         sampled = Sampled(
             mass=np.array([expansion.T @ (each.mass @ expansion) for each in self.turned]),
@@ -126,10 +126,10 @@ class StandingTurn:
             start = slices[-1].stop
         return BodyColumns(slices, bodies)
 
-    def enlarged(self, vectors: Mapping[str, Array], answers: Array) -> dict[str, Array]:
+    def enlarged(self, vectors: Mapping[str, Array], responses: Array) -> dict[str, Array]:
         """The bases, extended by the new parts of some motions (N, k) of all coordinates."""
         own = {
-            placed.body.name: answers[part.start + 6 : part.stop]
+            placed.body.name: responses[part.start + 6 : part.stop]
             for placed, part in zip(self.found.system.bodies, self.found.equations.slices, strict=True)
             if placed.body.name in vectors
         }
@@ -192,9 +192,9 @@ def slowest_in_standing_axes(
         before = values
         motions = np.hstack([shapes.real, shapes.imag])
         equations, factor = machine.equations, machine.slow.factor
-        answers = factor.solve(np.hstack([equations.mass @ motions, equations.damped(motions)]))
-        norms = np.sqrt(np.einsum("ij,ij->j", answers, equations.mass @ answers))
-        vectors = turn.enlarged(vectors, answers[:, norms > 0] / norms[norms > 0])
+        responses = factor.solve(np.hstack([equations.mass @ motions, equations.damped(motions)]))
+        norms = np.sqrt(np.einsum("ij,ij->j", responses, equations.mass @ responses))
+        vectors = turn.enlarged(vectors, responses[:, norms > 0] / norms[norms > 0])
     raise AccuracyError(
         f"the modes with all coordinates have not converged in standing axes after {ROUNDS} rounds: the "
         "error of the bases is not known; request fewer modes, or skip its estimate, fulls=()"

@@ -83,7 +83,7 @@ def state_space(
 
     A port `c` gives the row `(c, 0, 0)`, its velocity `(0, c, 0)`, its acceleration c times the second row of
     A and the feedthrough `c M^-1 b^T`. The loops of controllers are closed.
-    Raises ModelError without an input or output, and for a machine with full bodies.
+    Raises ModelError without an input or output, for full bodies, and for periodic equations.
     """
     if isinstance(machine, SparseMachine):
         raise ModelError(
@@ -92,8 +92,8 @@ def state_space(
         )
     if machine.periodic is not None:
         raise ModelError(
-            "the equations of the machine are periodic in its rotation, and a state space has constant "
-            "ones: machine_modes has its Floquet modes"
+            "the equations of the machine are periodic in its rotation, and a state space needs constant "
+            "ones: machine_modes computes its Floquet modes"
         )
     for name, ports in (("inputs", inputs), ("outputs", outputs)):
         check_sequence(f"state_space, {name}", ports, "a list of ports, also of a single one")

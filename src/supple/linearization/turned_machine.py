@@ -25,7 +25,7 @@ SAME_RATE = 1e-9
 
 
 class TurnedEquations(NamedTuple):
-    """Linear equations, and the part of the forces that the joints cannot carry at that angle."""
+    """Linear equations at an angle, and the part of the forces that the joints cannot balance there."""
 
     equations: LinearEquations | SparseEquations
     unbalanced: float

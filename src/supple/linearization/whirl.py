@@ -21,10 +21,10 @@ Array = np.ndarray
 LEAST = 1e-6
 """Relative to the kinetic energy of a mode: a smaller motion normal to the axis is not whirl."""
 ROUND, TURNING_ROUND = 1e-3, 0.5
-"""Difference of both senses over their sum: for an orbit in space, however flat, and for one in co-rotating
-axes, where a flat one is two motions in space."""
+"""Difference of both senses over their sum, above which an orbit has a sense: for orbits in space, however
+flat; and in co-rotating axes, where a flat orbit is a sum of two motions in space."""
 ALIKE = 1e-6
-"""Relative distance of frequencies in co-rotating axes within which modes may be any sums of each other."""
+"""Relative distance of frequencies in co-rotating axes within which modes are arbitrary combinations."""
 ON_AXIS = 1e-6
 """Relative to the size of a body."""
 
@@ -63,7 +63,7 @@ def whirl(modes: MachineModes) -> Whirl:
 def _across(machine: LinearMachine, shapes: Array) -> tuple[Array, Array]:
     """Motions (j, k) along two directions normal to the axis: of the rotor as a whole, of points on the axis.
 
-    In units of the kinetic energy of that motion.
+    The squares of the motions are in units of their kinetic energy.
     """
     spin = machine.spin
     assert spin is not None

@@ -41,7 +41,7 @@ class ClampedModes(BodyModes):
 
 
 def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = None) -> ClampedModes:
-    """The lowest modes of a reduced body with one interface clamped and the rest free.
+    """The lowest modes of a reduced body with one interface clamped and all others free.
 
         q = R a + V gamma,   [ R_p  B_p V ] (a, gamma) = 0,   R_p the rigid motions at the interface p
 

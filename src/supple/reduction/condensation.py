@@ -1,4 +1,4 @@
-"""Condensation: the energy released when motion outside the columns of a basis follows them statically."""
+"""Condensation: the energy released if motion outside the columns of a basis follows them statically."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ FEWEST_AT_ONCE = 16
 DEPENDENT = 1e-12
 DEPENDENT_ON_BASIS = 1e-8
 
-# Share of the energy of all pairs' motion that the fields of z leave out. Fields of quadratic curvature bend,
-# so that little energy is much motion: 1e-10 leaves out a thousandth of the motion, 1e-8 six thousandths.
+# Share of the energy of the motion of all pairs that the fields of z neglect. Bending fields move far at
+# little energy: 1e-10 neglects a thousandth of the motion, 1e-8 six thousandths.
 SMALLEST_SHARE = 1e-10
 
 RIGID = 6
@@ -39,10 +39,10 @@ RIGID = 6
 
 @dataclass(frozen=True, eq=False)
 class Condensation:
-    """The motion that the columns V leave out of a nonlinear body, and that follows them statically.
+    """The motion z of a nonlinear body outside the columns V, which follows the columns statically.
 
-    A body's strain energy is one square, U(q) = 1/2 |B q + 1/2 N(q, q)|^2. Its motion z outside span V,
-    K-orthogonal to it, enters to leading order, without N(q, z) and N(z, z):
+    The strain energy of a body is one square, U(q) = 1/2 |B q + 1/2 N(q, q)|^2. The motion z, K-orthogonal to
+    V, enters to leading order, without N(q, z) and N(z, z):
 
         U_c(gamma) = min_z 1/2 |B (V gamma + z) + 1/2 N(V gamma, V gamma)|^2
                    = U(V gamma) - 1/8 s^T R s >= 0,     s_(jk) = mult_jk gamma_j gamma_k
@@ -52,12 +52,12 @@ class Condensation:
     Without z a missing stiff direction, such as the shortening of a bent beam, would block bending. N(q, z)
     would add a share of the work of the order of theta^2, whatever the slenderness: 0.41 theta^2 for a beam
     under uniform load whose tip rotates by theta. Derivative columns contain this share. z moves no interface
-    relative to another: joints and loads there see V gamma alone. z is therefore also K-orthogonal to their
-    static shapes, which most bases contain.
+    relative to another, because joints and loads there act on V gamma alone. z is therefore also K-orthogonal
+    to the static shapes of the interfaces, which most bases contain.
 
     body : FlexibleBody         with quadratic strains
     basis : ReductionBasis      of this body
-    Source: this project's own; the static derivatives it condenses are those of [Idelsohn1985].
+    Source: original to this project; the condensed static derivatives are those of [Idelsohn1985].
     """
 
     body: FlexibleBody
@@ -65,7 +65,7 @@ class Condensation:
 
     @cached_property
     def energy(self) -> Array:
-        """R (n2, n2): energy that the pairs' motions outside the columns release, symmetric, not negative."""
+        """R (n2, n2): energy released by the pairs' motion outside the columns; symmetric, not negative."""
         energy = self._energy_of_all - self._held.T @ self._held
         return (energy + energy.T) / 2
 
@@ -75,7 +75,7 @@ class Condensation:
         return self._held_by_interfaces.T @ self._held_by_interfaces
 
     def motion(self) -> CondensedMotion:
-        """Z at the nodes: independent motions that span those of all pairs, orthonormal in energy."""
+        """The motion z at the nodes: independent fields that span those of all pairs, energy-orthonormal."""
         first, second = self._pairs
         scale = np.sum(self._vectors * (self.body.stiffness @ self._vectors), axis=0) ** -0.5
         unit = scale[first] * scale[second]  # of pairs of columns of unit energy
@@ -101,9 +101,9 @@ class Condensation:
         return CondensedMotion(fields, amplitudes, moments)
 
     def bilinear(self, a: Array, b: Array) -> Array:
-        """Z (n, k) of k pairs of coordinates a, b (k, r), bilinear and symmetric: z(gamma) where a = b.
+        """The motion z (n, k) of k pairs of coordinates a, b (k, r), bilinear, symmetric: z(gamma) if a = b.
 
-        One static solution each; nothing is stored by pairs.
+        Each pair needs one static solution.
         """
         numbers = np.arange(len(a))
         moved = np.hstack([self._vectors @ a.T, self._vectors @ b.T])
@@ -111,21 +111,21 @@ class Condensation:
         return 0.5 * frame_projector(self.body, self.basis.frame)(self._outside(forces))
 
     def rigid_part(self, moved: Array) -> Array:
-        """Rigid motion (6, k) that `bilinear` leaves out of z (n, k); z + R rho fixes the first interface.
+        """Rigid motion rho (6, k), absent in z of `bilinear`; z + R rho fixes the first interface.
 
-        Displacements of the reduced body contain it: translation and rotation, in the body's axes.
+        Displacements of the reduced body contain this translation and rotation, in the body's axes.
         """
         D, R = self._resting.constraint(self.body), self.body.rigid_modes
         return -np.linalg.inv(D @ R) @ (D @ moved)
 
     @property
     def _resting(self) -> Frame:
-        """The frame fixed to the interfaces as joints are; without interfaces, that of the basis."""
+        """A frame fixed to the first interface; without interfaces, the frame of the basis."""
         interfaces = self.body.interfaces
         return NodalFixedFrame(interfaces[0].name) if interfaces else self.basis.frame
 
     def _outside(self, forces: Array) -> Array:
-        """Motions that pair forces cause outside the columns and the interface shapes."""
+        """Motions due to pair forces outside the columns and the interface shapes."""
         held = np.hstack([self._columns, self._interfaces])
         return held @ (held.T @ forces) - self.body.grounded_stiffness.factor.solve(forces)
 
@@ -155,7 +155,7 @@ class Condensation:
         return lambda block: between(block.start, block.stop)
 
     def _forces_of(self, spanning: NDArray[np.intp]) -> Array:
-        """Forces of some pairs, taken from the one block where there is one."""
+        """Forces of some pairs, taken from the block if there is only one."""
         first, second = self._pairs
         if len(self._blocks) == 1:
             return self._forces(self._blocks[0])[:, spanning]
@@ -163,13 +163,13 @@ class Condensation:
 
     @cached_property
     def _energy_of_all(self) -> Array:
-        """Energy like R, but of all motion: K t = -f, hence f K^-1 f."""
+        """Energy like R, but of all motion t_jk: f^T K^-1 f, with K t = -f."""
         n2 = len(self._pairs[0])
         energy = np.empty((n2, n2))
         for i, block in enumerate(self._blocks):
-            answers = self.body.grounded_stiffness.factor.solve(self._forces(block))
+            responses = self.body.grounded_stiffness.factor.solve(self._forces(block))
             for other in self._blocks[i:]:
-                energy[block, other] = answers.T @ self._forces(other)
+                energy[block, other] = responses.T @ self._forces(other)
                 energy[other, block] = energy[block, other].T
         return energy
 
@@ -202,7 +202,7 @@ def _orthonormalized(shapes: Array, stiffness: csc_array, before: Array | None =
     smallest = DEPENDENT
     if before is not None:
         smallest = DEPENDENT_ON_BASIS
-        for _ in range(2):  # the second time takes out the round-off of the first
+        for _ in range(2):  # the second pass removes the round-off of the first
             scaled = scaled - before @ (before.T @ (stiffness @ scaled))
     values, vectors = np.linalg.eigh(scaled.T @ (stiffness @ scaled))
     kept = values > smallest

@@ -1,20 +1,20 @@
 """Inertia of the condensed motion z, which follows the coordinates of a reduced body, to leading order.
 
-Beside its columns a body moves by `z(g)`, quadratic in the coordinates: a bent beam shortens. To second
-order in g, three moments of z about the frame, with the interfaces at rest, enter the kinetic energy,
+In addition to its columns a body moves by `z(g)`, quadratic in the coordinates: a bent beam shortens. To
+second order in g, three moments of z about the frame, with the interfaces at rest, enter the kinetic energy,
 
     s = sum m z,     c = sum m x cross z,     J: the change of the inertia tensor,     each `g G_i g / 2`,
 
     T_z = v . (ds/dt + w x s) + w . dc/dt + w J w / 2.
 
 In mean axes, and with columns that contain the static shapes of the interfaces, s and c vanish: z is
-K-orthogonal to those shapes, whose interface forces balance inertia. The rest, `w J w / 2`, has the form of
-blocks of the inertia Gram matrix and is added to them. So a body whose columns do not stretch is stiffened
-by centrifugal force; energy and momenta are conserved, at no cost in the run.
+K-orthogonal to those shapes, whose interface forces balance inertia. The remaining term, `w J w / 2`, is
+added to blocks of the inertia Gram matrix of the same form. A body without axial columns thus has its
+centrifugal stiffening; energy and momenta are conserved, at no cost in the run.
 
-In a nodal-fixed frame the columns nearly cancel motions of the frame. Velocities of z are not small beside
-the remainder, and the mass matrix would become indefinite: there z has no inertia. The stiffness that is
-missing as a result is computed, and a warning reports it.
+In a nodal-fixed frame the columns can nearly cancel motions of the frame. Velocities of z are not small
+compared with the remainder, and the mass matrix would become indefinite: there z has no inertia. The missing
+stiffness is computed, and a warning reports it.
 
 Source: derived here; theory page on tensors.
 """
@@ -38,7 +38,7 @@ Array = NDArray[np.float64]
 N_MOMENTS = 12
 """s and c (3 each), and J_ij, i <= j (6)."""
 NEGLIGIBLE = 1e-3
-"""Size of moments s (over the body's size) and c, relative to J, due to what the fields of z leave out."""
+"""Largest ratio of the moments s (times the body's size) and c to J that counts as zero."""
 _FIRST, _SECOND = np.triu_indices(3)
 _PLACE = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 _DIAGONAL = [0, 3, 5]

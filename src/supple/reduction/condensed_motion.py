@@ -25,7 +25,7 @@ class CondensedMotion:
 
     fields : (n_nodal, m)       orthonormal in the strain energy; interfaces rest
     amplitudes : (m, n2)        n2 = r(r+1)/2
-    moments : (12, n2)          of its inertia; None where it has none, as in files of format version 1
+    moments : (12, n2)          inertia moments of z; None: no inertia, as in files of format version 1
     """
 
     fields: Array

@@ -25,10 +25,10 @@ class Enrichment(NamedTuple):
 
 
 def enrich(body: FlexibleBody, basis: ReductionBasis, fields: np.ndarray, n: int) -> Enrichment:
-    """Append the n leading directions of the fields outside a basis; fewer where they span less.
+    """Append the n leading directions of fields outside a basis; fewer if the fields span less.
 
     body : FlexibleBody
-    fields : (n, m)     displacement fields on the body's coordinates, for example a basis error
+    fields : (body.n, m)    displacement fields in the body's coordinates, for example a basis error
     Raises ModelError: n below one; fields of the wrong size.
     """
     if n < 1:

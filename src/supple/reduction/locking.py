@@ -35,10 +35,10 @@ def locking(left_out: Condensation, plain: InternalForceTensors, chosen: Interna
     """The locking indicator of a reduced body, from its tensors: no load needs to be known.
 
     The body is fixed at its first interface and accelerated in the six rigid-body directions (without an
-    interface: loaded along its six lowest shapes), each load scaled to the energy at which the softest of
-    them rotates the body by 0.1 rad in linear theory. Two or three static solutions of r unknowns each.
+    interface: loaded along its six lowest shapes). Each load is scaled to the energy at which the softest
+    response rotates by 0.1 rad in linear theory. The cost is two or three static solutions of r unknowns.
 
-    plain, chosen : of the columns alone, and of the reduced body; the same object where nothing is condensed
+    plain, chosen : tensors of the columns alone and of the reduced body; one object if nothing is condensed
     """
     body = left_out.body
     free = left_out.energy + left_out.interface_energy
@@ -47,7 +47,7 @@ def locking(left_out: Condensation, plain: InternalForceTensors, chosen: Interna
         return Locking((), np.empty(0), np.empty(0))
 
     def work(tensors: InternalForceTensors) -> Array:
-        return np.sum(loads * _static_answers(tensors, loads), axis=1)
+        return np.sum(loads * _static_responses(tensors, loads), axis=1)
 
     whole, of_columns = work(plain.condensed(free)), work(plain)
     done = of_columns
@@ -75,7 +75,7 @@ def warn_of_locking(name: str, found: Locking, is_condensed: bool) -> None:
 
 
 def _loads(body: FlexibleBody, V: Array, stiffness: Array) -> tuple[tuple[str, ...], Array]:
-    """Names and generalised loads (k, r) of one linear energy."""
+    """Names and generalised loads (k, r), all of the same linear energy."""
     turns = None if body.rotation_operator is None else (body.rotation_operator @ (body.expansion @ V))
     if body.interfaces:
         held = body.interfaces[0].motion
@@ -91,12 +91,12 @@ def _loads(body: FlexibleBody, V: Array, stiffness: Array) -> tuple[tuple[str, .
         loads = (stiffness @ shapes[:, :6]).T
         names = tuple(f"push along shape {i + 1}" for i in range(len(loads)))
         relative = np.zeros((3, V.shape[1]))
-    answers = np.linalg.solve(stiffness, loads.T)
-    energies = 0.5 * np.sum(loads.T * answers, axis=0)
+    responses = np.linalg.solve(stiffness, loads.T)
+    energies = 0.5 * np.sum(loads.T * responses, axis=0)
     if turns is None or not np.any(energies > 0):
         return (), np.empty((0, V.shape[1]))
     bends = energies > 1e-14 * energies.max()
-    turned = (turns @ answers).reshape(-1, 3, len(loads)) - relative @ answers
+    turned = (turns @ responses).reshape(-1, 3, len(loads)) - relative @ responses
     largest = np.sqrt(np.max(np.sum(turned**2, axis=1), axis=0))
     bends &= largest > 0
     if not bends.any():
@@ -106,7 +106,7 @@ def _loads(body: FlexibleBody, V: Array, stiffness: Array) -> tuple[tuple[str, .
     return tuple(names[i] for i in kept), loads[kept] * np.sqrt(reference / energies[kept])[:, None]
 
 
-def _static_answers(tensors: InternalForceTensors, loads: Array) -> Array:
+def _static_responses(tensors: InternalForceTensors, loads: Array) -> Array:
     """Equilibria (k, r) under loads (k, r), all at once by Newton's method; nan where it diverges."""
     with np.errstate(all="ignore"):  # a buckling body may overflow before the iteration ends
         return _newton(tensors, loads)
@@ -118,16 +118,16 @@ def _newton(tensors: InternalForceTensors, loads: Array) -> Array:
     def size(forces: Array) -> Array:
         return np.sqrt(np.sum(forces * linalg.cho_solve(factor, forces.T).T, axis=1))
 
-    answers, alive = np.zeros(loads.shape), np.ones(len(loads), dtype=bool)
+    responses, alive = np.zeros(loads.shape), np.ones(len(loads), dtype=bool)
     for share in np.linspace(0, 1, _INCREMENTS + 1)[1:]:
         allowed = _TOLERANCE * share * size(loads)
         for _ in range(_ITERATIONS):
-            residual = share * loads - tensors.internal_force(answers)
+            residual = share * loads - tensors.internal_force(responses)
             error = size(residual)
             moving = np.flatnonzero(alive & (error > allowed))
             if not moving.size:
                 break
-            at, before = answers[moving], error[moving]
+            at, before = responses[moving], error[moving]
             step = np.linalg.solve(tensors.tangent(at), residual[moving, :, None])[..., 0]
             length = np.ones((len(moving), 1))
             for _ in range(_HALVINGS):
@@ -135,8 +135,8 @@ def _newton(tensors: InternalForceTensors, loads: Array) -> Array:
                 if not worse.any():
                     break
                 length[worse] /= 2
-            answers[moving] = at + length * step
+            responses[moving] = at + length * step
         else:
-            alive &= size(share * loads - tensors.internal_force(answers)) <= allowed
-    answers[~alive] = np.nan
-    return answers
+            alive &= size(share * loads - tensors.internal_force(responses)) <= allowed
+    responses[~alive] = np.nan
+    return responses

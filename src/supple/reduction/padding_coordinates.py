@@ -1,10 +1,10 @@
 """Padding coordinates, which never move: bodies of similar sizes share one compiled program.
 
 A reduced body of r coordinates is padded to R with coordinates of unit mass and the highest frequency of the
-body. Nothing couples or loads them: they stay at rest, and every number of the run is unchanged. The array
-sizes, for which a program is compiled, no longer depend on r. The cost is products of R coordinates instead
-of r, against several seconds of compilation for each further r; so padding is for runs made once, such as the
-rounds of a self-correction.
+body. The padding coordinates are neither coupled nor loaded: they stay at rest, and every number of the run
+is unchanged. The array sizes, for which a program is compiled, no longer depend on r. A run then has products
+of R coordinates instead of r, but needs no compilation of several seconds for another r. Padding therefore
+pays for runs made once, such as the rounds of a self-correction.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ LARGEST = 32
 def padded(body: ReducedBody) -> ReducedBody:
     """The same body with padding coordinates up to the next larger multiple of sixteen.
 
-    A body of sixteen coordinates is padded too: the next round adds a few, and shares its program.
+    A body of sixteen coordinates is padded, too: the next round adds a few, and shares the program.
     """
     if body.condensed is not None or body.r >= LARGEST:
         return body

@@ -89,7 +89,7 @@ def _projection(
         left_out = Condensation(body, basis)
         with timed(seconds, "condensation"):
             of_columns, products = products, quartic.strains(products, left_out)
-            # A body without condensation is recognised by its tensors: both are the same object.
+            # Without condensation both tensors remain the same object, as `locking` requires.
             if products is not of_columns:
                 products = products.by_classes(classes)
                 tensors = products.internal_force()
@@ -122,21 +122,21 @@ def _projection(
         frequencies=np.sqrt(np.linalg.eigvalsh(tensors.stiffness)),
         report=replace(basis.report, seconds=seconds),
         condensed=motion,
-        # Coordinates that no node has are invisible in the nodal basis.
+        # The nodal basis does not contain coordinates without nodes.
         full=None if body.n_modal else FullBody(body, basis.frame, counted_damping(damping, r)),
     )
     return _Projection(reduced, left_out, plain, tensors)
 
 
 def counted_damping(damping: Damping | None, r: int) -> Damping | None:
-    """The damping for the full body: as many modes are damped as the reduced body has."""
+    """The damping for the full body: as many damped modes as the reduced body has coordinates."""
     if isinstance(damping, ModalDamping) and damping.n_modes is None:
         return replace(damping, n_modes=r)
     return damping
 
 
 def _check_gram(body: FlexibleBody, gram: np.ndarray, r: int) -> None:
-    """The last block of the Gram matrix is V^T M V = I, from the nodal mass instead of the body's mass."""
+    """Check that the last block of the Gram matrix, V^T M V from the nodal mass, is I; else AccuracyError."""
     error = float(np.max(np.abs(gram[-r:, -r:] - np.eye(r)), initial=0.0))
     if not error < LARGEST_GRAM_ERROR:
         raise AccuracyError(

@@ -26,7 +26,7 @@ class QuarticChoice(Protocol):
 
 @dataclass(frozen=True)
 class CondensedQuartic:
-    """Stiff motion outside the columns follows them statically: no locking; see `Condensation`."""
+    """Stiff motion outside the columns follows the columns statically: no locking; see `Condensation`."""
 
     def strains(self, plain: StrainProducts, left_out: Condensation) -> StrainProducts:
         """The quadratic strains minus those that this motion relaxes, for force and damping alike."""

@@ -52,15 +52,16 @@ def reduce(
         alone, as in published work
     derivatives : CompressedDerivatives(n), PickedDerivatives(n) or NoDerivatives()
     damping : RayleighDamping(...), LinearRayleighDamping(...) or ModalDamping(...); None: undamped
-    quartic : CondensedQuartic(): stiff motion that the columns lack follows them statically, so that they do
-        not lock; PlainQuartic(): they lock, as in published work
+    quartic : CondensedQuartic(): stiff motion outside the columns follows them statically, so that the body
+        does not lock; PlainQuartic(): the columns alone, which may lock, as in published work
+
     Raises
     ------
     ModelError      too many modes or derivatives; a basis that needs interfaces; derivatives of a linear body
     AccuracyError   the basis or the Gram matrix violates its own identities
     Warns LockingWarning when the static response is too small because the columns lack stiff motion;
-    ValidityWarning when the walls are rigid in transverse shear, which would take a hundredth of the energy
-    of the lowest mode.
+    ValidityWarning when the walls are rigid in transverse shear, although shear would contribute more than a
+    hundredth of the energy of the lowest mode.
     Source: [Wu2019] section 5.
     """
     recipe = basis if isinstance(basis, SteadyLoads) else loads(basis)
@@ -75,8 +76,8 @@ def _warn_of_rigid_shear(body: FlexibleBody, columns: ReductionBasis) -> None:
     share = shear_share(body.model, body.expansion @ columns.vectors[:, :1])[0]
     if share > LARGEST_SHEAR:
         warnings.warn(
-            f"body '{body.name}': its walls are rigid in transverse shear, which would take {share:.1%} of "
-            f"the energy of its lowest mode and lower its frequency by {share / 2:.1%}; give the walls a "
+            f"body '{body.name}': its walls are rigid in transverse shear; shear would have {share:.1%} of "
+            f"the energy of the lowest mode and lower its frequency by {share / 2:.1%}; give the walls a "
             "shear factor (5/6 where they are solid)",
             ValidityWarning,
             stacklevel=4,

@@ -81,10 +81,10 @@ class ReducedBody(FloatingForm, Summarized):
     report : ReductionReport
     condensed : motion z outside the columns, condensed into the quartic tensor; None without
     padding : int               padding coordinates of a run, see `padded`; not stored in files
-    full : FullBody | None      the full body that it was reduced from, a reference, absent in files and in
-           other processes
-    elastic_elsewhere : bool    the elements are nonlinear, but their force of deformation is not in the
-           tensors; not stored in files
+    full : FullBody | None      reference to the full body before reduction; not stored in files and not
+           passed to other processes
+    elastic_elsewhere : bool    the tensors lack the nonlinear elastic force of the elements; not stored in
+           files
     Raises ModelError when the shapes disagree, a value is not finite, or the tensors have no potential.
     """
 
@@ -250,7 +250,7 @@ class ReducedBody(FloatingForm, Summarized):
         """Rotation vectors (..., P, 3) against the frame; ModelError if the body has none."""
         if self.rotation_basis is None:
             raise ModelError(
-                f"body '{self.name}' carries no rotations: "
+                f"body '{self.name}' has no rotations: "
                 "it was imported without rotational freedoms or elements; import it with them"
             )
         return _combine(self.rotation_basis, gamma)
@@ -324,7 +324,7 @@ def _check_shapes(body: ReducedBody) -> None:
 def _check_potential(body: ReducedBody) -> None:
     if body.cubic is None or body.quartic is None:
         return
-    # Not the cached ones: validation must not store anything beside the fields.
+    # Not the cached `tensors`: validation must store nothing in addition to the fields.
     symmetric = InternalForceTensors(body.stiffness, body.cubic, body.quartic).symmetrized()
     for name in ("cubic", "quartic"):
         own, other = getattr(body, name), getattr(symmetric, name)

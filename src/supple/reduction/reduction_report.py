@@ -25,9 +25,9 @@ class Locking:
 
         1 - f.gamma / f.gamma_free,   gamma_free: with all motion outside the columns included
 
-    loads : the loads, all of the same linear energy: that at which the softest rotates by 0.1 rad
-    plain : (k,)        with the tensors of the columns alone; nan where the body buckles under the load
-    remaining : (k,)    with the tensors of the body
+    loads : names of the loads; all have the energy at which the softest response rotates by 0.1 rad
+    plain : (k,)        deficit with the tensors of the columns alone; nan where the body buckles
+    remaining : (k,)    deficit with the tensors of the body
     """
 
     loads: tuple[str, ...]
@@ -69,7 +69,7 @@ class ReductionReport:
     singular_values_kept, singular_values_dropped : of the weighted derivatives, relative to the first
         (both empty unless the derivatives were compressed)
     seconds : wall time of each offline step
-    certificate : proven accuracy of the body's eigenvalues, by a basis that proves it (ErrorControlled)
+    certificate : proven accuracy of the body's eigenvalues, with an ErrorControlled basis
     locking : deficit due to missing stiff motion, without and with condensation; None for a linear body
     """
 

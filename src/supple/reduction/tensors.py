@@ -87,7 +87,7 @@ class InternalForceTensors:
     def symmetrized(self) -> InternalForceTensors:
         """Tensors of the same energy, symmetric in all indices: their force is its gradient.
 
-        Published forms that are symmetric in some indices only have forces without a potential.
+        The forces of published forms that are symmetric in some indices only have no potential.
         """
         if self.cubic is None or self.quartic is None:
             return self
@@ -123,7 +123,7 @@ class MaterialTensors:
 
         K_mat = K + unpack(cubic @ g) + unpack(quartic @ m2),   m2_(kl) = g_k g_l for k <= l
 
-    It is the tangent without its geometric term: K_mat(g) g_dot is the force of stresses D eps_dot.
+    K_mat is the tangent without its geometric term: K_mat(g) g_dot is the force of stresses D eps_dot.
 
     cubic : (n2, r);  quartic : (n2, n2)     packed as in InternalForceTensors
     """
@@ -155,19 +155,20 @@ class StrainProducts:
         return InternalForceTensors(self.stiffness, _fold_cubic(self.strain_by_pair), quartic)
 
     def condensed(self, energy: np.ndarray) -> StrainProducts:
-        """The products of the strains that remain when motion outside the columns follows them.
+        """The products of the strains that remain if motion outside the columns follows statically.
 
-        energy : (n2, n2)   R of `Condensation`: the products of the strains that this motion removes
+        energy : (n2, n2)   R of `Condensation`: the products of the strains removed by this motion
         """
         if self.pair_by_pair is None:
             return self
         return replace(self, pair_by_pair=self.pair_by_pair - energy)
 
     def classes(self) -> np.ndarray:
-        """The symmetry class of every pair (n2,): a body with planes of symmetry does not couple them.
+        """The symmetry class of every pair (n2,): planes of symmetry decouple pairs of different classes.
 
-        Pairs are of one class where the cosine of the angle between their strains, `H_ab / sqrt(H_aa H_bb)`,
-        is above 1e-8, or that of (jl, km) or (jm, kl) for (jk, lm). Without symmetry there is one class.
+        Pairs a = (jk) and b = (lm) are of one class if the cosine of the angle between their strains,
+        `H_ab / sqrt(H_aa H_bb)`, is above 1e-8, or that between (jl) and (km) or between (jm) and (kl).
+        Without symmetry there is one class.
         """
         if self.pair_by_pair is None:
             return np.empty(0, dtype=np.int32)
@@ -186,9 +187,11 @@ class StrainProducts:
         return replace(self, pair_by_pair=np.where(apart, 0.0, self.pair_by_pair))
 
     def material(self, force: InternalForceTensors) -> MaterialTensors | None:
-        """The tensors of the tangent less those of K_geo = F^T g + H m2 / 2; None for a linear body.
+        """The tensors of the tangent less those of its geometric term; None for a linear body.
 
-        force : as `internal_force` made it
+            K_geo = unpack(F^T g + H' m2),   H': H with its columns l = m halved
+
+        force : result of `internal_force`
         """
         if self.strain_by_pair is None or self.pair_by_pair is None:
             return None
@@ -269,7 +272,7 @@ def _stress_scaled_strains(block: QuadraticStrain, chunk: slice, nodal_basis: np
 def _square_root(constitutive: np.ndarray) -> np.ndarray:
     """R with R^T R = D for symmetric D (..., s, s) that may be singular; as many rows as D has rank.
 
-    A shell has 18 strains and 12 shapes, so that a third of the rows of all sums would be zero.
+    A shell has 18 strains but rank 12, so that a third of the rows of all sums would be zero.
     """
     values, vectors = np.linalg.eigh(constitutive)
     rank = (values > 1e-14 * values[..., -1:]).sum(axis=-1).max()
@@ -287,7 +290,7 @@ def _fold_cubic(strain_by_pair: np.ndarray) -> np.ndarray:
 
 
 def _over_pairings(pairs: np.ndarray) -> np.ndarray:
-    """Sum (n2, n2) over (jk, lm), (jl, km) and (jm, kl); of truth values, whether one of them holds."""
+    """Sum (n2, n2) of a matrix over (jk, lm), (jl, km) and (jm, kl); for truth values, their disjunction."""
     pair = _pair_number(number_of_coordinates(len(pairs)))
     j, k = np.triu_indices(len(pair))
     total = pairs.copy()

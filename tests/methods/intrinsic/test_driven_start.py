@@ -138,7 +138,7 @@ def test_the_rest_of_a_rate_that_no_rigid_motion_meets_deforms_and_warns():
 def test_given_velocities_that_joints_do_not_allow_are_said_alike():
     given = Placed(released(beam()), velocity=[0, 0, 0], angular_velocity=[0, 0, 0])
     run = Run(0.002, 0.001, step=FixedStep(1e-3), method=GeneralizedAlpha(1.0))
-    with pytest.warns(StartWarning, match="body 'beam' starts with a spin of 2 instead of 0"):
+    with pytest.warns(StartWarning, match="body 'beam' starts with an angular velocity of 2 instead of 0"):
         JoinedEngine(System([given], [DRIVE]), run).start(0.0)
     with pytest.raises(ModelError, match=r"its root cannot have: .* Give the velocity of its joint, or none"):
         machine_of_lines(System([Placed(beam(), angular_velocity=[0, 0, 0])], [DRIVE]), 0.0)

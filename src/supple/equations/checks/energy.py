@@ -25,7 +25,7 @@ from supple.reduction import ReducedBody
 
 __all__ = ["Balances", "balances"]
 
-# Numbers of a full body's nodal field in memory at a time (8 MiB): a long run of a large body would not fit.
+# Largest number of nodal values of a full body in memory at a time (8 MiB), for long runs of large bodies.
 _FIELD_NUMBERS = 2**20
 
 
@@ -60,7 +60,7 @@ def balances(system: System, solution: Solution) -> Balances:
 @singledispatch
 def body_balances(body: BodyForm, _motion: Motion, _gravity: np.ndarray) -> Balances:
     """Energies and momenta of one body; each method registers those of its form."""
-    raise ModelError(f"body '{body.name}' is {body.kind}, whose energies are not known")
+    raise ModelError(f"body '{body.name}': the energies of a body of kind '{body.kind}' are not available")
 
 
 @body_balances.register(RigidBody | ReducedBody)

@@ -1,4 +1,4 @@
-"""Constraint residuals of the joints of a system over a run, which the integrator leaves of g = 0."""
+"""Residuals of the constraint equations g = 0 of a system over a run."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _residuals = CachedProgram(_residuals_over_time)
 
 
 def joint_residuals(system: System, solution: Solution) -> np.ndarray:
-    """Constraint equations g (t, m) of all joints at the output times: m and rad, zero where exact."""
+    """Residuals g (t, m) of all joints at the output times: unit of length and rad."""
     system, bodies = _with_stations(system, solution.bodies)
     motions = [bodies[placed.body.name] for placed in system.bodies]
     configurations = Configuration(
@@ -57,7 +57,7 @@ class _Pose(NamedTuple):
 def _with_stations(
     system: System, bodies: Mapping[str, Motion]
 ) -> tuple[System, dict[str, FloatingMotion | _Pose]]:
-    """Ends on bodies without a floating frame as separate bodies; loads are irrelevant."""
+    """The system with separate bodies for ends on bodies without a floating frame, and without loads."""
     floating = {name: motion for name, motion in bodies.items() if isinstance(motion, FloatingMotion)}
     motions: dict[str, FloatingMotion | _Pose] = dict(floating)
     placed = [each for each in system.bodies if each.body.name in floating]

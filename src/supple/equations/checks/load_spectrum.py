@@ -1,13 +1,13 @@
-"""Check for loads that excite modes missing from a reduced body: load band against the frequencies kept.
+"""Check for loads that excite modes missing from a reduced body: load band and frequencies are compared.
 
 A load f(t) over a run of length T is a straight line from its first value to its last, and a sine series
 
     f(t) = f_0 + (f_T - f_0) t / T + sum_k b_k sin(k pi t / T),
 
-whose mean square is that of the line plus, by Parseval, b_k^2 / 2 for every frequency k pi / T. The rest
-after the line vanishes at both ends, so that its coefficients fall as k^-3 where f is smooth: no window is
-needed, and the beginning of a run has the same weight as its middle. The onset of a load at t = 0 is not
-included, nor is gravity. A prescribed motion excites by its acceleration.
+whose mean square is that of the line plus, by Parseval, b_k^2 / 2 for every frequency k pi / T. The
+difference from the line vanishes at both ends, so that its coefficients fall as k^-3 where f is smooth: no
+window is needed, and the beginning of a run has the same weight as its middle. The onset of a load at t = 0
+and gravity are not included. The load of a prescribed motion is its acceleration.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ SAME = 1.05
 MOST_MODES = 200
 MOST_SAMPLES = 20_000
 FEW, SAMPLES = 33, 257
-"""Fewer output times do not resolve a load; then this many samples are used."""
+"""If there are fewer than FEW output times, which do not resolve a load, SAMPLES times are used instead."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +137,7 @@ def band_coverage(
         return None
     widest = max(spectra, key=lambda spectrum: spectrum.band)
     missing, found = [], 0
-    # Rayleigh-Ritz: frequencies of the reduced body are above those of its modes, in the same order.
+    # Rayleigh-Ritz: frequencies of the reduced body are above those of the full body, in the same order.
     for frequency in of_body:
         if found < len(kept) and kept[found] <= SAME * frequency:
             found += 1

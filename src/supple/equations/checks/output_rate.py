@@ -1,13 +1,13 @@
 """Check that output times resolve the motion: a faster vibration appears as a slower one (aliasing).
 
-Positions q alone cannot show it; but velocities v and accelerations a are stored too. With D the central
-difference over two output steps H, the signal
+Positions q alone do not reveal the faster vibration, but velocities v and accelerations a are stored, too.
+With D the central difference of outputs at intervals H, the signal
 
     u = v - D q,        du/dt = a - D v
 
 contains a vibration of frequency w with the factor 1 - sin(w H) / (w H): nearly zero for dense outputs,
-nearly one beyond their limit, w H = pi. Its root mean squares give the frequency, |du/dt| / |u|, and the
-amplitude, |u| / (w - sin(w H) / H), of the unresolved vibration.
+nearly one beyond their limit, w H = pi. The root mean squares of u and du/dt give the frequency of the
+unresolved vibration, |du/dt| / |u|, and its amplitude, |u| / (w - sin(w H) / H).
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ NEGLIGIBLE = 1e-6
 """Relative to the machine's size: smaller motions are ignored."""
 WINDOWS = 8
 SHORTEST = 32
-"""Fewest output times of a window: a decaying vibration is detected where it is present."""
+"""Fewest output times of a window; windows are used to detect vibrations that decay."""
 MOST_COLUMNS = 32
 PER_PERIOD = 10
 FEWEST = 10
-"""Output times: fewer are single times of interest, not a curve."""
+"""Number of output times below which no check is made: they are single times of interest, not a curve."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Hidden:
 def hidden_vibration(
     positions: np.ndarray, velocities: np.ndarray, accelerations: np.ndarray, output_step: float
 ) -> Hidden:
-    """The unresolved vibration of a motion (t, m) at evenly spaced output times (t,); the worst window."""
+    """The unresolved vibration of a motion (t, m) at evenly spaced output times, in the worst window."""
     n = len(positions)
     found = Hidden(0.0, 0.0, 0.0)
     if n < FEWEST:
@@ -84,7 +84,7 @@ def _rms(signal: np.ndarray) -> float:
 def report_output_rate(system: System, run: Run, solution: Solution) -> None:
     """Warn (ResolutionWarning) of a body whose vibration or rotation the output times do not resolve.
 
-    It stays a warning in a strict run: the motion is correct, only its curves and pictures are not.
+    This remains a warning in a strict run: the motion is correct, but its curves and pictures are not.
     """
     if len(solution.times) < FEWEST:
         return

@@ -19,12 +19,12 @@ __all__ = ["RateJump", "rate_jumps", "warn_of_rate_jumps"]
 SPEED, ACCELERATION = 1e-6, 1e-3
 """Relative to the largest speed, or acceleration, of the run: smaller jumps are rounding."""
 BESIDE = 1e-7
-"""Relative to the shortest scale of a law: distance from a time at which its two sides are sampled."""
+"""Relative to the shortest scale of a law: distance of the samples before and after a possible jump."""
 
 
 @dataclass(frozen=True)
 class RateJump:
-    """A jump, at a time, of a prescribed motion, of its speed or of its acceleration."""
+    """Jumps of a prescribed motion, its speed and its acceleration at a time; 0 without a jump."""
 
     time: float
     motion: float

@@ -13,13 +13,14 @@ from supple.machine import System
 __all__ = ["check_redundant_joints"]
 
 OPEN = 1e-4
-"""Relative to the system's size, and rad: omitted equations must follow from the others far more closely."""
+"""Largest residual of an omitted equation, relative to the system's size or in rad; redundant equations have
+far smaller ones."""
 
 
 def check_redundant_joints(system: System, leg: Solution) -> None:
     """Raise AccuracyError for a joint that is violated because its equations were left out.
 
-    Such an equation depended on the others where the run began, but no longer does.
+    Such an equation depended on others at the start of the run, but no longer does.
     """
     n_equations = system.n_constraints
     kept = leg.engine_state.get("active")

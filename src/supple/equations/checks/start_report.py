@@ -22,7 +22,7 @@ def report_start(change: StartChange, validity: Validity) -> None:
         others = _others(change.open[1:])
         bodies = ", ".join(
             f"body '{moved.body}' was moved by {moved.distance:.3g}"
-            + (f" and turned by {moved.angle:.3g} rad" if moved.angle > ROUNDING else "")
+            + (f" and rotated by {moved.angle:.3g} rad" if moved.angle > ROUNDING else "")
             for moved in change.moved[:MOST_NAMES]
         )
         message = (
@@ -68,8 +68,8 @@ def _others(joints: Sequence[ConstraintViolation]) -> str:
 def _slowed(body: VelocityCorrection) -> str:
     (speed, new_speed), (spin, new_spin) = body.speeds, body.spins
     changes = [
-        f"a {what} of {new:.4g} instead of {old:.4g}"
-        for old, new, what in ((speed, new_speed, "speed"), (spin, new_spin, "spin"))
+        f"{what} of {new:.4g} instead of {old:.4g}"
+        for old, new, what in ((speed, new_speed, "a speed"), (spin, new_spin, "an angular velocity"))
         if abs(new - old) > ROUNDING * (speed + new_speed + spin + new_spin)
     ]
     return f"body '{body.body}' starts with {' and '.join(changes) or 'another direction of motion'}"

@@ -1,10 +1,10 @@
 """Check that fixed steps resolve the loads and prescribed motions, before the run.
 
-A step evaluates a load at its two ends. The error of straight lines from step to step is found by evaluating
-the load within the steps as well, at uneven times, and at the instants of the law, given or found by
-sampling. A sine of n steps a period has an error of (2 pi / n)^2 / 8 of its amplitude, one of n < 2 of all of
-it. A load that jumps at the end of a step is resolved as well as possible. A prescribed motion loads by its
-acceleration.
+A step evaluates a load at its two ends. The error of the linear interpolation between steps is found by
+evaluating the load within the steps as well, at uneven times, and at the instants of the law, given or found
+by sampling. A sine of n steps a period has an error of (2 pi / n)^2 / 8 of its amplitude; for n < 2 the error
+is the whole amplitude. A load that jumps at the end of a step is resolved as well as possible. The load of a
+prescribed motion is its acceleration.
 """
 
 from __future__ import annotations
@@ -31,16 +31,16 @@ MISSED = 0.2
 MOST_STEPS = 2**13
 """Number of steps checked, spread over the run."""
 WITHIN = np.array([0.5, 0.07, 0.21, 0.37, 0.62, 0.78, 0.91])
-"""Sampling points within a step: uneven, as a load could be periodic in even ones."""
+"""Sampling points within a step; uneven, because a periodic load may vanish at evenly spaced points."""
 BESIDE, JUMPS = 0.1, 0.3
-"""A change by this share of the largest load, within this many steps around an instant, counts as a jump."""
+"""A change by JUMPS of the largest load, within BESIDE steps on both sides of an instant, is a jump."""
 NEAR = 1e-6
-"""Relative to a step: distance from an instant at which both its sides are sampled."""
+"""Relative to a step: distance of the samples before and after an instant."""
 
 
 @dataclass(frozen=True)
 class UnresolvedShare:
-    """The largest error of a quantity over time within a step, over its largest value, and its time."""
+    """Largest interpolation error of a quantity within a step, over its largest value, and its time."""
 
     share: float
     time: float
@@ -55,7 +55,7 @@ def fixed_step(run: Run) -> float:
 def jumps_in_steps(system: System, run: Run) -> bool:
     """Whether a load, or the acceleration of a prescribed motion, jumps within a fixed step or at its end.
 
-    A step replaces the jump by a straight line, as if it were half a step earlier or later.
+    A step replaces the jump by a straight line, as if the jump were up to half a step earlier or later.
     """
     if not isinstance(run.step_control, FixedStep):
         return False
@@ -83,7 +83,7 @@ def _jumps_in(law: TimeLaw, begin: float, end: float, step: float, derivative: i
 def missed_between_steps(
     law: TimeLaw, begin: float, step: float, n_steps: int, instants: np.ndarray, *, derivative: int = 0
 ) -> UnresolvedShare:
-    """The error of `n_steps` equal steps for a time function of any shape, or for its derivative.
+    """The interpolation error in `n_steps` equal steps of a time function of any shape, or its derivative.
 
     instants : (k,)     times of kinks or extremes; steps that contain them are checked first
     """
@@ -95,7 +95,7 @@ def missed_between_steps(
     chosen = np.concatenate([spread, broken])
     start = begin + chosen * step
     inner = start[:, None] + WITHIN * step
-    # A step with an instant is sampled there: a pulse may be shorter than the sampling distance.
+    # A step that contains an instant is sampled there: a pulse may be shorter than the sampling interval.
     nearby = instants[:most, None] + NEAR * step * np.array([0.0, -1.0, 1.0])
     if len(nearby):
         low, high = start[len(spread) :, None], start[len(spread) :, None] + step
@@ -106,7 +106,7 @@ def missed_between_steps(
     size = float(np.abs(values).max())
     first, within, last = values[:, :1], values[:, 1:-1], values[:, -1:]
     where = ((inner - start[:, None]) / step)[..., None]
-    # A jump at either end of the step leaves the quantity at its value at the other end.
+    # With a jump at one end of the step, the quantity has the value of the other end within the step.
     missed = np.minimum.reduce(
         [np.abs(within - guess).max(axis=(1, 2)) for guess in (first + where * (last - first), first, last)]
     )
@@ -152,7 +152,7 @@ def _warn(what: str, law: Any, run: Run, *, of_motion: bool) -> None:
 
 
 def _hardly_accelerated(law: Any, begin: float, end: float, step: float) -> bool:
-    """Whether a motion changes its speed within a step only by rounding."""
+    """Whether the speed of a motion changes within a step by rounding only."""
     times = np.linspace(begin, end, 257)
     _, fastest, hardest = (np.abs(each).max() for each in sampled(law, times, order=2))
     return bool(hardest * step <= 1e-9 * fastest)

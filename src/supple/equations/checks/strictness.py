@@ -1,4 +1,4 @@
-"""Findings of checks: warnings, or errors where the run is strict."""
+"""Warnings of checks, which are errors in a strict run."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["warn_or_raise"]
 
 
 def warn_or_raise(message: str, category: type[SuppleWarning], validity: Validity) -> None:
-    """Warn; raise ValidityError instead when strict."""
+    """Warn; in a strict run raise ValidityError instead."""
     if validity.strict:
         raise ValidityError(message)
     warnings.warn(message, category, stacklevel=4)

@@ -1,11 +1,11 @@
 """Check, during every run, that the motion is within the limits of the kinematics.
 
-Two limits are checked. A body without nonlinear terms has no geometric stiffness: at an angular velocity near
-its lowest frequency its deflection is too large, and beyond it diverges. The same holds for a body whose
-condensed motion has no inertia, where the missing centrifugal stiffness is a good part of the elastic one.
+Three limits are checked. A body without nonlinear terms has no geometric stiffness: at an angular velocity
+near its lowest frequency its deflection is too large, and beyond that it diverges. The same holds for a body
+whose condensed motion has no inertia, if the missing centrifugal stiffness is a good part of the elastic one.
 Rotations beyond the range for which the body's strains were derived (about 0.3 rad where curvatures enter
-linearly, 0.1 rad where all displacements do) make the strains themselves wrong. Linear multibody codes do not
-report either limit.
+linearly, 0.1 rad where all displacements do) make the strains themselves wrong. Averaging interfaces on soft
+sections change deflections if the sections rotate relative to the frame.
 """
 
 from __future__ import annotations
@@ -28,20 +28,20 @@ from supple.machine.system import System
 __all__ = ["Excess", "Peaks", "Watch", "watch"]
 
 SOFTENED_LIMIT = 0.01
-"""Estimated share of a deflection by which averaging interfaces may err without a warning."""
+"""Estimated relative error of a deflection due to averaging interfaces, from which a warning is given."""
 
 LINEAR_ROTATION_LIMIT = 0.1
-"""rad: rotation theta beyond which linear strains lack a shortening by bending, theta^2 / 2, of 0.5 % of the
-length: a tenth of the deflection of such a body."""
+"""rad: rotation theta at which the shortening by bending, theta^2 / 2, which linear strains lack, is 0.5 % of
+the length: a tenth of the deflection of such a body."""
 
 _STIFFER = {"modal": "Give it stiffening=CentrifugalStiffness() (spin_stiffness = true in a case file)"}
 """Remedy that gives a linear body geometric stiffness, by its kind; for others modal derivatives."""
 _TURNS_LESS = {"modal": "Use explicit elements, or several modal parts tied to each other"}
-"""Remedy that reduces a body's rotation relative to its frame, by its kind; others: by their frame."""
+"""Remedy that reduces a body's rotation relative to its frame, by its kind; for others by their frame."""
 
 
 class Peaks(NamedTuple):
-    """Largest angular velocity (rad/s) and relative rotation (rad) of one body, with their times."""
+    """Largest angular velocity (rad/s), relative rotation (rad) and interface error of a body; times."""
 
     spin: float = 0.0
     spin_time: float = 0.0
@@ -85,7 +85,7 @@ class _Limits:
     averaging: Any
     """(3 k, n) mean rotations of the k averaging interfaces from coordinates, or None"""
     softness: np.ndarray
-    """(3 k,) c / C of each, about each axis"""
+    """(3 k,) softness c / C of these interfaces about each axis"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +104,7 @@ class Watch:
         }
 
     def observe(self, so_far: Mapping[str, Peaks], chunk: Solution) -> dict[str, Peaks]:
-        """The peaks with a new chunk included; ValidityError at once when strict."""
+        """The peaks including those of a new chunk; ValidityError at once in a strict run."""
         new = self.peaks(chunk)
         merged = {name: so_far.get(name, Peaks()).merged(peak) for name, peak in new.items()}
         if self.validity.strict:
@@ -183,7 +183,7 @@ def _peaks(limits: _Limits, times: np.ndarray, motion: FramedMotion) -> Peaks:
 
 
 def _softened(limits: _Limits, times: np.ndarray, motion: FramedMotion) -> Peaks:
-    """Estimated error due to averaging interfaces: 6 phi^2 c / C of the worst at each time."""
+    """Estimated error due to averaging interfaces: the largest 6 phi^2 c / C of the interfaces and times."""
     if limits.averaging is None:
         return Peaks()
     turns = (motion.coordinates @ limits.averaging.T).reshape(len(times), -1, 3)

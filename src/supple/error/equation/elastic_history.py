@@ -80,7 +80,7 @@ class ForcePolynomial:
 def force_polynomial(works: StrainWorks) -> ForcePolynomial:
     """The exact polynomial of a body's nonlinear force, from the work of its elements' strains.
 
-    works : of the columns X of the motion on Z (`Assembly.works`)
+    works : strain works of the columns X of the motion on Z (`Assembly.works`)
     """
     first, second, once = _pairs(works)
     turned = works.turned[:, first, second] + works.turned[:, second, first]
@@ -126,7 +126,7 @@ def strain_rate_polynomial(works: StrainWorks) -> StrainRatePolynomial:
 
 
 def _pairs(works: StrainWorks) -> tuple[Any, Any, Array]:
-    """First and second index of the pairs j <= k, and their weights: 2, or 1 for j = k."""
+    """First and second index of the pairs j <= k, and their weights: 1, or 1/2 for j = k."""
     first, second = np.triu_indices(works.turned.shape[2])
     return first, second, np.where(first == second, 0.5, 1.0)
 
@@ -229,8 +229,8 @@ class StrainRateHistory:
 
         Z^T { A^T D N(q_dot) + N(D eps_dot) } Z = sum_i weights(t)_i samples_i
 
-    It is linear in the rates and unsymmetric: a motion with constant strains while the body moves,
-    A dq_dot + N(q_dot) dq = 0, has no resistance. Its symmetric part would not have this property.
+    This tangent is linear in the rates and unsymmetric: it does not resist a motion with constant strains
+    while the body moves, A dq_dot + N(q_dot) dq = 0. Its symmetric part would resist such a motion.
 
     samples : (m, k, k)
     weights : (t, m)

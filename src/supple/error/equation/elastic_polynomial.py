@@ -1,14 +1,15 @@
 """Elasticity of a body in few columns, as one polynomial for every run in these columns.
 
 With about a hundred columns the polynomial of the tangent does not fit in memory; `elastic_history` then uses
-sample times of one run. With the thirty columns of an indicator it fits, and takes one pass over the elements
-for any number of runs. With g the coordinates of a run in the first s columns, beyond the stiffness at rest
+sample times of one run. With the thirty columns of an indicator the polynomial fits, and one pass over the
+elements serves any number of runs. With g the coordinates of a run in the first s columns, beyond the
+stiffness at rest
 
     f_a       = (L_ajl / 2 + T_ajl) g_j g_l + C_iajl g_i g_j g_l / 2
     df_a/dg_b = (L_abl + T_abl + T_alb) g_l + (C_bajl / 2 + C_jabl) g_j g_l
 
-with L, T, C the works `linear`, `turned`, `cubic` of the columns on themselves; and of damping by strain rate
-v_a = (L_ajk + T_ajk) g_j g'_k + C_iajk g_i g_j g'_k and its derivatives by g' and g.
+with L, T, C the works `linear`, `turned`, `cubic` of the columns on themselves. The force of damping by
+strain rate is v_a = (L_ajk + T_ajk) g_j g'_k + C_iajk g_i g_j g'_k.
 """
 
 from __future__ import annotations

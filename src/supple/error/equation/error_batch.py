@@ -26,10 +26,10 @@ def first_together(
 ) -> list[ErrorState]:
     """`ErrorEquation.first` of runs with equal numbers of steps, whose bodies share one error space.
 
-    The effect of the deformation is taken from sample times of all runs together, and computed once.
+    The effect of the deformation is computed once, from sample times of all runs together.
 
-    rest : for runs that start in equilibrium: a time much longer than all vibration periods, in which the
-        residual at the start moves the true motion to its own equilibrium; 0: runs that start as placed
+    rest : for runs that start in equilibrium: length of a first step, much longer than all vibration periods,
+        which moves the true motion to its own equilibrium; 0: runs that start as placed
     at_once : number of runs per call, for which the program is compiled; None: all of them, at most 64
     """
     number = at_once or min(AT_ONCE, len(equations))

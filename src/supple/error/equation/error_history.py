@@ -107,11 +107,11 @@ class ErrorEquation:
     """The error equation of a run: its linearised equations, driven by its residual.
 
     reduced : System        as simulated
-    bodies : AssessedBody     by name; other bodies have no error of their own, but move with the system
+    bodies : AssessedBody   by name; other bodies have no basis error, but their motion changes as well
     coefficients : Coefficients     of the run's integrator
     steps : Solution        of the run, at every step
     active : constraint equations of the run, without the redundant ones
-    start : StartError      by name, of bodies whose start deviates from the true one
+    start : StartError      by name, of bodies whose initial state in the run deviates from the true one
     proven : float          allowed error of the tangents along the run (`tangent_history`)
     """
 
@@ -165,7 +165,7 @@ class ErrorEquation:
     # Where differences diverge, the result is not finite.
     @np.errstate(over="ignore", invalid="ignore")
     def again(self, found: ErrorState, tangents: TangentMotion | None = None) -> ErrorState:
-        """The differences from the error equation about the corrected motion; tangents as for `first`.
+        """The differences by the error equation about the corrected motion; tangents as for `first`.
 
         The leading directions of each body's error become columns of the motion, so that its forces remain
         polynomials of few coordinates.
@@ -490,7 +490,7 @@ def _from_polynomial(
 def _more(number: int) -> int:
     """Padded number of samples, as for the columns: 32, 64, 128 .., so that rounds share one program.
 
-    A further sample takes a product of two small matrices per block; a further program takes seconds.
+    A further sample costs a product of two small matrices per block; a further program costs seconds.
     """
     return (FEWEST_SAMPLES << max(0, (number - 1) // FEWEST_SAMPLES).bit_length()) - number if number else 0
 

@@ -72,7 +72,7 @@ def error_space(modes: ModesInFrame, motion: Array, corrections: Array, deformed
 
         - K^+ (K_t(q_i) - K) Phi
 
-    which stiff motion follows without delay, for example that of a shell's membrane.
+    Stiff motion, for example that of a shell's membrane, follows this change without delay.
 
     Parameters
     ----------

@@ -1,8 +1,9 @@
 """The integrator linearised about a run, driven by the run's own residual.
 
-Unknowns are true motion less the run's motion: of positions `eps` (frame's origin, its rotation psi from A to
-A exp(psi), coordinates), of velocities `w`, of the true and the auxiliary accelerations `c` and `a`. With `T`
-and `Ad` the right Jacobian and exp of the step's rotation, on the rows of rotations:
+The unknowns are differences between the true motion and the run: `eps` of the positions (origin of the frame,
+its rotation psi from A to A exp(psi), coordinates), `w` of the velocities, `c` and `a` of the true and the
+auxiliary accelerations. `T` and `Ad`, the right Jacobian and the inverse rotation of the step, act on the
+rows of rotations:
 
     a_k   = (alpha_f c_0 - alpha_m a_0) / (1 - alpha_m)
     eps_p = Ad eps_0 + T { h w_0 + h^2 [(1/2 - beta) a_0 + beta a_k] }
@@ -14,10 +15,12 @@ and `Ad` the right Jacobian and exp of the step's rotation, on the rows of rotat
     eps = eps_p + p T c,   w = w_p + v c,   a = a_k + kappa c
 
 M, C and K are the tangents of the run's own equations at its state, with increments of zero; r and g are the
-residuals of these equations and of the joints. It is the exact derivative of the discrete run. Rotations are
-composed exactly, psi = log( exp(-Dpsi) exp(psi_0) exp(Dpsi + dturn) ), which is the same to first order. The
-corrected motion therefore obeys the integrator, and the equation can be linearised about it again.
-Source: this project's own; the step is that of Chung & Hulbert (1993) on the group of Arnold & Bruels (2007).
+residuals of these equations and of the joints. This step is the exact derivative of the discrete run. Only
+rotations are composed exactly, psi = log( exp(-Dpsi) exp(psi_0) exp(Dpsi + dturn) ), which is the same to
+first order. The corrected motion therefore obeys the integrator, and the equation can be linearised about it
+again.
+Source: original to this project; the step is that of Chung & Hulbert (1993) on the group of Arnold & Bruels
+(2007).
 """
 
 from __future__ import annotations
@@ -129,7 +132,7 @@ def _linearized(
         terms = balance(model, motion._replace(configuration=moved, velocity=velocity))
         return (terms.residual, terms.constraint_residual), terms.linearization
 
-    # Derivative in the one direction of the known differences, which is cheaper than K and C.
+    # The derivative along the known differences alone is cheaper than K and C.
     at = jnp.zeros_like(known[0]), motion.velocity
     (residual, gap), (more, moved), linearization = jax.jvp(equations, at, known, has_aux=True)
     residual = residual + more
@@ -222,9 +225,9 @@ def _march_error(
     start: ErrorState,
     steps: StepOfRun,
 ) -> tuple[ErrorState, ErrorState]:
-    """The error over a block of steps of a run: the last one, and those of all steps, stacked.
+    """The error after a block of steps of a run, and the errors of all its steps, stacked.
 
-    model : of bodies whose basis is that of the error, at the state of the run
+    model : equations in the columns of the error
     bodies : the nonlinear ones, in the order of `steps.gains`
     """
     gains = [_weighted(body, own) for body, own in zip(bodies, steps.gains, strict=True)]

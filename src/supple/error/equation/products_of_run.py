@@ -18,7 +18,7 @@ def few_instants(monomials: Array, smallest: float, most: int) -> NDArray[np.int
     """Times whose monomials span those of a whole run, by a factorisation with column pivoting.
 
     monomials : (t, m)
-    smallest : float    remainder of the others, relative to the largest, at which selection ends
+    smallest : float    pivot, relative to the largest, at which selection ends
     most : int          largest number of times
     """
     looked = np.unique(np.linspace(0, len(monomials) - 1, CANDIDATES).round().astype(int))
@@ -29,7 +29,7 @@ def few_instants(monomials: Array, smallest: float, most: int) -> NDArray[np.int
 
 
 def weights_of_instants(monomials: Array, chosen: NDArray[np.intp], wanted: Array) -> Array:
-    """Least-squares weights (t, c) that combine the monomials at selected times to those at all times."""
+    """Least-squares weights (t, c) with which monomials at selected times give the `wanted` ones (t, m)."""
     solved = np.linalg.lstsq(monomials[chosen].T, wanted.T, rcond=1e-13)[0]
     return np.asarray(solved.T, dtype=np.float64)
 

@@ -20,11 +20,11 @@ class AttachmentModes:
 
         K Psi + M R mu = B^T,   R^T M Psi = 0
 
-    Joints load a body by forces at its interfaces. The truncated modes respond to them nearly statically, and
-    six columns per interface contain that response: the truncation error of a mode then falls with the fourth
-    power of its frequency instead of the second. Rigid-body inertia balances the forces in every frame, so
-    that the body is the same in every frame; in a mean-axis frame, AttachmentModes(NormalModes(n)) is
-    Rubin(n).
+    Joints load a body by forces at its interfaces. The truncated modes respond to these forces nearly
+    statically, and six columns per interface contain that response: the truncation error of a mode then falls
+    with the fourth power of its frequency instead of the second. Rigid-body inertia balances the forces in
+    every frame, so that the reduced body does not depend on the frame. In a mean-axis frame,
+    AttachmentModes(NormalModes(n)) is Rubin(n).
 
     recipe : modes of the free body, ErrorControlled(...) or NormalModes(n)
     Source: [Rubin1975]; [Wu2019] (33)-(38).

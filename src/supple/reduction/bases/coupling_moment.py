@@ -22,8 +22,8 @@ class CouplingMoment:
         S_j = p_j^T p_j / kappa_j,    p_j = phi_j^T M Psi
 
     The modes of largest S_j are kept, so that the lowest moment of the truncated modes is smallest: the
-    moment-matching principle of the CMS-chi method. The norm of a matrix depends on units where translations
-    and rotations mix; here it is measured relative to the interface mass,
+    moment-matching principle of the CMS-chi method. The norm of S_j would depend on units, because
+    translations and rotations mix. S_j is therefore measured relative to the interface mass,
 
         chi_j = p_j M_b^-1 p_j^T / kappa_j
 

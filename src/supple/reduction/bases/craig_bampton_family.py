@@ -22,7 +22,7 @@ __all__ = ["CraigBamptonFamily"]
 
 N_RIGID = 6
 
-# Fewest modes computed at a time: a search that adds one mode at a time then needs few eigensolutions.
+# Smallest growth of the number of modes: a search that adds one mode at a time then needs few eigensolutions.
 GROWTH = 1.1
 
 
@@ -77,7 +77,7 @@ class CraigBamptonFamily:
         self.modes = self.growing.found
 
     def _know(self, n_kept: int) -> None:
-        """Compute n_kept modes, one more, which bounds the truncated ones, and the residual by deflation."""
+        """Compute n_kept + 1 modes (the last bounds the truncated ones), and the residual by deflation."""
         known, needed = self.modes.values.size, min(n_kept + 1, self.n_available)
         if needed <= known:
             return

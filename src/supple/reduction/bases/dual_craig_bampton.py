@@ -56,7 +56,7 @@ class DualCraigBampton:
         )
 
     def interfaces_loaded(self, added_mass: np.ndarray) -> ReducedMatrices:
-        """The same with the motion v of the bodies at the interfaces, in (eta, v, f): B u - v = 0."""
+        """Matrices with the motion v of bodies at the interfaces, in (eta, v, f): B u - v = 0."""
         parts = self.ingredients
         motion, F = parts.interface_motion, parts.residual_flexibility
         gap = np.hstack([motion, -np.eye(len(F))])

@@ -38,9 +38,9 @@ class ErrorControlled:
         0 <= chi-bar_n / chi_n - 1 <= tolerance,     n = 1 .. n_modes,  none missed
 
     Fixed-interface modes are added to a Craig-Bampton basis until the estimate of every error is within the
-    tolerance; bounds for the eigenvalues of the full body then prove it, and where they do not, modes are
-    added. The result is the n_modes vibrations of that body: M = I, K = diag(chi-bar), so that bodies of
-    different tolerance have the same size.
+    tolerance. Bounds for the eigenvalues of the full body then prove the accuracy; otherwise more modes are
+    added. The columns are the n_modes vibrations of that Craig-Bampton body: M = I, K = diag(chi-bar), so
+    that bodies of different tolerance have the same size.
 
     tolerance : relative error of eigenvalues (squared frequencies), such as 1e-3 for 0.1 %
     n_modes : number of elastic modes, besides the six rigid motions, which are exact
@@ -49,7 +49,7 @@ class ErrorControlled:
     estimator : SharperBound(), TwoTermEstimate(), Han2020Bound() or FirstOrderEstimate()
     search : Bisection() or OneByOne()
     progress : called with each SearchStep
-    Raises ModelError when a number makes no sense.
+    Raises ModelError when a number is out of range.
     Source: [Han2020] section 4 and (46)-(49); the sharper estimators, the search and the proof are derived
         here.
     """
@@ -102,8 +102,8 @@ class ErrorControlledModes(NamedTuple):
 def error_controlled_modes(body: FlexibleBody, control: ErrorControlled) -> ErrorControlledModes:
     """The lowest vibrations of a Craig-Bampton body that meets a tolerance, and the proof.
 
-    The basis is the smallest that the search finds by its estimates; if these are too high, fewer modes
-    suffice.
+    The basis is the smallest that the search finds by its estimates; if the estimates are too high, fewer
+    modes would suffice.
 
     Raises
     ------

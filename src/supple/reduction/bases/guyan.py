@@ -32,9 +32,9 @@ def constraint_modes(body: FlexibleBody, frame: Frame) -> LinearBasis:
 
         K Psi + B^T mu = 0,   B Psi = (columns of) I
 
-    which is Psi_i = -K_ii^-1 K_ib where B selects freedoms. Six of them, those of the interface to which the
-    frame is fixed (of the first interface, if there is none), equal a rigid motion minus the others and are
-    not formed.
+    which is Psi_i = -K_ii^-1 K_ib where B selects freedoms. The six shapes of the interface to which the
+    frame is fixed (otherwise of the first interface) are a rigid motion minus the other shapes and are not
+    formed.
 
     Returns LinearBasis (n, 6 (n_interfaces - 1)), not yet projected on the frame; frequencies nan.
     Raises ModelError when the body has no interface.

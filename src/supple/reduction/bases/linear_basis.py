@@ -25,7 +25,7 @@ class LinearBasis:
     labels : (m,) str        such as "constraint tip rz" or "fixed-interface mode 3"
     static_solver : solves K x = f with the interfaces and the frame fixed as in this basis;
                         the derivatives of its columns are static solutions of that same problem
-    dropped : labels of columns not formed because the frame already carries their motion
+    dropped : labels of columns not formed because their motion is that of the frame
     certificate : proven bounds of their eigenvalues; None where nothing is proven
     """
 
@@ -57,15 +57,16 @@ def rayleigh_ritz(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> LinearB
     P is the frame's projector. A static column thus also has a frequency, which weights its modal
     derivatives; modes of the frame's own eigenproblem keep their frequencies. Dependent columns are dropped.
 
-    Returns LinearBasis: labels name the raw columns kept (in their own order, not in the ascending order of
-        the frequencies); dropped names the rest.
+    Returns LinearBasis: `labels` are those of the kept raw columns (in their own order, not in the ascending
+        order of the frequencies), `dropped` those of the other raw columns.
     Raises AccuracyError when a column stores no energy, ModelError when no column is left.
     """
-    # Relative to the columns before projection: of a motion of the frame, projection leaves only round-off.
+    # Norms before projection: the projection of a motion of the frame is round-off only.
     norms = np.sqrt(np.sum(raw.vectors * (body.mass @ raw.vectors), axis=0))
     without_frame = frame_projector(body, frame)
     columns, kept, dropped = mass_orthonormalize(without_frame(raw.vectors), body.mass, reference_norms=norms)
-    # Projected again: a column that is nearly a motion of the frame has amplified round-off of that motion.
+    # Projected again: in a column that was nearly a motion of the frame, round-off of that motion is
+    # amplified.
     columns = mass_orthonormalize(without_frame(columns), body.mass).vectors
     if columns.shape[1] == 0:
         raise ModelError(
@@ -90,7 +91,7 @@ def rayleigh_ritz(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> LinearB
 
 @dataclass(frozen=True)
 class ModeCount:
-    """Number of modes beside n_static columns: n_modes, or as many as give n_columns in total."""
+    """Number of modes in addition to static columns: n_modes, or the number that gives n_columns in total."""
 
     n_modes: int | None
     n_columns: int | None

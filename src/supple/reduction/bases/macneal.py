@@ -22,10 +22,10 @@ class MacNealComponent:
         K = [ Lambda + (B Phi)^T F^-1 B Phi    -(B Phi)^T F^-1 ]     M = [ I  0 ]
             [ -F^-1 B Phi                       F^-1           ]         [ 0  0 ]
 
-    The truncated modes act as springs without mass: Rubin's matrices in other coordinates, less the mass H of
-    the residual shapes. This is not a congruence, so there is no basis for `reduce`. As mass is missing, no
-    eigenvalue is below Rubin's: they are upper bounds too, less sharp than Rubin's; each further mode adds
-    its mass and lowers them.
+    The truncated modes act as springs without mass: the matrices are Rubin's in other coordinates, less the
+    mass H of the residual shapes. They are no projection on a basis, so `reduce` cannot use them. As mass is
+    missing, no eigenvalue is below Rubin's: the eigenvalues are upper bounds, less sharp than Rubin's. Each
+    further mode adds its mass and lowers them.
 
     ingredients : FreeInterfaceComponent
     Raises AccuracyError when the modes leave no residual flexibility.

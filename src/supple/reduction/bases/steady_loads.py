@@ -22,8 +22,8 @@ NAMES = (
     *(f"rotation about {first} and {second}" for first, second in combinations("xyz", 2)),
 )
 
-# Relative to the longest response: shorter ones are zero, as of a line that rotates about itself.
-SMALLEST_ANSWER = 1e-9
+# Relative to the longest response: a shorter one is zero, such as that of a line rotating about its own axis.
+SMALLEST_RESPONSE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -35,9 +35,9 @@ class SteadyLoads:
 
     Centrifugal load stretches a disc in modes of high frequency only, and an acceleration bends a body a
     little in all modes. The last three fields are the products of two components of an oblique angular
-    velocity. The reaction acts at the interface to which the frame is fixed (the first interface, if there is
-    none; the frame, if the body has no interface). A response that other columns already contain is dropped
-    and reported: of a Rubin basis in a mean-axis frame, all but those of rotation.
+    velocity. The reaction acts at the interface to which the frame is fixed, otherwise at the first
+    interface; for a body without interfaces, at the frame. A response that other columns already contain is
+    dropped and reported: with a Rubin basis in a mean-axis frame, only the responses to rotation remain.
 
     recipe : the basis to extend
     Source: modal truncation augmentation with inertia loads, [Dickens1997]
@@ -51,12 +51,12 @@ class SteadyLoads:
         held = fixed_interfaces(body, frame) or body.interfaces
         solver = body.constrained(held[0].motion) if held else basis.static_solver
         names = NAMES if held else NAMES[6:]  # a free body follows an acceleration rigidly
-        answers = solver.solve(_loads(body)[:, -len(names) :])
-        lengths = np.sqrt(np.sum(answers * (body.mass @ answers), axis=0))
-        kept = np.flatnonzero(lengths > SMALLEST_ANSWER * lengths.max())
+        responses = solver.solve(_loads(body)[:, -len(names) :])
+        lengths = np.sqrt(np.sum(responses * (body.mass @ responses), axis=0))
+        kept = np.flatnonzero(lengths > SMALLEST_RESPONSE * lengths.max())
         return replace(
             basis,
-            vectors=np.hstack([basis.vectors, answers[:, kept]]),
+            vectors=np.hstack([basis.vectors, responses[:, kept]]),
             frequencies=np.append(basis.frequencies, np.full(len(kept), np.nan)),
             labels=basis.labels + tuple(f"static response to {names[i]}" for i in kept),
         )

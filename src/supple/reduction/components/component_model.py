@@ -128,7 +128,7 @@ class RitzComponent:
         return ReducedMatrices(self.stiffness, self.mass)
 
     def interfaces_fixed(self) -> ReducedMatrices:
-        """The same on the motions that keep the interfaces at rest, B V x = 0."""
+        """V^T K V and V^T M V on motions with the interfaces at rest, B V x = 0."""
         lengths = 1.0 / np.sqrt(np.diag(self.mass))
         motion = self.interface_motion * lengths
         rest = lengths[:, None] * linalg.null_space(motion / np.linalg.norm(motion, axis=1)[:, None])

@@ -33,9 +33,9 @@ def residual_response(
 
         A_r = A - M Phi Phi^T A,   Y = K^-1 A_r,   Y <- Y - Phi Phi^T M Y
 
-    The load is projected off the kept modes before the solve and the response after it, each twice. To
-    subtract Phi Lambda^-1 Phi^T A from K^-1 A instead would lose all digits once the modes carry nearly all
-    of it.
+    The kept modes are removed from the load before the solve and from the response after it, each twice. The
+    difference K^-1 A - Phi Lambda^-1 Phi^T A would lose all digits if the modes contain nearly the whole
+    response.
 
     solver : solves K x = b where the modes vibrate: interfaces fixed, or a mean-axis frame (inertia relief)
     modes : RitzModes       Phi, modes of that same problem
@@ -56,7 +56,7 @@ def residual_response(
 
 
 def residual_shares(flexibility: np.ndarray, participation: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Share (k,) of the flexibility under each load that is in the residual, not in the modes.
+    """Share (k,) of the residual, as opposed to the modes, in the flexibility under each load.
 
     flexibility : (k, k)        of the residual
     participation : (m, k)      Phi^T A

@@ -57,7 +57,7 @@ class FixedInterfaceComponent:
 
     @property
     def residual_shares(self) -> np.ndarray:
-        """Share (b,) of the flexibility under each acceleration that is in the residual, not in the modes."""
+        """Share (b,) of the residual, as opposed to the modes, in the flexibility under each acceleration."""
         return residual_shares(self.residual_flexibility, self.participation, self.eigenvalues)
 
     def keeping(self, modes: np.ndarray) -> FixedInterfaceComponent:
@@ -132,7 +132,7 @@ def residual_component(component: FixedInterfaceComponent) -> RitzComponent:
 
         K = diag(K_b, Lambda, X),   Psi^T M Y = A^T F_rs A = X,   Phi^T M Y = 0,   Y^T M Y = X2
 
-    Residual modes that are only round-off beside the vibrations are left out.
+    Residual modes that are round-off compared with the vibrations are dropped.
     """
     plain = craig_bampton_component(component)
     left = component.residual_shares > SMALLEST_RESIDUAL
@@ -150,9 +150,9 @@ def enhanced_component(component: FixedInterfaceComponent) -> RitzComponent:
 
         u = [Psi Phi] x + Y E M^-1 K x,    E x = q_v
 
-    The omega^2 of Psi + omega^2 Y is replaced by the Craig-Bampton matrices of the free body. There are as
-    many coordinates as in Craig-Bampton, and it is still a Ritz basis, but one for free interfaces: joined to
-    another body, these matrices are different.
+    The omega^2 of Psi + omega^2 Y is replaced by the Craig-Bampton matrices of the free body. The result is a
+    Ritz basis with as many coordinates as Craig-Bampton, but tuned to free interfaces: for a body joined to
+    another one, these matrices would be different.
     Source: [KimLee2015], [Han2020] (26) and Appendix A.
     """
     plain, wide = craig_bampton_component(component), residual_component(component)

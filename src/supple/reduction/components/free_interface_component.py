@@ -98,10 +98,10 @@ def free_interface_component(body: FlexibleBody, modes: RitzModes) -> FreeInterf
 
 
 def require_residual(component: FreeInterfaceComponent, method: str) -> None:
-    """AccuracyError when a method that inverts the residual flexibility finds it singular.
+    """AccuracyError when the residual flexibility, which a method inverts, is singular.
 
-    The modes may leave none at an interface, or interfaces depend on one another, as two joined by a rigid
-    part.
+    Either the modes leave no residual flexibility at an interface, or interfaces are dependent, such as two
+    interfaces joined by a rigid part.
     """
     shares = component.residual_shares
     if not np.min(shares) > SMALLEST_RESIDUAL:
@@ -124,7 +124,7 @@ def rubin_component(component: FreeInterfaceComponent) -> RitzComponent:
 
         K = diag(Lambda, F),   M = diag(I, H),   q_v = [B Phi, F] x
 
-    Shapes that are only round-off beside the modes are left out.
+    Shapes that are round-off compared with the modes are dropped.
     """
     left = component.residual_shares > SMALLEST_RESIDUAL
     F, H = component.residual_flexibility[:, left], component.residual_mass[np.ix_(left, left)]

@@ -38,9 +38,9 @@ def free_vibrations(
 
         K-bar = [[K_b, 0], [0, Lambda]],     M-bar = [[M_b, P^T], [P, 1]],     K-bar x = chi-bar M-bar x
 
-    All interfaces but the first move relative to it; a rigid motion added to each column makes it
-    M-orthogonal to all rigid motions. K-bar is then scaled to the unit matrix and M-bar x = (1/chi-bar) K-bar
-    x solved, whose largest eigenvalues, the lowest vibrations, are least disturbed by round-off.
+    The first interface is fixed, the others move; a rigid motion added to each column makes it M-orthogonal
+    to all rigid motions. Then K-bar is scaled to the unit matrix, and M-bar x = (1/chi-bar) K-bar x is
+    solved: round-off disturbs its largest eigenvalues, those of the lowest vibrations, least.
 
     component    : FixedInterfaceComponent   with d modes
     rigid_motion : (b, 6)                    B R, the interfaces in a rigid motion of the body

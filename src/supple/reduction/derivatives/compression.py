@@ -24,8 +24,8 @@ ROUND_OFF = 1e-10
 class CompressedDerivatives:
     """Add the n leading directions of all derivatives, each weighted by the expected amplitude of its pair.
 
-    n : number of columns to add; fewer where all derivatives together span less, as in the bending of a
-        straight beam, where all are axial: the report then lists the missing ones among the dropped columns
+    n : number of columns to add; fewer if all derivatives together span less, as in the bending of a straight
+        beam, where all are axial. The report then lists the missing columns among the dropped ones
     weights : AmplitudeProduct(UnitLoad()) or AmplitudeProduct(StaticLoad(F))
     """
 

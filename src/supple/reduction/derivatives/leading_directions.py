@@ -28,7 +28,7 @@ def leading_directions(
 
         Z = (I - X X^T M) fields = Q R,   Q^T M Q = I,   R = U diag(s) W^T,   directions Q U
 
-    The first k of them leave the smallest remainder of Z, sum_(i>k) s_i^2, of all sets of k.
+    No other k directions leave a smaller remainder of Z than the first k, sum_(i>k) s_i^2.
 
     fields : (n, m)
     basis : (n, r)              X, M-orthonormal

@@ -41,9 +41,9 @@ class CountedGroup:
 def count_eigenvalues(body: FlexibleBody, values: ArrayLike, tolerance: float) -> tuple[CountedGroup, ...]:
     """Prove chi-bar_n <= (1 + tolerance) chi_n for every n by the inertia of K - sigma M alone.
 
-    Where at most n - 1 elastic eigenvalues lie below sigma_n = chi-bar_n / (1 + tolerance), chi_n >= sigma_n.
-    Close eigenvalues share a count, the strictest; where it fails, each gets its own. Each count needs a
-    sparse factorisation: slower than `enclose_eigenvalues`, but based on Sylvester's law alone.
+    If at most n - 1 elastic eigenvalues lie below sigma_n = chi-bar_n / (1 + tolerance), then chi_n >=
+    sigma_n. Close eigenvalues share the strictest of their counts; if it fails, their group is split. Each
+    count needs a sparse factorisation: slower than `enclose_eigenvalues`, but based on Sylvester's law alone.
 
     values : (N,)     chi-bar, elastic eigenvalues of a reduced body, ascending
     Returns CountedGroup, in the order of the eigenvalues; the claim holds where all are proven.

@@ -14,11 +14,11 @@ from supple.errors import AccuracyError
 
 __all__ = ["EigenvalueEnclosure", "enclose_eigenvalues"]
 
-# Subspace iterations that do not halve the width of the bounds before the iteration stops.
+# Number of subspace iterations that do not halve the width of the bounds, after which the search stops.
 ROUNDS = 12
 RIGID_MOTIONS = 6
 
-# Relative gap at the shift. A cluster larger than the set of trial motions has no wider one.
+# Smallest relative gap at the shift. A cluster larger than the set of trial motions has smaller gaps.
 SMALLEST_GAP = 1e-3
 
 # Share of the largest energy or inverse eigenvalue below which a value may be round-off.
@@ -33,8 +33,8 @@ class EigenvalueEnclosure:
     """lower_n <= chi_n <= upper_n for the n-th elastic eigenvalue of a free body, none missed.
 
     lower, upper : (N,)     rad^2/s^2
-    shift : float           above the last of them, in a gap of the spectrum
-    n_below : int           eigenvalues of K - shift M that are negative, by inertia; six of them rigid
+    shift : float           above the last upper bound, in a gap of the spectrum
+    n_below : int           number of eigenvalues below the shift, by inertia; includes six rigid motions
     """
 
     lower: np.ndarray
@@ -56,17 +56,17 @@ def enclose_eigenvalues(
 ) -> EigenvalueEnclosure:
     """Enclose the lowest n_values elastic eigenvalues of a free body by Lehmann and Goerisch's theorem.
 
-    With trial motions U, K W = M U, and a shift rho below which the inertia of K - rho M proves exactly the p
-    lowest elastic eigenvalues, the p negative eigenvalues mu of
+    U are trial motions, K W = M U, and the inertia of K - rho M proves that exactly p elastic eigenvalues are
+    below the shift rho. Then the p negative eigenvalues mu of
 
         (A0 - rho A1) x = mu (A0 - 2 rho A1 + rho^2 A2) x
         A0 = U^T K U,    A1 = U^T M U,    A2 = W^T K W
 
-    are lower bounds chi_n >= rho mu / (mu - 1), the most negative mu that of the highest; the Rayleigh-Ritz
-    values of U are upper bounds. Subspace iteration from the trial motions narrows the bounds, also for
-    multiple eigenvalues. Random motions are added where a cluster is larger than the set of trial motions, or
-    where the count shows that a mode is missing. The theorems are exact and evaluated in floating point: the
-    proof holds up to round-off.
+    give lower bounds chi_n >= rho mu / (mu - 1), the most negative mu that of the highest eigenvalue. The
+    Rayleigh-Ritz values of U are upper bounds. Subspace iteration from the trial motions narrows the bounds,
+    also for multiple eigenvalues. Random motions are added where a cluster is larger than the set of trial
+    motions, or where the count shows that a mode is missing. The theorems are exact and evaluated in floating
+    point: the proof holds up to round-off.
 
     trial : (n, p)          approximations of the lowest elastic modes, somewhat more than n_values of them
     largest_width : float   of upper / lower - 1
@@ -120,9 +120,9 @@ def enclose_eigenvalues(
 
 
 def _ritz(body: FlexibleBody, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """M-orthonormal Ritz vectors of the span of the columns, which are overwritten; their values, ascending.
+    """M-orthonormal Ritz vectors of columns, and their values, ascending; the columns are overwritten.
 
-    Dependent columns are left out, and values so high that they are round-off next to the lowest.
+    Dependent columns are dropped, and values so high that they are round-off compared with the lowest.
     """
     columns /= np.sqrt(np.einsum("ij,ij->j", columns, body.stiffness @ columns))
     energies, directions = linalg.eigh(columns.T @ (body.stiffness @ columns))
@@ -160,7 +160,7 @@ def _bounds(upper: np.ndarray, A2: np.ndarray, inside: int) -> tuple[float, np.n
 def _lehmann_goerisch(values: np.ndarray, A2: np.ndarray, rho: float) -> np.ndarray:
     """Lower bounds, ascending, for the eigenvalues below rho, from Ritz values (A1 = I, A0 = diag).
 
-    None where rho is a Ritz value to working precision.
+    Empty where rho is a Ritz value to working precision.
     """
     right = np.diag(values - 2 * rho) + rho**2 * A2
     if not np.all(np.diag(right) > 0):

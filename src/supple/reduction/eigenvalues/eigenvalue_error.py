@@ -48,9 +48,9 @@ class ErrorTerms:
 def error_terms(component: FixedInterfaceComponent, vibrations: FreeVibrations) -> ErrorTerms:
     """The terms of each vibration of a body with fewer modes than the component.
 
-    The residual flexibility of the truncated modes is that of the unknown ones, by deflation, plus a a^T /
-    kappa for each known one: rank-one updates that only add. To subtract Phi Lambda^-1 Phi^T from K^-1
-    instead would cancel nearly all digits.
+    The residual flexibility is that of the modes not computed, by deflation, plus a a^T / kappa for each
+    computed but truncated mode: rank-one updates that only add. The difference K^-1 - Phi Lambda^-1 Phi^T
+    would cancel nearly all digits.
     """
     n_kept, xi = len(vibrations.modal), vibrations.interfaces
     kept = component.leading(n_kept)
@@ -66,8 +66,8 @@ def error_terms(component: FixedInterfaceComponent, vibrations: FreeVibrations) 
 class EigenvalueErrorEstimator(Protocol):
     """An estimate of zeta_n = chi-bar_n / chi_n - 1, the relative error of a reduced eigenvalue.
 
-    Upper and lower are meant to first order, for errors of a few per cent and less. No estimate detects a
-    truncated mode without motion or force at the interfaces: that needs a count.
+    Upper and lower estimates are such to first order, for errors of a few per cent and less. No estimate
+    detects a truncated mode without motion or force at the interfaces: that needs a count.
     """
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:
@@ -88,10 +88,10 @@ class FirstOrderEstimate:
 class Han2020Bound:
     """(chi-bar + chi-bar^2 / kappa_n) xi^T X xi, n the number of the elastic vibration. [Han2020] (42)
 
-    With n modes or more kept, every truncated mode is above the n-th fixed-interface mode, so its share is
-    bounded. With many kept the bound is two or three times the true error, and tens of times where chi-bar_n
-    is far above kappa_n. With fewer, as bodies of several interfaces allow, it is no bound; where the body
-    has no n-th mode, the last one replaces it.
+    If at least n modes are kept, every truncated mode is above the n-th fixed-interface mode, so its share is
+    bounded. With many modes the bound is two or three times the true error, and tens of times where chi-bar_n
+    is far above kappa_n. With fewer than n modes, possible with several interfaces, it is no bound. If the
+    body has no n-th mode, the last mode replaces it.
     """
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:

@@ -89,9 +89,9 @@ class OneByOne:
 class Bisection:
     """Upward steps as the errors predict, at most doubling, then bisection.
 
-    Estimates may cross the tolerance more than once, so smaller numbers than the one found are tried too,
-    down to where the largest error is 1.1 times the tolerance. The result is that of OneByOne, for a fraction
-    of its eigensolutions, unless an estimate dips deeper than that.
+    Estimates may cross the tolerance more than once. Smaller numbers than the one found are therefore tried,
+    down to where the largest error is 1.1 times the tolerance. The result is that of OneByOne with a fraction
+    of the eigensolutions, unless the estimates fall below the tolerance again at a still smaller number.
     """
 
     def run(self, trial: Trial, first: int, last: int) -> tuple[SearchStep, ...]:

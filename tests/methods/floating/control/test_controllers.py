@@ -434,7 +434,7 @@ def test_a_law_that_gives_no_number_ends_the_run_in_words():
     ("law", "message"),
     [
         (lambda *_: {"motor": 1.0}, r"must return \(outputs, memory\)"),
-        (lambda *_: ({"moter": 1.0}, {}), "outputs for .'motor'. are needed"),
+        (lambda *_: ({"moter": 1.0}, {}), "must return outputs for .'motor'."),
         (lambda *_: ({"motor": np.nan}, {}), "output 'motor' must be finite"),
         (lambda *_: ({"motor": 1.0}, {"new": 1.0}), "its memory must keep its names and shapes"),
         (
