@@ -26,7 +26,7 @@ from supple_benchmarks.nrel5mw_blade import (
     Blade,
     TipMotion,
     blade_damping,
-    root_held_frequencies,
+    root_clamped_frequencies,
     tip_motion,
 )
 
@@ -36,7 +36,7 @@ SECONDS = 20.0
 def main() -> None:
     blade = Blade()
     body = blade.body()
-    rayleigh = blade_damping(root_held_frequencies(body))
+    rayleigh = blade_damping(root_clamped_frequencies(body))
     kinds = {
         "alpha M, beta by strain rate": rayleigh,
         "alpha M + beta K": rayleigh.linearized(),

@@ -36,7 +36,7 @@ from supple_benchmarks.nrel5mw_blade import (
     RATED,
     Blade,
     blade_damping,
-    root_held_frequencies,
+    root_clamped_frequencies,
 )
 
 STEP, RESIDUAL, N_STEPS, RUN_UP = 0.02, 1e-6, 10, 2.0
@@ -121,7 +121,7 @@ def main() -> None:
     blade = Blade(COARSE_GRID) if given.quick else Blade()
     case = replace(RATED, start=RUN_UP)
     body = blade.body()
-    full = FullBody(body, FRAMES["mean-axis"], blade_damping(root_held_frequencies(body)))
+    full = FullBody(body, FRAMES["mean-axis"], blade_damping(root_clamped_frequencies(body)))
     system = blade.system(full, case, blade.loads(case, case.start + 2 * N_STEPS * STEP))
     rest = run_options(0.0, N_STEPS)
     began = march_through(FullEngine(system, rest), rest.times)

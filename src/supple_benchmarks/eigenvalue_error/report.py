@@ -17,12 +17,12 @@ __all__ = ["WHY_OTHER_COUNTS", "report", "tables"]
 
 
 WHY_OTHER_COUNTS = {
-    "modes": "kept by our sharper bound, then proven; the paper's bound takes kappa_n for all modes left out "
-    "where kappa of the first omitted mode suffices, so it requires more modes",
+    "modes": "number required by our sharper bound, then verified; the paper's bound uses kappa_n for all "
+    "omitted modes, where kappa of the first omitted mode suffices, and so requires more modes",
     "modes_paper": "number required by the paper's bound on our mesh, with n counted over the elastic modes",
-    "modes_published": "the paper's, on its own mesh: other tetrahedra, an interface whose kind and place "
-    "differ (averaging on the cylinder; the rod's drawings are not in its text), and estimates unproven. "
-    "At 10 % every estimate may fall below the truth; we add modes until the bounds agree",
+    "modes_published": "number in the paper, on its own mesh: other tetrahedra, interfaces of another kind and "
+    "place (averaging on the cylinder; the paper's text has no drawing of the rod), and unverified estimates. "
+    "At 10 % every estimate may be too small; here modes are added until the bounds are verified",
 }
 
 
@@ -33,7 +33,7 @@ def report(
 ) -> dict[str, Any]:
     """All measurements, ready for JSON; `bodies` and the keys within must not change.
 
-    The entry of the first body is also at the top level, for readers that expect one body per file.
+    The entry of the first body is also at the top level, for readers of files with one body.
     """
     bodies = [_body(result) for result in results]
     return {
@@ -129,7 +129,7 @@ def _quality(results: Sequence[BodyResult]) -> Table:
         rows.append(
             [*label, f"{100 * one.exact.max():.3g}", f"{100 * one.proven.max():.3g}"]
             + [f"{values.min():.3f} {np.median(values):.3f} {values.max():.2f}" for values in ranges]
-            + [f"{one.counts}" + ("" if one.counted else " (objected)")]
+            + [f"{one.counts}" + ("" if one.counted else " (not verified)")]
         )
     heads = ["body", "e, %", "exact, %", "proven, %", "lower", "paper's", "sharp", "2-term", "counts"]
     return (

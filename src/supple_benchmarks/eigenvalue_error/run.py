@@ -1,4 +1,4 @@
-"""The bodies of [Han2020] reduced to each tolerance: modes, estimates over exact errors, proof, cost."""
+"""The bodies of [Han2020] reduced to each tolerance: modes, estimates over exact errors, verification, cost."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ ESTIMATORS: Mapping[str, EigenvalueErrorEstimator] = {
 
 
 class Seconds(NamedTuple):
-    """Wall and processor time of a step; they differ under other load of the computer."""
+    """Wall and processor time of a step; the two differ if the computer has other load."""
 
     wall: float
     cpu: float
@@ -60,11 +60,11 @@ class ToleranceResult:
     estimated_modes : {estimator: number of modes}, not verified; "exact" is the number by exact errors
     exact, proven : (N,)            exact errors, and their verified bounds
     estimates : {estimator: (N,)}   with `modes` modes
-    counts : number of inertia counts, each verifying its eigenvalues; counted: whether all were verified so
-    seconds, seconds_one_by_one : the whole reduction with verification, with either search
-    seconds_plain : one reduction with as many modes, without search or proof
+    counts : number of inertia counts;   counted : whether they verify all eigenvalues
+    seconds, seconds_one_by_one : the whole reduction with verification, by bisection and one mode at a time
+    seconds_plain : one reduction with as many modes, without search or verification
     same_answer : whether both searches give equal numbers of modes
-    steps, n_one_by_one : the steps of one search, the number of steps of the other
+    steps, n_one_by_one : steps of the bisection; number of steps of the search one mode at a time
     """
 
     tolerance: float

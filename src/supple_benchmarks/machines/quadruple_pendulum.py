@@ -35,7 +35,7 @@ class QuadruplePendulum:
     """Size of the benchmark.
 
     cell_type : TETRA4 or TETRA10       n_length : layers of 126 tetrahedra along the flexible cylinder
-    n_modes : modal coordinates N_m     stiffness : times the paper's modulus
+    n_modes : modal coordinates N_m     stiffness : factor on the paper's modulus
     tolerances : e, of the eigenvalues
     duration, output_step : s           step : s, of the runs that are compared
     """

@@ -113,7 +113,7 @@ def _row(study: Study, run: MachineRun) -> dict[str, Any]:
 def errors(study: Study, run: MachineRun, against: MachineRun) -> dict[str, dict[str, float]]:
     """Largest and RMS distance of every quantity of node A, until the motion becomes chaotic.
 
-    Compared with the unreduced body, also the distance of the whole deformation in the energy norm.
+    If `against` is the unreduced body, also the error of the whole deformation in the energy norm.
     """
     compared = run.point.times <= study.compared_until * (1 + 1e-12)
 

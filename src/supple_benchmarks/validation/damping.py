@@ -39,7 +39,7 @@ __all__ = ["CASES", "held_strip", "strip_body"]
 
 RATIO = 0.02
 MODES = (1, 2)
-SOURCE = "closed form: the ratio that was asked of the two modes"
+SOURCE = "closed form: the prescribed ratio of the two modes"
 
 
 def strip_body() -> FlexibleBody:
@@ -100,6 +100,6 @@ def _resonance() -> list[Comparison]:
 
 
 CASES: tuple[ValidationCase, ...] = (
-    ValidationCase("damping of a strip held at its root, in mean axes", _decay),
-    ValidationCase("resonance of a strip held at its root, in mean axes", _resonance),
+    ValidationCase("damping of a strip clamped at its root, in mean axes", _decay),
+    ValidationCase("resonance of a strip clamped at its root, in mean axes", _resonance),
 )

@@ -57,7 +57,7 @@ class Coupling:
         first, second = self.modal.rows, self.elements.rows
         if len(first) != len(second):
             raise ModelError(
-                f"the interface nodes do not meet: {len(first)} rows of the modal side, {len(second)} of the "
+                f"the interface nodes do not match: {len(first)} rows of the modal side, {len(second)} of the "
                 "elements"
             )
         if np.linalg.matrix_rank(second) < len(second):
