@@ -1,8 +1,8 @@
-"""Why the rated blade differs between the two frames: which damping makes its reduced runs part.
+"""Difference of the rated blade between the two frames, by kind of damping.
 
-Ten linear columns and fifteen picked derivatives in each frame, 20 s of the rated case with Rayleigh damping,
-with either part of it alone, with modal damping, and with none. In its own frame each of these bodies is
-within 9e-3 m of the full model.
+Reduced bodies with ten linear columns and fifteen picked derivatives in each frame, 20 s of the rated case with
+Rayleigh damping, with either of its parts alone, with modal damping, and without damping. Each body is within
+9e-3 m of the full model in the same frame.
 
 Run with one thread: OMP_NUM_THREADS=1 python benchmarks/blade_in_two_frames.py
 """
@@ -60,7 +60,7 @@ def main() -> None:
 
 
 def run(blade: Blade, body: FlexibleBody, basis: FixedBasis, damping: Damping | None) -> TipMotion:
-    """The tip's motion in one frame, seen from the root."""
+    """Motion of the tip relative to the root, computed in one frame."""
     reduced = reduce(
         body, FRAMES[basis.frame], basis.recipe, derivatives=basis.derivatives, damping=damping, loads=NoLoads
     )

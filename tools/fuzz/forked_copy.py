@@ -1,6 +1,6 @@
-"""The process that copies an HDF5 file, forked instead of begun anew: the same code, without the imports.
+"""Copies of HDF5 files by a forked process instead of a new one: the same code, without the imports.
 
-Only for fuzzing, where nothing runs in threads.
+Only for fuzzing, where no threads run.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from supple import copied_hdf5
 
 
 def fork_copies() -> None:
-    """From now on this process forks those that copy."""
+    """Make this process fork the processes that copy."""
     copied_hdf5._answer = _answer
 
 
