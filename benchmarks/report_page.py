@@ -123,10 +123,10 @@ def main() -> None:
     )
     parser.add_argument("result", type=Path)
     parser.add_argument("--json", type=Path)
-    asked = parser.parse_args()
+    given = parser.parse_args()
     with TemporaryDirectory() as folder:
-        rows = [blade(asked.result, Path(folder) / "blade.html"), plate(Path(folder) / "plate.html")]
-    keep("report_page", rows, asked.json)
+        rows = [blade(given.result, Path(folder) / "blade.html"), plate(Path(folder) / "plate.html")]
+    keep("report_page", rows, given.json)
 
 
 if __name__ == "__main__":

@@ -32,17 +32,17 @@ def _answer(words: list[str], seconds: float) -> tuple[int | None, str]:
             os._exit(1)
         os._exit(status)
     os.close(writing)
-    said, end = b"", time.monotonic() + seconds
+    output, end = b"", time.monotonic() + seconds
     try:
         while select.select([reading], [], [], max(0.0, end - time.monotonic()))[0]:
             piece = os.read(reading, 65536)
             if not piece:
                 break
-            said += piece
+            output += piece
         else:
             os.kill(child, signal.SIGKILL)
             return None, ""
     finally:
         os.close(reading)
         _, status = os.waitpid(child, 0)
-    return os.waitstatus_to_exitcode(status), said.decode(errors="replace").strip()
+    return os.waitstatus_to_exitcode(status), output.decode(errors="replace").strip()

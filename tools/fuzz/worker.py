@@ -70,10 +70,10 @@ class Worker:
             self._pipe.send(path)
             if not self._pipe.poll(WAITING * SECONDS):
                 self.end()
-                return Finding(Outcome.HANG, f"no answer within {WAITING * SECONDS:g} s by the clock")
+                return Finding(Outcome.HANG, f"no result within {WAITING * SECONDS:g} s of wall time")
             finding, seconds = self._pipe.recv()
             if seconds > SECONDS:
-                return Finding(Outcome.HANG, f"an answer after {seconds:.0f} s on a processor")
+                return Finding(Outcome.HANG, f"a result after {seconds:.0f} s of processor time")
             return Finding(*finding)
         except (EOFError, BrokenPipeError, ConnectionResetError):
             self._process.join()

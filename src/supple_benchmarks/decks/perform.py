@@ -159,11 +159,11 @@ def _serve(requests: Connection) -> None:
 
 
 def _line(found: Mapping[str, Any]) -> str:
-    said = ["read" if found["read"] else "NOT READ"]
+    parts = ["read" if found["read"] else "NOT READ"]
     for key in ("mass_error", "centre_error"):
         if key in found:
-            said.append(f"{key.replace('_', ' ')} {found[key]:.1e}")
+            parts.append(f"{key.replace('_', ' ')} {found[key]:.1e}")
     if "frequency_errors" in found:
-        said.append(f"frequencies within {100 * max(found['frequency_errors']):.2g} %")
-    said += [f"left out {each['count']} {each['card']}" for each in found["left_out"]]
-    return "; ".join([*said, found["why"]] if found["why"] else said)
+        parts.append(f"frequencies within {100 * max(found['frequency_errors']):.2g} %")
+    parts += [f"left out {each['count']} {each['card']}" for each in found["left_out"]]
+    return "; ".join([*parts, found["why"]] if found["why"] else parts)

@@ -61,14 +61,14 @@ def _body(result: BodyResult) -> dict[str, Any]:
 
 
 def _tolerance(one: ToleranceResult, published: int | None) -> dict[str, Any]:
-    asked = one.estimated_modes
+    required = one.estimated_modes
     return {
         "e": one.tolerance,
         "modes": one.modes,
-        "modes_paper": asked["paper"],
+        "modes_paper": required["paper"],
         "modes_published": published,
-        "modes_estimated": {name: asked[name] for name in ESTIMATORS},
-        "modes_exact": asked["exact"],
+        "modes_estimated": {name: required[name] for name in ESTIMATORS},
+        "modes_exact": required["exact"],
         "max_exact": float(one.exact.max()),
         "max_estimated": float(one.estimates["sharp"].max()),
         "max_proven": float(one.proven.max()),
@@ -104,9 +104,9 @@ def _rows(results: Sequence[BodyResult]) -> list[tuple[list[str], BodyResult, To
 def _modes(results: Sequence[BodyResult]) -> Table:
     rows = []
     for label, result, one in _rows(results):
-        asked = one.estimated_modes
+        required = one.estimated_modes
         published = result.case.published.get(one.tolerance)
-        counted = [asked["exact"], asked["lower"], asked["two_term"], asked["sharp"], asked["paper"]]
+        counted = [required["exact"], required["lower"], required["two_term"], required["sharp"], required["paper"]]
         times = [one.seconds, one.seconds_one_by_one, one.seconds_plain]
         rows.append(
             [*label, f"{one.modes}"]

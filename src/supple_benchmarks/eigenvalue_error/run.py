@@ -143,12 +143,12 @@ def _at_tolerance(
     one_size.vectors(one_size.vibrations(n_kept, n_modes))
     times.append(_now())
     searched, searched_one_by_one, plain = (Seconds(*row) for row in np.diff(times, axis=0).tolist())
-    asked = {name: _asked(family, tolerance, n_modes, one) for name, one in ESTIMATORS.items()}
+    required = {name: _required(family, tolerance, n_modes, one) for name, one in ESTIMATORS.items()}
     counts = count_eigenvalues(body, reduced.values, tolerance)
     return ToleranceResult(
         tolerance=tolerance,
         modes=n_kept,
-        estimated_modes={**asked, "exact": _asked(family, tolerance, n_modes, known)},
+        estimated_modes={**required, "exact": _required(family, tolerance, n_modes, known)},
         exact=family.errors(n_kept, n_modes, known),
         proven=reduced.errors,
         estimates={name: family.errors(n_kept, n_modes, one) for name, one in ESTIMATORS.items()},
@@ -167,7 +167,7 @@ def _now() -> tuple[float, float]:
     return perf_counter(), process_time()
 
 
-def _asked(
+def _required(
     family: CraigBamptonFamily, tolerance: float, n_modes: int, estimator: EigenvalueErrorEstimator
 ) -> int:
     def trial(n_kept: int) -> SearchStep:

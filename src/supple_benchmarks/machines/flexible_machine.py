@@ -32,7 +32,7 @@ class FlexibleMachine:
     size : m                       a length of the machine; runs that differ by 1 % of it have diverged
     n_modes : int                  N_m, number of modal coordinates of every basis
     duration, output_step : s      step : s, of the runs that are compared
-    settled : s                    errors are compared from this time on: a jump of the load at the start
+    compared_from : s              errors are compared from this time on: a jump of the load at the start
         excites modes that the steps do not resolve, and the integration has damped them by then
     camera : Camera                view of the machine
     """
@@ -50,7 +50,7 @@ class FlexibleMachine:
     duration: float
     output_step: float
     step: float
-    settled: float
+    compared_from: float
     camera: Camera
 
     @property

@@ -89,7 +89,7 @@ class QuadruplePendulum:
             duration=self.duration,
             output_step=self.output_step,
             step=self.step,
-            settled=2 * self.output_step,  # released from rest: gravity is applied suddenly
+            compared_from=2 * self.output_step,  # released from rest: gravity is applied suddenly
             camera=Camera.looking(along=(-0.8, -0.35, -1.0), up=(0.0, 1.0, 0.0)),
         )
 

@@ -104,7 +104,7 @@ class SliderCrank:
             duration=self.duration,
             output_step=self.output_step,
             step=self.step,
-            settled=0.0,  # the torque increases from zero
+            compared_from=0.0,  # the torque increases from zero
             camera=Camera.looking(along=(0.25, -0.35, -1.0), up=(0.0, 1.0, 0.0)),
         )
 

@@ -71,7 +71,7 @@ def _decay() -> list[Comparison]:
     for name, damping, full in (
         ("rayleigh", _rayleigh(), False),
         ("modal", ModalDamping(RATIO, n_modes=6, held="root"), False),
-        ("rayleigh, all freedoms", _rayleigh(), True),
+        ("rayleigh, full body", _rayleigh(), True),
     ):
         modes = machine_modes(linearize(held_strip(damping, full=full)), 2)
         for mode, ratio in zip(MODES, modes.damping_ratios, strict=True):

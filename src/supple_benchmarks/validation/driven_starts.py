@@ -68,7 +68,7 @@ FORMS: Mapping[str, Callable[[FlexibleBody], Any]] = MappingProxyType(
         "mean axes, linear": lambda body: reduce(
             body.linearized(), MeanAxisFrame(), CraigBampton(4), derivatives=NoDerivatives()
         ),
-        "all freedoms": lambda body: FullBody(body, MeanAxisFrame()),
+        "full body": lambda body: FullBody(body, MeanAxisFrame()),
         "intrinsic": lambda body: released(condense(body, LoadPath("root", "tip", n_stations=13))),
     }
 )
@@ -235,12 +235,12 @@ CASES: tuple[ValidationCase, ...] = (
     ValidationCase("beam on a shaker, no velocity given", lambda: shaken("mean axes, linear")),
     ValidationCase(
         "beam rotated at a constant rate, other methods",
-        lambda: turned("mean axes, linear", "all freedoms"),
+        lambda: turned("mean axes, linear", "full body"),
         quick=False,
     ),
     ValidationCase(
         "beam on a shaker, other methods",
-        lambda: shaken("nodal-fixed frame", "all freedoms", "intrinsic"),
+        lambda: shaken("nodal-fixed frame", "full body", "intrinsic"),
         quick=False,
     ),
     ValidationCase("bus of given spin with panels fixed to it", bus_and_panels),
