@@ -1,10 +1,11 @@
 """A linear body with 12 modes on a ball joint, in supple and in Exudyn, one after the other in one run.
 
-A steel bar of 10-node tetrahedra, on a ball joint at the mean motion of one end face, swings under gravity from
-the horizontal. Both codes use its 12 lowest free elastic modes, generalized-alpha with rho_inf = 0.8, the same
-step, the same relative Newton tolerance and one thread. Exudyn runs twice: with Newton's method, and with the
-modified Newton method (its default), which keeps the Jacobian as long as the iteration converges. The tips of
-the two codes are closer to each other than to the exact motion, and converge at second order in the step.
+A steel bar of 10-node tetrahedra, on a ball joint at the mean motion of one end face, swings under gravity
+from the horizontal. Both codes use its 12 lowest free elastic modes, generalized-alpha with rho_inf = 0.8,
+the same step, the same relative Newton tolerance and one thread. Exudyn runs twice: with Newton's method, and
+with the modified Newton method (its default), which keeps the Jacobian as long as the iteration converges.
+The tips of the two codes are closer to each other than to the exact motion, and converge at second order in
+the step.
 
 Exudyn (BSD licence) is not a dependency: pip install exudyn==1.13.6
 Run: OMP_NUM_THREADS=1 taskset -c 0 python benchmarks/against_exudyn.py

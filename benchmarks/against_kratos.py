@@ -1,10 +1,10 @@
 """Explicit solid elements of St. Venant-Kirchhoff's law, in supple and in Kratos, alternating on one core.
 
 A free block of steel starts undeformed with a rotation that stretches it, integrated by central differences
-with the same mesh, lumped masses, step and number of steps in both codes, in double precision. The results are
-elements times steps per second of processor time (the best of several runs, without set-up, compilation and
-output, but with supple's energy balance and checks in every step), and the largest distance between the nodes
-of the two codes.
+with the same mesh, lumped masses, step and number of steps in both codes, in double precision. The results
+are elements times steps per second of processor time (the best of several runs, without set-up, compilation
+and output, but with supple's energy balance and checks in every step), and the largest distance between the
+nodes of the two codes.
 
 Only TETRA4 compares equal elements. Kratos integrates its HEXA8 at eight points, supple at one point with
 hourglass control; Kratos also runs with one point, without hourglass control.

@@ -2,8 +2,9 @@
 
     JAX_NUM_CPU_DEVICES=2 OMP_NUM_THREADS=1 python benchmarks/batch_of_lines.py [repetitions]
 
-The cantilever of `supple benchmark intrinsic` (24 stations) under follower forces at its tip, without and with
-gravity, integrated by the Runge-Kutta rule: a batch of 256 cases and single runs of some of them, alternating.
+The cantilever of `supple benchmark intrinsic` (24 stations) under follower forces at its tip, without and
+with gravity, integrated by the Runge-Kutta rule: a batch of 256 cases and single runs of some of them,
+alternating.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Difference of the rated blade between the two frames, by kind of damping.
 
-Reduced bodies with ten linear columns and fifteen picked derivatives in each frame, 20 s of the rated case with
-Rayleigh damping, with either of its parts alone, with modal damping, and without damping. Each body is within
-9e-3 m of the full model in the same frame.
+Reduced bodies with ten linear columns and fifteen picked derivatives in each frame, 20 s of the rated case
+with Rayleigh damping, with either of its parts alone, with modal damping, and without damping. Each body is
+within 9e-3 m of the full model in the same frame.
 
 Run with one thread: OMP_NUM_THREADS=1 python benchmarks/blade_in_two_frames.py
 """

@@ -1,12 +1,12 @@
 """Chains of equal bodies: compile time and time per step, compared with Exudyn and MuJoCo if installed.
 
 Run with one thread: OMP_NUM_THREADS=1 taskset -c 0 python benchmarks/chain.py [--quick] [--json FILE]
-Rods on ball joints, supported at one end, fall from rest along x. They are rigid, or slender solids with eight
-fixed-interface modes and the constraint modes of their two ends, in a mean-axis frame. All times are processor
-times.
-Compilation is measured in a process with an empty program cache: `compile_s` is the time of a run of 200 steps
-before its first step, with the program of short runs (`quick_us_per_step`); `compile_well_s` is the additional
-time for the program of long runs, whose steps are compared.
+Rods on ball joints, supported at one end, fall from rest along x. They are rigid, or slender solids with
+eight fixed-interface modes and the constraint modes of their two ends, in a mean-axis frame. All times are
+processor times.
+Compilation is measured in a process with an empty program cache: `compile_s` is the time of a run of 200
+steps before its first step, with the program of short runs (`quick_us_per_step`); `compile_well_s` is the
+additional time for the program of long runs, whose steps are compared.
 Steps are timed alternately with Exudyn, which solves the same equations with the same step and tolerance, by
 modified and by full Newton, with its dense and its sparse solver; the fastest of the four is listed.
 MuJoCo has no flexible body of this kind; its rigid chain is integrated by the fourth-order Runge-Kutta rule.

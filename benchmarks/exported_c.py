@@ -1,13 +1,13 @@
 """Machines as C compared with the compiled march: differences and time per step.
 
 Run with one thread: OMP_NUM_THREADS=1 python benchmarks/exported_c.py [--blade RESULT.h5] [--only NAME ..]
-Each machine has a separate process, which is ended after LIMIT seconds; a machine that fails is listed with the
-cause.
-Machines: those of `tests/fixtures/exported_machines.py`, the slider-crank of the examples, and the blade of the
-examples from the result of its run (`supple run examples/blade.toml`).
+Each machine has a separate process, which is ended after LIMIT seconds; a machine that fails is listed with
+the cause.
+Machines: those of `tests/fixtures/exported_machines.py`, the slider-crank of the examples, and the blade of
+the examples from the result of its run (`supple run examples/blade.toml`).
 
-Differences over 1000 steps are relative to the largest value of a quantity in the machine. Two differences due
-to rounding alone are listed for comparison: the C code with and without fused multiplications (-O3
+Differences over 1000 steps are relative to the largest value of a quantity in the machine. Two differences
+due to rounding alone are listed for comparison: the C code with and without fused multiplications (-O3
 -march=native); and, for the machines in XLA_LEVELS, the march compiled by XLA with and without all
 optimisations.
 Microseconds are processor time: for C, mean and maximum over 1000 steps of the exported test; for the march,

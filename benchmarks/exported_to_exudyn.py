@@ -2,14 +2,14 @@
 
 A steel cylinder of 10-node tetrahedra, on a ball joint or a hinge at the mean motion of one end face, swings
 from the horizontal under gravity with a lateral component. supple reduces it once (12 free modes and the
-attachment modes of the two ends) and writes it with `write_exudyn`. Exudyn loads that file; joint, sensors and
-stress refer to the exported nodes. Both use generalized-alpha with rho_inf = 0.8.
+attachment modes of the two ends) and writes it with `write_exudyn`. Exudyn loads that file; joint, sensors
+and stress refer to the exported nodes. Both use generalized-alpha with rho_inf = 0.8.
 
 The remaining difference between the tips is due to the time integration, and falls by a factor of four when
 the step is halved; so does the difference of the stress on the ball joint. A hinge also transmits a moment,
-and Exudyn's marker transmits moments through the small rotations of its nodes. This causes a stress difference
-of the order of the elastic rotation at the hinge: 4e-4 of the largest stress here at any step, and a tenth of
-that with a tenth of the gravity.
+and Exudyn's marker transmits moments through the small rotations of its nodes. This causes a stress
+difference of the order of the elastic rotation at the hinge: 4e-4 of the largest stress here at any step, and
+a tenth of that with a tenth of the gravity.
 
 Exudyn (BSD licence) is not a dependency: pip install exudyn==1.13.6
 Run: OMP_NUM_THREADS=1 python benchmarks/exported_to_exudyn.py

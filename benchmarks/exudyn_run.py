@@ -1,4 +1,4 @@
-"""Exudyn and supple with the same step and tolerance on one thread, alternating; the best run of each counts."""
+"""Exudyn and supple with the same step and tolerance on one thread, alternating; the best run counts."""
 
 from __future__ import annotations
 

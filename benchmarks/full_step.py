@@ -1,11 +1,12 @@
-"""A nonlinear step of the full blade: frozen symmetric factor compared with the exact tangent of every iterate.
+"""A nonlinear step of the full blade: frozen symmetric factor or exact tangent of every iterate.
 
 Run with one thread: OMP_NUM_THREADS=1 python benchmarks/full_step.py [--quick] [--json FILE]
 The 61.5 m blade of the published benchmark, Green-Lagrange, in a mean-axis frame, at the start of its spin-up
 and at the rated speed, which it reaches in two seconds here; `--quick` uses a coarse mesh.
 Two iterations start from the same state and are measured in one run, in processor time: Newton's method, with
-an LU factor of the unsymmetric tangent at every iterate, and the modified Newton method. The states of both are
-compared with those for a thousandth of the tolerance. Target: a third of the time, differences below 1e-6.
+an LU factor of the unsymmetric tangent at every iterate, and the modified Newton method. The states of both
+are compared with those for a thousandth of the tolerance. Target: a third of the time, differences below
+1e-6.
 """
 
 from __future__ import annotations

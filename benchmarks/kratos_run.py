@@ -3,8 +3,9 @@
     python kratos_run.py FOLDER
 
 FOLDER holds case.npz (points, cells, velocities) and case.json. The script writes a line with the versions.
-For every line read from standard input it repeats the march, writes a line with the time, and stores the final
-positions in places.npy. Kratos Multiphysics (BSD licence) must be installed; no code of it is contained here.
+For every line read from standard input it repeats the march, writes a line with the time, and stores the
+final positions in places.npy. Kratos Multiphysics (BSD licence) must be installed; no code of it is contained
+here.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Measurement of time and memory of steps, and output of the results.
 
 Times are medians of some repetitions, processor time and wall time in seconds: the two differ if the machine
-has other load, or if a library uses several threads. Memory is the peak memory added by the step, and the size
-of the process at that time, in MiB.
+has other load, or if a library uses several threads. Memory is the peak memory added by the step, and the
+size of the process at that time, in MiB.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def _resident(entry: str) -> float | None:
 
 
 def keep(name: str, rows: list[dict[str, Any]], file: Path | None = None, **beside: Any) -> None:
-    """Print the rows as a table and write them with a description of the computer, by default to the results."""
+    """Print the rows as a table and write them with a description of the computer; default: to RESULTS."""
     print(table_of(rows))
     content = {"rows": rows, "machine": describe_computer() | beside}
     path = write_json(file or RESULTS / f"{name}.json", content)

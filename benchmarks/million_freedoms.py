@@ -1,10 +1,10 @@
 """A body of a million DOF, ten-node tetrahedra, and its basis of thirty modes: time and memory.
 
 Run with one thread: OMP_NUM_THREADS=1 python benchmarks/million_freedoms.py [--layers N]
-A steel shaft of 3.2 m, clamped at one end. Its discs have only 288 elements each, so that factors have a small
-bandwidth; factors of a compact block with as many DOF would be several times as large. The target is 24 GB:
-`process MB` is the peak memory of the process. Fewer layers give a shorter shaft of the same elements, for a
-trial.
+A steel shaft of 3.2 m, clamped at one end. Its discs have only 288 elements each, so that factors have a
+small bandwidth; factors of a compact block with as many DOF would be several times as large. The target is
+24 GB: `process MB` is the peak memory of the process. Fewer layers give a shorter shaft of the same elements,
+for a trial.
 """
 
 from __future__ import annotations

@@ -17,9 +17,9 @@ __all__ = ["PeerProcess"]
 class PeerProcess:
     """A script run by another interpreter, and the (processor, wall) seconds of its runs.
 
-    The argument of the script is a folder with the files of the case, including `case.json`. The script writes
-    a line of JSON when it is ready, and a line `{"processor": s, "wall": s}` after each run; it starts a run for
-    every line written to it.
+    The argument of the script is a folder with the files of the case, including `case.json`. The script
+    writes a line of JSON when it is ready, and a line `{"processor": s, "wall": s}` after each run; it starts
+    a run for every line written to it.
 
     code : name of the code;   prepare : function that writes the further files of the folder
     """

@@ -3,8 +3,8 @@
 Every problem is solved on a grid of quadrilaterals that are divided along one diagonal (as in the readers),
 along alternating diagonals, and along both diagonals with half the wall each. Plates are also solved with a
 lumped mass, and with the discrete Kirchhoff quadrilateral of J.-L. Batoz and M. Ben Tahar (Int. J. Numer.
-Methods Eng. 18 (1982) 1655-1677) with a bilinear mass. Six- and eight-node shells, divided into triangles over
-all their nodes, correspond to a grid twice as fine.
+Methods Eng. 18 (1982) 1655-1677) with a bilinear mass. Six- and eight-node shells, divided into triangles
+over all their nodes, correspond to a grid twice as fine.
 
 Run: python benchmarks/shell_splits.py
 """

@@ -46,7 +46,7 @@ def at_rest(pairs: list[tuple[float, float]]) -> float:
 
 
 def tip_deflection(table: SectionTable, gravity: np.ndarray, steps: int = 2000) -> np.ndarray:
-    """Linear tip deflection: the strains due to the weight beyond each section, integrated along the blade."""
+    """Linear tip deflection: strains due to the weight beyond each section, integrated along the blade."""
     s = (np.arange(steps) + 0.5) * table.lengths[-1] / steps
     ds = table.lengths[-1] / steps
     places, axes, stiffness, inertia = table.at(s)

@@ -3,8 +3,8 @@
 [Wu2019] gives the size of the mesh, the damping, the step and the tolerance; thickness, material and wind are
 in a figure that cannot be read. Here the blade is that of the NREL 5 MW turbine with a constant thickness
 that gives the turbine's blade mass and first flap frequency. The loads are those of a blade-element
-computation in a turbulent wind of 12 m/s. They are prescribed: computed once at the rated rotor speed, in axes
-that rotate with the root.
+computation in a turbulent wind of 12 m/s. They are prescribed: computed once at the rated rotor speed, in
+axes that rotate with the root.
 
 Axes: x downwind (flap), y towards the trailing edge, z along the span; the rotor rotates about x.
 """

@@ -2,8 +2,8 @@
 
     python tools/fuzz --quick               # ten seconds; the exit code is 1 if a reader failed
     python tools/fuzz -n 100000             # writes report.json and report.md beside this file, too
-    python tools/fuzz -n 100000 --kept F    # stores the counts in F; the same command continues from there and
-                                            # tries the listed faults again
+    python tools/fuzz -n 100000 --kept F    # stores the counts in F; the same command continues from there
+                                            # and tries the listed faults again
 
 Seeds are fixed: mutation k of a kind is the same file on every machine.
 """

@@ -75,8 +75,8 @@ class ReducedRun:
 def bases_of(
     blade: Blade, body: FlexibleBody, frame: str, case: BladeCase, n_linear: int = 50
 ) -> tuple[FixedBasis, ...]:
-    """Five bases: 10 modes with 15 picked derivatives, the same with 15 compressed derivatives, the first with
-    the plain tensors of [Wu2019], n_linear columns, and 8 modes with 2 static responses and 15 derivatives.
+    """Five bases: 10 modes with 15 picked derivatives, with 15 compressed ones, with 15 picked ones and plain
+    tensors as in [Wu2019]; n_linear columns; 8 modes with 2 static responses and 15 derivatives.
 
     The static responses of the last basis are those to wind and centrifugal load. Derivatives are weighted by
     the expected loads: the mean wind, and in the last basis also the centrifugal load.

@@ -1,7 +1,7 @@
 """Every deck of a folder: whether it is read, and the errors of its mass, centre and frequencies.
 
-`expected.json` is `{deck: {"mass", "cg", "frequencies_hz", ..}}`; unknown values are left out. Frequencies are
-those with the deck's own supports, including free rigid motions. A deck that fails, or exceeds its time
+`expected.json` is `{deck: {"mass", "cg", "frequencies_hz", ..}}`; unknown values are left out. Frequencies
+are those with the deck's own supports, including free rigid motions. A deck that fails, or exceeds its time
 limit, is one line of the table.
 """
 

@@ -82,8 +82,8 @@ def basis_sizes(
 
     Each family needs one eigen-solution with all candidates. Every size is then a leading block of small
     matrices, with a rank-one update of the residual per omitted mode. The size is found by bisection, since
-    errors decrease with each mode. Errors of the enhanced Craig-Bampton basis need not decrease: its size meets
-    the tolerance and the next smaller size does not, but a still smaller one may.
+    errors decrease with each mode. Errors of the enhanced Craig-Bampton basis need not decrease: the size
+    found meets the tolerance and the next smaller size does not, but a still smaller one may.
 
     candidates : number of modes computed per family, at most as many as the body has
     fixed_modes, free_modes : the lowest fixed-interface and free modes, if already known

@@ -69,8 +69,8 @@ def compare_selections(
 
         H(omega) = B ((1 + i eta) K - omega^2 M)^-1 B^T
 
-    at logarithmic steps from a third of the first frequency of the free body to the frequency of the last mode
-    compared. Forces and moments, displacements and rotations are weighted by the interface mass. Modes
+    at logarithmic steps from a third of the first frequency of the free body to the frequency of the last
+    mode compared. Forces and moments, displacements and rotations are weighted by the interface mass. Modes
     without motion at the interfaces are not compared: a rule based on the interfaces omits them on purpose,
     and no force at an interface excites them. The last rule replaces the highest of the lowest modes by
     residual modes, six for each interface.

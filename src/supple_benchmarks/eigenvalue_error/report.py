@@ -20,9 +20,9 @@ WHY_OTHER_COUNTS = {
     "modes": "number required by our sharper bound, then verified; the paper's bound uses kappa_n for all "
     "omitted modes, where kappa of the first omitted mode suffices, and so requires more modes",
     "modes_paper": "number required by the paper's bound on our mesh, with n counted over the elastic modes",
-    "modes_published": "number in the paper, on its own mesh: other tetrahedra, interfaces of another kind and "
-    "place (averaging on the cylinder; the paper's text has no drawing of the rod), and unverified estimates. "
-    "At 10 % every estimate may be too small; here modes are added until the bounds are verified",
+    "modes_published": "number in the paper, on its own mesh: other tetrahedra, interfaces of another kind "
+    "and place (averaging on the cylinder; the paper's text has no drawing of the rod), and unverified "
+    "estimates. At 10 % every estimate may be too small; here modes are added until the bounds are verified",
 }
 
 

@@ -1,4 +1,4 @@
-"""The bodies of [Han2020] reduced to each tolerance: modes, estimates over exact errors, verification, cost."""
+"""The bodies of [Han2020] reduced to each tolerance: modes, estimates, exact errors, verification, cost."""
 
 from __future__ import annotations
 

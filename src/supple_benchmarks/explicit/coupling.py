@@ -39,7 +39,7 @@ class _Halves(NamedTuple):
 
 @cache
 def _halves() -> _Halves:
-    """First half clamped, in 27 constraint and 12 fixed-interface modes, diagonalised; second half in elements."""
+    """First half clamped, in 27 constraint and 12 fixed-interface modes; second half in elements."""
     mesh = block(4, 2, 2, 4, 2, 2, CellType.TETRA4)
     model = solid_model(mesh, Isotropic(1.0, 0.3, 1.0))
     K, m = model.stiffness.toarray(), lumped_mass(model)

@@ -68,7 +68,7 @@ def _seconds(engines: Sequence[ExplicitEngine], span: Run) -> list[float]:
 
 
 def crash(quick: bool) -> dict[str, float]:
-    """Processor seconds of both models, largest position difference over largest displacement, memory ratio."""
+    """Processor seconds of both models, largest difference over largest displacement, memory ratio."""
     n, long = (4, 40) if quick else (8, 80)
     rest, nose = _models(n, long)
     law = J2Plasticity(ALUMINIUM, LinearHardening(100e6, 300e6))

@@ -158,7 +158,7 @@ def _rested(clamped: ClampedBlade, form: Any) -> Array:
 
 
 def _split(clamped: ClampedBlade, form: Callable[[FlexibleBody, Array, Frame], Any]) -> Array:
-    """The tip of a chain of four bodies, each with a frame at its inner end; the load is increased in steps."""
+    """The tip of a chain of four bodies with frames at their inner ends; the load is increased in steps."""
     split = split_body(BODY, clamped.model, AlongAxis(N_PARTS, (0, 0, 1)), ENDS)
     bodies, loads = [], []
     carried = np.zeros(len(clamped.nodes), dtype=bool)

@@ -1,7 +1,8 @@
 """Large vibrations of the box beam on stations, against its full shell model: table 2 of [Wang2015].
 
 Both start with the same velocity, that of the modes on stations. The shells move in one floating frame at the
-clamp; the only damping is a spectral radius of 0.9. Their walls can warp and buckle, unlike those of the paper.
+clamp; the only damping is a spectral radius of 0.9. Their walls can warp and buckle, unlike those of the
+paper.
 """
 
 from __future__ import annotations

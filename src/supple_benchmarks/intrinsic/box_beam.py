@@ -101,7 +101,7 @@ def large_vibration(body: IntrinsicBody, quick: bool) -> dict[str, Any]:
 
 
 def _axial(shells: FlexibleBody, stations: float) -> tuple[str, float, float]:
-    """First axial frequency: on stations, and of the shells the nearby one with the largest axial tip motion."""
+    """First axial frequency on stations, and the nearby one of the shells with the largest axial motion."""
     held = shells.interface("root").motion.tocsr().indices  # the six degrees of freedom of the tie
     free = np.setdiff1d(np.arange(shells.n), held)
     K, M = (matrix.tocsc()[free][:, free] for matrix in (shells.stiffness, shells.mass))
@@ -111,7 +111,7 @@ def _axial(shells: FlexibleBody, stations: float) -> tuple[str, float, float]:
 
 
 def _from_linear(body: IntrinsicBody, duration: float) -> float:
-    """Difference of a vibration with 1e-3 of the initial velocity from the linear vibration, over its maximum."""
+    """Difference of a vibration with 1e-3 of the initial velocity from the linear one, over the maximum."""
     speed = 1e-3 * SPEED
     vibration, omega = _vibration(body, speed, duration), body.modes.omega
     amplitudes = parabolic_velocity(body, speed) / omega * np.sin(np.outer(vibration.times, omega))

@@ -45,7 +45,7 @@ def run_intrinsic(quick: bool, announce: Announce) -> Iterator[dict[str, Any]]:
 
 
 def _orthonormality(n: int) -> dict[str, float]:
-    """Deviation of the Gram matrices of Phi_1 and Phi_2 from identity; all modes of a cantilever of n segments."""
+    """Deviation of the Gram matrices of Phi_1 and Phi_2 from identity, for all modes of a cantilever."""
     points = np.linspace(0, 2, n + 1)[:, None] * np.eye(3)[0]
     line = beam_line("beam", points, axial=1e5, bending=10.0, torsion=8.0, mass=1.3, radius=0.02)
     first, second = intrinsic_modes(line, CLAMPED).orthonormality

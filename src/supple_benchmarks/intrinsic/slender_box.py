@@ -1,7 +1,7 @@
 """The box beam as a slender thin-walled beam: frequencies and modes in closed form.
 
-The section table of [Wang2015] is missing in our copy of the text. Values chosen here: length 20, walls 1.0 by
-0.1 between mid-surfaces, 0.01 thick, E = 1e6, Poisson's ratio 0.3, density 1, in consistent units.
+The section table of [Wang2015] is missing in our copy of the text. Values chosen here: length 20, walls 1.0
+by 0.1 between mid-surfaces, 0.01 thick, E = 1e6, Poisson's ratio 0.3, density 1, in consistent units.
 """
 
 from __future__ import annotations

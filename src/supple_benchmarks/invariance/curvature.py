@@ -41,7 +41,7 @@ def bent_strips(quick: bool) -> Iterator[dict[str, Any]]:
 
 
 def turned_strips(quick: bool) -> Iterator[dict[str, Any]]:
-    """Energy of the bent or twisted strip in a frame rotated about an axis, over that in the frame of its root.
+    """Energy of the bent or twisted strip in a frame rotated about an axis, over that in its root's frame.
 
     `tip_moved` is the change of the tip position under the same load, over the deflection.
     """
