@@ -19,14 +19,14 @@ __all__ = ["QUANTITIES", "report", "tables"]
 Array = NDArray[np.float64]
 
 QUANTITIES = ("position", "velocity", "acceleration", "stress", "strain")
-"""Of node A: m, m/s, m/s^2, Pa, 1."""
+"""Quantities of node A, in m, m/s, m/s^2, Pa, 1."""
 TABLED = ("position", "velocity", "stress")
 VARIANTS = {
     Variant.MODAL_COORDINATES: "tolerances",
     Variant.WITH_ATTACHMENT_MODES: "with_attachment_modes",
     Variant.WHOLE_BASIS: "whole_bases",
 }
-"""Forms of the reduced body, and their names in the report."""
+"""Variants of the reduced body, and their keys in the report."""
 SHORT = {
     Variant.UNREDUCED: "unreduced",
     Variant.EXACT_MODES: "exact",
