@@ -49,7 +49,9 @@ class Steps:
     announce: Callable[[dict[str, Any]], None] | None = None
     rows: list[dict[str, Any]] = field(default_factory=list)
 
-    def measure(self, step: str, work: Callable[[], Any], *, repeats: int | None = None, **beside: float) -> Any:
+    def measure(
+        self, step: str, work: Callable[[], Any], *, repeats: int | None = None, **beside: float
+    ) -> Any:
         """Run a step, append a row with its cost and the values `beside`, and return the outcome."""
         cost, outcome = measured(work, repeats or self.repeats)
         self.rows.append({"step": step, **cost, **beside})

@@ -106,7 +106,13 @@ def _modes(results: Sequence[BodyResult]) -> Table:
     for label, result, one in _rows(results):
         required = one.estimated_modes
         published = result.case.published.get(one.tolerance)
-        counted = [required["exact"], required["lower"], required["two_term"], required["sharp"], required["paper"]]
+        counted = [
+            required["exact"],
+            required["lower"],
+            required["two_term"],
+            required["sharp"],
+            required["paper"],
+        ]
         times = [one.seconds, one.seconds_one_by_one, one.seconds_plain]
         rows.append(
             [*label, f"{one.modes}"]

@@ -234,7 +234,10 @@ CASES: tuple[TrustCase, ...] = (
     TrustCase("solid, slow and damped", _of(solid_bar, pushed(_slowly(30.0, 0.3)), damping=DAMPED), 0.4, 60),
     TrustCase("beam in large bending", _of(beam, pushed(_slowly(40.0, 0.5))), 0.7, 70, 1e-3),
     TrustCase(
-        "strip in large bending, mean axes", _of(shell_strip, pushed(_slowly(8.0, 1.0)), mean_axes=True), 1.2, 60
+        "strip in large bending, mean axes",
+        _of(shell_strip, pushed(_slowly(8.0, 1.0)), mean_axes=True),
+        1.2,
+        60,
     ),
     TrustCase("strip, base shaken", _shaken(shell_strip, lambda t: 3.0 * jnp.sin(15.0 * t)), 1.0, 100),
     TrustCase("beam, base struck", _shaken(beam, blow(60.0, 0.1, 0.03)), 0.5, 100, 1e-2),

@@ -29,14 +29,20 @@ def run_trust(quick: bool, folder: Path, announce: Announce) -> Iterator[dict[st
     for case in QUICK if quick else CASES:
         progress = announce(case.name)
         stored = folder / "cases" / f"{case.file_name}.json"
-        record = _stored_or(stored, progress, lambda case=case, progress=progress: assess(case, folder / "full-runs", progress))
+        record = _stored_or(
+            stored,
+            progress,
+            lambda case=case, progress=progress: assess(case, folder / "full-runs", progress),
+        )
         report["cases"].append(record)
         report["coverage"] = coverage(report["cases"], report["exact_beams"])
         yield report
     for beam in () if quick else EXACT_BEAMS:
         progress = announce(beam.name)
         stored = folder / "exact-beams" / f"{beam.file_name}.json"
-        record = _stored_or(stored, progress, lambda beam=beam, progress=progress: assess_by_exact_beam(beam, progress))
+        record = _stored_or(
+            stored, progress, lambda beam=beam, progress=progress: assess_by_exact_beam(beam, progress)
+        )
         report["exact_beams"].append(record)
         report["coverage"] = coverage(report["cases"], report["exact_beams"])
         yield report

@@ -62,4 +62,6 @@ def condensed_cantilever() -> Sequence[Comparison]:
     ]
 
 
-CASES: tuple[ValidationCase, ...] = (ValidationCase("superelement of another program: cantilever", condensed_cantilever),)
+CASES: tuple[ValidationCase, ...] = (
+    ValidationCase("superelement of another program: cantilever", condensed_cantilever),
+)

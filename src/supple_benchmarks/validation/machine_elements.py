@@ -144,11 +144,7 @@ def sliding_friction() -> Sequence[Comparison]:
 def brake() -> Sequence[Comparison]:
     """A disc is stopped by a constant friction moment."""
     angle = _workshop()["disc"][-1, 0]
-    return (
-        Comparison(
-            "stopping angle, rad", angle, 2.0**2 * INERTIA / (2 * BRAKE), "w^2 J / (2 M)", 1e-3
-        ),
-    )
+    return (Comparison("stopping angle, rad", angle, 2.0**2 * INERTIA / (2 * BRAKE), "w^2 J / (2 M)", 1e-3),)
 
 
 def stop() -> Sequence[Comparison]:
@@ -183,7 +179,9 @@ def servo() -> Sequence[Comparison]:
     w, decay = np.sqrt(SERVO / INERTIA), SERVO_DAMPING / (2 * INERTIA)
     fast, t = np.sqrt(w**2 - decay**2), read["times"]
     exact = TARGET * (1 - np.exp(-decay * t) * (np.cos(fast * t) + decay / fast * np.sin(fast * t)))
-    return (largest_difference("angle over one second, rad", read["arm"][:, 0], exact, "damped vibration", 2e-3),)
+    return (
+        largest_difference("angle over one second, rad", read["arm"][:, 0], exact, "damped vibration", 2e-3),
+    )
 
 
 def gear() -> Sequence[Comparison]:

@@ -73,7 +73,11 @@ def stress_over_a_set() -> Sequence[Comparison]:
             "largest stress of the set, upper side, Pa", largest.values[0, 2], fibre(0.25), source, 5e-3
         ),
         Comparison(
-            "position of the largest stress, m", float(np.asarray(largest.points)[0, 2, 0]), 0.25, source, 1e-12
+            "position of the largest stress, m",
+            float(np.asarray(largest.points)[0, 2, 0]),
+            0.25,
+            source,
+            1e-12,
         ),
         Comparison("mean stress of the set, Pa", mean.values[0, 2], middle, source, 5e-3),
     ]
@@ -133,7 +137,11 @@ def curved_cells() -> Sequence[Comparison]:
     return [
         Comparison("mass of a cylinder, kg", bar.mass, mass, source, 3e-3),
         Comparison(
-            "inertia of the cylinder about its axis, kg m2", bar.inertia[0, 0], mass * radius**2 / 2, source, 5e-3
+            "inertia of the cylinder about its axis, kg m2",
+            bar.inertia[0, 0],
+            mass * radius**2 / 2,
+            source,
+            5e-3,
         ),
         Comparison("mass of a quarter of a ring, kg", ring.mass, weight, source, 1e-3),
         Comparison("centre of the quarter of a ring, m", ring.centre[0], centre, source, 1e-3),
