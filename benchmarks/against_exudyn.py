@@ -1,10 +1,11 @@
 """A linear body with 12 modes on a ball joint, in supple and in Exudyn, one after the other in one run.
 
-A steel bar of 10-node tetrahedra hangs by the mean of one end face and swings under gravity from the
-horizontal. Both codes use its 12 lowest free elastic modes, generalized-alpha with rho_inf = 0.8, the same
-step, the same relative Newton tolerance and one thread. Exudyn runs twice: with Newton's method, as supple,
-and with the modified one (its default), which keeps the Jacobian for as long as the iteration converges. The
-two codes' tips lie nearer each other than to the exact motion, and approach at second order in the step.
+A steel bar of 10-node tetrahedra, on a ball joint at the mean motion of one end face, swings under gravity
+from the horizontal. Both codes use its 12 lowest free elastic modes, generalized-alpha with rho_inf = 0.8,
+the same step, the same relative Newton tolerance and one thread. Exudyn runs twice: with Newton's method, and
+with the modified Newton method (its default), which keeps the Jacobian as long as the iteration converges.
+The tips of the two codes are closer to each other than to the exact motion, and converge at second order in
+the step.
 
 Exudyn (BSD licence) is not a dependency: pip install exudyn==1.13.6
 Run: OMP_NUM_THREADS=1 taskset -c 0 python benchmarks/against_exudyn.py
@@ -71,7 +72,7 @@ def in_supple(mesh: Mesh, body: FlexibleBody) -> TimedRun:
 
 
 def reduced_in_exudyn(mesh: Mesh, body: FlexibleBody) -> Any:
-    """The body with its lowest modes, as Exudyn reduces it."""
+    """The body with its lowest modes, reduced by Exudyn."""
     exudyn()
     from exudyn.FEM import FEMinterface, ObjectFFRFreducedOrderInterface
 
@@ -84,7 +85,7 @@ def reduced_in_exudyn(mesh: Mesh, body: FlexibleBody) -> Any:
 
 
 def assembled_in_exudyn(mesh: Mesh, reduced: Any, gravity: Sequence[float]) -> tuple[Any, int]:
-    """The system, ready to run, and the number of the sensor at its tip."""
+    """The assembled system, and the number of the sensor at its tip."""
     exu = exudyn()
     from exudyn import itemInterface as items  # noqa: N813
 

@@ -1,13 +1,12 @@
-"""A slender box in its intrinsic modes, in supple and in FENIAX, in turns on one core.
+"""A slender box in its intrinsic modes, in supple and in FENIAX, alternating on one core.
 
 The box beam of [Wang2015] 5.1 in shells is condensed on 25 stations, clamped, and pushed by a follower force
-at its tip. Both codes get the same stiffness, mass and stations, keep the same number of modes and take the
-same steps of the classical Runge-Kutta rule. Told are the processor time of a step of the march (compiling,
-modes and recovery of positions are left out on both sides), the median of some turns, and how far apart the
-two tips come.
+at its tip. Both codes have the same stiffness, mass, stations, number of modes and steps of the classical
+Runge-Kutta rule. The results are the processor time per step of the march (median of several runs, without
+compilation, modes and recovery of positions), and the largest distance between the two tips.
 
-FENIAX (GPL-3.0; github.com/ACea15/FENIAX) is not a dependency. It wants a JAX of its own, hence another
-environment:
+FENIAX (GPL-3.0; github.com/ACea15/FENIAX) is not a dependency. It needs another version of JAX, and therefore
+another environment:
 
     git clone https://github.com/ACea15/FENIAX
     python -m venv feniax-env && feniax-env/bin/pip install ./FENIAX
@@ -39,12 +38,12 @@ from supple_benchmarks.intrinsic.box_beam import meshed
 
 N_STATIONS = 25
 FORCE = (0.0, 0.2, 0.5)
-"""Turns the tip by more than two radians within the run."""
+"""Rotates the tip by more than two radians within the run."""
 DURATION, N_STEPS, N_OUTPUTS = 4.0, 4000, 8
 
 
 def box(n_modes: int) -> IntrinsicBody:
-    """The box on its stations, in its lowest elastic modes alone: FENIAX has no second-order modes."""
+    """The box on its stations, with its lowest elastic modes only: FENIAX has no second-order modes."""
     shells, _ = meshed(48, 1)
     whole = condense(shells, LoadPath("root", "tip", N_STATIONS))
     fields = whole.expansion
@@ -69,7 +68,7 @@ class InSupple:
         self.costs: list[tuple[float, float]] = []
 
     def turn(self) -> None:
-        """March once more."""
+        """Repeat the march."""
         self.costs.append(self._cost())
 
     def _cost(self) -> tuple[float, float]:
@@ -103,7 +102,7 @@ class InFeniax(PeerProcess):
 
 
 def export(line: CondensedLine, folder: Path) -> None:
-    """The matrices of a chain without its clamped root, and its stations, as FENIAX reads them."""
+    """Write the matrices without the clamped root, and the stations, in FENIAX's format."""
     np.save(folder / "Ka.npy", line.stiffness[6:, 6:])
     np.save(folder / "Ma.npy", line.mass[6:, 6:])
     rows = [
@@ -113,7 +112,7 @@ def export(line: CondensedLine, folder: Path) -> None:
 
 
 def rows_of(interpreter: Path, n_modes: int, repetitions: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:
-    """What both codes cost, and how far apart their tips come; versions of FENIAX's environment."""
+    """Rows with the cost of both codes and the distance of their tips; versions of FENIAX's environment."""
     body = box(n_modes)
     ours, theirs = InSupple(body), InFeniax(interpreter, body.line, n_modes)
     for _ in range(repetitions):
@@ -144,18 +143,18 @@ def rows_of(interpreter: Path, n_modes: int, repetitions: int) -> tuple[list[dic
 
 
 def microseconds(seconds: float) -> float:
-    """Of a step."""
+    """Microseconds per step."""
     return 1e6 * float(seconds) / N_STEPS
 
 
 def main() -> None:
-    parser = ArgumentParser(description="supple and FENIAX beside each other")
+    parser = ArgumentParser(description="supple and FENIAX compared")
     parser.add_argument("--feniax-python", type=Path, help="interpreter of an environment with FENIAX")
     parser.add_argument("--repetitions", type=int, default=5)
     given = parser.parse_args()
     if given.feniax_python is None:
         sys.exit(
-            "this comparison needs FENIAX in an environment of its own; its interpreter is named by "
+            "this comparison needs FENIAX in an environment of its own; give the interpreter by "
             "--feniax-python:\n" + (__doc__ or "").split("environment:\n")[-1]
         )
     rows: list[dict[str, Any]] = []

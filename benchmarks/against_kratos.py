@@ -1,15 +1,15 @@
-"""Explicit solid elements of St. Venant-Kirchhoff's law, in supple and in Kratos, in turns on one core.
+"""Explicit solid elements of St. Venant-Kirchhoff's law, in supple and in Kratos, alternating on one core.
 
-A free block of steel starts unstrained at a spin that stretches it, and marches by central differences: the
-same mesh, lumped masses, step and number of steps in both codes, in double precision. Told are elements times
-steps in a second of processor time (set-up, compiling and output are left out on both sides; supple's energy
-balance and its checks, which it makes at every step, are in), the best of some turns, and how far apart the
-two codes' nodes come.
+A free block of steel starts undeformed with a rotation that stretches it, integrated by central differences
+with the same mesh, lumped masses, step and number of steps in both codes, in double precision. The results
+are elements times steps per second of processor time (the best of several runs, without set-up, compilation
+and output, but with supple's energy balance and checks in every step), and the largest distance between the
+nodes of the two codes.
 
-TETRA4 is like for like. Kratos integrates its HEXA8 at eight points, where supple has one and hourglass
-control; it is told to use one point, too, and has then nothing against hourglasses.
+Only TETRA4 compares equal elements. Kratos integrates its HEXA8 at eight points, supple at one point with
+hourglass control; Kratos also runs with one point, without hourglass control.
 
-Kratos Multiphysics (BSD licence) is not a dependency. It stands in an environment of its own:
+Kratos Multiphysics (BSD licence) is not a dependency. It needs an environment of its own:
 
     python -m venv kratos-env
     kratos-env/bin/pip install KratosMultiphysics KratosStructuralMechanicsApplication
@@ -52,7 +52,7 @@ CENTRE = np.array([0.5, 0.0, 0.0])
 
 @dataclass(frozen=True)
 class Elements:
-    """What fills the block in both codes."""
+    """The elements of the block in both codes."""
 
     kind: CellType
     divisions: int
@@ -61,12 +61,12 @@ class Elements:
 
     @property
     def points(self) -> int:
-        """Where Kratos integrates an element."""
+        """Number of integration points of an element in Kratos."""
         return self.order**3 if self.kind is CellType.HEXA8 else 1
 
 
 def cases(quick: bool) -> list[Elements]:
-    """About 30 000 elements, or 1000."""
+    """Blocks of about 30 000 elements, or of 1000 if quick."""
     hexahedra, tetrahedra = (10, 6) if quick else (31, 17)
     return [
         Elements(CellType.TETRA4, tetrahedra, "TotalLagrangianElement3D4N", 1),
@@ -95,7 +95,7 @@ class InSupple:
         self.costs: list[tuple[float, float]] = []
 
     def turn(self) -> None:
-        """March once more."""
+        """Repeat the march."""
         began, began_wall = process_time(), perf_counter()
         self._engine.march(self._start, self._end)
         self.costs.append((process_time() - began, perf_counter() - began_wall))
@@ -123,14 +123,14 @@ class InKratos(PeerProcess):
 
     @property
     def places(self) -> np.ndarray:
-        """(N, 3) of the nodes at the end of the last turn."""
+        """Positions (N, 3) of the nodes at the end of the last run."""
         return np.load(self.folder / "places.npy")
 
 
 def rows_of(
     interpreter: Path, elements: Elements, n_steps: int, turns: int
 ) -> tuple[list[dict[str, Any]], dict[str, Any]]:
-    """What both codes cost, and how far apart their nodes come; versions of Kratos' environment."""
+    """Rows with the cost of both codes and the distance of their nodes; versions of Kratos' environment."""
     n = elements.divisions
     mesh = block(1.0, 1.0, 1.0, n, n, n, elements.kind)
     count = len(mesh.cells[elements.kind])
@@ -163,22 +163,22 @@ def rows_of(
 
 
 def strain_motion(before: np.ndarray, after: np.ndarray, angle: float) -> float:
-    """How far a node comes, m, from where the block's own spin would have carried it as a rigid body."""
+    """Largest distance of a node from its position in a rigid rotation of the block, m."""
     c, s = np.cos(angle), np.sin(angle)
     turned = (before - CENTRE) @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + CENTRE
     return float(np.linalg.norm(after - turned, axis=1).max())
 
 
 def main() -> None:
-    parser = ArgumentParser(description="explicit elements of supple and Kratos beside each other")
+    parser = ArgumentParser(description="explicit elements of supple and Kratos compared")
     parser.add_argument("--kratos-python", type=Path, help="interpreter of an environment with Kratos")
     parser.add_argument("--turns", type=int, default=3)
     parser.add_argument("--quick", action="store_true", help="1000 elements instead of 30 000")
-    parser.add_argument("--json", type=Path, help="file to write; else among the kept results")
+    parser.add_argument("--json", type=Path, help="file to write; default: in benchmarks/results")
     given = parser.parse_args()
     if given.kratos_python is None:
         sys.exit(
-            "this comparison needs Kratos in an environment of its own; its interpreter is named by "
+            "this comparison needs Kratos in an environment of its own; give the interpreter by "
             "--kratos-python:\n" + (__doc__ or "").split("of its own:\n")[-1]
         )
     rows: list[dict[str, Any]] = []

@@ -1,9 +1,10 @@
-"""A batch of intrinsic bodies beside the same cases one by one: time of a step of a case.
+"""A batch of intrinsic bodies compared with single runs of the same cases: time per step and case.
 
     JAX_NUM_CPU_DEVICES=2 OMP_NUM_THREADS=1 python benchmarks/batch_of_lines.py [repetitions]
 
-The cantilever of `supple benchmark intrinsic` (24 stations) under follower forces at its tip, and under its
-weight besides, marched by Runge and Kutta's rule: 256 cases at once, then some of them one by one, in turns.
+The cantilever of `supple benchmark intrinsic` (24 stations) under follower forces at its tip, without and
+with gravity, integrated by the Runge-Kutta rule: a batch of 256 cases and single runs of some of them,
+alternating.
 """
 
 from __future__ import annotations
@@ -48,14 +49,14 @@ def body(n_modes: int) -> IntrinsicBody:
 
 
 def machine(beam: IntrinsicBody, force: float, gravity: float) -> System:
-    """Under a force of its own."""
+    """The beam clamped at its root, under a tip force and gravity."""
     clamp = Fixed(first="ground", second="beam.root")
     push = FollowerForce(first="beam.tip", force=(0.0, 0.1 * force, force))
     return System([Placed(beam)], [clamp], [push], gravity=(0.0, 0.0, -gravity))
 
 
 def row(beam: IntrinsicBody, gravity: float, chunk: int, repetitions: int) -> dict[str, Any]:
-    """Microseconds of a step of a case, the least of all repetitions, and the ratios of the repetitions."""
+    """Microseconds per step and case, the minimum over the repetitions, and the ratio in each repetition."""
     step = 2.0 / beam.modes.omega.max()
     run = Run(N_STEPS * step, N_STEPS * step, step=FixedStep(step), method=RungeKutta4())
     cases = [machine(beam, force, gravity) for force in np.linspace(0.1, 2.0, N_CASES)]
@@ -81,7 +82,7 @@ def row(beam: IntrinsicBody, gravity: float, chunk: int, repetitions: int) -> di
 
 
 def measured(work: Any, n: int) -> tuple[float, float]:
-    """Wall and processor time, microseconds of a step of each of n cases."""
+    """Wall and processor time, microseconds per step, of n cases."""
     wall, processor = perf_counter(), process_time()
     work()
     scale = 1e6 / n / N_STEPS

@@ -1,8 +1,8 @@
-"""Why the rated blade differs between the two frames: which damping makes its reduced runs part.
+"""Difference of the rated blade between the two frames, by kind of damping.
 
-Ten linear columns and fifteen picked derivatives in each frame, 20 s of the rated case with Rayleigh damping,
-with either part of it alone, with modal damping, and with none. In its own frame each of these bodies is
-within 9e-3 m of the full model.
+Reduced bodies with ten linear columns and fifteen picked derivatives in each frame, 20 s of the rated case
+with Rayleigh damping, with either of its parts alone, with modal damping, and without damping. Each body is
+within 9e-3 m of the full model in the same frame.
 
 Run with one thread: OMP_NUM_THREADS=1 python benchmarks/blade_in_two_frames.py
 """
@@ -26,7 +26,7 @@ from supple_benchmarks.nrel5mw_blade import (
     Blade,
     TipMotion,
     blade_damping,
-    root_held_frequencies,
+    root_clamped_frequencies,
     tip_motion,
 )
 
@@ -36,7 +36,7 @@ SECONDS = 20.0
 def main() -> None:
     blade = Blade()
     body = blade.body()
-    rayleigh = blade_damping(root_held_frequencies(body))
+    rayleigh = blade_damping(root_clamped_frequencies(body))
     kinds = {
         "alpha M, beta by strain rate": rayleigh,
         "alpha M + beta K": rayleigh.linearized(),
@@ -60,7 +60,7 @@ def main() -> None:
 
 
 def run(blade: Blade, body: FlexibleBody, basis: FixedBasis, damping: Damping | None) -> TipMotion:
-    """The tip's motion in one frame, seen from the root."""
+    """Motion of the tip relative to the root, computed in one frame."""
     reduced = reduce(
         body, FRAMES[basis.frame], basis.recipe, derivatives=basis.derivatives, damping=damping, loads=NoLoads
     )

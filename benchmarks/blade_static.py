@@ -1,11 +1,11 @@
-"""The blade at rest under the mean wind load of its benchmark: both frames, and a deck for a second opinion.
+"""The blade at rest under the mean wind load of its benchmark, in both frames, and a deck for CalculiX.
 
     OMP_NUM_THREADS=1 python benchmarks/blade_static.py [blade-static.inp]
 
 The root is clamped in space and the load is dead: 125 forces on the leading edge, the mean over 100 s of the
-rated case. Either frame must come to the same shape; what they are apart is the error of the kinematics.
+rated case. The shapes in the two frames differ by the error of the kinematics.
 
-CalculiX runs the deck: ccx blade-static. The mean of U over the node set `tip` stands beside ours.
+`ccx blade-static` runs the deck in CalculiX. Compare the mean of U over the node set `tip`.
 """
 
 from __future__ import annotations

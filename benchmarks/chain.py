@@ -1,14 +1,15 @@
-"""Chains of equal bodies: compile time, and time per step, beside Exudyn and MuJoCo where they are installed.
+"""Chains of equal bodies: compile time and time per step, compared with Exudyn and MuJoCo if installed.
 
 Run with one thread: OMP_NUM_THREADS=1 taskset -c 0 python benchmarks/chain.py [--quick] [--json FILE]
-Rods on ball joints, hung at one end, fall from rest along x. Rigid rods, and slender solid ones by eight
-fixed-interface modes and the constraint modes of their two ends, in a mean-axis frame. All seconds are of the
-processor. Compiling is measured in a process without kept programs: all that a run of 200 steps takes before
-it marches, by the quick program that so short a run gets (`compile_s`; its steps take `quick_us_per_step`),
-and what the other program takes besides, whose steps are compared (`compile_well_s`).
-Steps are timed in turns with Exudyn, which solves the same equations at the same step and tolerance, by
-modified and by full Newton, with its dense and with its sparse solver: the fastest of the four counts.
-MuJoCo has no flexible body of this kind; its rigid chain takes steps of Runge-Kutta's fourth order.
+Rods on ball joints, supported at one end, fall from rest along x. They are rigid, or slender solids with
+eight fixed-interface modes and the constraint modes of their two ends, in a mean-axis frame. All times are
+processor times.
+Compilation is measured in a process with an empty program cache: `compile_s` is the time of a run of 200
+steps before its first step, with the program of short runs (`quick_us_per_step`); `compile_well_s` is the
+additional time for the program of long runs, whose steps are compared.
+Steps are timed alternately with Exudyn, which solves the same equations with the same step and tolerance, by
+modified and by full Newton, with its dense and its sparse solver; the fastest of the four is listed.
+MuJoCo has no flexible body of this kind; its rigid chain is integrated by the fourth-order Runge-Kutta rule.
 """
 
 from __future__ import annotations
@@ -93,7 +94,7 @@ def run_options() -> Run:
 
 
 def in_supple(rod: Any, n: int, march: CachedProgram = COMPILED_MARCH) -> TimedRun:
-    """The march alone: the compiled program, from the start to the output times."""
+    """Only the march: the compiled program, from the start to the output times."""
     system, run = chain(rod, n), run_options()
     model, state = initial_state(system, 0.0, STEP)
     settings, times = controls(run), run.times[1:]
@@ -112,7 +113,7 @@ def in_supple(rod: Any, n: int, march: CachedProgram = COMPILED_MARCH) -> TimedR
 
 
 def by_processor(run: TimedRun) -> TimedRun:
-    """The run with its seconds of the processor."""
+    """The run with processor time instead of wall time."""
 
     def timed() -> Outcome:
         began = process_time()
@@ -123,7 +124,7 @@ def by_processor(run: TimedRun) -> TimedRun:
 
 
 def compile_seconds(kind: str, n: int) -> tuple[float, float]:
-    """From the system to the first state, in a new process that finds no kept programs; and besides."""
+    """Compile times of both programs in a new process without cached programs, s: short runs, long runs."""
     with TemporaryDirectory() as folder:
         shown = subprocess.run(
             [sys.executable, __file__, "--only", kind, str(n)],
@@ -262,7 +263,7 @@ def in_own_process(kind: str, n: int) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="chains of 1 and 8 bodies")
-    parser.add_argument("--json", type=Path, help="file to write; else among the kept results")
+    parser.add_argument("--json", type=Path, help="file to write; default: in benchmarks/results")
     parser.add_argument("--only", nargs=2, metavar=("KIND", "BODIES"), help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.only:

@@ -1,16 +1,17 @@
-"""Machines as C beside the compiled march: how far they differ, and what a step costs.
+"""Machines as C compared with the compiled march: differences and time per step.
 
 Run with one thread: OMP_NUM_THREADS=1 python benchmarks/exported_c.py [--blade RESULT.h5] [--only NAME ..]
-Each machine has a process of its own, which is ended after LIMIT seconds; one that fails is listed with its
-cause.
-Machines: those of `tests/fixtures/exported_machines.py`, the slider-crank of the examples, and their blade as
-the result of its run holds it (`supple run examples/blade.toml`).
+Each machine has a separate process, which is ended after LIMIT seconds; a machine that fails is listed with
+the cause.
+Machines: those of `tests/fixtures/exported_machines.py`, the slider-crank of the examples, and the blade of
+the examples from the result of its run (`supple run examples/blade.toml`).
 
-Differences are of 1000 steps of both, of the largest value of a quantity in the machine. Beside them are two
-that rounding alone makes: of the C from itself with fused multiplications (-O3 -march=native), and, of the
-machines in XLA_LEVELS, of the march from itself compiled by XLA with all its optimisations.
-Microseconds are the processor's: of C by the exported test, mean and slowest of 1000 steps; of the march, of
-1000 steps in one call.
+Differences over 1000 steps are relative to the largest value of a quantity in the machine. Two differences
+due to rounding alone are listed for comparison: the C code with and without fused multiplications (-O3
+-march=native); and, for the machines in XLA_LEVELS, the march compiled by XLA with and without all
+optimisations.
+Microseconds are processor time: for C, mean and maximum over 1000 steps of the exported test; for the march,
+the mean of 1000 steps in one call.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ STEPS = 1000
 LIMIT = 150
 """Seconds for one machine."""
 GROUPS = {"places": ("length", "angle"), "rates": ("velocity", "angular velocity")}
-"""Kinds of quantities that are compared together; accelerations and forces are the rest."""
+"""Kinds of quantities that are compared together; accelerations and forces form the last group."""
 LEVELS = {"O2": "-std=c99 -O2 -ffp-contract=off", "O3 native": "-std=c99 -O3 -march=native"}
 XLA_LEVELS = ("driven_pair",)
 
@@ -61,7 +62,7 @@ Machine = tuple[Any, Any, Any, Any]
 
 
 def of_case(case: Any, system: Any) -> Machine:
-    """As the command exports it."""
+    """The machine of a case, as exported by the command."""
     return system, case.run, machine_outputs(case, system), {}
 
 
@@ -72,7 +73,7 @@ def slider_crank_example() -> Machine:
 
 
 def machines(blade: Path | None) -> dict[str, Callable[[], Machine]]:
-    """By name."""
+    """Functions that create the machines, by name."""
     found = {each.__name__: each for each in (*exported_machines.EVERY, exported_machines.joined_line)} | {
         "example slider-crank": slider_crank_example
     }
@@ -102,7 +103,7 @@ def marched(program: StepProgram, compiled: Any) -> np.ndarray:
 
 
 def in_c(program: StepProgram, folder: Path, level: str) -> tuple[np.ndarray, float, float]:
-    """The same of the C, and microseconds of a step by the exported test, mean and slowest."""
+    """Outputs (STEPS, o) of the C code; mean and largest time per step in the exported test, us."""
     subprocess.run(["make", "clean"], cwd=folder, check=True, capture_output=True)
     make = ["make", "test", f"CFLAGS={LEVELS[level]} -fPIC"]
     done = subprocess.run(make, cwd=folder, check=True, capture_output=True, text=True)
@@ -120,7 +121,7 @@ def in_c(program: StepProgram, folder: Path, level: str) -> tuple[np.ndarray, fl
 
 
 def differences(program: StepProgram, one: np.ndarray, other: np.ndarray, of: str) -> dict[str, float]:
-    """Of each group of quantities, the largest of its kinds."""
+    """Largest relative difference in each group of quantities."""
     kinds = np.array([each.description.partition(",")[0] for each in program.outputs.variables])
     largest: dict[str, float] = {}
     for kind in dict.fromkeys(kinds):
@@ -133,7 +134,7 @@ def differences(program: StepProgram, one: np.ndarray, other: np.ndarray, of: st
 
 
 def microseconds_of_march(machine: Machine, program: StepProgram) -> float:
-    """Of a step of `simulate`, once compiled."""
+    """Microseconds per step of `simulate`, after compilation."""
     system, run, _, _ = machine
     engine = engine_for(system, run)
     state = engine.start(run.start)
@@ -146,7 +147,7 @@ def microseconds_of_march(machine: Machine, program: StepProgram) -> float:
 
 
 def row(name: str, make: Callable[[], Machine]) -> dict[str, Any]:
-    """All that is measured of a machine."""
+    """The row of a machine with all measurements."""
     machine = make()
     system, run, sensors, inputs = machine
     program = step_program(system, run, sensors, inputs)
@@ -173,10 +174,10 @@ def row(name: str, make: Callable[[], Machine]) -> dict[str, Any]:
 
 
 def measured(name: str, blade: Path | None, target: Path) -> dict[str, Any]:
-    """The row of a machine, measured in another process; its cause where there is none."""
+    """The row of a machine, measured in another process; in case of failure, a row with the cause."""
     command = [sys.executable, __file__, "--one", name, "--json", str(target)]
     command += [] if blade is None else ["--blade", str(blade)]
-    # A session of its own: its compiler is ended with it, and does not run beside the next machine.
+    # A separate session: its compiler is ended with it, and does not run during the next machine.
     with subprocess.Popen(
         command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True
     ) as process:
@@ -194,11 +195,11 @@ def measured(name: str, blade: Path | None, target: Path) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Measure, print and keep the rows."""
+    """Measure, print and store the rows."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--blade", type=Path)
     parser.add_argument("--only", nargs="*")
-    parser.add_argument("--one", help="measure this machine here, and write its row alone")
+    parser.add_argument("--one", help="measure this machine in this process, and write only its row")
     parser.add_argument("--json", type=Path, default=RESULTS / "exported_c.json")
     given = parser.parse_args()
     every = machines(given.blade)

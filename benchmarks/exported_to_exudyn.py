@@ -1,14 +1,15 @@
 """A reduced body written by supple, loaded by Exudyn: the same pendulum, the same modes, the same step.
 
-A steel cylinder of 10-node tetrahedra hangs by the mean of one end face, on a ball joint or a hinge, and
-swings from the horizontal under a gravity that also pulls sideways. supple reduces it once (12 free modes and
-the attachment modes of the two ends), writes it with `write_exudyn`, and Exudyn loads that file: joint,
-sensors and stress hold on to the exported nodes. Both use generalized-alpha with rho_inf = 0.8.
+A steel cylinder of 10-node tetrahedra, on a ball joint or a hinge at the mean motion of one end face, swings
+from the horizontal under gravity with a lateral component. supple reduces it once (12 free modes and the
+attachment modes of the two ends) and writes it with `write_exudyn`. Exudyn loads that file; joint, sensors
+and stress refer to the exported nodes. Both use generalized-alpha with rho_inf = 0.8.
 
-What is left between the tips is what the time integrations leave, and falls by four where the step is halved;
-so does the stress on the ball joint. A hinge also carries a moment, and Exudyn's marker passes moments on
-through the small rotations of its nodes: that leaves a stress of the order of the elastic rotation at the
-hinge, 4e-4 of the largest here, at any step, and a tenth of it under a tenth of the gravity.
+The remaining difference between the tips is due to the time integration, and falls by a factor of four when
+the step is halved; so does the difference of the stress on the ball joint. A hinge also transmits a moment,
+and Exudyn's marker transmits moments through the small rotations of its nodes. This causes a stress
+difference of the order of the elastic rotation at the hinge: 4e-4 of the largest stress here at any step, and
+a tenth of that with a tenth of the gravity.
 
 Exudyn (BSD licence) is not a dependency: pip install exudyn==1.13.6
 Run: OMP_NUM_THREADS=1 python benchmarks/exported_to_exudyn.py
@@ -42,7 +43,7 @@ LENGTH, RADIUS = 1.0, 0.01
 
 @dataclass(frozen=True, eq=False)
 class Pendulum:
-    """The reduced link, its stress, its mesh's outer triangles, and the node whose stress is compared."""
+    """The reduced link, its stress modes, the surface triangles of its mesh, and the node of the stress."""
 
     link: ReducedBody
     stress: TensorModes
@@ -52,7 +53,7 @@ class Pendulum:
 
 @dataclass(frozen=True)
 class Hold:
-    """A joint between the ground and the root, in supple, and the six axes that it locks, in Exudyn."""
+    """A joint between the ground and the root in supple, and the six axes that it locks in Exudyn."""
 
     name: str
     joint: Joint

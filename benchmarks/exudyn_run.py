@@ -1,4 +1,4 @@
-"""Exudyn beside supple: the same step and tolerance on one thread, in turns, the best run of each kept."""
+"""Exudyn and supple with the same step and tolerance on one thread, alternating; the best run counts."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ TimedRun = Callable[[], Outcome]
 
 
 def exudyn() -> Any:
-    """The module; exits where it is not installed."""
+    """The module; exits with a message if it is not installed."""
     try:
         import exudyn as exu
     except ImportError:
@@ -69,15 +69,15 @@ def timed_run(
 
 
 def march_as_long_runs_do() -> None:
-    """Have every run of supple march by the program of long runs.
+    """Use the program of long runs in every run of supple.
 
-    These are so short that they would march by one that is compiled in a third of the time, and steps slower.
+    Runs as short as these would use a program that is compiled in a third of the time and has slower steps.
     """
     programs.ends_before_compiling = lambda *_: False
 
 
 def best_of(runs: Mapping[str, TimedRun], repeats: int) -> dict[str, Outcome]:
-    """The fastest outcome of each code; the codes take turns, so that all see the same machine."""
+    """The fastest outcome of each code; the codes alternate, so that other load affects all alike."""
     for run in runs.values():
         run()  # compiles, warms the caches
     best: dict[str, Outcome] = {}

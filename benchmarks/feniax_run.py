@@ -1,10 +1,10 @@
-"""The half of `against_feniax.py` that runs in FENIAX's own interpreter, and knows nothing of supple.
+"""The part of `against_feniax.py` that runs in FENIAX's interpreter, without supple.
 
     python feniax_run.py FOLDER
 
-FOLDER holds Ka.npy, Ma.npy, structuralGrid and case.json. The run is compiled, the path of the tip and the
-versions are told, and every line read from then on asks for one more run and is answered by its cost.
-FENIAX (licence GPL-3.0) is imported where its user installed it; nothing of it is here.
+FOLDER holds Ka.npy, Ma.npy, structuralGrid and case.json. The script compiles and runs the case and writes a
+line with the path of the tip and the versions. For every line read from standard input it repeats the run and
+writes a line with the time. FENIAX (licence GPL-3.0) must be installed; no code of it is contained here.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Any
 
 
 def main(folder: Path) -> None:
-    answers, sys.stdout = sys.stdout, sys.stderr  # FENIAX prints on the way
+    output, sys.stdout = sys.stdout, sys.stderr  # FENIAX prints on the way
     import feniax.feniax_main
     import jax
 
@@ -27,7 +27,7 @@ def main(folder: Path) -> None:
     (system,) = driver.systems.values()
     found = {"tip": system.sol.data.dynamicsystem_sys1.ra[:: case["every"], :, -1].tolist()}
     used = {name: version_of(name) for name in ("FENIAX", "jax", "jaxlib", "numpy")}
-    tell(answers, found | {"versions": used | {"python": sys.version.split()[0]}})
+    write_line(output, found | {"versions": used | {"python": sys.version.split()[0]}})
 
     own = system.settings
     for _ in sys.stdin:
@@ -44,11 +44,11 @@ def main(folder: Path) -> None:
             t=own.t,
         )
         jax.block_until_ready(found)
-        tell(answers, {"processor": process_time() - began, "wall": perf_counter() - began_wall})
+        write_line(output, {"processor": process_time() - began, "wall": perf_counter() - began_wall})
 
 
 def settings(folder: Path, case: dict[str, Any]) -> dict[str, Any]:
-    """A clamped line under a constant follower force at its last station, by Runge and Kutta's rule."""
+    """A clamped line under a constant follower force at its last station, by the Runge-Kutta rule."""
     points = [[case["stations"] - 1, axis] for axis in range(3)]
     return {
         "engine": "intrinsicmodal",
@@ -92,8 +92,8 @@ def version_of(package: str) -> str | None:
         return None
 
 
-def tell(answers: Any, what: dict[str, Any]) -> None:
-    print(json.dumps(what), file=answers, flush=True)
+def write_line(output: Any, what: dict[str, Any]) -> None:
+    print(json.dumps(what), file=output, flush=True)
 
 
 if __name__ == "__main__":

@@ -1,11 +1,12 @@
-"""A nonlinear step of the blade in full: a kept symmetric factor beside the exact tangent of every iterate.
+"""A nonlinear step of the full blade: frozen symmetric factor or exact tangent of every iterate.
 
 Run with one thread: OMP_NUM_THREADS=1 python benchmarks/full_step.py [--quick] [--json FILE]
 The 61.5 m blade of the published benchmark, Green-Lagrange, in a mean-axis frame, at the start of its spin-up
-and at the rated speed, to which it is brought in two seconds here; `--quick` takes a coarse mesh.
-Both iterations start from the same state and are measured in one run, in processor time: Newton's own, with
-an L U factor of the unsymmetric tangent at every iterate, and the modified one. Their states are compared
-with those of a thousandth of the tolerance. Target: a third of the time, states apart by less than 1e-6.
+and at the rated speed, which it reaches in two seconds here; `--quick` uses a coarse mesh.
+Two iterations start from the same state and are measured in one run, in processor time: Newton's method, with
+an LU factor of the unsymmetric tangent at every iterate, and the modified Newton method. The states of both
+are compared with those for a thousandth of the tolerance. Target: a third of the time, differences below
+1e-6.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ from supple_benchmarks.nrel5mw_blade import (
     RATED,
     Blade,
     blade_damping,
-    root_held_frequencies,
+    root_clamped_frequencies,
 )
 
 STEP, RESIDUAL, N_STEPS, RUN_UP = 0.02, 1e-6, 10, 2.0
@@ -45,7 +46,7 @@ COMPARED = ("position", "rotation", "coordinates")
 
 
 def run_options(start: float, steps: int, residual: float = RESIDUAL) -> Run:
-    """Steps of the published size."""
+    """A run with steps of the published size."""
     tolerances = Tolerances(residual=residual)
     return Run(steps * STEP, STEP, step=FixedStep(STEP), tolerances=tolerances, start=start)
 
@@ -60,14 +61,14 @@ def timed(system: System, run: Run, iteration: NewtonIteration, last: Solution) 
 
 
 def apart(one: Solution, other: Solution) -> float:
-    """Largest difference of positions, rotations and coordinates, in parts of the largest of each."""
+    """Largest difference of positions, rotations and coordinates, each relative to its largest value."""
     first, second = one.bodies[BODY], other.bodies[BODY]
     pairs = [(getattr(first, name), getattr(second, name)) for name in COMPARED]
     return max(float(np.abs(own - others).max() / np.abs(others).max()) for own, others in pairs)
 
 
 def rows_of(name: str, system: System, last: Solution) -> list[dict[str, Any]]:
-    """Both iterations from one state, without the first step, which is compiled."""
+    """Rows of both iterations from one state, without the first step, which includes compilation."""
     start = float(last.times[-1])
     fresh = replace(last, engine_state={k: v for k, v in last.engine_state.items() if k != "kept_tangent"})
     for iteration in ITERATIONS.values():
@@ -96,7 +97,7 @@ def rows_of(name: str, system: System, last: Solution) -> list[dict[str, Any]]:
 
 
 def parts_of(system: System, last: Solution) -> list[dict[str, Any]]:
-    """What a step is made of, each by itself."""
+    """Cost of the parts of a step, measured separately."""
     run = run_options(float(last.times[-1]), 1)
     engine = FullEngine(system, run)
     state = engine.resumed(last).state
@@ -121,7 +122,7 @@ def main() -> None:
     blade = Blade(COARSE_GRID) if given.quick else Blade()
     case = replace(RATED, start=RUN_UP)
     body = blade.body()
-    full = FullBody(body, FRAMES["mean-axis"], blade_damping(root_held_frequencies(body)))
+    full = FullBody(body, FRAMES["mean-axis"], blade_damping(root_clamped_frequencies(body)))
     system = blade.system(full, case, blade.loads(case, case.start + 2 * N_STEPS * STEP))
     rest = run_options(0.0, N_STEPS)
     began = march_through(FullEngine(system, rest), rest.times)

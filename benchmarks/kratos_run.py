@@ -1,10 +1,11 @@
-"""The half of `against_kratos.py` that runs in Kratos' own interpreter, and knows nothing of supple.
+"""The part of `against_kratos.py` that runs in Kratos' interpreter, without supple.
 
     python kratos_run.py FOLDER
 
-FOLDER holds case.npz (points, cells, velocities) and case.json. The versions are told, and every line read
-from then on asks for one more march and is answered by its cost; the last one's places are in places.npy.
-Kratos Multiphysics (BSD licence) is imported where its user installed it; nothing of it is here.
+FOLDER holds case.npz (points, cells, velocities) and case.json. The script writes a line with the versions.
+For every line read from standard input it repeats the march, writes a line with the time, and stores the
+final positions in places.npy. Kratos Multiphysics (BSD licence) must be installed; no code of it is contained
+here.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ import numpy as np
 
 
 def main(folder: Path) -> None:
-    answers = os.fdopen(os.dup(1), "w")
+    output = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # Kratos prints on the way, from C++ too
     import KratosMultiphysics as Kratos
 
@@ -29,7 +30,7 @@ def main(folder: Path) -> None:
     case = json.loads((folder / "case.json").read_text(encoding="utf-8"))
     arrays = dict(np.load(folder / "case.npz"))
     packages = ("KratosMultiphysics", "KratosStructuralMechanicsApplication")
-    tell(answers, {name: version(name) for name in packages} | {"python": sys.version.split()[0]})
+    write_line(output, {name: version(name) for name in packages} | {"python": sys.version.split()[0]})
     for _ in sys.stdin:
         part = model_part(Kratos.Model(), case, arrays)
         march = strategy(part)
@@ -40,7 +41,7 @@ def main(folder: Path) -> None:
             march.Solve()
         spent = {"processor": process_time() - began, "wall": perf_counter() - began_wall}
         np.save(folder / "places.npy", [[node.X, node.Y, node.Z] for node in part.Nodes])
-        tell(answers, spent)
+        write_line(output, spent)
 
 
 def model_part(model: Any, case: dict[str, Any], arrays: dict[str, np.ndarray]) -> Any:
@@ -82,7 +83,7 @@ def model_part(model: Any, case: dict[str, Any], arrays: dict[str, np.ndarray]) 
 
 
 def strategy(part: Any) -> Any:
-    """Central differences at the step that is given, without reactions; set up."""
+    """Central differences with the given step, without reactions, initialised."""
     import KratosMultiphysics.StructuralMechanicsApplication as Structures
 
     scheme = Structures.ExplicitCentralDifferencesScheme(1.0, 1.0, 0.0)  # the last: no step of its own
@@ -91,8 +92,8 @@ def strategy(part: Any) -> Any:
     return march
 
 
-def tell(answers: Any, what: dict[str, Any]) -> None:
-    print(json.dumps(what), file=answers, flush=True)
+def write_line(output: Any, what: dict[str, Any]) -> None:
+    print(json.dumps(what), file=output, flush=True)
 
 
 if __name__ == "__main__":

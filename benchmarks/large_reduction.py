@@ -1,4 +1,4 @@
-"""Error-controlled reduction of a large body: a cylinder of some 300 000 freedoms, ten-node tetrahedra.
+"""Error-controlled reduction of a large body: a cylinder of some 300 000 DOF, ten-node tetrahedra.
 
 Run with one thread: OMP_NUM_THREADS=1 python benchmarks/large_reduction.py
 Targets: the whole reduction to 0.1 % in five minutes and 8 GB.
@@ -20,16 +20,16 @@ TOLERANCE, N_MODES = 1e-3, 30
 
 
 def main() -> None:
-    steps = Steps(repeats=1, tell=partial(print, flush=True))
+    steps = Steps(repeats=1, announce=partial(print, flush=True))
     mesh = cylinder(0.015, 0.3, 8, 3, 72, CellType.TETRA10)
     end = RigidInterface("end", "tip")
-    # The elements themselves are not needed any more, and would take a gigabyte.
-    body = steps.note(
+    # The elements are no longer needed; they would occupy a gigabyte.
+    body = steps.measure(
         "K, M and body, with its checks",
         lambda: flexible_body("cylinder", solid_model(mesh, MATERIAL), [end]).linearized(),
     )
-    control = ErrorControlled(TOLERANCE, N_MODES, progress=_tell)
-    modes = steps.note(
+    control = ErrorControlled(TOLERANCE, N_MODES, progress=_print_step)
+    modes = steps.measure(
         "error-controlled reduction", lambda: error_controlled_modes(body, control), target=300.0
     )
     print(modes.certificate)
@@ -43,7 +43,7 @@ def main() -> None:
     )
 
 
-def _tell(step: SearchStep) -> None:
+def _print_step(step: SearchStep) -> None:
     print(f"  {step.n_modes} modes: {step.largest:.2e} in {step.seconds:.1f} s", flush=True)
 
 

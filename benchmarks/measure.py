@@ -1,8 +1,8 @@
-"""Time and memory of a step, and where the numbers go.
+"""Measurement of time and memory of steps, and output of the results.
 
-Times are medians of some repeats, in seconds of the processor and of the clock on the wall: where the two
-differ, other work shares the machine, or a library uses threads of its own. Memory is what the step adds to
-the process at its peak, and the size of the process then, in MiB.
+Times are medians of some repetitions, processor time and wall time in seconds: the two differ if the machine
+has other load, or if a library uses several threads. Memory is the peak memory added by the step, and the
+size of the process at that time, in MiB.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def measured(step: Callable[[], Any], repeats: int = 5) -> tuple[dict[str, Any],
     processor, wall, outcome = [], [], None
     before = _restart_peak()
     for _ in range(repeats):
-        outcome = None  # not two of them at a time: the peak is that of one
+        outcome = None  # released first, so that the peak contains one outcome only
         began, began_wall = process_time(), perf_counter()
         outcome = step()
         processor.append(process_time() - began)
@@ -39,27 +39,29 @@ def measured(step: Callable[[], Any], repeats: int = 5) -> tuple[dict[str, Any],
 
 @dataclass
 class Steps:
-    """Steps of a benchmark and what each cost, as rows.
+    """Measured steps of a benchmark, as rows.
 
-    repeats : of every step, unless it says otherwise
-    tell : called with every row as it is finished
+    repeats : default number of repetitions of a step
+    announce : called with every finished row
     """
 
     repeats: int = 5
-    tell: Callable[[dict[str, Any]], None] | None = None
+    announce: Callable[[dict[str, Any]], None] | None = None
     rows: list[dict[str, Any]] = field(default_factory=list)
 
-    def note(self, step: str, work: Callable[[], Any], *, repeats: int | None = None, **beside: float) -> Any:
-        """The outcome of a step, of which a row is kept, with what is told beside."""
+    def measure(
+        self, step: str, work: Callable[[], Any], *, repeats: int | None = None, **beside: float
+    ) -> Any:
+        """Run a step, append a row with its cost and the values `beside`, and return the outcome."""
         cost, outcome = measured(work, repeats or self.repeats)
         self.rows.append({"step": step, **cost, **beside})
-        if self.tell is not None:
-            self.tell(self.rows[-1])
+        if self.announce is not None:
+            self.announce(self.rows[-1])
         return outcome
 
 
 def _restart_peak() -> float | None:
-    """Forget the largest size so far (Linux only); the size now, MB."""
+    """Reset the peak memory (Linux only); returns the present size, MiB."""
     if not CLEAR.exists():
         return None
     CLEAR.write_text("5", encoding="ascii")
@@ -76,7 +78,7 @@ def _resident(entry: str) -> float | None:
 
 
 def keep(name: str, rows: list[dict[str, Any]], file: Path | None = None, **beside: Any) -> None:
-    """Print the rows as a table and write them with the machine's description, to a file or the results."""
+    """Print the rows as a table and write them with a description of the computer; default: to RESULTS."""
     print(table_of(rows))
     content = {"rows": rows, "machine": describe_computer() | beside}
     path = write_json(file or RESULTS / f"{name}.json", content)
@@ -84,7 +86,7 @@ def keep(name: str, rows: list[dict[str, Any]], file: Path | None = None, **besi
 
 
 def table_of(rows: list[dict[str, Any]]) -> str:
-    """The rows in columns, under their keys."""
+    """The rows as a text table with the keys as heads."""
     heads = list(dict.fromkeys(key for row in rows for key in row))
     table = [heads] + [[_text(row.get(head)) for head in heads] for row in rows]
     widths = [max(len(line[i]) for line in table) for i in range(len(heads))]

@@ -1,9 +1,9 @@
-"""A body of a million freedoms, ten-node tetrahedra, and its basis of thirty modes: seconds and memory.
+"""A body of a million DOF, ten-node tetrahedra, and its basis of thirty modes: time and memory.
 
 Run with one thread: OMP_NUM_THREADS=1 python benchmarks/million_freedoms.py [--layers N]
-A steel shaft of 3.2 m, held at one end: 288 of its elements make a disc, so that factors stay narrow; those
-of a compact block of as many freedoms would be several times as large. The target is that it fits 24 GB:
-`process MB` is the most that the process has held. Fewer layers make a shorter shaft of the same elements,
+A steel shaft of 3.2 m, clamped at one end. Its discs have only 288 elements each, so that factors have a
+small bandwidth; factors of a compact block with as many DOF would be several times as large. The target is
+24 GB: `process MB` is the peak memory of the process. Fewer layers give a shorter shaft of the same elements,
 for a trial.
 """
 
@@ -27,15 +27,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--layers", type=int, default=LAYERS, help="discs along the shaft")
     layers = parser.parse_args().layers
-    steps = Steps(repeats=1, tell=partial(print, flush=True))
+    steps = Steps(repeats=1, announce=partial(print, flush=True))
     mesh = cylinder(RADIUS, LAYER * layers, 4, 2, layers, CellType.TETRA10)
     root = RigidInterface("root", "root")
-    # Linear: the arrays of the elements are not needed once K and M are there.
-    body = steps.note(
+    # Linear: the arrays of the elements are not needed after the assembly of K and M.
+    body = steps.measure(
         "K, M and body, with its checks",
         lambda: flexible_body("shaft", solid_model(mesh, STEEL), [root]).linearized(),
     )
-    basis = steps.note(
+    basis = steps.measure(
         "basis of 30 modes",
         lambda: reduction_basis(
             body, NodalFixedFrame("root"), CraigBampton(N_MODES), derivatives=NoDerivatives()

@@ -1,4 +1,4 @@
-"""The rigid chain in MuJoCo: joint coordinates, steps of Runge-Kutta's fourth order."""
+"""The rigid chain in MuJoCo: joint coordinates, fourth-order Runge-Kutta steps."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from exudyn_run import Outcome, TimedRun
 __all__ = ["MUJOCO", "in_mujoco"]
 
 MUJOCO = find_spec("mujoco") is not None
-"""Whether it is installed"""
+"""Whether MuJoCo is installed"""
 
 
 def in_mujoco(

@@ -1,7 +1,7 @@
 """Offline work on the 61.5 m blade (8394 triangles): assembly, factor, basis, derivatives, tensors.
 
 Run with one thread: OMP_NUM_THREADS=1 python benchmarks/offline.py
-Beside ours: the project's targets, and the seconds of [Wu2019] for its blade (8-core Xeon, MATLAB).
+For comparison: the project's targets, and the times of [Wu2019] for its blade (8-core Xeon, MATLAB).
 """
 
 from __future__ import annotations
@@ -40,16 +40,16 @@ N_LINEAR, N_ADDED = 10, 15
 
 def main() -> None:
     steps = Steps()
-    mesh = steps.note("read the mesh", lambda: read_abaqus(BLADE), repeats=1)
-    model = steps.note("K and M", lambda: shell_model(mesh, WALL), target=0.5)
-    assembly = steps.note("pattern of the tangent", lambda: assemble(model), repeats=3)
+    mesh = steps.measure("read the mesh", lambda: read_abaqus(BLADE), repeats=1)
+    model = steps.measure("K and M", lambda: shell_model(mesh, WALL), target=0.5)
+    assembly = steps.measure("pattern of the tangent", lambda: assemble(model), repeats=3)
     # Bent so that every term counts: a translation that grows with the square of the span.
     bent = np.zeros((len(mesh.nodes), 6))
     bent[:, 0] = 1e-3 * mesh.nodes[:, 2] ** 2
-    steps.note("tangent", lambda: assembly.tangent(bent.ravel()), target=0.2)
-    steps.note("internal force", lambda: assembly.internal_force(bent.ravel()))
+    steps.measure("tangent", lambda: assembly.tangent(bent.ravel()), target=0.2)
+    steps.measure("internal force", lambda: assembly.internal_force(bent.ravel()))
 
-    body = steps.note(
+    body = steps.measure(
         "body, with its checks",
         lambda: flexible_body("blade", model, [RigidInterface("root", "ROOT")]),
         repeats=1,
@@ -57,7 +57,7 @@ def main() -> None:
     shift = 1e-3 * body.stiffness.diagonal().mean() / body.mass.diagonal().mean()
     shifted = body.stiffness + shift * body.mass
     for solver in (Rslab(), SuperLU()):
-        steps.note(
+        steps.measure(
             f"factor, {type(solver).__name__}",
             lambda solver=solver: factorize_symmetric(shifted, solver=solver),
             repeats=3,
@@ -68,37 +68,37 @@ def main() -> None:
         ("mean-axis Rubin", MeanAxisFrame(), Rubin(n_columns=N_LINEAR), 2053.0, 230.0),
     )
     for name, frame, recipe, basis_seconds, tensor_seconds in variants:
-        linear = steps.note(
+        linear = steps.measure(
             f"{N_LINEAR} columns, {name}",
             lambda frame=frame, recipe=recipe: rayleigh_ritz(body, frame, recipe.build(body, frame)),
             repeats=3,
             Wu2019=basis_seconds,
         )
-        derivatives = steps.note(
+        derivatives = steps.measure(
             f"55 derivatives, {name}",
             lambda frame=frame, linear=linear: modal_derivatives(body, frame, linear),
             repeats=3,
         )
         weights = AmplitudeProduct().weights(body, linear, derivatives)
-        added = steps.note(
+        added = steps.measure(
             f"compression to {N_ADDED}, {name}",
             lambda linear=linear, derivatives=derivatives, weights=weights: compress(
                 body, linear, derivatives, N_ADDED, weights
             ),
         )
         basis, _, _ = mass_orthonormalize(np.hstack([linear.vectors, added.vectors]), body.mass)
-        steps.note(
+        steps.measure(
             f"tensors r = {basis.shape[1]}, {name}",
             lambda basis=basis: internal_force_tensors(body, basis),
             repeats=3,
             target=3.0,
             Wu2019=tensor_seconds,
         )
-        steps.note(f"inertia r = {basis.shape[1]}, {name}", lambda basis=basis: inertia_gram(body, basis))
+        steps.measure(f"inertia r = {basis.shape[1]}, {name}", lambda basis=basis: inertia_gram(body, basis))
 
     frame = MeanAxisFrame()
-    many = steps.note("60 free modes", lambda: NormalModes(60).build(body, frame), repeats=1)
-    steps.note("tensors r = 60", lambda: internal_force_tensors(body, many.vectors), repeats=1)
+    many = steps.measure("60 free modes", lambda: NormalModes(60).build(body, frame), repeats=1)
+    steps.measure("tensors r = 60", lambda: internal_force_tensors(body, many.vectors), repeats=1)
     keep("offline", steps.rows)
 
 

@@ -1,8 +1,8 @@
 """Online cost of the compiled march: microseconds per Newton iteration and per step, one case and batches.
 
 Run with one thread: OMP_NUM_THREADS=1 taskset -c 0 python benchmarks/online.py
-Single cases are timed without Python (least processor time of some runs of thousands of steps), batches as a
-user sees them. Steps of the tight tolerance take more iterations each, so that their fixed cost counts less.
+Single cases are timed without Python (minimum processor time of several runs of thousands of steps), batches
+with all overhead. With the tight tolerance a step has more iterations, so that its fixed cost counts less.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ def march_cost(name: str, system: System, *, step: float, tolerance: float = 1e-
 
 
 def in_one_block(body: ReducedBody) -> ReducedBody:
-    """The same body, its quartic tensor multiplied whole: as without planes of symmetry."""
+    """The same body without use of symmetry planes: its quartic tensor is one block."""
     whole = replace(body)
     vars(whole)["quartic_blocks"] = whole.quartic
     return whole

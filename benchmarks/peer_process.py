@@ -1,4 +1,4 @@
-"""A code that stands in an environment of its own: a process that waits for its turns."""
+"""Another code in its own Python environment: a process that repeats a run on request."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ __all__ = ["PeerProcess"]
 
 
 class PeerProcess:
-    """A script that another interpreter runs, and the (processor, wall) seconds of its turns.
+    """A script run by another interpreter, and the (processor, wall) seconds of its runs.
 
-    The script is told a folder with the files of its case, `case.json` among them. It answers with a line of
-    JSON when it is ready, and with another, `{"processor": s, "wall": s}`, whenever a line is written to it.
+    The argument of the script is a folder with the files of the case, including `case.json`. The script
+    writes a line of JSON when it is ready, and a line `{"processor": s, "wall": s}` after each run; it starts
+    a run for every line written to it.
 
-    code : its name;   filled : what else the folder is filled with, before the script starts
+    code : name of the code;   prepare : function that writes the further files of the folder
     """
 
     def __init__(
@@ -29,12 +30,12 @@ class PeerProcess:
         interpreter: Path,
         script: str,
         case: dict[str, Any],
-        filled: Callable[[Path], None],
+        prepare: Callable[[Path], None],
     ) -> None:
         self._code = code
-        self._kept = TemporaryDirectory()
-        self.folder = Path(self._kept.name)
-        filled(self.folder)
+        self._temporary = TemporaryDirectory()
+        self.folder = Path(self._temporary.name)
+        prepare(self.folder)
         (self.folder / "case.json").write_text(json.dumps(case), encoding="utf-8")
         with (self.folder / "log").open("w") as log:
             self._process = subprocess.Popen(
@@ -44,29 +45,29 @@ class PeerProcess:
                 stderr=log,
                 text=True,
                 cwd=self.folder,
-                # Of this environment's JAX: another version may not know them, and end.
+                # Flags for this environment's JAX: another version may not support them, and end.
                 env={name: value for name, value in os.environ.items() if name != "XLA_FLAGS"},
             )
         assert self._process.stdin is not None
         assert self._process.stdout is not None
-        self._asked, self._answers = self._process.stdin, self._process.stdout
-        self.ready = self._told()
+        self._requests, self._replies = self._process.stdin, self._process.stdout
+        self.ready = self._reply()
         self.costs: list[tuple[float, float]] = []
 
     def turn(self) -> None:
-        """March once more, from the start."""
-        print(file=self._asked, flush=True)
-        told = self._told()
-        self.costs.append((told["processor"], told["wall"]))
+        """Repeat the run from the start."""
+        print(file=self._requests, flush=True)
+        reply = self._reply()
+        self.costs.append((reply["processor"], reply["wall"]))
 
     def close(self) -> None:
-        """Let it end."""
-        self._asked.close()
+        """End the process."""
+        self._requests.close()
         self._process.wait()
-        self._kept.cleanup()
+        self._temporary.cleanup()
 
-    def _told(self) -> dict[str, Any]:
-        answer = self._answers.readline()
-        if not answer:
+    def _reply(self) -> dict[str, Any]:
+        line = self._replies.readline()
+        if not line:
             sys.exit(f"{self._code} stopped:\n" + (self.folder / "log").read_text()[-2000:])
-        return json.loads(answer)
+        return json.loads(line)

@@ -3,9 +3,9 @@
 Three rigid cylinders and a flexible one on ball joints fall under gravity [Han2020]. supple reduces the
 flexible link to 30 modal coordinates, each eigenvalue within 1 %, and writes it with `write_exudyn`; Exudyn
 loads that file. Both use generalized-alpha with rho_inf = 0.8, the same step, the same relative Newton
-tolerance and one thread. Exudyn runs twice: with Newton's method, as supple, and with the modified one (its
-default), which keeps the Jacobian for as long as the iteration converges. What is compared is the free end,
-and the smaller the step the nearer the two codes come.
+tolerance and one thread. Exudyn runs twice: with Newton's method, and with the modified Newton method (its
+default), which keeps the Jacobian as long as the iteration converges. The positions of the free end are
+compared; their difference decreases with the step.
 
 Exudyn (BSD licence) is not a dependency: pip install exudyn==1.13.6
 Run: OMP_NUM_THREADS=1 taskset -c 0 python benchmarks/pendulum_against_exudyn.py
@@ -156,7 +156,7 @@ def main() -> None:
 
 
 def _compared(step: float, runs: dict[str, Run]) -> list[dict[str, Any]]:
-    """Best of some repeats of every code, taken in turns."""
+    """Rows with the best of several alternating runs of each code."""
     best = best_of(runs, REPEATS)
     _, _, our_seconds, our_end = best["supple"]
     return [

@@ -2,9 +2,9 @@
 
     OMP_NUM_THREADS=1 python benchmarks/report_page.py RESULT [--json FILE]
 
-RESULT is what `supple run examples/blade.toml` left: results/blade/blade.h5. The large one is a plate of
-80 000 triangles in 50 made-up modes over 1000 instants, each mode at its own frequency. Seconds are the
-processor's, from the motion to the file; the error is that of the shapes kept, as a share of the largest
+RESULT is the result of `supple run examples/blade.toml`: results/blade/blade.h5. The large mesh is a plate of
+80 000 triangles in 50 synthetic modes over 1000 output times, each mode with its own frequency. Seconds are
+processor time, from the motion to the file; the error is that of the stored shapes, relative to the largest
 displacement.
 """
 
@@ -49,7 +49,7 @@ def blade(result: Path, page: Path) -> dict[str, Any]:
 
 
 def plate(page: Path) -> dict[str, Any]:
-    """Modes of a plate, bent and moved in its plane, that a basis of fewer shapes does not hold."""
+    """The page of a plate in bending and in-plane modes that fewer shapes cannot represent."""
     mesh = strip(2.0, 2.0, CELLS, CELLS)
     triangles, (x, y) = skin_of(mesh).triangles, mesh.nodes[:, :2].T / 2 * np.pi
     numbers = sorted((i * i + j * j, i, j) for i in range(1, 12) for j in range(1, 12))[:MODES]
@@ -101,7 +101,7 @@ def plate(page: Path) -> dict[str, Any]:
 def row(
     page: Path, triangles: int, instants: int, cost: dict[str, Any], drawn: MovingBody, exact: np.ndarray
 ) -> dict[str, Any]:
-    """Size, cost and error; exact : (t, N, 3) of some of the instants."""
+    """Size, cost and error; exact : (t, N, 3) at some of the output times."""
     assert drawn.displacement is not None
     step = len(drawn.displacement.amplitudes) // len(exact)
     found = np.tensordot(drawn.displacement.amplitudes[::step][: len(exact)], drawn.displacement.shapes, 1)
@@ -123,10 +123,10 @@ def main() -> None:
     )
     parser.add_argument("result", type=Path)
     parser.add_argument("--json", type=Path)
-    asked = parser.parse_args()
+    given = parser.parse_args()
     with TemporaryDirectory() as folder:
-        rows = [blade(asked.result, Path(folder) / "blade.html"), plate(Path(folder) / "plate.html")]
-    keep("report_page", rows, asked.json)
+        rows = [blade(given.result, Path(folder) / "blade.html"), plate(Path(folder) / "plate.html")]
+    keep("report_page", rows, given.json)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
-"""Quadrilateral shells as two triangles, on the coarse meshes that decks have: curved walls and plates.
+"""Quadrilateral shells as two triangles, on coarse meshes as in decks: curved walls and plates.
 
-Every problem on a grid of quadrilaterals, cut along one diagonal (as the readers do), along diagonals that
-alternate, and along both with half the wall each; of plates also with a lumped mass, and the discrete
-Kirchhoff quadrilateral of J.-L. Batoz and M. Ben Tahar (Int. J. Numer. Methods Eng. 18 (1982) 1655-1677) with
-a bilinear mass. Six- and eight-node shells, as the triangles over their nodes, are the grid twice as fine.
+Every problem is solved on a grid of quadrilaterals that are divided along one diagonal (as in the readers),
+along alternating diagonals, and along both diagonals with half the wall each. Plates are also solved with a
+lumped mass, and with the discrete Kirchhoff quadrilateral of J.-L. Batoz and M. Ben Tahar (Int. J. Numer.
+Methods Eng. 18 (1982) 1655-1677) with a bilinear mass. Six- and eight-node shells, divided into triangles
+over all their nodes, correspond to a grid twice as fine.
 
 Run: python benchmarks/shell_splits.py
 """
@@ -53,7 +54,7 @@ class Grid:
         }  # fmt: skip
 
     def matrices(self, wall: HomogeneousSection, cut: str) -> tuple[csc_array, csc_array]:
-        """Stiffness and mass of the shell, cut so."""
+        """Stiffness and mass of the shell divided in a given way."""
         if cut != "both":
             triangles = self.triangles["one diagonal" if cut == "lumped mass" else cut]
             model = shell_model(Mesh(self.nodes, {CellType.TRIANGLE3: triangles}), wall)
@@ -64,7 +65,7 @@ class Grid:
         return csc_array(K), csc_array(M)
 
     def free(self, *holds: tuple[str, list[int]]) -> NDArray[np.int64]:
-        """Freedoms that are not held on the edges named."""
+        """Free DOF if the named edges are supported."""
         free = np.ones((len(self.nodes), 6), dtype=bool)
         for edge, freedoms in holds:
             free[np.ix_(self.edges[edge], freedoms)] = False
@@ -241,7 +242,7 @@ def _serendipity(point: Array, corner: Array, middle: Array) -> Array:
 
 
 def problems() -> Iterator[tuple[str, str, Sequence[float]]]:
-    """Problem, cut, and what is found over the reference on 4, 8, 16 cells a side (across strips 1, 2, 4)."""
+    """Problem, division, and result over reference with 4, 8, 16 cells a side (across strips 1, 2, 4)."""
     for cut in CUTS:
         yield "Scordelis-Lo roof", cut, [roof(n, cut) for n in (4, 8, 16)]
         yield "pinched cylinder", cut, [cylinder(n, cut) for n in (4, 8, 16)]

@@ -1,10 +1,10 @@
-"""What a start costs: importing, the first run of a machine, another duration, a coordinate more, a case.
+"""Cost of a start: import, first run of a machine, another duration, one more coordinate, a case.
 
 Run with one thread: OMP_NUM_THREADS=1 taskset -c 0 python benchmarks/startup.py [--quick] [--json FILE]
-Every row is a process of its own, first with an empty folder of programs (cold), then with what that one left
-there (warm). Seconds are the processor's, programs those that the compiler built meanwhile.
-Machines: a chain of two rigid rods; a flexible one that swings, nonlinear, by ten coordinates and by eleven;
-the pendulum of the examples from the command line, pictures and all. `--quick` leaves out the flexible ones.
+Every row is a separate process, first with an empty program cache (cold), then with the programs of that
+process (warm). Seconds are processor time; programs are those compiled in that time.
+Machines: a chain of two rigid rods; a swinging nonlinear flexible rod with ten and with eleven coordinates;
+the pendulum of the examples by the command line, pictures included. `--quick` leaves out the flexible rod.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ STEP = 1e-3
 
 
 class Stopwatch:
-    """Seconds of the processor and programs built, part by part."""
+    """Processor seconds and number of compiled programs of each part."""
 
     def __init__(self, began: float) -> None:
         self.parts: dict[str, Any] = {}
@@ -39,7 +39,7 @@ class Stopwatch:
         self._built = 0
 
     def listen(self) -> None:
-        """Count from now on; JAX has been imported."""
+        """Start to count compiled programs; JAX must have been imported."""
         import jax
 
         jax.monitoring.register_event_duration_secs_listener(self._count)
@@ -48,7 +48,7 @@ class Stopwatch:
         self._built += event == "/jax/core/compile/backend_compile_duration"
 
     def lap(self, part: str) -> None:
-        """What the part that ends here took."""
+        """Record the part that ends here."""
         now = process_time()
         self.parts |= {f"{part}, s": now - self._began, f"{part}, programs": self._built}
         self._began, self._built = process_time(), 0
@@ -62,7 +62,7 @@ def rigid_machine(_: int) -> Any:
 
 
 def flexible_machine(more: int) -> Any:
-    """A slender block hung at one end, with nonlinear stiffness; `more` coordinates than ten."""
+    """A slender block on a joint at one end, with nonlinear stiffness and 10 + `more` coordinates."""
     from supple.body import AveragingInterface, MeanAxisFrame, flexible_body
     from supple.fem import Isotropic, solid_model
     from supple.machine import GROUND, At, Ball, Placed, System
@@ -118,7 +118,7 @@ def measure_case(folder: str) -> dict[str, Any]:
 
 
 def in_new_process(kind: str, programs: str) -> dict[str, Any]:
-    """The parts that a process measures that finds programs in a folder."""
+    """The parts measured in a new process with a given program cache."""
     with TemporaryDirectory() as results:
         shown = subprocess.run(
             [sys.executable, __file__, "--measure", kind, "--results", f"{results}/run"],

@@ -1,10 +1,10 @@
-"""100 cases of a swinging bar: a sweep of supple beside Exudyn's `ParameterVariation`, one process each.
+"""100 cases of a swinging bar: a sweep of supple and Exudyn's `ParameterVariation`, one process each.
 
-The bar of `against_exudyn.py` under 100 gravities, for half a second. Both codes reduce it once beforehand
-and march with the same modes, step and tolerance; Exudyn by modified Newton, its default. Seconds are of
-the processor for all that a case costs: the machine made, the march, the largest deflection, with supple the
-statistics of all channels and the files of the sweep. The program is compiled before, and that time stands
-beside.
+The bar of `against_exudyn.py` under 100 values of gravity, for half a second. Both codes reduce the bar once
+beforehand and use the same modes, step and tolerance; Exudyn uses modified Newton, its default. Processor
+seconds include the whole cost of a case: setup of the machine, march, largest deflection, and for supple the
+statistics of all channels and the files of the sweep. The program is compiled beforehand; the time of
+compilation is listed separately.
 
 Exudyn (BSD licence) is not a dependency: pip install exudyn==1.13.6
 Run: OMP_NUM_THREADS=1 taskset -c 0 python benchmarks/sweep_against_exudyn.py
@@ -63,7 +63,7 @@ rho_inf = 0.8
 
 
 def with_tip(mesh: Mesh) -> FlexibleBody:
-    """The bar with interfaces at both ends: places of a reduced body are its interfaces."""
+    """The bar with interfaces at both ends; sensors of a reduced body refer to interfaces."""
     ends = [AveragingInterface(name, name) for name in ("root", "tip")]
     return flexible_body("bar", solid_model(mesh, Isotropic(2.1e11, 0.3, 7850.0)), ends)
 
@@ -77,7 +77,7 @@ def sweep_of(case: Path, folder: Path) -> np.ndarray:
 
 
 def variation(mesh: Mesh, reduced: Any) -> np.ndarray:
-    """The same by Exudyn's `ParameterVariation`."""
+    """Lowest heights of the tip, by Exudyn's `ParameterVariation`."""
     from exudyn.processing import ParameterVariation
 
     def lowest(parameters: dict[str, float]) -> float:

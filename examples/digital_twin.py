@@ -37,13 +37,13 @@ Array = NDArray[np.float64]
 LENGTH, SPIN = 10.0, 4.0
 """m, rad/s"""
 STEP, DURATION, SETTLED = 0.02, 4.0, 0.5
-"""s; between samples, of the run, until the filter is judged"""
+"""s; time between samples, duration of the run, time after which the errors are evaluated"""
 NOISE = 0.02
 """Of the largest strain of a gauge, standard deviation"""
 OUTER, ALONG = [0, 2], 0
 """Layers of the shell, bottom and top, and component of strain that gauges read"""
 DRIFT_OF_RATES, DRIFT_OF_FORCE = 0.05, 30.0
-"""What the twin's equations may miss, per root of a second: of rates, and of the rate of the force, N/s"""
+"""Process noise of the twin, per root of a second: of the rates, and of the rate of the force (N/s)"""
 RUN = sp.Run(duration=DURATION, output_step=STEP, step=sp.FixedStep(STEP))
 FRAME = sp.NodalFixedFrame("root")
 
@@ -122,7 +122,7 @@ class Twin:
         self.estimate = Estimate(np.zeros(n), np.diag(np.r_[np.full(2 * r, 1e-8), 1.0, 100.0]))
 
     def _marched(self, mean, now, until):
-        """The mean at the next sample, twice (value and output of the derivative); and the blade."""
+        """The mean at the next sample, twice (to differentiate, and as value), and the state of the blade."""
         r = self.body.r
         force = mean[-2] + 0.5 * STEP * mean[-1]  # its mean over the step
         given = now._replace(input=jnp.stack([0.0, 0.0, force]), state=self._with(mean, now.state))
@@ -134,7 +134,7 @@ class Twin:
         return ahead, (ahead, after)
 
     def _with(self, mean, state):
-        """The state with coordinates and rates of the mean."""
+        """A state with the coordinates and rates in `mean`."""
         r = self.body.r
         configuration = state.configuration._replace(coordinates=mean[:r])
         return state._replace(

@@ -1,11 +1,12 @@
 """Two satellites from bulk data, docked by a hinge: a motor rotates one against the other in free flight.
 
-The program writes a deck like that of a satellite manufacturer, bulk data of some 5000 grids: sandwich
+The program writes a deck of some 5000 grids as a satellite manufacturer would deliver it: sandwich
 panels (`PCOMP`), a frame of bars, a tank and a box (`CONM2`) on `RBE2` and `RBE3`, a wing on `CBUSH`
 hinges, a docking ring (`RBE2`). Both bodies of the machine come from that one deck; their rings are joined.
 
-Expected: no external force acts, so momentum and angular momentum stay zero (1e-6 of the motor's). The mean
-rotation of the first satellite is that in a machine of two rigid bodies with the deck's inertia (0.1 %).
+Expected: no external force acts, so momentum and angular momentum stay zero (to 1e-6 of 500 kg m2 times the
+largest angular velocity). The mean rotation of the first satellite equals that of a machine of two rigid
+bodies with the deck's inertia, within 0.1 %.
 Run it: `python examples/docked_satellites.py` writes satellite.bdf and draws docked_satellites.png.
 """
 
@@ -44,7 +45,7 @@ HEAD = (
 """Aluminium and honeycomb; panels of both, the wing with 2 kg/m2 of cells, bars of the frame, hinges"""
 RING_TIE = f"rbe2_{RING}"
 TURN, CALM, TIME = 0.3, 20.0, 40.0
-"""By how much the motor turns the hinge, rad; how long it takes, and the run, s"""
+"""Rotation of the hinge by the motor, rad; duration of that rotation and of the run, s"""
 
 
 class Bulk:
@@ -68,7 +69,7 @@ class Bulk:
         return self.on_bus[place]
 
     def element(self, name: str, words: str) -> None:
-        """An element with all properties that its number refers to."""
+        """Adds an element; `words` are its fields after the element number."""
         self.elements.append(f"{name},{{}},{words}")
 
     def text(self) -> str:
@@ -193,11 +194,11 @@ def main(picture: Path = Path("docked_satellites.png")) -> float:
         axes = solution.bodies["first"].rotation
         turned[rigid] = Rotation.from_matrix(axes).as_rotvec() @ (0.0, 1.0, 0.0)
         if not rigid:
-            elements = deck_model(deck)  # which know the sections of beams
+            elements = deck_model(deck)  # with the sections of beams
             machine_picture = picture.with_name(f"{picture.stem}_machine.png")
             draw_machine(machine_picture, system, solution, {"first": elements, "second": elements}, units=SI)
     after, expected = (float(each[solution.times > CALM].mean()) for each in turned.values())
-    print(f"{len(deck.nodes)} grids; the first turns by {after:.5f} rad, if rigid by {expected:.5f} rad")
+    print(f"{len(deck.nodes)} grids; the first rotates by {after:.5f} rad, if rigid by {expected:.5f} rad")
     assert np.isclose(after, expected, rtol=1e-3)
     plot_time_history(
         picture,

@@ -18,7 +18,7 @@ SPEED = np.array([30.0, 0.0, 0.0])
 
 
 def system() -> sp.System:
-    """The rest, 1 m of hard alloy, in 20 modes; the soft nose, 0.2 m, in elements; the wall at its tip."""
+    """The bar, 1 m of hard alloy as 20 modes; its soft nose, 0.2 m of elements; a wall at the nose's tip."""
     rest = sp.block(1.0, 0.1, 0.1, 20, 2, 2, sp.CellType.TETRA4)
     nose = sp.block(0.2, 0.1, 0.1, 4, 2, 2, sp.CellType.HEXA8)
     nose = sp.Mesh(nose.nodes + np.array([1.0, 0.0, 0.0]), nose.cells, nose.node_sets)

@@ -1,7 +1,7 @@
 """A plate from Nastran bulk data, clamped at one edge: deflection under gravity and lowest frequency.
 
 The program writes a file of CQUAD4 shells, as another program would, and reads it. Properties and the
-clamped nodes (SPC1) are those of the file.
+clamped nodes (SPC1) come from the file.
 
 Expected for a narrow plate, by beam theory: the free edge deflects by `rho g A L^4 / (8 E I)`, and the lowest
 frequency is `3.516 sqrt(E I / (rho A L^4)) / (2 pi)`, both within 1.5 %.

@@ -1,16 +1,17 @@
 """The blade of the IEA Wind 22 MW reference turbine, 138 m long, from its public table of 6 x 6 sections.
 
 There is no mesh: position, stiffness and inertia at 30 stations (iea22_blade.csv) define the blade. It is
-clamped at its root and bends under its weight in the flap direction, then under twice the weight; its modes
-are those of the clamped blade.
+clamped at its root and bends under its weight in the flap direction, then under twice the weight.
 
-Expected: the mass of the turbine's repository, 82 087.9 kg over 136.988 m, within 1e-4. The frequencies of
-the first three edgewise modes within 1.5 %, of two flapwise ones within 5 %, of those by OpenFAST for the
-rotating rotor in wind (outputs/02_stability there), extrapolated to zero speed: means of backward and forward
-whirl at 1.85, 2.46 and 3.08 rpm, their squares linear in the square of the speed. (Aerodynamic damping of
-7 to 30 % limits the accuracy of the flapwise ones.) At a hundredth of the weight, the tip deflection within
-0.3 % of the integrated strains under the weight beyond each section; under the whole weight it is less than
-proportional.
+Expected:
+- Mass per length within 1e-4 of the turbine's repository, 82 087.9 kg over 136.988 m.
+- Frequencies of the clamped blade within 1.5 % (three edgewise modes) and 5 % (two flapwise modes, which have
+  aerodynamic damping of 7 to 30 %) of those of OpenFAST for the rotating rotor in wind (outputs/02_stability
+  of the repository), extrapolated to zero speed: means of backward and forward whirl at 1.85, 2.46 and 3.08
+  rpm, with squares linear in the square of the speed.
+- Tip deflection at a hundredth of the weight within 0.3 % of the integrated strains due to the weight beyond
+  each section; under the whole weight the deflection is less than proportional.
+
 Run it: `python examples/reference_blade.py` draws the bent blade to reference_blade.png.
 """
 
@@ -40,12 +41,12 @@ DOWN = np.array([-9.81, 0, 0])
 
 
 def at_rest(pairs: list[tuple[float, float]]) -> float:
-    """Frequency at rest of a mode whose whirl is known at three speeds, Hz."""
+    """Frequency at rest of a mode from its whirl frequencies at three speeds, Hz."""
     return float(np.sqrt(np.polyfit(RPM**2, np.mean(pairs, axis=1) ** 2, 1)[1]))
 
 
 def tip_deflection(table: SectionTable, gravity: np.ndarray, steps: int = 2000) -> np.ndarray:
-    """Tip deflection by hand: the weight beyond each section gives strains, which are integrated."""
+    """Linear tip deflection: strains due to the weight beyond each section, integrated along the blade."""
     s = (np.arange(steps) + 0.5) * table.lengths[-1] / steps
     ds = table.lengths[-1] / steps
     places, axes, stiffness, inertia = table.at(s)

@@ -4,8 +4,8 @@ Two aluminium rods of half a metre are released from the horizontal. Each joint 
 `k (target - angle) - c rate`; its target rises smoothly within half a second. Without integral action a
 steady error remains under gravity.
 
-Expected: at the end the error of each angle times its gain is the moment of the weights beyond the joint,
-within 0.5 % (the deflection of the links shortens the lever arms by less), and the rates have decayed.
+Expected: at the end each angle error times its gain equals the moment of the weights beyond the joint within
+0.5 % (the links' deflection changes the lever arms by less than that), and the rates have decayed.
 Run it: `python examples/robot_arm.py` draws the angles to robot_arm.png.
 """
 

@@ -3,8 +3,8 @@
 No external force acts. A motor drives a wheel against the hub, first in one direction, then in the other; hub
 and panels rotate in the opposite direction, and the panels vibrate.
 
-Expected: momentum and angular momentum stay zero whatever the motor does (1e-8 of the wheel's). After the
-vibrations have decayed the hub has rotated by the angle of a rigid satellite, `J_w/(J_s + J_w)` of the
+Expected: momentum and angular momentum stay zero for any torque of the motor (to 1e-8 of the wheel's). After
+the vibrations have decayed, the hub has rotated by the angle of a rigid satellite, `J_w/(J_s + J_w)` of the
 wheel's relative angle, within 0.2 %.
 Run it: `python examples/satellite.py` draws hub and panel to satellite.png.
 """

@@ -93,7 +93,8 @@ def spin_up_beam(
     """Motion of the beam whose root rotates by a prescribed angle about a fixed point.
 
     The root section is clamped to a hub at the origin that rotates by theta(t); the beam starts straight and
-    in rigid rotation with it. No floating frame is used: an independent reference for methods that use one.
+    in rigid rotation with it. No floating frame is used: the motion is an independent reference for methods
+    with a floating frame.
 
     Parameters
     ----------
@@ -130,7 +131,7 @@ def fly_beam(
     """Free flight of the beam from a given configuration and velocity, each (N, 3).
 
     Energy and momentum are conserved, which tests the integration. Options and errors as for spin_up_beam;
-    ModelError also where the start does not have shape (N, 3).
+    ModelError also if configuration or velocity does not have shape (N, 3).
     """
     expected = (elements.n_nodes, NODE_SIZE)
     for name, array in (("configuration", configuration), ("velocity", velocity)):
@@ -166,11 +167,11 @@ class _Clamp:
         return np.array([0.0, 0.0, self.drive.angle[i]])
 
     def rate(self, i: int) -> Array:
-        """Their first derivatives."""
+        """First time derivatives of x, y and angle at time i."""
         return np.array([0.0, 0.0, self.drive.rate[i]])
 
     def acceleration(self, i: int) -> Array:
-        """Their second derivatives."""
+        """Second time derivatives of x, y and angle at time i."""
         return np.array([0.0, 0.0, self.drive.acceleration[i]])
 
 

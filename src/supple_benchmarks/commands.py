@@ -84,7 +84,7 @@ rotating_beam = _command(
 )
 sweep = _command(
     "sweep",
-    "Cases a second on one core, on all and on a Dask cluster; digits, memory, time to read a column.",
+    "Sweep throughput on one core, all cores and a Dask cluster; rounding, memory, time to read a column.",
     quick="Fewer and shorter cases: a minute.",
 )
 trust = _command(

@@ -26,7 +26,8 @@ def keep_report(
 ) -> Report:
     """Write the report after each study, so that an interruption loses one study at most.
 
-    target : path of the report;   tables, draw : of the complete report, which is returned
+    target : path of the report;   tables, draw : functions of the complete report
+    Returns the complete report.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
     report: Report = {}

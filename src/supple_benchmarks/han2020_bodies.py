@@ -12,6 +12,6 @@ LENGTH, RADIUS = 0.3, 0.015
 STEEL_LIKE = Isotropic(youngs_modulus=100e9, poissons_ratio=0.285, density=7850.0)
 """The cylinder's material, softer than steel."""
 ROD = RodOutline(length=0.14, thickness=0.012, big=Eye(0.015, 0.022, 0.018), small=Eye(0.008, 0.013, 0.014))
-"""m; our own dimensions, because the paper's text gives none: tetrahedra in its number and size fill them."""
+"""m; chosen here to fit the paper's number and size of tetrahedra, because it gives no dimensions."""
 ALUMINIUM = Isotropic(youngs_modulus=70e9, poissons_ratio=0.33, density=2710.0)
 """The rod's material."""

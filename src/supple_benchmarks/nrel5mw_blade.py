@@ -2,11 +2,11 @@
 
 [Wu2019] gives the size of the mesh, the damping, the step and the tolerance; thickness, material and wind are
 in a figure that cannot be read. Here the blade is that of the NREL 5 MW turbine with a constant thickness
-that gives its mass and its first flap frequency. The loads are those of a blade-element computation in a
-turbulent wind of 12 m/s. They are prescribed: computed once at the rated rotor speed, in axes that rotate
-with the root.
+that gives the turbine's blade mass and first flap frequency. The loads are those of a blade-element
+computation in a turbulent wind of 12 m/s. They are prescribed: computed once at the rated rotor speed, in
+axes that rotate with the root.
 
-Axes: x downwind (flap), y towards the trailing edge, z along the span; the rotor turns about x.
+Axes: x downwind (flap), y towards the trailing edge, z along the span; the rotor rotates about x.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ __all__ = [
     "BladeCase",
     "TipMotion",
     "blade_damping",
-    "root_held_frequencies",
+    "root_clamped_frequencies",
     "tip_motion",
 ]
 
@@ -90,7 +90,7 @@ SECTION = HomogeneousSection(Isotropic(61.13e9, 0.3, 1474.9), 0.02)
 """Gives 17 740 kg and, within 0.7 %, 0.675 Hz; the frequencies of a thin wall depend on E / rho only."""
 DAMPING_RATIO = 0.02
 RATED_SPEED = 1.267
-"""rad/s, 12.1 rpm; the speed to which the loads belong."""
+"""rad/s, 12.1 rpm; the speed for which the loads are computed."""
 OPERATION = Operation(angular_speed=RATED_SPEED, pitch=float(np.radians(3.4)))
 MEAN_WIND = 12.0
 SHEAR = PowerLawShear(hub_height=HUB_HEIGHT)
@@ -106,9 +106,9 @@ _MEAN_OVER = 100.0
 
 @dataclass(frozen=True)
 class BladeCase:
-    """A rotor speed, rad/s. The loads are the same in both cases, for any speed of the structure.
+    """A rotor speed, rad/s. The loads are those of the rated speed in every case.
 
-    At 8 rad/s the tip speed would be Mach 1.5, where no blade-element theory holds: that case tests
+    At 8 rad/s the tip speed would be Mach 1.5, where blade-element theory does not apply: that case tests
     stiffening.
     """
 
@@ -125,7 +125,7 @@ class BladeCase:
 
 RATED = BladeCase("rated", RATED_SPEED)
 PAPER_SPEED = BladeCase("paper speed", 8.0, start=20.0)
-"""With a start of ten seconds the blade bends 1.4 m edgewise and its skin buckles: tests the start only."""
+"""With a rise time of 10 s instead of 20 s the blade bends 1.4 m edgewise and its skin buckles."""
 CASES = (RATED, PAPER_SPEED)
 
 
@@ -152,7 +152,7 @@ class Blade:
         return nodes[np.argsort(self.mesh.nodes[nodes, 2])]
 
     def steady_load(self, body: FlexibleBody, case: BladeCase) -> Array:
-        """Mean loads of the blade, (n_nodal,): the mean wind load and, separately, the centrifugal load.
+        """Mean wind load and centrifugal load.
 
         Returns
         -------
@@ -199,7 +199,7 @@ class Blade:
         return System(bodies=(Placed(body),), joints=(shaft,), loads=(force,))
 
 
-def root_held_frequencies(body: FlexibleBody, n: int = 5) -> Array:
+def root_clamped_frequencies(body: FlexibleBody, n: int = 5) -> Array:
     """rad/s, of the blade clamped at its root."""
     modes = body.lowest_modes(n, body.interface(ROOT).motion.toarray())
     return np.sqrt(modes.values)

@@ -116,10 +116,10 @@ class BeamElements:
         return 0.5 * np.einsum("...ni,...ni->...", velocity, self.momentum(velocity))
 
     def momentum(self, velocity: Array) -> Array:
-        """Mass matrix times velocities (..., N, 3): linear and spin momentum lumped to the nodes."""
+        """Mass matrix times velocities (..., N, 3): linear and angular momentum of the nodes."""
         per_element = np.einsum("ab,...ebi->...eai", self._shape_mass, velocity[..., self.element_nodes, :])
         nodal = np.zeros(velocity.shape)
-        # Odd nodes lie inside one element; even ones join two, so three sliced sums replace a scatter.
+        # Odd nodes lie inside one element, even nodes join two: three sliced sums replace a scatter.
         nodal[..., 1::2, :] = per_element[..., 1, :]
         nodal[..., 0:-1:2, :] += per_element[..., 0, :]
         nodal[..., 2::2, :] += per_element[..., 2, :]

@@ -109,7 +109,7 @@ QUICK = (
     "motion in time",
     "fixed steps of the run",
     "equilibrium",
-    "small motions and their modes",
+    "linearisation and modes",
 )
 """Rows whose machines are few; `make test-all` marches those of all others, and every refusal is quick."""
 QUICK_OF_ONE = ("case file: info", "case file: check", "case file: export to CalculiX")
@@ -317,7 +317,7 @@ def _(form):
     )
 
 
-@row("forces that turn with the body")
+@row("follower forces")
 def _(form):
     """Along a bar that stands along y; the force's components are those of space at the start."""
     along_y = FORCE[[1, 0, 2]]
@@ -336,7 +336,7 @@ def _(form):
     assert moved == pytest.approx([-2000.0 * SECTION / MASS * PERIOD**2 / 2, 0, 0], rel=0.01, abs=1e-6)
 
 
-@row("acceleration of the base")
+@row("base acceleration")
 def _(form):
     moved = pushed(form, BaseAcceleration(acceleration=(3.0, 0, 0)))
     assert moved == pytest.approx([-3.0 * PERIOD**2 / 2, 0, 0], rel=1e-3, abs=1e-6)
@@ -406,7 +406,7 @@ def _(form):
     assert solution.joint_forces["drive"][-1, 5] == pytest.approx(moment, rel=0.01)
 
 
-@row("limits of validity watched")
+@row("limits of validity checked")
 def _(form):
     """Few modes, linear modes that spin fast: warned of. Green-Lagrange strains have no such limit."""
     body = bar_as(form).truncated(2) if form == "intrinsic" else bar_as(form, linear=True)
@@ -439,7 +439,7 @@ def _(form):
     assert tip == pytest.approx(_lifted(form), rel=2e-3)
 
 
-@row("small motions and their modes")
+@row("linearisation and modes")
 def _(form):
     found = machine_modes(linearize(sprung(form)), 1).frequencies[0]
     assert found == pytest.approx(_slowest(form), rel=5e-3)
@@ -454,7 +454,7 @@ def _(form):
         assert np.abs(frequencies / rate - 1).min() < 0.01
 
 
-@row("many cases at once")
+@row("batch of cases")
 def _(form):
     cases = [System([bar_as(form)], loads=[DeadForce(at="bar.tip", force=n * FORCE)]) for n in (1, 2)]
     found = simulate_batch(cases, SHORT)

@@ -26,7 +26,7 @@ from supple_benchmarks.invariance.strip import (
     WALL,
     WARPING,
     WIDTH,
-    HeldStrip,
+    ClampedStrip,
     force_for_rotation,
     rotated_rigidly,
     strip_mesh,
@@ -66,7 +66,7 @@ def twisted_strip(torque):
 
 @pytest.fixture(scope="module")
 def cantilever():
-    return HeldStrip()
+    return ClampedStrip()
 
 
 @pytest.mark.parametrize(
@@ -153,7 +153,7 @@ def test_a_coupled_laminate_is_the_same_in_a_frame_turned_by_02_rad():
     """Stretching, bending and twisting at once: B couples all of them."""
     A, D = WALL.membrane, WALL.bending
     B = 0.4 * np.sqrt(A[0, 0] * D[0, 0]) * np.array([[1.0, 0.1, 0.3], [0.1, -0.5, 0.1], [0.3, 0.1, 0.2]])
-    strip_of_it = HeldStrip(wall=LaminateSection(A, B, D, 39.0, 1e-4))
+    strip_of_it = ClampedStrip(wall=LaminateSection(A, B, D, 39.0, 1e-4))
     load = strip_of_it.tip_force([0, 0, force_for_rotation(EI, LENGTH, 0.2)[0]])
     q = strip_of_it.bent(load)
     assert np.abs(q[strip_of_it.mesh.nodes_of("tip"), 3]).min() > 0.01

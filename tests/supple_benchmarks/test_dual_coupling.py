@@ -178,7 +178,7 @@ def test_the_interface_operator_is_the_inverse():
 
 def test_interfaces_that_do_not_meet_are_refused():
     coupling = halves()[0]
-    with pytest.raises(ModelError, match="do not meet"):
+    with pytest.raises(ModelError, match="do not match"):
         Coupling(ModalSide(coupling.modal.frequencies, coupling.modal.rows[:5]), coupling.elements)
     with pytest.raises(ModelError, match="ratio"):
         GravouilCombescure(0)

@@ -1,9 +1,9 @@
-"""Read mutated files of every kind: each is read or refused in words, or a fault is counted.
+"""Read mutated files of every kind: a file must be read or rejected with a message; all else is a fault.
 
-    python tools/fuzz --quick               # ten seconds; the exit code is 1 where a reader failed
-    python tools/fuzz -n 100000             # and writes report.json and report.md beside this file
-    python tools/fuzz -n 100000 --kept F    # counts are kept in F, from which the same command goes on; it
-                                            # tries the faults that were listed again
+    python tools/fuzz --quick               # ten seconds; the exit code is 1 if a reader failed
+    python tools/fuzz -n 100000             # writes report.json and report.md beside this file, too
+    python tools/fuzz -n 100000 --kept F    # stores the counts in F; the same command continues from there
+                                            # and tries the listed faults again
 
 Seeds are fixed: mutation k of a kind is the same file on every machine.
 """
@@ -28,20 +28,20 @@ from worker import MEMORY, SECONDS, WAITING, Outcome, Worker
 SEED = 20261122
 QUICK = 1000
 BATCH = 250
-"""Mutations of one kind before the next one has its turn."""
+"""Number of mutations of one kind before the next kind."""
 FOLDER = Path(__file__).resolve().parent
 
 
 def main() -> int:
-    """Run; the exit code is 1 where a reader failed."""
+    """Run; the exit code is 1 if a reader failed."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--quick", action="store_true", help=f"{QUICK} mutations and no report")
     parser.add_argument("-n", type=int, default=100_000, help="mutations, shared evenly between the kinds")
     parser.add_argument("--only", help="one kind, by its label")
-    parser.add_argument("--keep", type=Path, help="folder for the files that a reader failed on")
-    parser.add_argument("--kept", type=Path, help="file of the counts so far: begun, or gone on from")
+    parser.add_argument("--keep", type=Path, help="folder for the files on which a reader failed")
+    parser.add_argument("--kept", type=Path, help="file of the counts: created, or continued from")
     parser.add_argument("--first", type=int, default=0, help="number of the first mutation")
     given = parser.parse_args()
     tally = Tally.kept(given.kept, given.first)
@@ -127,9 +127,9 @@ def _write_report(tally: Tally) -> None:
         "# Mutated files",
         "",
         f"{date}: {tally.n_mutations} mutations of valid files, seed {SEED}, within {MEMORY / 2**30:g} GiB",
-        f"and {SECONDS:g} s of processor time each (or {WAITING * SECONDS:g} s by the clock). A file is read",
-        "(good) or refused by an error of supple's own; all other outcomes are faults. Copies of HDF5 files",
-        "(`copied_hdf5`) are made by a process that is forked, instead of one that is begun anew.",
+        f"and {SECONDS:g} s of processor time each (or {WAITING * SECONDS:g} s of wall time). A file is read",
+        "(good) or rejected with an error of supple (refused); all other outcomes are faults. HDF5 files",
+        "are copied (`copied_hdf5`) by a forked process instead of a new one.",
         "",
         f"| kind of file | {' | '.join(heads)} |",
         f"| --- |{' --- |' * len(heads)}",

@@ -48,8 +48,8 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 class Seed:
     """A valid file.
 
-    name : of the file, whose suffix its reader goes by
-    companions : files that lie beside it, by name
+    name : of the file; the suffix determines the reader
+    companions : further files in the same folder, by name
     """
 
     name: str
@@ -61,7 +61,7 @@ class Seed:
 class Kind:
     """A kind of file: its reader, and seeds.
 
-    is_hdf5 : read by the HDF5 library, which may hang over broken metadata: left out of the quick form
+    is_hdf5 : read by the HDF5 library, which may hang on broken metadata: left out of the quick form
     """
 
     label: str
@@ -71,7 +71,7 @@ class Kind:
 
 
 def kinds(folder: Path) -> Iterator[Kind]:
-    """Every kind; the files that only the library itself can make are made in `folder`."""
+    """Every kind; files that only the HDF5 library can create are created in `folder`."""
     yield from _meshes()
     yield from _matrices(folder)
     yield from _tables()
@@ -651,7 +651,7 @@ def _cases() -> Iterator[Kind]:
 
 def _results(folder: Path) -> Iterator[Kind]:
     def result(path: Path) -> None:
-        # What one way of reading refuses, another may still try.
+        # Both ways of reading are tried, even if the first rejects the file.
         refusals = []
         for read in (lambda path: list(describe_result(path)), read_last_instant, read_sound_part):
             try:
@@ -684,7 +684,7 @@ def _results(folder: Path) -> Iterator[Kind]:
 
 
 def _make_results(folder: Path) -> None:
-    """A result file, one of a run that was cut off, and the file of a reduced body."""
+    """A result file, the result file of an interrupted run, and the file of a reduced body."""
     (folder / "case.toml").write_text(_RIGID, encoding="utf-8")
     case = read_case(folder / "case.toml")
     whole = folder / "run.h5"

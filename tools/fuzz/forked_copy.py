@@ -1,6 +1,6 @@
-"""The process that copies an HDF5 file, forked instead of begun anew: the same code, without the imports.
+"""Copies of HDF5 files by a forked process instead of a new one: the same code, without the imports.
 
-Only for fuzzing, where nothing runs in threads.
+Only for fuzzing, where no threads run.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from supple import copied_hdf5
 
 
 def fork_copies() -> None:
-    """From now on this process forks those that copy."""
+    """Make this process fork the processes that copy."""
     copied_hdf5._answer = _answer
 
 
@@ -32,17 +32,17 @@ def _answer(words: list[str], seconds: float) -> tuple[int | None, str]:
             os._exit(1)
         os._exit(status)
     os.close(writing)
-    said, end = b"", time.monotonic() + seconds
+    output, end = b"", time.monotonic() + seconds
     try:
         while select.select([reading], [], [], max(0.0, end - time.monotonic()))[0]:
             piece = os.read(reading, 65536)
             if not piece:
                 break
-            said += piece
+            output += piece
         else:
             os.kill(child, signal.SIGKILL)
             return None, ""
     finally:
         os.close(reading)
         _, status = os.waitpid(child, 0)
-    return os.waitstatus_to_exitcode(status), said.decode(errors="replace").strip()
+    return os.waitstatus_to_exitcode(status), output.decode(errors="replace").strip()

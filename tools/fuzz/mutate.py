@@ -1,4 +1,4 @@
-"""Mutations of a valid file: what a bad disk, a cut copy or a slip of the hand makes of it."""
+"""Mutations of a valid file, as by a bad disk, a truncated copy or a typing error."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NASTY = (
     b"0x10", b"1.5.2", b"--3", b"1+5", b"1,5", b"true", b"'", b'"', b"[", b"]", b"{", b"../x",
     b"\x00", b"\xff", b"\xef\xbb\xbf", b"a" * 300, b"*", b"$", b"#",
 )  # fmt: skip
-"""What numbers are replaced by."""
+"""Replacements of numbers."""
 
 Mutation = Callable[[np.random.Generator, bytes, Sequence[bytes]], bytes]
 
@@ -69,7 +69,7 @@ def _replace_number(rng: np.random.Generator, content: bytes, _: Sequence[bytes]
 
 
 def _on_lines(rng: np.random.Generator, content: bytes, _: Sequence[bytes]) -> bytes:
-    """A line twice, a line lost, two lines exchanged, or a line many times."""
+    """Duplicate, delete or exchange lines, or repeat a line many times."""
     lines = content.split(b"\n")
     one, two = (int(rng.integers(len(lines))) for _ in range(2))
     match int(rng.integers(4)):
@@ -94,4 +94,4 @@ MUTATIONS: tuple[Mutation, ...] = (
     _flip_bits, _set_bytes, _truncate, _cut_out, _splice, _replace_number, _replace_number,
     _on_lines, _insert,
 )  # fmt: skip
-"""Numbers count twice: what they say is what readers trust."""
+"""Replacement of numbers has twice the weight, because readers rely on numbers."""

@@ -11,12 +11,12 @@ from typing import Any, Self
 from worker import Finding, Outcome
 
 SHOWN = 5
-"""Faults of one place that are listed."""
+"""Largest number of listed faults with the same place in the sources."""
 
 
 @dataclass
 class Tally:
-    """What became of the mutations `first` and up, of each kind.
+    """Outcomes of the mutations from number `first` on, of each kind.
 
     counts : by kind and outcome
     faults : list of dict       kind, number, outcome, message, where
@@ -39,14 +39,14 @@ class Tally:
         return cls(**known)
 
     def keep(self, path: Path | None) -> None:
-        """Write it to a file, whole or not at all."""
+        """Write the tally to a file, completely or not at all."""
         if path is not None:
             part = path.with_name(f"{path.name}.part")
             part.write_text(json.dumps(vars(self), indent=1) + "\n", encoding="utf-8")
             part.replace(path)
 
     def count(self, kind: str, number: int, finding: Finding) -> None:
-        """Count a finding, and list it where it is one of the first faults of its place."""
+        """Count a finding, and list it if it is one of the first faults of its place."""
         self.counts.setdefault(kind, Counter())[finding.outcome] += 1
         if finding.outcome.is_fault:
             alike = [each for each in self.faults if (each["kind"], each["where"]) == (kind, finding.where)]
@@ -54,7 +54,7 @@ class Tally:
                 self.faults.append({"kind": kind, "number": number, **finding._asdict()})
 
     def take_back(self) -> list[tuple[str, int]]:
-        """Kinds and numbers of the faults listed, which count no more: to be tried again, once mended."""
+        """Remove the listed faults from the counts; their kinds and numbers, to be tried again."""
         listed, self.faults = self.faults, []
         for fault in listed:
             self.counts[fault["kind"]][fault["outcome"]] -= 1

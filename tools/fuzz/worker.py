@@ -19,15 +19,15 @@ from forked_copy import fork_copies
 from supple.errors import SuppleError
 
 SECONDS = 20.0
-"""On a processor, after which a file hangs its reader."""
+"""Processor time of a reader above which the file counts as a hang."""
 WAITING = 4
-"""Times as long by the clock: the computer may be busy, and a reader may sleep."""
+"""Limit of wall time over that of processor time: the computer may be busy, and a reader may sleep."""
 MEMORY = 2 * 2**30
-"""Address space beyond that of a process that has read nothing."""
+"""Limit of the address space beyond that of a process that has not read a file."""
 
 
 class Outcome(StrEnum):
-    """What became of a file."""
+    """Outcome of reading a file."""
 
     GOOD = "good"
     REFUSED = "refused"
@@ -38,7 +38,7 @@ class Outcome(StrEnum):
 
     @property
     def is_fault(self) -> bool:
-        """Whether the reader failed; a file that is read, or refused in words, is in order."""
+        """Whether the reader failed; reading a file, or rejecting it with a message, is no fault."""
         return self not in (Outcome.GOOD, Outcome.REFUSED)
 
 
@@ -51,7 +51,7 @@ class Finding(NamedTuple):
 
 
 class Worker:
-    """One forked process at a time, begun anew where a file ends it."""
+    """One forked process at a time; after a file that ends it, a new process is started."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -59,7 +59,7 @@ class Worker:
         self._pipe: Connection | None = None
 
     def read(self, reader: Callable[[Path], object], name: str, content: bytes) -> Finding:
-        """What becomes of a file of that name and content; `reader` is known to the process by fork."""
+        """The outcome for a file with a name and content; the process has `reader` by fork."""
         path = self._folder / name
         path.write_bytes(content)
         if self._process is None or not self._process.is_alive() or self._reader is not reader:
@@ -70,10 +70,10 @@ class Worker:
             self._pipe.send(path)
             if not self._pipe.poll(WAITING * SECONDS):
                 self.end()
-                return Finding(Outcome.HANG, f"no answer within {WAITING * SECONDS:g} s by the clock")
+                return Finding(Outcome.HANG, f"no result within {WAITING * SECONDS:g} s of wall time")
             finding, seconds = self._pipe.recv()
             if seconds > SECONDS:
-                return Finding(Outcome.HANG, f"an answer after {seconds:.0f} s on a processor")
+                return Finding(Outcome.HANG, f"a result after {seconds:.0f} s of processor time")
             return Finding(*finding)
         except (EOFError, BrokenPipeError, ConnectionResetError):
             self._process.join()
@@ -101,7 +101,7 @@ class Worker:
 
 def _serve(pipe: Connection, other_end: Connection, reader: Callable[[Path], object]) -> None:
     other_end.close()
-    # What libraries print of a broken file is theirs.
+    # Output of libraries about a broken file is discarded.
     nothing = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nothing, 1)
     os.dup2(nothing, 2)
@@ -122,7 +122,7 @@ def _serve(pipe: Connection, other_end: Connection, reader: Callable[[Path], obj
 
 
 def _processor_seconds() -> float:
-    """Of this process and of those that it has begun and that have ended."""
+    """Processor time of this process and of its ended child processes."""
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return sum(each.ru_utime + each.ru_stime for each in used)
 
@@ -140,7 +140,7 @@ def _outcome(reader: Callable[[Path], object], path: Path) -> Finding:
             f"{Path(frame.filename).name}:{frame.lineno}"
             for frame in traceback.extract_tb(error.__traceback__)[-2:]
         )
-        # A reader that survives a lack of memory has asked for more than the file is worth.
+        # A reader that catches a lack of memory has allocated too much for the size of the file.
         if any(isinstance(each, MemoryError) for each in causes):
             return Finding(Outcome.MEMORY, message, where)
         return Finding(

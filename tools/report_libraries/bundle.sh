@@ -1,6 +1,6 @@
 #!/bin/sh
-# Bundle what report.html uses of three.js and uPlot, with their licences, into the package. Needs node and npm; run
-# it after a version in package.json has changed, and commit what it writes.
+# Bundle the parts of three.js and uPlot used by report.html, with their licences, into the package. Needs node and
+# npm. Run this after a change of a version in package.json, and commit the written files.
 set -eu
 cd "$(dirname "$0")"
 npm ci --ignore-scripts

@@ -2,8 +2,8 @@
 
     python tools/site/assemble.py build/site build/gallery
 
-The pages in `docs` are read in the repository as well, so their links to files beside `docs` point out of it.
-Here these files are copied below `repository/`, and the links follow. Links to folders are left as text.
+The pages in `docs` are also read in the repository; some of their links point to files outside `docs`. These
+files are copied below `repository/`, and the links are changed to the copies. Links to folders become text.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _LINK = re.compile(r"\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(([^()\s#]+)(#[^()\s]*)?\)"
 
 
 def assemble(folder: Path, gallery: Path) -> None:
-    """Write the source tree of the site into `folder`, made anew; `gallery` holds the examples that ran."""
+    """Write the source tree of the site into a new `folder`; `gallery` has the results of the examples."""
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(ROOT / "docs", folder, ignore=shutil.ignore_patterns("*.md"))
     tree = _Tree(folder)
@@ -41,7 +41,7 @@ class _Tree:
     folder: Path
 
     def place(self, path: Path) -> Path:
-        """Where a file of the repository stands in the site's tree."""
+        """Path of a file of the repository in the site's tree."""
         if path == ROOT / "README.md":
             return self.folder / "index.md"
         if path == ROOT / "docs" / "README.md":
@@ -51,12 +51,12 @@ class _Tree:
         return self.folder / "repository" / path.relative_to(ROOT)
 
     def copied(self, path: Path) -> Path:
-        """The copy of a file, made where there is none yet; of a page with its links."""
+        """The copy of a file, created if it does not exist; links of a page are changed as well."""
         copy = self.place(path)
         if not copy.exists():
             copy.parent.mkdir(parents=True, exist_ok=True)
             if path.suffix == ".md":
-                # First, so that pages which link to each other end.
+                # Listed first, so that pages with links to each other do not recurse without end.
                 copy.touch()
                 copy.write_text(self._with_links(path.read_text("utf-8"), path), "utf-8")
             else:
@@ -64,7 +64,7 @@ class _Tree:
         return copy
 
     def _with_links(self, text: str, page: Path) -> str:
-        """The text of a page with its links turned to the copies of what they name."""
+        """The text of a page with its links changed to the copies of the linked files."""
         here = self.place(page).parent
 
         def linked(found: re.Match[str]) -> str:

@@ -1,6 +1,6 @@
 """The reference of the case file: every table with its keys, from the schema by which case files are checked.
 
-A dimension is a clause of a description that consists of the words of quantities, such as "force per length".
+The dimension of a key is the clause of its description that consists of quantities, as "force per length".
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def case_reference() -> str:
 
 
 def dimension_and_meaning(description: str) -> tuple[str, str]:
-    """A description as the dimension that one of its clauses is, or "", and the others."""
+    """The dimension in a description, or "", and the other clauses."""
     clauses = re.split(r"(?<=[,;:]) ", description)
     for place, clause in enumerate(clauses):
         if _DIMENSION.fullmatch(clause.rstrip(",;:")):
@@ -50,14 +50,14 @@ def dimension_and_meaning(description: str) -> tuple[str, str]:
 
 @dataclass
 class _Tables:
-    """The tables of a schema in the order in which the file nests them, each under its first place."""
+    """The tables of a schema in the order of their nesting, each under its first place."""
 
     root: Schema
     listed: list[tuple[str, Schema]] = field(default_factory=list)
     anchors: dict[str, str] = field(default_factory=dict)
 
     def visit(self, heading: str, table: Schema, place: str = "") -> None:
-        """List a table, then those that its keys take."""
+        """List a table, then the tables of its keys."""
         self.listed.append((heading, table))
         for key, rule in table.get("properties", {}).items():
             brackets = "[[{}]]" if rule.get("type") == "array" else "[{}]"
@@ -67,7 +67,7 @@ class _Tables:
                     continue
                 inner = self.root["$defs"][name]
                 selector = _selector(inner)
-                # Many words, such as the kinds of joints, are in the row of their key.
+                # A selector with many words, such as the kinds of joints, is only in the row of its key.
                 title = f"`{here}` with `{selector}`" if 0 < len(selector) < _LONGEST else f"`{here}`"
                 self.anchors[name] = _anchor(f"{here} {selector[:_LONGEST]}", taken=self.anchors.values())
                 self.visit(f"{title} {{ #{self.anchors[name]} }}", inner, here)
@@ -93,7 +93,7 @@ class _Tables:
         return f"`{key}`", links, dimension, shown, meaning or self._about(rule)
 
     def _about(self, rule: Schema) -> str:
-        """The meaning of a key that takes a table: that of the table, or the key that selects one."""
+        """The meaning of a key with a table as value: that of the table, or the key that selects one."""
         tables = [self.root["$defs"][name] for name in _references(rule)]
         if not tables:
             return ""
@@ -131,7 +131,7 @@ class _Tables:
 
 
 def _references(rule: Any) -> Iterator[str]:
-    """Names of the tables that a key takes, as they come."""
+    """Names of the tables allowed for a key, in the order of the schema."""
     if isinstance(rule, Mapping):
         if "$ref" in rule:
             yield rule["$ref"].rpartition("/")[2]
@@ -152,13 +152,13 @@ def _selector(table: Schema) -> str:
 
 
 def _anchor(place: str, taken: Collection[str]) -> str:
-    """An anchor of the words of a place that no other table has."""
+    """A unique anchor from the words of a place."""
     words = "-".join(re.findall(r"[a-z0-9]+", place))
     return words if words not in taken else f"{words}-{len(taken)}"
 
 
 def _toml(value: Any) -> str:
-    """A value as a case file writes it."""
+    """A value as text of a case file."""
     if isinstance(value, Mapping):
         return "{ " + ", ".join(f"{key} = {_toml(each)}" for key, each in value.items()) + " }"
     return json.dumps(value)

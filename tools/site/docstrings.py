@@ -1,7 +1,7 @@
 """Docstrings of supple as mkdocstrings reads them (griffe extension).
 
-Here an entry of a section is one line, `name : shape and meaning`, continued by deeper lines; numpydoc has
-the meaning below the name. Types come from the annotations.
+In supple an entry of a section is one line, `name : shape and meaning`, continued by more indented lines;
+numpydoc has the meaning below the name. Types come from the annotations.
 """
 
 from __future__ import annotations

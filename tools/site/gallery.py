@@ -2,8 +2,8 @@
 
     python tools/site/gallery.py build/gallery
 
-An example is a program that asserts its expected result, or a case file. Results are kept: an example runs
-again only if its file or the package is newer. A failing example ends the gallery with its output.
+An example is a program that asserts its expected result, or a case file. Results are stored: an example runs
+again only if its file or the package is newer. If an example fails, the gallery ends with its output.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from supple.cases import command_of_example, example_text
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 _MODES = {"blade_campbell"}
-"""Cases that are examples of modes over speed, with the speeds of their header."""
+"""Cases for `supple modes --rates`, with the rates stated in their header."""
 
 
 def run_all(folder: Path) -> None:
     """Run examples that are not up to date, each in a folder of its own."""
     sources = max(path.stat().st_mtime for path in (ROOT / "src" / "supple").rglob("*.py"))
-    # `python` and `supple` are those beside this interpreter.
+    # `python` and `supple` are those of this environment.
     here = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     for example in examples():
         place = folder / example.stem
@@ -65,7 +65,7 @@ def write_pages(gallery: Path, folder: Path) -> None:
         pictures = _copied(place, folder / example.stem, "*.png")
         pages = _copied(place, folder / example.stem, "*.html")
         shown = "".join(f"![{Path(name).stem}]({example.stem}/{name})\n\n" for name in pictures)
-        # A page of the site lies in a folder of its own name.
+        # A page of the site is in a folder named after it.
         shown += "".join(
             f'<iframe src="./{name}" title="report" width="100%" height="720"></iframe>\n\n' for name in pages
         )

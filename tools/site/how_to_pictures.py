@@ -1,4 +1,4 @@
-"""Draw the pictures of the how-tos: an interface, the axes of a joint, and what `seen_from` changes.
+"""Draw the pictures of the how-tos: an interface, the axes of a joint, and the effect of `seen_from`.
 
 python tools/site/how_to_pictures.py docs/pictures
 """

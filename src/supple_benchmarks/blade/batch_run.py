@@ -1,4 +1,4 @@
-"""Load cases of the blade in one call: the same blade and machine, the wind drawn from many seeds."""
+"""Load cases of the blade in one call: the same blade and machine, turbulence of different seeds."""
 
 from __future__ import annotations
 
@@ -26,9 +26,10 @@ LARGEST_DIFFERENCE = 1e-10
 class BatchRun:
     """Cost of a batch.
 
-    seconds : after compilation; single_seconds : of one case alone
+    seconds : time of the batch after compilation; single_seconds : mean time of a case alone
+    total_seconds : time of the batch with compilation
     difference : largest difference of the coordinates between a case in the batch and the same case alone,
-        over the largest coordinate; for the cases checked
+        over the largest coordinate, for the `checked` cases that are also run alone
     """
 
     cases: int

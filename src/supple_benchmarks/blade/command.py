@@ -18,14 +18,14 @@ def blade(
         bool, typer.Option("--quick", help="Coarse blade, two seconds of motion: under a minute.")
     ] = False,
     seconds: Annotated[
-        float, typer.Option("--seconds", min=1.0, help="Motion that the full-order runs cover, s.")
+        float, typer.Option("--seconds", min=1.0, help="Duration of the full-order runs, s.")
     ] = 20.0,
     longest: Annotated[
-        float, typer.Option("--longest", min=1.0, help="Motion that one of them covers, s.")
+        float, typer.Option("--longest", min=1.0, help="Duration of the longest full-order run, s.")
     ] = 100.0,
     json: Json = None,
     output: Annotated[
-        Path, typer.Option("-o", "--output", help="Folder for figures and motions; a run goes on from there.")
+        Path, typer.Option("-o", "--output", help="Folder of figures and motions; stored runs are reused.")
     ] = Path("results/blade-benchmark"),
     debug: Debug = False,
 ) -> None:

@@ -21,7 +21,7 @@ class CorrectedRun:
     """The rounds of a self-correction, with true errors.
 
     allowed : float                 the target error, m
-    reached : bool
+    reached : bool                  whether the target was reached
     true_errors : (k,) | None       largest RMS error of each round against the full run of the same frame,
                                     over the same time; None without a full run
     """

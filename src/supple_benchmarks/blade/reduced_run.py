@@ -56,9 +56,10 @@ class FixedBasis:
 
 @dataclass(frozen=True, eq=False)
 class ReducedRun:
-    """One reduced simulation, with its error over the time of a full run in the same frame, if there is one.
+    """One reduced simulation.
 
-    failed_at : time at which it stopped early, or None
+    error : over the time of the full run in the same frame; None without a full run
+    failed_at : time of an early end, or None
     """
 
     case: BladeCase
@@ -74,11 +75,11 @@ class ReducedRun:
 def bases_of(
     blade: Blade, body: FlexibleBody, frame: str, case: BladeCase, n_linear: int = 50
 ) -> tuple[FixedBasis, ...]:
-    """10 + 15 columns with selected and with compressed derivatives, n linear columns, and 8 + 2 + 15.
+    """Five bases: 10 modes with 15 picked derivatives, with 15 compressed ones, with 15 picked ones and plain
+    tensors as in [Wu2019]; n_linear columns; 8 modes with 2 static responses and 15 derivatives.
 
-    The last basis has the static responses to wind and centrifugal load. Plain tensors are those of [Wu2019].
-    Derivatives are weighted by the expected loads: the mean wind, and in the last basis also the centrifugal
-    load.
+    The static responses of the last basis are those to wind and centrifugal load. Derivatives are weighted by
+    the expected loads: the mean wind, and in the last basis also the centrifugal load.
     """
     loads = blade.steady_load(body, case)
     wind = AmplitudeProduct(StaticLoad(loads[:, 0]))

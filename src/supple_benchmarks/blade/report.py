@@ -20,7 +20,7 @@ PUBLISHED = {
     "mean-axis": {"full": 155307, "basis": 2053, "tensors": 230, "online": 72, "iterations": 10598},
     "nodal-fixed": {"full": 49254, "basis": 13.25, "tensors": 241, "online": 125, "iterations": 17758},
 }
-"""Seconds, and iterations of the reduced run, of 100 s; [Wu2019] Table 3: MATLAB on eight cores."""
+"""Seconds for 100 s of motion, and iterations of the reduced run; [Wu2019] Table 3: MATLAB on eight cores."""
 
 
 def report(run: BladeRun) -> dict[str, Any]:

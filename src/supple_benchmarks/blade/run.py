@@ -23,7 +23,7 @@ from supple_benchmarks.nrel5mw_blade import (
     Blade,
     BladeCase,
     blade_damping,
-    root_held_frequencies,
+    root_clamped_frequencies,
 )
 from supple_benchmarks.progress import Announce
 
@@ -51,7 +51,10 @@ class BladeBenchmark:
 
     @classmethod
     def whole(cls, seconds: float = 20.0, long: float = 100.0) -> BladeBenchmark:
-        """Both cases and frames over `seconds`, or beyond the start; one over `long`; reduced runs 100 s."""
+        """The whole benchmark: full runs of `seconds` or beyond the spin-up, the first of `long`; s.
+
+        Reduced runs last 100 s.
+        """
         gl = "green-lagrange"
         fast = max(seconds, 1.5 * PAPER_SPEED.start)
         full = [FullCase(RATED, "nodal-fixed", gl, False, max(seconds, long))]
@@ -65,7 +68,7 @@ class BladeBenchmark:
     def quick(cls) -> BladeBenchmark:
         """A coarse blade that is spun up in 1.5 s, with 2 s of motion and a larger allowed error.
 
-        It has as many linear columns as the others: bases of equal size share one compiled program.
+        All bases have 25 columns, because bases of equal size share one compiled program.
         """
         case = replace(RATED, start=1.5)
         full = tuple(FullCase(case, frame, "green-lagrange", False, 2.0) for frame in FRAMES)
@@ -107,13 +110,13 @@ class BladeRun:
 def run_blade(benchmark: BladeBenchmark, folder: Path, announce: Announce) -> Iterator[BladeRun]:
     """Run the benchmark; yields the results so far after each step.
 
-    Full runs are stored in the folder as they are computed, and continued by the next call. They are made
-    first, because errors are measured against them, but are listed last but one in the tables.
+    Full runs are stored in the folder as they are computed, and continued by the next call. They come first,
+    because errors are measured against them.
     """
     progress = announce("mesh, matrices, modes of the blade")
     blade = benchmark.blade
     body = blade.body()
-    run = BladeRun(benchmark, body, root_held_frequencies(body))
+    run = BladeRun(benchmark, body, root_clamped_frequencies(body))
     progress(1.0)
     for wanted in benchmark.full:
         own = body if wanted.kinematics == "green-lagrange" else blade.body(KINEMATICS[wanted.kinematics])
@@ -141,7 +144,7 @@ def _reduced_runs(run: BladeRun, frame: str, case: BladeCase, announce: Announce
 
 
 def _corrected_run(run: BladeRun, frame: str, case: BladeCase, announce: Announce) -> Iterator[BladeRun]:
-    """Self-correction over the time of the full run, so that both errors are of the same motion."""
+    """Self-correction over the time of the full run, so that estimated and true errors are of one motion."""
     benchmark = run.benchmark
     full = run.full_of(case, frame)
     duration = benchmark.duration if full is None else min(full.case.duration, benchmark.duration)

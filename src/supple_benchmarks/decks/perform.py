@@ -1,7 +1,7 @@
-"""Every deck of a folder: whether it is read, and the errors of its numbers.
+"""Every deck of a folder: whether it is read, and the errors of its mass, centre and frequencies.
 
-`expected.json` is `{deck: {"mass", "cg", "frequencies_hz", ..}}`, each where it is known. Frequencies are
-those with the deck's own supports, including free rigid motions. A deck that fails, or exceeds its time
+`expected.json` is `{deck: {"mass", "cg", "frequencies_hz", ..}}`; unknown values are left out. Frequencies
+are those with the deck's own supports, including free rigid motions. A deck that fails, or exceeds its time
 limit, is one line of the table.
 """
 
@@ -24,7 +24,7 @@ from supple.terminal import console, words
 __all__ = ["compared", "perform", "totals"]
 
 STILL = 1e-3
-"""Over the highest frequency of a list: a smaller one is a rigid motion, with a value of round-off."""
+"""Frequencies below this fraction of the highest one in a list are rigid motions with round-off."""
 
 MASS_WITHIN, CENTRE_WITHIN, FREQUENCY_WITHIN = 1e-5, 1e-5, 0.02
 
@@ -53,7 +53,7 @@ def perform(folder: Path, report: Path, seconds: float) -> None:
 def compared(found: Mapping[str, Any], expected: Mapping[str, Any]) -> dict[str, Any]:
     """Errors of mass (relative), centre (of the size) and frequencies (relative); unknown values are omitted.
 
-    found : of a deck, as `supple info --json` writes it, with its "size"
+    found : results of a deck as written by `supple info --json`, and its "size"
     """
     errors: dict[str, Any] = {}
     mass, reference = found.get("mass"), expected.get("mass")
@@ -117,7 +117,7 @@ def _one_by_one(
             ours, theirs = context.Pipe()
             worker = context.Process(target=_serve, args=(theirs,), daemon=True)
             worker.start()
-            ours.recv()  # imports do not count as time of the deck
+            ours.recv()  # the time limit of a deck does not include the imports
         ours.send((str(folder / name), len(own.get("frequencies_hz", ()))))
         try:
             found = ours.recv() if ours.poll(seconds) else None
@@ -159,11 +159,11 @@ def _serve(requests: Connection) -> None:
 
 
 def _line(found: Mapping[str, Any]) -> str:
-    said = ["read" if found["read"] else "NOT READ"]
+    parts = ["read" if found["read"] else "NOT READ"]
     for key in ("mass_error", "centre_error"):
         if key in found:
-            said.append(f"{key.replace('_', ' ')} {found[key]:.1e}")
+            parts.append(f"{key.replace('_', ' ')} {found[key]:.1e}")
     if "frequency_errors" in found:
-        said.append(f"frequencies within {100 * max(found['frequency_errors']):.2g} %")
-    said += [f"left out {each['count']} {each['card']}" for each in found["left_out"]]
-    return "; ".join([*said, found["why"]] if found["why"] else said)
+        parts.append(f"frequencies within {100 * max(found['frequency_errors']):.2g} %")
+    parts += [f"left out {each['count']} {each['card']}" for each in found["left_out"]]
+    return "; ".join([*parts, found["why"]] if found["why"] else parts)

@@ -34,12 +34,12 @@ from supple.reduction.bases.interface_columns import motion_rows, require_interf
 class BasisSize:
     """The smallest basis of a family with an error within a tolerance.
 
-    basis : its name
+    basis : name of the family
     interfaces : "free", "held" or "loaded": which eigenvalues are compared, see `basis_sizes`
     tolerance : largest relative eigenvalue error allowed
-    modes : number of modes; None where even all candidates exceed the tolerance
-    coordinates : of the free body, with rigid motions and static columns; None likewise
-    largest_error : of the eigenvalues compared, at that size (with all candidates where modes is None)
+    modes : number of modes; None if the error exceeds the tolerance even with all candidates
+    coordinates : of the free body, with rigid motions and static columns; None if modes is None
+    largest_error : of the eigenvalues compared, at that size (with all candidates if modes is None)
     """
 
     basis: str
@@ -76,16 +76,17 @@ def basis_sizes(
 
     free     elastic modes of the free body: contained in free-interface bases
     held     modes with all interfaces clamped: contained in fixed-interface bases
-    loaded   a rigid body at each interface, with the inertia of the body itself at that interface (the block
-             of Psi^T M Psi of the interface): between the two, as in a mechanism, and in neither family
+    loaded   modes with a rigid body at each interface, which has the inertia of the body itself at that
+             interface (the block of Psi^T M Psi of the interface): between free and held, as in a mechanism,
+             and contained in neither family
 
-    Each family takes one eigen-solution with all candidates. Every size is then a leading block of small
+    Each family needs one eigen-solution with all candidates. Every size is then a leading block of small
     matrices, with a rank-one update of the residual per omitted mode. The size is found by bisection, since
-    errors decrease with each mode. For the enhanced Craig-Bampton basis they need not; its size meets the
-    tolerance while the next smaller one does not.
+    errors decrease with each mode. Errors of the enhanced Craig-Bampton basis need not decrease: the size
+    found meets the tolerance and the next smaller size does not, but a still smaller one may.
 
-    candidates : number of modes computed per family, as far as the body has them
-    fixed_modes, free_modes : these modes, from the lowest on, if already known
+    candidates : number of modes computed per family, at most as many as the body has
+    fixed_modes, free_modes : the lowest fixed-interface and free modes, if already known
     Returns BasisSize for each of free, held, loaded, each basis and each tolerance, in that order.
     Raises ModelError when the body has no interface, or a family has fewer than n_modes modes.
     """

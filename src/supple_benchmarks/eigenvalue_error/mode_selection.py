@@ -69,16 +69,16 @@ def compare_selections(
 
         H(omega) = B ((1 + i eta) K - omega^2 M)^-1 B^T
 
-    at logarithmic steps from a third of the first frequency of the free body to that of the last mode
-    compared. Forces and moments, displacements and rotations are weighted by the interface mass. Modes
+    at logarithmic steps from a third of the first frequency of the free body to the frequency of the last
+    mode compared. Forces and moments, displacements and rotations are weighted by the interface mass. Modes
     without motion at the interfaces are not compared: a rule based on the interfaces omits them on purpose,
-    and no force at an interface excites them. The last rule takes fewer modes, the lowest, and residual modes
-    instead, six for each interface.
+    and no force at an interface excites them. The last rule replaces the highest of the lowest modes by
+    residual modes, six for each interface.
 
     sizes : numbers of modes, besides the constraint modes
     n_vibrations : number of modes of the free body, the lowest that are visible at its interfaces
-    candidates : number of fixed-interface modes to select from; with the residual of the rest they give
-        H_full
+    candidates : number of fixed-interface modes to select from; H_full is that of all candidates with the
+        residual modes of the omitted ones
     loss_factor : eta
     Raises ModelError when a size exceeds the candidates, or the body has no interface.
     """

@@ -42,7 +42,7 @@ class SelectionStudy:
 
 
 def thin_box() -> FlexibleBody:
-    """An aluminium box beam with 1 mm walls, 1 x 0.1 x 0.06 m, both ends rigid: its panels vibrate, too."""
+    """An aluminium box beam, 1 x 0.1 x 0.06 m, both ends rigid, with walls of 1 mm that vibrate locally."""
     section = HomogeneousSection(Isotropic(70e9, 0.33, 2700.0), 0.001)
     model = shell_model(box_beam(1.0, 0.1, 0.06, 30, 6, 4), section)
     return flexible_body("box", model, [RigidInterface("root", "root"), RigidInterface("tip", "tip")])

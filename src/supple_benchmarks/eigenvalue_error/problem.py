@@ -44,7 +44,7 @@ class EigenvalueErrors:
     cylinders : (element, layers of 126 tetrahedra along the cylinder)
     rods : (element, cells of the rod)
     beams : (element, (n_core, n_ring, n_length)), cylinders compared with beam theory
-    candidates : number of modes of either kind for the comparison of the reduction bases
+    candidates : number of fixed-interface and of free modes for the comparison of the reduction bases
     """
 
     tolerances: tuple[float, ...] = (0.1, 0.01, 0.001)

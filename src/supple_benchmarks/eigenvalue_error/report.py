@@ -17,12 +17,12 @@ __all__ = ["WHY_OTHER_COUNTS", "report", "tables"]
 
 
 WHY_OTHER_COUNTS = {
-    "modes": "kept by our sharper bound, then proven; the paper's bound takes kappa_n for all modes left out "
-    "where kappa of the first omitted mode suffices, so it requires more modes",
+    "modes": "number required by our sharper bound, then verified; the paper's bound uses kappa_n for all "
+    "omitted modes, where kappa of the first omitted mode suffices, and so requires more modes",
     "modes_paper": "number required by the paper's bound on our mesh, with n counted over the elastic modes",
-    "modes_published": "the paper's, on its own mesh: other tetrahedra, an interface whose kind and place "
-    "differ (averaging on the cylinder; the rod's drawings are not in its text), and estimates unproven. "
-    "At 10 % every estimate may fall below the truth; we add modes until the bounds agree",
+    "modes_published": "number in the paper, on its own mesh: other tetrahedra, interfaces of another kind "
+    "and place (averaging on the cylinder; the paper's text has no drawing of the rod), and unverified "
+    "estimates. At 10 % every estimate may be too small; here modes are added until the bounds are verified",
 }
 
 
@@ -33,7 +33,7 @@ def report(
 ) -> dict[str, Any]:
     """All measurements, ready for JSON; `bodies` and the keys within must not change.
 
-    The entry of the first body is also at the top level, for readers that expect one body per file.
+    The entry of the first body is also at the top level, for readers of files with one body.
     """
     bodies = [_body(result) for result in results]
     return {
@@ -61,14 +61,14 @@ def _body(result: BodyResult) -> dict[str, Any]:
 
 
 def _tolerance(one: ToleranceResult, published: int | None) -> dict[str, Any]:
-    asked = one.estimated_modes
+    required = one.estimated_modes
     return {
         "e": one.tolerance,
         "modes": one.modes,
-        "modes_paper": asked["paper"],
+        "modes_paper": required["paper"],
         "modes_published": published,
-        "modes_estimated": {name: asked[name] for name in ESTIMATORS},
-        "modes_exact": asked["exact"],
+        "modes_estimated": {name: required[name] for name in ESTIMATORS},
+        "modes_exact": required["exact"],
         "max_exact": float(one.exact.max()),
         "max_estimated": float(one.estimates["sharp"].max()),
         "max_proven": float(one.proven.max()),
@@ -104,9 +104,15 @@ def _rows(results: Sequence[BodyResult]) -> list[tuple[list[str], BodyResult, To
 def _modes(results: Sequence[BodyResult]) -> Table:
     rows = []
     for label, result, one in _rows(results):
-        asked = one.estimated_modes
+        required = one.estimated_modes
         published = result.case.published.get(one.tolerance)
-        counted = [asked["exact"], asked["lower"], asked["two_term"], asked["sharp"], asked["paper"]]
+        counted = [
+            required["exact"],
+            required["lower"],
+            required["two_term"],
+            required["sharp"],
+            required["paper"],
+        ]
         times = [one.seconds, one.seconds_one_by_one, one.seconds_plain]
         rows.append(
             [*label, f"{one.modes}"]
@@ -129,7 +135,7 @@ def _quality(results: Sequence[BodyResult]) -> Table:
         rows.append(
             [*label, f"{100 * one.exact.max():.3g}", f"{100 * one.proven.max():.3g}"]
             + [f"{values.min():.3f} {np.median(values):.3f} {values.max():.2f}" for values in ranges]
-            + [f"{one.counts}" + ("" if one.counted else " (objected)")]
+            + [f"{one.counts}" + ("" if one.counted else " (not verified)")]
         )
     heads = ["body", "e, %", "exact, %", "proven, %", "lower", "paper's", "sharp", "2-term", "counts"]
     return (

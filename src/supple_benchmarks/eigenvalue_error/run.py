@@ -1,4 +1,4 @@
-"""The bodies of [Han2020] reduced to each tolerance: modes, estimates over exact errors, proof, cost."""
+"""The bodies of [Han2020] reduced to each tolerance: modes, estimates, exact errors, verification, cost."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ ESTIMATORS: Mapping[str, EigenvalueErrorEstimator] = {
 
 
 class Seconds(NamedTuple):
-    """Wall and processor time of a step; they differ under other load of the computer."""
+    """Wall and processor time of a step; the two differ if the computer has other load."""
 
     wall: float
     cpu: float
@@ -60,11 +60,11 @@ class ToleranceResult:
     estimated_modes : {estimator: number of modes}, not verified; "exact" is the number by exact errors
     exact, proven : (N,)            exact errors, and their verified bounds
     estimates : {estimator: (N,)}   with `modes` modes
-    counts : number of inertia counts, each verifying its eigenvalues; counted: whether all were verified so
-    seconds, seconds_one_by_one : the whole reduction with verification, with either search
-    seconds_plain : one reduction with as many modes, without search or proof
+    counts : number of inertia counts;   counted : whether they verify all eigenvalues
+    seconds, seconds_one_by_one : the whole reduction with verification, by bisection and one mode at a time
+    seconds_plain : one reduction with as many modes, without search or verification
     same_answer : whether both searches give equal numbers of modes
-    steps, n_one_by_one : the steps of one search, the number of steps of the other
+    steps, n_one_by_one : steps of the bisection; number of steps of the search one mode at a time
     """
 
     tolerance: float
@@ -143,12 +143,12 @@ def _at_tolerance(
     one_size.vectors(one_size.vibrations(n_kept, n_modes))
     times.append(_now())
     searched, searched_one_by_one, plain = (Seconds(*row) for row in np.diff(times, axis=0).tolist())
-    asked = {name: _asked(family, tolerance, n_modes, one) for name, one in ESTIMATORS.items()}
+    required = {name: _required(family, tolerance, n_modes, one) for name, one in ESTIMATORS.items()}
     counts = count_eigenvalues(body, reduced.values, tolerance)
     return ToleranceResult(
         tolerance=tolerance,
         modes=n_kept,
-        estimated_modes={**asked, "exact": _asked(family, tolerance, n_modes, known)},
+        estimated_modes={**required, "exact": _required(family, tolerance, n_modes, known)},
         exact=family.errors(n_kept, n_modes, known),
         proven=reduced.errors,
         estimates={name: family.errors(n_kept, n_modes, one) for name, one in ESTIMATORS.items()},
@@ -167,7 +167,7 @@ def _now() -> tuple[float, float]:
     return perf_counter(), process_time()
 
 
-def _asked(
+def _required(
     family: CraigBamptonFamily, tolerance: float, n_modes: int, estimator: EigenvalueErrorEstimator
 ) -> int:
     def trial(n_kept: int) -> SearchStep:

@@ -25,7 +25,7 @@ from supple_benchmarks.explicit.dual_coupling import (
 __all__ = ["dual_against_primal", "multi_time_steps"]
 
 LIMIT = 0.5
-"""Below the step limit of the elements, s."""
+"""A time step below the step limit of the elements, s."""
 
 
 class _Halves(NamedTuple):
@@ -39,7 +39,7 @@ class _Halves(NamedTuple):
 
 @cache
 def _halves() -> _Halves:
-    """First half clamped, with 27 interface and 12 fixed-interface modes diagonalised; second of elements."""
+    """First half clamped, in 27 constraint and 12 fixed-interface modes; second half in elements."""
     mesh = block(4, 2, 2, 4, 2, 2, CellType.TETRA4)
     model = solid_model(mesh, Isotropic(1.0, 0.3, 1.0))
     K, m = model.stiffness.toarray(), lumped_mass(model)
@@ -116,7 +116,7 @@ def dual_against_primal(_quick: bool) -> float:
 
 
 def multi_time_steps(quick: bool) -> list[dict[str, Any]]:
-    """Displacement error over amplitude, relative change of energy, velocity gap."""
+    """Displacement error over amplitude, relative change of energy, difference of interface velocities."""
     rows = []
     n = 4000 if quick else 12000
     for case in ("smooth", "pulse"):

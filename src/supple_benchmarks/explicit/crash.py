@@ -1,4 +1,4 @@
-"""A bar whose front is crushed on a wall while the rest vibrates: all of elements, or with a modal rest."""
+"""A bar whose nose is crushed on a wall while the rest vibrates: the rest in elements, or in modes."""
 
 from __future__ import annotations
 
@@ -39,14 +39,14 @@ _NOSE, _REST = "nose", "rest"
 
 
 def _models(n: int, long: int) -> tuple[FiniteElementModel, FiniteElementModel]:
-    """The rest, 1 m of tetrahedra, and the front, 0.2 m of hexahedra, on the same grid of the section."""
+    """The rest, 1 m of tetrahedra, and the nose, 0.2 m of hexahedra, with the same grid of the section."""
     rest = block(1.0, 0.1, 0.1, long, n, n, CellType.TETRA4)
     nose = block(0.2, 0.1, 0.1, max(n, 2), n, n, CellType.HEXA8)
     moved = Mesh(nose.nodes + np.array([1.0, 0.0, 0.0]), nose.cells, nose.node_sets)
     return solid_model(rest, ALUMINIUM), solid_model(moved, ALUMINIUM)
 
 
-_TURNS = 3
+_REPETITIONS = 3
 
 
 def _size(engine: ExplicitEngine) -> float:
@@ -56,19 +56,19 @@ def _size(engine: ExplicitEngine) -> float:
 
 
 def _seconds(engines: Sequence[ExplicitEngine], span: Run) -> list[float]:
-    """Processor seconds of each, after compilation: the minimum of several alternating runs."""
-    turns = []
-    for _ in range(_TURNS):
-        turns.append([])
+    """Processor seconds of each engine, after compilation: the minimum of several alternating runs."""
+    seconds = []
+    for _ in range(_REPETITIONS):
+        seconds.append([])
         for engine in engines:
             began = process_time()
             run(engine, span.times)
-            turns[-1].append(process_time() - began)
-    return np.min(turns, axis=0).tolist()
+            seconds[-1].append(process_time() - began)
+    return np.min(seconds, axis=0).tolist()
 
 
 def crash(quick: bool) -> dict[str, float]:
-    """Processor seconds of both, largest displacement difference over the largest displacement, memory."""
+    """Processor seconds of both models, largest difference over largest displacement, memory ratio."""
     n, long = (4, 40) if quick else (8, 80)
     rest, nose = _models(n, long)
     law = J2Plasticity(ALUMINIUM, LinearHardening(100e6, 300e6))

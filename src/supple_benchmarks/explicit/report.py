@@ -10,11 +10,11 @@ from supple_benchmarks.table import Table
 __all__ = ["tables"]
 
 _TITLES = {
-    "free_flight": "Free flight over 20 turns; brake of the published scheme over 2 pi Omega h a turn",
-    "step_limit": "Step limit of free modes, and of clamped ones over (27)",
-    "multi_time_step": "Several time steps against one",
+    "free_flight": "Free flight, 20 revolutions; deceleration by the published scheme over 2 pi Omega h each",
+    "step_limit": "Step over limit of free modes: stable, unstable; true limit over (27) for clamped modes",
+    "multi_time_step": "Several time steps compared with one",
     "taylor_bar": "Taylor bar, copper, 227 m/s (published: 21.4 to 21.7 mm, 6.9 to 7.3 mm)",
-    "crash": "Crushing part with a modal rest, against all elements",
+    "crash": "Crushed nose with a modal rest, compared with all elements",
     "throughput": "Throughput on one core",
 }
 

@@ -30,8 +30,8 @@ def run_explicit(quick: bool, announce: Announce) -> Iterator[dict[str, Any]]:
     """The report, ready for JSON, after every study; its keys must not change."""
     report: dict[str, Any] = {"quick": quick, "machine": describe_computer()}
     for key, (label, study) in _STUDIES.items():
-        told = announce(label)
-        told(0.0)
+        progress = announce(label)
+        progress(0.0)
         report[key] = study(quick)
-        told(1.0)
+        progress(1.0)
         yield report

@@ -31,7 +31,7 @@ N_LENGTH = 24
 
 
 def agreement_rows(quick: bool) -> Iterator[dict[str, Any]]:
-    """Error of the tip against the elastica, over its deflection; then that of the blade."""
+    """Rows of the strip, with the error of the tip against the elastica over the deflection; of the blade."""
     for method in METHODS:  # compile the programs before measuring time
         tip_by(method, 0.05)
     for rotation in (0.29, 0.87) if quick else (0.01, 0.03, 0.1, 0.29, 0.57, 0.87, 1.2, 1.5):
@@ -43,7 +43,7 @@ def agreement_rows(quick: bool) -> Iterator[dict[str, Any]]:
 def tip_by(method: str, rotation: float) -> dict[str, Any]:
     """A row of the report: the tip of the strip by a method, at a rotation of the tip, rad.
 
-    The error is None where a method finds no equilibrium: one floating frame at too large rotations.
+    The error is None if the method finds no equilibrium, as with one floating frame at too large rotations.
     """
     force, exact = _force_that_turns(rotation)
     began = process_time()

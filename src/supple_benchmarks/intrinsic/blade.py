@@ -1,8 +1,8 @@
 """The 61.5 m blade in equilibrium under one to three times its mean wind load, by seven methods.
 
-The load is dead, on the nodes of the leading edge; the root is clamped. Errors are distances of the tip from
-the full model in mean axes, over its deflection. At the rated load CalculiX, which uses no floating frame,
-agrees with that model to 0.15 % (docs/blade_benchmark.md).
+The load is dead, on the nodes of the leading edge; the root is clamped. The error is the distance of the tip
+from that of the full model in mean axes, over the deflection. At the rated load CalculiX, which uses no
+floating frame, agrees with that model to 0.15 % (docs/blade_benchmark.md).
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ CLAMP = Fixed(first="ground", second=f"{BODY}.root", name="clamp")
 REFERENCE = "full, mean-axis"
 
 
-class Held(NamedTuple):
+class ClampedBlade(NamedTuple):
     """The blade clamped at its root, and a load on nodes."""
 
     model: FiniteElementModel
@@ -80,24 +80,24 @@ class Held(NamedTuple):
 
 
 def blade_rows(quick: bool) -> Iterator[dict[str, Any]]:
-    """One row per method and load; error None where a method, or the full model, finds no equilibrium."""
+    """One row per method and load; the error is None if the method or the full model has no equilibrium."""
     blade = Blade(COARSE_GRID) if quick else Blade()
     n_stations, n_modes = (13, 60) if quick else (31, 80)
     model = shell_model(blade.mesh, SECTION, kinematics=GREEN_LAGRANGE)
     body = flexible_body(BODY, model, ENDS)
     wind = blade.steady_load(body, RATED)[:, 0].reshape(len(body.nodes), -1)[blade.leading_edge, :3]
     tip = np.asarray(blade.mesh.nodes_of("tip"))
-    methods: dict[str, Callable[[Held], Array]] = {
-        REFERENCE: lambda held: _full(held, MeanAxisFrame()),
-        "full, nodal-fixed": lambda held: _full(held, NodalFixedFrame("root")),
-        "floating, mean-axis": lambda held: _floating(held, MeanAxisFrame()),
-        "floating, nodal-fixed": lambda held: _floating(held, NodalFixedFrame("root")),
-        "split, full": lambda held: _split(held, lambda part, _, frame: FullBody(part, frame)),
-        "split, reduced": lambda held: _split(held, _reduced),
-        "intrinsic": lambda held: _intrinsic(held, n_stations, n_modes),
+    methods: dict[str, Callable[[ClampedBlade], Array]] = {
+        REFERENCE: lambda clamped: _full(clamped, MeanAxisFrame()),
+        "full, nodal-fixed": lambda clamped: _full(clamped, NodalFixedFrame("root")),
+        "floating, mean-axis": lambda clamped: _floating(clamped, MeanAxisFrame()),
+        "floating, nodal-fixed": lambda clamped: _floating(clamped, NodalFixedFrame("root")),
+        "split, full": lambda clamped: _split(clamped, lambda part, _, frame: FullBody(part, frame)),
+        "split, reduced": lambda clamped: _split(clamped, _reduced),
+        "intrinsic": lambda clamped: _intrinsic(clamped, n_stations, n_modes),
     }
     for factor in (1, 3) if quick else (1, 1.4, 3):
-        held = Held(model, body, blade.leading_edge, factor, factor * wind, tip)
+        clamped = ClampedBlade(model, body, blade.leading_edge, factor, factor * wind, tip)
         exact: Array | None = None
         rotation: float | None = None
         for method, places in methods.items():
@@ -105,7 +105,7 @@ def blade_rows(quick: bool) -> Iterator[dict[str, Any]]:
             error: float | None = None
             tip_moved: list[float] | None = None
             with suppress(ConvergenceError):
-                at = places(held)
+                at = places(clamped)
                 moved = (at - body.nodes[tip]).mean(axis=0)
                 rotation = rotation or _turn(body.nodes[tip], at)  # of the first method with an equilibrium
                 if method == REFERENCE:
@@ -130,12 +130,12 @@ def _turn(rest: Array, moved: Array) -> float:
     return float(found.magnitude())
 
 
-def _full(held: Held, frame: Frame) -> Array:
-    return _rested(held, FullBody(held.body, frame))
+def _full(clamped: ClampedBlade, frame: Frame) -> Array:
+    return _rested(clamped, FullBody(clamped.body, frame))
 
 
-def _floating(held: Held, frame: Frame) -> Array:
-    return _rested(held, _reduced(held.body, held.nodal, frame))
+def _floating(clamped: ClampedBlade, frame: Frame) -> Array:
+    return _rested(clamped, _reduced(clamped.body, clamped.nodal, frame))
 
 
 def _reduced(body: FlexibleBody, nodal: Array, frame: Frame) -> ReducedBody:
@@ -149,43 +149,43 @@ def _reduced(body: FlexibleBody, nodal: Array, frame: Frame) -> ReducedBody:
     )
 
 
-def _rested(held: Held, form: Any) -> Array:
+def _rested(clamped: ClampedBlade, form: Any) -> Array:
     """The tip of the body in equilibrium; the load is increased in steps."""
     placed = Placed(form)
-    for share in _shares(held):
-        (placed,) = equilibrium(held.system(placed, share), search=SEARCH, fulls=()).system.bodies
-    return placed.positions(held.tip)
+    for share in _shares(clamped):
+        (placed,) = equilibrium(clamped.system(placed, share), search=SEARCH, fulls=()).system.bodies
+    return placed.positions(clamped.tip)
 
 
-def _split(held: Held, form: Callable[[FlexibleBody, Array, Frame], Any]) -> Array:
-    """The tip of four bodies along the span, each with a frame at its inner end; the load grows in steps."""
-    split = split_body(BODY, held.model, AlongAxis(N_PARTS, (0, 0, 1)), ENDS)
+def _split(clamped: ClampedBlade, form: Callable[[FlexibleBody, Array, Frame], Any]) -> Array:
+    """The tip of a chain of four bodies with frames at their inner ends; the load is increased in steps."""
+    split = split_body(BODY, clamped.model, AlongAxis(N_PARTS, (0, 0, 1)), ENDS)
     bodies, loads = [], []
-    carried = np.zeros(len(held.nodes), dtype=bool)
+    carried = np.zeros(len(clamped.nodes), dtype=bool)
     for number, (part, members) in enumerate(zip(split.parts, split.mesh.parts, strict=True)):
-        own = np.isin(held.nodes, members.nodes) & ~carried
+        own = np.isin(clamped.nodes, members.nodes) & ~carried
         carried |= own
-        nodes = members.numbers(held.nodes[own])
+        nodes = members.numbers(clamped.nodes[own])
         nodal = np.zeros((len(part.nodes), part.dofs_per_node))
-        nodal[nodes, :3] = held.forces[own]
+        nodal[nodes, :3] = clamped.forces[own]
         inner = "root" if number == 0 else f"cut-{number}"
         bodies.append(Placed(form(part, nodal.ravel(), NodalFixedFrame(inner))))
-        loads.append((part.name, nodes, held.forces[own]))
+        loads.append((part.name, nodes, clamped.forces[own]))
     clamp = Fixed(first="ground", second=f"{bodies[0].body.name}.root", name="clamp")
-    for share in _shares(held):
+    for share in _shares(clamped):
         forces = [DeadForce(body=name, at=nodes, force=share * force) for name, nodes, force in loads]
         system = System(bodies, [clamp, *split.joints], forces)
         bodies = list(equilibrium(system, search=SEARCH, fulls=()).system.bodies)
-    return bodies[-1].positions(split.mesh.parts[-1].numbers(held.tip))
+    return bodies[-1].positions(split.mesh.parts[-1].numbers(clamped.tip))
 
 
-def _shares(held: Held) -> Array:
+def _shares(clamped: ClampedBlade) -> Array:
     """Increasing fractions of the load, in steps of at most the mean wind load."""
-    n = int(np.ceil(held.factor))
+    n = int(np.ceil(clamped.factor))
     return np.arange(1, n + 1) / n
 
 
-def _intrinsic(held: Held, n_stations: int, n_modes: int) -> Array:
-    body = condense(held.body, LoadPath("root", "tip", n_stations), n_modes=n_modes)
-    rest = equilibrium(held.system(body)).solution.bodies[BODY]
-    return body.positions(rest, held.tip)[0]
+def _intrinsic(clamped: ClampedBlade, n_stations: int, n_modes: int) -> Array:
+    body = condense(clamped.body, LoadPath("root", "tip", n_stations), n_modes=n_modes)
+    rest = equilibrium(clamped.system(body)).solution.bodies[BODY]
+    return body.positions(rest, clamped.tip)[0]

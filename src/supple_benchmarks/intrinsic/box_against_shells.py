@@ -1,7 +1,8 @@
 """Large vibrations of the box beam on stations, against its full shell model: table 2 of [Wang2015].
 
-Both start with the velocity of the same modes. The shells move in one floating frame at the clamp, undamped
-except for a spectral radius of 0.9; their walls can warp and buckle, unlike those of the paper.
+Both start with the same velocity, that of the modes on stations. The shells move in one floating frame at the
+clamp; the only damping is a spectral radius of 0.9. Their walls can warp and buckle, unlike those of the
+paper.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from supple.simulation import simulate
 __all__ = ["box_against_shells", "parabolic_velocity"]
 
 SPEEDS = (0.02, 0.5, 1.0, 2.0)
-"""Of the tip, equal across the beam and upwards."""
+"""Initial velocity of the tip, equal in both directions across the beam."""
 OUTPUT, STEP = 0.1, 0.01
 N_STATIONS, N_MODES = 41, 100
 CLAMP = Fixed(first="ground", second="box.root")
@@ -40,7 +41,7 @@ def parabolic_velocity(body: IntrinsicBody, speed: float) -> np.ndarray:
 
 
 def box_against_shells(shells: FlexibleBody, tip: np.ndarray, quick: bool) -> Iterator[dict[str, Any]]:
-    """Largest distance of the tip, over its largest displacement, by speed; None if the shells stop early."""
+    """Largest tip distance over largest displacement, for each speed; None if the shells stop early."""
     body = condense(shells, LoadPath("root", "tip", N_STATIONS), n_modes=N_MODES)
     duration = 0.5 if quick else 2.0
     for speed in SPEEDS[: 1 if quick else None]:

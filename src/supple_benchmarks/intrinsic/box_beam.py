@@ -1,6 +1,6 @@
 """The box beam of [Wang2015] 5.1: a shell model on stations, its frequencies and a large free vibration.
 
-The first axial mode is among the modes of the walls, and is searched there.
+The first axial frequency of the shells lies among those of wall modes; it is searched separately.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ __all__ = ["box_beam"]
 
 N_FREQUENCIES = 10
 SPEED = 3.0
-"""Of the tip, equal across and upwards: a large vibration."""
+"""Initial velocity of the tip, equal in both directions across the beam: a large vibration."""
 N_AMPLITUDES = 6
 N_OUTPUTS = 100
 NEAR = 8
@@ -90,7 +90,7 @@ def box_on_stations(shells: FlexibleBody, quick: bool) -> IntrinsicBody:
 
 
 def large_vibration(body: IntrinsicBody, quick: bool) -> dict[str, Any]:
-    """Displacement of the tip over time, and the amplitudes q_2 of the modes with the largest amplitudes."""
+    """Displacement of the tip over time, and the amplitudes q_2 of the modes where they are largest."""
     vibration = _vibration(body, SPEED, 0.5 if quick else 2.5)
     q2 = body.forces_of(vibration.coordinates)
     highest = np.sort(np.argsort(-np.abs(q2).max(axis=0))[:N_AMPLITUDES])
@@ -101,7 +101,7 @@ def large_vibration(body: IntrinsicBody, quick: bool) -> dict[str, Any]:
 
 
 def _axial(shells: FlexibleBody, stations: float) -> tuple[str, float, float]:
-    """First axial frequency, on stations and of shells: the one nearby with the largest axial tip motion."""
+    """First axial frequency on stations, and the nearby one of the shells with the largest axial motion."""
     held = shells.interface("root").motion.tocsr().indices  # the six degrees of freedom of the tie
     free = np.setdiff1d(np.arange(shells.n), held)
     K, M = (matrix.tocsc()[free][:, free] for matrix in (shells.stiffness, shells.mass))
@@ -111,7 +111,7 @@ def _axial(shells: FlexibleBody, stations: float) -> tuple[str, float, float]:
 
 
 def _from_linear(body: IntrinsicBody, duration: float) -> float:
-    """Difference of a vibration with 1e-3 of the velocity from the linear one, over its maximum."""
+    """Difference of a vibration with 1e-3 of the initial velocity from the linear one, over the maximum."""
     speed = 1e-3 * SPEED
     vibration, omega = _vibration(body, speed, duration), body.modes.omega
     amplitudes = parabolic_velocity(body, speed) / omega * np.sin(np.outer(vibration.times, omega))

@@ -41,7 +41,7 @@ def dense_couplings(model: LineModel) -> DenseCouplings:
 def dense_rates(
     model: LineModel, couplings: DenseCouplings, q1: jax.Array, q2: jax.Array
 ) -> tuple[jax.Array, jax.Array]:
-    """Rates (m,) and (e,) of an unloaded line: the same numbers as `line_rates`, without damping.
+    """Rates (m,) and (e,) of an unloaded, undamped line, equal to those of `line_rates`.
 
     Source: [Wang2015] (12)-(14).
     """

@@ -1,7 +1,7 @@
 """A flexible U in free flight: its centre of mass, truncated and residual modes, snapshots.
 
-The load history of [Wang2015] 5.2 is missing in our copy of the text. Chosen: a dead force on one tip of 60
-along z and 30 along x, a triangle over 4 s, in consistent units.
+The load history of [Wang2015] 5.2 is missing in our copy of the text. The load chosen here is a dead force on
+one tip, 60 along z and 30 along x at its peak, a triangle in time over 4 s, in consistent units.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def _shown(flight: tuple[np.ndarray, Any]) -> dict[str, Any]:
 
 
 def _stable_steps(body: IntrinsicBody) -> list[dict[str, float]]:
-    """The longest step of Runge-Kutta by the number of modes, truncated or residual alike, s."""
+    """Longest stable Runge-Kutta step by the number of retained modes, truncated or residual, s."""
     return [
         {"kept": kept, "dt_max": _longest_step(body, kept)}
         for kept in range(12, len(body.modes.omega) + 1, 6)
@@ -93,7 +93,7 @@ def _longest_step(body: IntrinsicBody, kept: int | None = None) -> float:
 
 
 def _centre_error(body: IntrinsicBody, flight: tuple[np.ndarray, Any]) -> float:
-    """Root-mean-square distance over time, m, from twice the integrated force over the mass."""
+    """Root-mean-square distance over time, m, of the centre of mass from its exact path under the force."""
     times, (rotations, places) = flight
     masses = body.line.station_masses
     assert masses is not None
@@ -122,7 +122,7 @@ def _flown(body: IntrinsicBody, rule: Any, *, kept: int | None = None) -> tuple[
 
 
 def _lowest_alone(body: IntrinsicBody, kept: int) -> IntrinsicBody:
-    """As in the paper: the lowest modes, without modes of second order."""
+    """The body with the lowest modes only, without modes of second order, as in the paper."""
     e = kept - body.modes.n_rigid
     own = body.expansion
     expansion = replace(own, modes=own.modes[..., :e], warping=own.warping[..., :e])
@@ -130,9 +130,9 @@ def _lowest_alone(body: IntrinsicBody, kept: int) -> IntrinsicBody:
 
 
 def _residual_rows(body: IntrinsicBody, flight: tuple[np.ndarray, Any], quick: bool) -> list[dict[str, Any]]:
-    """Positions of all stations compared with those of all modes, root mean square over time, m.
+    """RMS errors of the positions of all stations with truncated and with residual modes, m.
 
-    flight : of all modes
+    flight : with all modes, the reference
     """
     _, (_, whole) = flight
     rows = []

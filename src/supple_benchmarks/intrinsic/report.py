@@ -17,20 +17,20 @@ def tables(report: Mapping[str, Any]) -> list[Table]:
         "Phi_1": report["orthonormality"]["phi1"],
         "Phi_2": report["orthonormality"]["phi2"],
         "energy drift": report["energy_drift"],
-        "small vibration of the box from the linear": report["box_beam"]["small_from_linear"],
+        "small vibration of the box, from linear": report["box_beam"]["small_from_linear"],
         "order, elastica": report["elastica_order"],
         "order, centre of mass": flying["order"],
     }
     return [
-        _rows("Defects of orthonormality, drift of the energy, small against linear, orders", [numbers]),
+        _rows("Errors of orthonormality, energy and a small vibration; convergence orders", [numbers]),
         _rows("The elastica, P L^2 / E I = 10: error of the tip over the length", report["elastica"]),
         _rows("The bend of 45 degrees", [dict(zip("xyz", report["simo45"]["tip"], strict=True))]),
         _rows("The box beam's frequencies, rad/s", report["box_beam"]["frequencies"]),
         _rows("The box on stations compared with its shell model", report["box_beam"]["against_shells"]),
         _rows("The U's centre of mass, by stations", [flying["com_error"]]),
         _rows("Truncated and residual modes of the U", flying["residualised"]),
-        _rows("A strip through four methods, against the elastica", report["agreement"]),
-        _rows("Microseconds of a step", report["speed"]),
+        _rows("A strip by four methods against the elastica; the blade", report["agreement"]),
+        _rows("Microseconds per step", report["speed"]),
     ]
 
 

@@ -25,9 +25,9 @@ _STUDIES: Mapping[str, tuple[str, Callable[[bool], Any]]] = {
     "elastica": ("the elastica", lambda quick: list(elastica_rows(quick))),
     "simo45": ("the bend of 45 degrees", lambda _: bend_of_45_degrees()),
     "box_beam": ("the box beam", box_beam),
-    "u_beam": ("the U that flies", flying_u),
-    "agreement": ("a strip through four methods", lambda quick: list(agreement_rows(quick))),
-    "speed": ("steps of Runge and Kutta", lambda quick: list(speed_rows(quick))),
+    "u_beam": ("the flying U", flying_u),
+    "agreement": ("a strip by four methods", lambda quick: list(agreement_rows(quick))),
+    "speed": ("Runge-Kutta steps", lambda quick: list(speed_rows(quick))),
 }
 
 
@@ -35,17 +35,17 @@ def run_intrinsic(quick: bool, announce: Announce) -> Iterator[dict[str, Any]]:
     """The report, ready for JSON, after every study; its keys must not change."""
     report: dict[str, Any] = {"quick": quick, "machine": describe_computer()}
     for key, (label, study) in _STUDIES.items():
-        told = announce(label)
-        told(0.0)
+        progress = announce(label)
+        progress(0.0)
         report[key] = study(quick)
         if key == "elastica":
             report["elastica_order"] = order_of(report[key])
-        told(1.0)
+        progress(1.0)
         yield report
 
 
 def _orthonormality(n: int) -> dict[str, float]:
-    """Deviation of the Gram matrices of Phi_1 and Phi_2 from unity, all modes of an n-segment cantilever."""
+    """Deviation of the Gram matrices of Phi_1 and Phi_2 from identity, for all modes of a cantilever."""
     points = np.linspace(0, 2, n + 1)[:, None] * np.eye(3)[0]
     line = beam_line("beam", points, axial=1e5, bending=10.0, torsion=8.0, mass=1.3, radius=0.02)
     first, second = intrinsic_modes(line, CLAMPED).orthonormality

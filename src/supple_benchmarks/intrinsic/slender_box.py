@@ -1,7 +1,7 @@
 """The box beam as a slender thin-walled beam: frequencies and modes in closed form.
 
-The section table is missing in our copy of the text. Chosen: length 20, walls 1.0 by 0.1 between
-mid-surfaces, 0.01 thick, E = 1e6, Poisson's ratio 0.3, density 1, in consistent units.
+The section table of [Wang2015] is missing in our copy of the text. Values chosen here: length 20, walls 1.0
+by 0.1 between mid-surfaces, 0.01 thick, E = 1e6, Poisson's ratio 0.3, density 1, in consistent units.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ TORSION = 2 * (WIDTH * HEIGHT) ** 2 * WALL / (WIDTH + HEIGHT) * E / (2 * (1 + NU
 
 
 def slender_frequency(kind: str, rank: int) -> float:
-    """A frequency of the clamped beam, rad/s: Euler-Bernoulli, in torsion Bredt.
+    """A frequency of the clamped beam, rad/s: Euler-Bernoulli in bending, Bredt in torsion.
 
     kind : "axial", "chordwise", "flapwise" or "torsion";   rank : from 0 on
     """

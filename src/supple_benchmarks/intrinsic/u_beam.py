@@ -1,6 +1,7 @@
 """The U-beam of [Wang2015] 5.2: three legs of 5 m with a solid section, free.
 
-Chosen: width and height of the legs equal to one cell of the mesh, E = 3e5, density 10, in consistent units.
+Values chosen here: width and height of the legs of one cell of the mesh, E = 3e5, density 10, in consistent
+units.
 """
 
 from __future__ import annotations

@@ -32,14 +32,14 @@ def weak_bending() -> float:
 
 
 def beam_stiffness() -> np.ndarray:
-    """E A, G A k (both directions), G J, E I about y (weak) and z (strong) of the beam, for its reference."""
+    """E A, G A k (both directions), G J, E I about y (weak) and z (strong), for the reference beam."""
     E, G = MATERIAL.youngs_modulus, MATERIAL.shear_modulus
     shear = G * AREA * SHEAR_FACTOR
     return np.array([E * AREA, shear, shear, G * TWIST, E * WEAK, E * STRONG])
 
 
 def box_of_beams(n_length: int) -> FiniteElementModel:
-    """Along x; node sets root and tip."""
+    """The box as beams along x; node sets root and tip."""
     nodes = np.linspace(0, BOX_LENGTH, n_length + 1)[:, None] * np.eye(3)[0]
     cells = np.column_stack([np.arange(n_length), np.arange(1, n_length + 1)])
     sets = {"root": np.array([0]), "tip": np.array([n_length])}
@@ -47,6 +47,6 @@ def box_of_beams(n_length: int) -> FiniteElementModel:
 
 
 def box_of_walls(n_length: int = 16) -> FiniteElementModel:
-    """Closed walls; node sets root and tip are rings."""
+    """The box as shells; node sets root and tip are rings."""
     mesh = box_beam(length=BOX_LENGTH, width=WIDTH, height=HEIGHT, n_length=n_length, n_width=2, n_height=2)
     return shell_model(mesh, HomogeneousSection(MATERIAL, WALL))

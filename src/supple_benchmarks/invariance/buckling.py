@@ -43,7 +43,7 @@ def critical_load(model: FiniteElementModel, weights: NDArray[np.float64], expec
             q[kept] += change
             if np.abs(change).max() < 1e-10:
                 return float(np.linalg.eigvalsh(tangent)[0])
-        raise ConvergenceError(f"the strip found no rest under {force:.4g} N in its plane")
+        raise ConvergenceError(f"no equilibrium of the strip under {force:.4g} N in its plane")
 
     found = brentq(lowest, 0.7 * expected, 1.2 * expected, xtol=1e-5 * expected)
     assert isinstance(found, float)

@@ -13,7 +13,7 @@ from supple_benchmarks.invariance.strip import (
     BENDING,
     LENGTH,
     TORSION,
-    HeldStrip,
+    ClampedStrip,
     beam_model,
     force_for_rotation,
     strip_model,
@@ -41,28 +41,28 @@ def bent_strips(quick: bool) -> Iterator[dict[str, Any]]:
 
 
 def turned_strips(quick: bool) -> Iterator[dict[str, Any]]:
-    """Energy of the bent or twisted strip in a frame rotated about an axis, over that in its own frame.
+    """Energy of the bent or twisted strip in a frame rotated about an axis, over that in its root's frame.
 
     `tip_moved` is the change of the tip position under the same load, over the deflection.
     """
-    held = HeldStrip(10 if quick else 20)
-    tip = held.mesh.nodes_of("tip_centre")[0]
+    strip = ClampedStrip(10 if quick else 20)
+    tip = strip.mesh.nodes_of("tip_centre")[0]
     loads = {
-        "bent": held.tip_force([0, 0, force_for_rotation(BENDING, LENGTH, 0.291)[0]]),
-        "twisted": held.tip_couple(0.3 * TORSION / LENGTH),
+        "bent": strip.tip_force([0, 0, force_for_rotation(BENDING, LENGTH, 0.291)[0]]),
+        "twisted": strip.tip_couple(0.3 * TORSION / LENGTH),
     }
     for case, load in loads.items():
-        motion = held.bent(load)
-        own = held.energy(np.zeros(3), motion)
+        motion = strip.bent(load)
+        own = strip.energy(np.zeros(3), motion)
         size = np.linalg.norm(motion[tip, :3]) if case == "bent" else LENGTH * abs(motion[tip, 3])
         for axis, direction in zip("xyz", np.eye(3), strict=True):
             turn = TURN * direction
-            moved = held.seen_from(turn, load, motion) - motion
+            moved = strip.seen_from(turn, load, motion) - motion
             yield {
                 "element": "shell",
                 "case": case,
                 "axis": axis,
                 "turn_rad": TURN,
-                "energy_ratio": held.energy(turn, motion) / own,
+                "energy_ratio": strip.energy(turn, motion) / own,
                 "tip_moved": float(np.linalg.norm(moved[tip, :3]) / size),
             }

@@ -50,8 +50,8 @@ def locked_bodies(quick: bool) -> Iterator[dict[str, Any]]:
             for case, forces in _loads(body).items():
                 yield _row(body, frame, case, forces, RECIPES[frame])
                 if case == "torsion":
-                    with_answer = StaticCorrection(RECIPES[frame], _nodal(body, forces))
-                    yield _row(body, frame, f"{case}, its answer a column", forces, with_answer)
+                    with_response = StaticCorrection(RECIPES[frame], _nodal(body, forces))
+                    yield _row(body, frame, f"{case}, its static response a column", forces, with_response)
 
 
 def _loads(body: FlexibleBody) -> dict[str, np.ndarray]:

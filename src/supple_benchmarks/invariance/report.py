@@ -16,7 +16,7 @@ _TITLES = {
     "tie": "A box with a rotated rigid root",
     "damping": "A damped box in two frames: difference relative to its deflection",
     "curvature": "A clamped strip against the elastica, frame on the root",
-    "turned_element": "The same strip in frames rotated against its root",
+    "turned_element": "The same strip in frames rotated relative to its root",
     "split": "A clamped strip against the elastica, split into k bodies",
 }
 

@@ -21,10 +21,10 @@ __all__ = ["run_invariance"]
 
 _ROWS: Mapping[str, tuple[str, Callable[[bool], Iterator[dict[str, Any]]]]] = {
     "locking": ("bodies on bases of fixed size", locked_bodies),
-    "tie": ("boxes whose tied root turns", tied_boxes),
+    "tie": ("boxes with a rotated root", tied_boxes),
     "damping": ("damped boxes in two frames", damped_boxes),
-    "curvature": ("strips bent far", bent_strips),
-    "turned_element": ("strips in turned frames", turned_strips),
+    "curvature": ("strips in large bending", bent_strips),
+    "turned_element": ("strips in rotated frames", turned_strips),
     "split": ("strips split into bodies", split_strips),
 }
 _NUMBERS: Mapping[str, tuple[str, Callable[[bool], dict[str, Any]]]] = {
@@ -37,19 +37,19 @@ def run_invariance(quick: bool, announce: Announce) -> Iterator[dict[str, Any]]:
     """The report, ready for JSON, after every study; its keys must not change."""
     report: dict[str, Any] = {"quick": quick, "machine": describe_computer()}
     for key, (label, study) in _ROWS.items():
-        told = announce(label)
-        told(0.0)
+        progress = announce(label)
+        progress(0.0)
         report[key] = list(study(quick))
-        told(1.0)
+        progress(1.0)
         yield report
     for key, (label, study) in _NUMBERS.items():
-        told = announce(label)
-        told(0.0)
+        progress = announce(label)
+        progress(0.0)
         report[key] = study(quick)
-        told(1.0)
+        progress(1.0)
         yield report
-    told = announce("the blade at rest")
-    told(0.0)
-    rests = blade_at_rest(Blade(COARSE_GRID) if quick else Blade(), told)
+    progress = announce("the blade at rest")
+    progress(0.0)
+    rests = blade_at_rest(Blade(COARSE_GRID) if quick else Blade(), progress)
     report["blade_static"] = {frame: rest.tip for frame, rest in rests.items()}
     yield report

@@ -27,7 +27,7 @@ __all__ = [
     "LENGTH",
     "TORSION",
     "WARPING",
-    "HeldStrip",
+    "ClampedStrip",
     "beam_model",
     "force_for_rotation",
     "strip_mesh",
@@ -93,7 +93,7 @@ def rotated_rigidly(mesh: Mesh, motion: Array, around: Rotation) -> Array:
     return np.column_stack([moved, (around * Rotation.from_rotvec(motion[:, 3:])).as_rotvec()])
 
 
-class HeldStrip:
+class ClampedStrip:
     """The strip with an exactly prescribed root, which may be rotated relative to the frame."""
 
     def __init__(self, n_length: int = 20, wall: ShellSection = WALL) -> None:
@@ -146,5 +146,5 @@ class HeldStrip:
                 if np.abs(change).max() < 1e-9:
                     break
             else:
-                raise ConvergenceError(f"the strip found no rest at {share:.2g} of its load")
+                raise ConvergenceError(f"no equilibrium of the strip at {share:.2g} of its load")
         return q

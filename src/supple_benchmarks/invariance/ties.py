@@ -1,4 +1,4 @@
-"""A body whose rigid root rotates relative to its frame: spurious energy of the tie without strain."""
+"""A body whose rigid root rotates relative to its frame: spurious strain energy due to the tie."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ DEFLECTION = 0.09
 def tied_boxes(quick: bool) -> Iterator[dict[str, Any]]:
     """Energy of the unloaded box with rotated root; difference between the frames under load.
 
-    `mean_axis_against_nodal_fixed` is the difference of the tips over the deflection, of the same box.
+    `mean_axis_against_nodal_fixed` is the difference of the tip positions over the deflection, under load.
     """
     body = clamped_body("box", box_of_walls(8 if quick else 16))
     apart = _frames_apart(body)
@@ -63,7 +63,7 @@ def turned_energy(body: FlexibleBody, turn: np.ndarray) -> float:
         q[free] += change
         if np.abs(change).max() < 1e-9:
             return float(body.assembly.energy(q))
-    raise ConvergenceError(f"body '{body.name}' found no rest with its root turned by {turn}")
+    raise ConvergenceError(f"no equilibrium of body '{body.name}' with its root rotated by {turn}")
 
 
 def _frames_apart(body: FlexibleBody) -> float:

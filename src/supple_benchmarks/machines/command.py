@@ -30,7 +30,7 @@ class Element(StrEnum):
         return f"TETRA{self.value.removeprefix('tet')}"
 
 
-MachineElement = Annotated[Element, typer.Option(help="Of the flexible body; --quick takes tet4.")]
+MachineElement = Annotated[Element, typer.Option(help="Elements of the flexible body; --quick uses tet4.")]
 MachineQuick = Annotated[
     bool, typer.Option("--quick", help="Coarse mesh, two tolerances, short time: under a minute.")
 ]
@@ -46,7 +46,7 @@ def quadruple_pendulum(
     debug: Debug = False,
 ) -> None:
     """Release the pendulum of [Han2020] section 5.1, its last link reduced to three tolerances."""
-    # Imported here: the solvers take seconds to load, which the help need not wait for.
+    # Imported here: the solvers take seconds to load, which the help does not need.
     from supple_benchmarks.machines.quadruple_pendulum import QuadruplePendulum
 
     _perform(QuadruplePendulum, quick, element, json, output, debug)

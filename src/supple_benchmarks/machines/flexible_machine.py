@@ -20,7 +20,7 @@ __all__ = ["FlexibleMachine"]
 
 @dataclass(frozen=True, eq=False)
 class FlexibleMachine:
-    """A machine with one flexible body, as the study of tolerances uses it.
+    """A machine with one flexible body, for the study of tolerances.
 
     name : str                     of the benchmark, "quadruple-pendulum"
     body : FlexibleBody            linear: displacements relative to its frame stay small
@@ -32,8 +32,8 @@ class FlexibleMachine:
     size : m                       a length of the machine; runs that differ by 1 % of it have diverged
     n_modes : int                  N_m, number of modal coordinates of every basis
     duration, output_step : s      step : s, of the runs that are compared
-    settled : s                    from this time on errors are ordered: until then the steps have damped
-        modes that they do not resolve, excited by a jump of the load at the start
+    compared_from : s              errors are compared from this time on: a jump of the load at the start
+        excites modes that the steps do not resolve, and the integration has damped them by then
     camera : Camera                view of the machine
     """
 
@@ -50,7 +50,7 @@ class FlexibleMachine:
     duration: float
     output_step: float
     step: float
-    settled: float
+    compared_from: float
     camera: Camera
 
     @property

@@ -35,7 +35,7 @@ class QuadruplePendulum:
     """Size of the benchmark.
 
     cell_type : TETRA4 or TETRA10       n_length : layers of 126 tetrahedra along the flexible cylinder
-    n_modes : modal coordinates N_m     stiffness : times the paper's modulus
+    n_modes : modal coordinates N_m     stiffness : factor on the paper's modulus
     tolerances : e, of the eigenvalues
     duration, output_step : s           step : s, of the runs that are compared
     """
@@ -89,7 +89,7 @@ class QuadruplePendulum:
             duration=self.duration,
             output_step=self.output_step,
             step=self.step,
-            settled=2 * self.output_step,  # released from rest: gravity is applied suddenly
+            compared_from=2 * self.output_step,  # released from rest: gravity is applied suddenly
             camera=Camera.looking(along=(-0.8, -0.35, -1.0), up=(0.0, 1.0, 0.0)),
         )
 

@@ -19,14 +19,14 @@ __all__ = ["QUANTITIES", "report", "tables"]
 Array = NDArray[np.float64]
 
 QUANTITIES = ("position", "velocity", "acceleration", "stress", "strain")
-"""Of node A: m, m/s, m/s^2, Pa, 1."""
+"""Quantities of node A, in m, m/s, m/s^2, Pa, 1."""
 TABLED = ("position", "velocity", "stress")
 VARIANTS = {
     Variant.MODAL_COORDINATES: "tolerances",
     Variant.WITH_ATTACHMENT_MODES: "with_attachment_modes",
     Variant.WHOLE_BASIS: "whole_bases",
 }
-"""Forms of the reduced body, and their names in the report."""
+"""Variants of the reduced body, and their keys in the report."""
 SHORT = {
     Variant.UNREDUCED: "unreduced",
     Variant.EXACT_MODES: "exact",
@@ -63,7 +63,7 @@ def report(study: Study) -> dict[str, Any]:
         **{name: [_row(study, run) for run in study.of(variant)] for variant, name in VARIANTS.items()},
         "exact_modes": _row(study, exact[0]) if exact else None,
         "smaller_e_smaller_error": {
-            "from": machine.settled,
+            "from": machine.compared_from,
             "share_of_outputs": {
                 name: _ordered_shares(study, study.of(variant), reference)
                 for variant, name in VARIANTS.items()
@@ -113,7 +113,7 @@ def _row(study: Study, run: MachineRun) -> dict[str, Any]:
 def errors(study: Study, run: MachineRun, against: MachineRun) -> dict[str, dict[str, float]]:
     """Largest and RMS distance of every quantity of node A, until the motion becomes chaotic.
 
-    Compared with the unreduced body, also the distance of the whole deformation in the energy norm.
+    If `against` is the unreduced body, also the error of the whole deformation in the energy norm.
     """
     compared = run.point.times <= study.compared_until * (1 + 1e-12)
 
@@ -164,13 +164,13 @@ def _ordered_shares(study: Study, runs: list[MachineRun], against: MachineRun) -
 
 
 def _sum_so_far(study: Study, distance: Array) -> Array:
-    return np.cumsum(np.where(study.reference.point.times > study.machine.settled, distance, 0.0) ** 2)
+    return np.cumsum(np.where(study.reference.point.times > study.machine.compared_from, distance, 0.0) ** 2)
 
 
 def ordered_share(study: Study, errors: list[Array]) -> float:
     """Share of the outputs, from settling to chaos, at which no error (t,) exceeds the previous one."""
     times = study.reference.point.times
-    compared = (times > study.machine.settled) & (times <= study.compared_until * (1 + 1e-12))
+    compared = (times > study.machine.compared_from) & (times <= study.compared_until * (1 + 1e-12))
     ordered = np.all([tighter <= looser for looser, tighter in pairwise(errors)], axis=0)
     return float(ordered[compared].mean())
 

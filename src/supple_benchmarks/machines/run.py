@@ -59,9 +59,9 @@ class Drift(NamedTuple):
     """Drift of quantities that a run should conserve."""
 
     energy: float
-    """Largest change of the energy not put in from outside, over the largest kinetic energy."""
+    """Largest change of the energy less the external work, over the largest kinetic energy."""
     joints: float
-    """Largest constraint equation, m or rad."""
+    """Largest constraint residual, m or rad."""
 
 
 @dataclass(frozen=True, eq=False)

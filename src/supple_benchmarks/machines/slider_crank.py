@@ -2,9 +2,9 @@
 
 The paper gives the rod's material, 4380 tetrahedra of 3.6 mm on average (1 mm at least), the total mass
 (5.407 kg), the torque (ramped to 1 Nm at 0.1 s) and 0.5 s; the drawings with the dimensions are not in its
-text. Chosen: a rod of 0.14 m between bores of 15 and 8 mm in radius, which this number of tetrahedra of that
-size fills; a crank of 0.03 m; a slider of 0.5 kg; the crank's disc has the rest of the mass. The crank starts
-at right angles to the slider's path, at rest, without gravity.
+text. Values chosen here: a rod of 0.14 m between bores of 15 and 8 mm in radius, which fits this number and
+size of tetrahedra; a crank of 0.03 m; a slider of 0.5 kg; the crank's disc has the remaining mass. The crank
+starts at right angles to the slider's path, at rest, without gravity.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class SliderCrank:
     """Size of the benchmark.
 
     cell_type : TETRA4 or TETRA10       cells : of the rod
-    n_modes : modal coordinates N_m     stiffness : times the paper's modulus
+    n_modes : modal coordinates N_m     stiffness : factor on the paper's modulus
     tolerances : e, of the eigenvalues
     duration, output_step : s           step : s, of the runs that are compared
     """
@@ -104,7 +104,7 @@ class SliderCrank:
             duration=self.duration,
             output_step=self.output_step,
             step=self.step,
-            settled=0.0,  # the torque increases from zero
+            compared_from=0.0,  # the torque increases from zero
             camera=Camera.looking(along=(0.25, -0.35, -1.0), up=(0.0, 1.0, 0.0)),
         )
 

@@ -2,10 +2,10 @@
 
 Every tolerance gives three bodies: the whole Craig-Bampton basis; its N_m lowest modes as in [Han2020]
 (46)-(49), which makes all bases of equal size but omits the static motions of the interface; and those modes
-with attachment modes, which add the static motions again. They are compared with the body in its N_m exact
-modes, the limit of the second basis for tolerance zero.
+with attachment modes, which add the static motions again. A further body has its N_m exact modes, the limit
+of the second basis for tolerance zero.
 
-Compared runs take the same fixed steps, so that errors of the time integration, which are larger, cancel. The
+Compared runs have the same fixed steps, so that errors of the time integration, which are larger, cancel. The
 cost of adaptive steps, and the size of integration errors, are measured with the finest body.
 """
 
@@ -47,7 +47,7 @@ Array = NDArray[np.float64]
 ADAPTIVE = AdaptiveStep(first=1e-6, largest=1e-2, tolerance=1e-6)
 """First and largest step of [Han2020]."""
 NEWTON = Tolerances(residual=1e-12)
-"""Far below the differences of bodies: with 1e-8 the whole bases stop at 7e-9 m, whatever their size."""
+"""Far below the differences between bodies: with 1e-8 all whole bases have the same error, 7e-9 m."""
 APART = 0.01
 """Two runs have diverged when node A differs by this fraction of the machine's size."""
 
@@ -120,7 +120,7 @@ def run_study(
 def _recipes(
     machine: FlexibleMachine, tolerances: tuple[float, ...]
 ) -> Iterator[tuple[Variant, float | None, LinearBasisRecipe]]:
-    """The bases known beforehand; that of a whole basis has the size required by its tolerance."""
+    """All recipes but those of whole bases, whose size is known only after an error-controlled reduction."""
     yield Variant.EXACT_MODES, None, NormalModes(machine.n_modes)
     for tolerance in tolerances:
         modal = ErrorControlled(tolerance, machine.n_modes)

@@ -56,7 +56,7 @@ class Rod:
         return -place, turn
 
     def tip_followed(self, force: ArrayLike) -> tuple[Array, Array]:
-        """Position and rotation of the tip under a follower force, which needs no shooting."""
+        """Position and rotation of the tip under a follower force, by one integration from the tip."""
         place, turn = self._shot(np.eye(3), np.asarray(force, dtype=float))
         return -turn.T @ place, turn.T
 

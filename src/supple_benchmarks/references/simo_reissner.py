@@ -27,7 +27,7 @@ POINTS = np.array([-1.0, 1.0]) / np.sqrt(3.0)
 SHAPES = jnp.array(np.stack([POINTS * (POINTS - 1) / 2, 1 - POINTS**2, POINTS * (POINTS + 1) / 2], axis=1))
 SLOPES = jnp.array(np.stack([POINTS - 0.5, -2 * POINTS, POINTS + 0.5], axis=1))
 NEWTON_STEPS = 40
-# Largest last increment of Newton's method, m and rad.
+# Largest increment of the last Newton iteration, m and rad.
 TOLERANCE = 1e-9
 
 
@@ -155,8 +155,8 @@ def bent(beam, load, *, n_steps=10):
 def swung(beam, tip_force, *, step, rho_inf=0.9):
     """Motion x (t, N, 3), R (t, N, 3, 3), v (t, N, 6) from rest under a dead force (t, 3) at the tip.
 
-    v contains velocities in space and angular velocities about the sections' own axes. Equilibrium at step
-    ends.
+    v contains velocities in space and angular velocities about the sections' own axes. Equilibrium holds at
+    the end of each step.
     """
     lengths = jnp.asarray(beam.nodal_length)[:, None]
     inertia = lengths * jnp.concatenate([jnp.full(3, beam.mass), jnp.asarray(beam.inertia)])

@@ -22,9 +22,9 @@ MOST_HALVINGS = 5
 class ExactTip(TipMotion):
     """A converged tip motion.
 
-    step : float            s, the smallest step taken
+    step : float            s, the smallest step
     converged_within : float    m, largest change by the last halving, at any time
-    at_the_models_step : TipMotion      the same beam at the step of the full and reduced models
+    at_the_models_step : TipMotion      the same beam with the step of the full and reduced models
     """
 
     step: float
@@ -37,7 +37,7 @@ def exact_tip(problem: RotatingBeam, spin: SpinUp) -> ExactTip:
 
     The method is of second order: (4 x_(h/2) - x_h) / 3. Twenty elements are within 1e-6 m of forty.
 
-    Raises ConvergenceError where MOST_HALVINGS of the models' step do not reach CONVERGED.
+    Raises ConvergenceError if MOST_HALVINGS halvings of the models' step do not reach CONVERGED.
     """
     step = problem.step
     first = coarse = _tip(problem, spin, step)

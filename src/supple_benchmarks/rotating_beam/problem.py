@@ -83,7 +83,7 @@ class RotatingBeam:
 def spin_up_load(body: FlexibleBody) -> Array:
     """Inertia force of a unit angular acceleration about the root's y axis, balanced at the root, (n_nodal,).
 
-    It determines the modes that the spin-up bends, hence the important derivatives: weights p_j p_k of pairs.
+    Its modal components p_j give the weights p_j p_k by which derivatives are selected.
     """
     root = body.interface(ROOT)
     d = body.dofs_per_node

@@ -171,11 +171,11 @@ def tables(run: BeamRun) -> list[Table]:
             ]
         )
     broken = [rom for rom in run.reduced if rom.failed_at is not None]
-    note = "; * broke off at " + ", ".join(f"{rom.failed_at:.2f} s" for rom in broken) if broken else ""
+    note = "; * stopped at " + ", ".join(f"{rom.failed_at:.2f} s" for rom in broken) if broken else ""
     return [
         (
-            "Tip motion in axes that turn with the root (GL: Green-Lagrange, vK: von Karman)",
-            ["rad/s", "model", "peak v, m", "paper", "at, s", "mean u, m", "off exact, %"],
+            "Tip motion in axes that rotate with the root (GL: Green-Lagrange, vK: von Karman)",
+            ["rad/s", "model", "peak v, m", "paper", "at, s", "mean u, m", "from exact, %"],
             motion,
         ),
         (

@@ -62,7 +62,7 @@ class FullRun:
 
 @dataclass(frozen=True)
 class ReducedRun:
-    """One reduced simulation and its full one; `failed_at` is the time of an early end, or None."""
+    """A reduced simulation and the full one in the same frame; `failed_at`: time of an early end, or None."""
 
     full: FullRun
     basis: str

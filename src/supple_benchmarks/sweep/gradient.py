@@ -18,13 +18,15 @@ from supple.sweeps.swept_group import swept_group
 __all__ = ["gradient_error"]
 
 STEP = 1e-3
-"""Of a parameter, relative to its value."""
+"""Change of a parameter for the differences, relative to its value."""
 TOLERANCE = 1e-11
-"""Of Newton's method: its remaining residual is divided by the step."""
+"""Newton tolerance: tight, because differences divide the residual by the change of the parameter."""
 
 
 def gradient_error(folder: Path, case: int) -> float:
-    """Largest distance of derivatives of the tip's largest deflections from differences, over the largest.
+    """Largest error of the derivatives of the tip's largest deflections, over the largest derivative.
+
+    The reference are differences of runs:
 
         dy/dp ~ (4 D(h) - D(2 h)) / 3,   D(h) = (y(p + h) - y(p - h)) / (2 h)       (Richardson)
 

@@ -41,7 +41,7 @@ def killed_sweep(case: Path, table: CaseTable, folder: Path, certified: Path) ->
 
     Returns
     -------
-    lost : cases without results, or with results beyond the agreement of two runs of the same program
+    lost : cases without results, or with results that differ by more than two runs of the same program do
     twice : cases that were simulated again although their part was complete
     """
     shutil.rmtree(folder, ignore_errors=True)

@@ -122,10 +122,10 @@ def _estimates(folder: Path, status: SweepStatus) -> dict[str, Any]:
 
 
 def _against_single_runs(folder: Path, n: int) -> tuple[float, float, float]:
-    """Largest distance of the statistics of three cases from those of their runs alone, over the largest.
+    """Largest difference of the statistics of three cases from those of single runs, over the largest value.
 
-    Also the distance of these runs from runs with a gravity changed by one unit in the last place, which is
-    the effect of round-off alone; and the mean of their seconds.
+    Also returned: the difference between single runs with gravity changed by one unit in the last place,
+    which is the effect of round-off alone; and the mean time of a single run, s.
     """
     found, round_off, seconds = [], [], []
     statistics = read_sweep(folder).statistics.sel(statistic=list(STATISTICS))

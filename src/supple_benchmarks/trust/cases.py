@@ -183,8 +183,8 @@ _SLOW_AND_BLOW = (
     struck(29, lambda t: 40.0 * t * (1.0 - t)),
     struck(14, blow(150.0, 0.41, 0.036)),
 )
-"""The vibration after the blow is simulated for a twentieth of a second: a longer one would need steps so
-short that no full run with an eighth of them is feasible."""
+"""The vibration after the blow is simulated for a twentieth of a second: with a longer vibration, a full run
+with an eighth of the step would have too many steps."""
 
 CASES: tuple[TrustCase, ...] = (
     TrustCase("strip spun up", _turned(shell_strip, spin(6.0, 1.0)), 1.2, 60, 1e-3),
@@ -232,9 +232,12 @@ CASES: tuple[TrustCase, ...] = (
     ),
     TrustCase("solid, step", _of(solid_bar, pushed(lambda t: 5.0 + 0.0 * t)), 0.3, 100, 1e-2),
     TrustCase("solid, slow and damped", _of(solid_bar, pushed(_slowly(30.0, 0.3)), damping=DAMPED), 0.4, 60),
-    TrustCase("beam bent far", _of(beam, pushed(_slowly(40.0, 0.5))), 0.7, 70, 1e-3),
+    TrustCase("beam in large bending", _of(beam, pushed(_slowly(40.0, 0.5))), 0.7, 70, 1e-3),
     TrustCase(
-        "strip bent far, mean axes", _of(shell_strip, pushed(_slowly(8.0, 1.0)), mean_axes=True), 1.2, 60
+        "strip in large bending, mean axes",
+        _of(shell_strip, pushed(_slowly(8.0, 1.0)), mean_axes=True),
+        1.2,
+        60,
     ),
     TrustCase("strip, base shaken", _shaken(shell_strip, lambda t: 3.0 * jnp.sin(15.0 * t)), 1.0, 100),
     TrustCase("beam, base struck", _shaken(beam, blow(60.0, 0.1, 0.03)), 0.5, 100, 1e-2),
@@ -244,7 +247,7 @@ CASES: tuple[TrustCase, ...] = (
     TrustCase("strip dropped, damped, mean axes", lambda: _hinged(True, DAMPED), 0.6, 60),
     TrustCase("strip caught by a spring", _caught, 0.6, 60, 1e-2),
     TrustCase("arm of two links", _two_links, 1.0, 50, 1e-3),
-    TrustCase("two links let go", lambda: _two_links(True), 0.5, 50, 1e-2),
+    TrustCase("two links released", lambda: _two_links(True), 0.5, 50, 1e-2),
     TrustCase("slider-crank", _slider_crank, 0.8, 80, 1e-3),
     TrustCase("four-bar", _four_bar, 0.8, 80, 1e-3),
     TrustCase(

@@ -57,7 +57,7 @@ class ExactBeamCase:
         return re.sub(r"\W+", "-", self.name)
 
 
-def assess_by_exact_beam(case: ExactBeamCase, told: Progress) -> dict[str, Any]:
+def assess_by_exact_beam(case: ExactBeamCase, progress: Progress) -> dict[str, Any]:
     """Estimated error of the tip of a body of fixed size, and its distance from the exact beam's tip."""
     full, system_of, derivatives, run, tip = case.made()
     body: ReducedBody = reduce(
@@ -67,10 +67,10 @@ def assess_by_exact_beam(case: ExactBeamCase, told: Progress) -> dict[str, Any]:
     solution = state_errors(
         system, run, simulate(system, run, check=False), ErrorStudy(quantities=(tip,)), fulls=[full]
     )
-    told(0.6)
+    progress(0.6)
     stated = solution.errors[tip.name]
     apart = _places(tip, system, solution) - case.exact()
-    told(1.0)
+    progress(1.0)
     return {
         "name": case.name,
         "coordinates": body.r,
@@ -88,7 +88,7 @@ def _places(tip: PositionSensor, system: System, solution: Solution) -> Array:
 LENGTH, WIDTH, THICKNESS = 1.0, 0.1, 0.01
 MODULUS, DENSITY = 1e9, 1000.0
 SLOWLY, QUICKLY = 2.0, 0.6
-"""s, durations of a push; the first mode has a period of 0.6 s."""
+"""s, durations of the push; the first mode has a period of 0.6 s."""
 STEP, HALF, FINER = 0.01, 2, 4
 """Output step, s, and its divisors for the step of the run, whose error is small, and of the exact beam."""
 

@@ -29,7 +29,7 @@ def tables(report: Mapping[str, Any]) -> list[Table]:
                 str(case["freedoms"]),
                 sizes[-1] if sizes else "",
                 " ".join(ratios),
-                _cell(case.get("stated_total")) if accepted else "refused",
+                _cell(case.get("stated_total")) if accepted else "rejected",
                 _cell(case["true_total"]),
                 _cell(case["allowed"]),
                 *(_cell(case["parts"][part]) for part in PARTS),

@@ -10,14 +10,14 @@ from typing import Any
 from supple.storage import write_json
 from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.progress import Announce, Progress
+from supple_benchmarks.trust.assessment import assess
 from supple_benchmarks.trust.cases import CASES, QUICK
 from supple_benchmarks.trust.exact_beams import EXACT_BEAMS, assess_by_exact_beam
-from supple_benchmarks.trust.judge import judge
 
 __all__ = ["coverage", "run_trust"]
 
 OVER = 1.1
-"""Over the allowed error: above, an acceptance was wrong."""
+"""An acceptance is wrong if the true error exceeds this multiple of the allowed error."""
 
 
 def run_trust(quick: bool, folder: Path, announce: Announce) -> Iterator[dict[str, Any]]:
@@ -27,31 +27,37 @@ def run_trust(quick: bool, folder: Path, announce: Announce) -> Iterator[dict[st
     """
     report: dict[str, Any] = {"quick": quick, "machine": describe_computer(), "cases": [], "exact_beams": []}
     for case in QUICK if quick else CASES:
-        told = announce(case.name)
-        kept = folder / "cases" / f"{case.file_name}.json"
-        record = _kept_or(kept, told, lambda case=case, told=told: judge(case, folder / "full-runs", told))
+        progress = announce(case.name)
+        stored = folder / "cases" / f"{case.file_name}.json"
+        record = _stored_or(
+            stored,
+            progress,
+            lambda case=case, progress=progress: assess(case, folder / "full-runs", progress),
+        )
         report["cases"].append(record)
         report["coverage"] = coverage(report["cases"], report["exact_beams"])
         yield report
     for beam in () if quick else EXACT_BEAMS:
-        told = announce(beam.name)
-        kept = folder / "exact-beams" / f"{beam.file_name}.json"
-        record = _kept_or(kept, told, lambda beam=beam, told=told: assess_by_exact_beam(beam, told))
+        progress = announce(beam.name)
+        stored = folder / "exact-beams" / f"{beam.file_name}.json"
+        record = _stored_or(
+            stored, progress, lambda beam=beam, progress=progress: assess_by_exact_beam(beam, progress)
+        )
         report["exact_beams"].append(record)
         report["coverage"] = coverage(report["cases"], report["exact_beams"])
         yield report
 
 
-def _kept_or(path: Path, told: Progress, judged: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+def _stored_or(path: Path, progress: Progress, compute: Callable[[], dict[str, Any]]) -> dict[str, Any]:
     """A record read from disk, or computed and stored."""
-    told(0.0)
+    progress(0.0)
     if path.exists():
         record = json.loads(path.read_text(encoding="utf-8"))
     else:
-        record = judged()
+        record = compute()
         path.parent.mkdir(parents=True, exist_ok=True)
         write_json(path, record)
-    told(1.0)
+    progress(1.0)
     return record
 
 

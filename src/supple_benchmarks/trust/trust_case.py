@@ -25,9 +25,9 @@ class TrustCase:
 
     name : str              in the report
     system : function       creates the machine, with all bodies to be reduced in full
-    duration, n_outputs     of the run; its step is the output step by default
+    duration, n_outputs     of the run; the step is the output step by default
     accuracy : float        target error, relative
-    basis, derivatives      of the start
+    basis, derivatives      starting basis
     """
 
     name: str

@@ -85,7 +85,7 @@ def _strip() -> BeamSection:
 
 
 def roll_up() -> Sequence[Comparison]:
-    """A tip moment 2 pi E I / L bends a cantilever to a full circle, half of it to a half circle."""
+    """A tip moment 2 pi E I / L bends a cantilever to a full circle, half of that moment to a half circle."""
     nodes, whole = _along_x(LENGTH, 16), 2 * np.pi * BENDING / LENGTH
     source = "a circle of radius E I / M"
     half = _rested_tip(nodes, _strip(), torque=(0, -whole / 2, 0))

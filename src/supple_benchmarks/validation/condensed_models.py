@@ -1,4 +1,4 @@
-"""A beam condensed in plain NumPy and imported as matrices of boundary and modal coordinates."""
+"""A beam condensed by NumPy alone and imported as matrices of boundary and modal coordinates."""
 
 from __future__ import annotations
 
@@ -62,4 +62,6 @@ def condensed_cantilever() -> Sequence[Comparison]:
     ]
 
 
-CASES: tuple[ValidationCase, ...] = (ValidationCase("condensed elsewhere: cantilever", condensed_cantilever),)
+CASES: tuple[ValidationCase, ...] = (
+    ValidationCase("superelement of another program: cantilever", condensed_cantilever),
+)

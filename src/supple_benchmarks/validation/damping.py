@@ -39,7 +39,7 @@ __all__ = ["CASES", "held_strip", "strip_body"]
 
 RATIO = 0.02
 MODES = (1, 2)
-SOURCE = "closed form: the ratio that was asked of the two modes"
+SOURCE = "closed form: the prescribed ratio of the two modes"
 
 
 def strip_body() -> FlexibleBody:
@@ -71,7 +71,7 @@ def _decay() -> list[Comparison]:
     for name, damping, full in (
         ("rayleigh", _rayleigh(), False),
         ("modal", ModalDamping(RATIO, n_modes=6, held="root"), False),
-        ("rayleigh, all freedoms", _rayleigh(), True),
+        ("rayleigh, full body", _rayleigh(), True),
     ):
         modes = machine_modes(linearize(held_strip(damping, full=full)), 2)
         for mode, ratio in zip(MODES, modes.damping_ratios, strict=True):
@@ -100,6 +100,6 @@ def _resonance() -> list[Comparison]:
 
 
 CASES: tuple[ValidationCase, ...] = (
-    ValidationCase("damping of a strip held at its root, in mean axes", _decay),
-    ValidationCase("resonance of a strip held at its root, in mean axes", _resonance),
+    ValidationCase("damping of a strip clamped at its root, in mean axes", _decay),
+    ValidationCase("resonance of a strip clamped at its root, in mean axes", _resonance),
 )

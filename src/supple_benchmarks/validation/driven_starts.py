@@ -1,4 +1,4 @@
-"""Starts of driven bodies: they start with the velocity of their drive, and without an impact.
+"""Driven bodies: the initial velocity is that of the drive, so that the start is without an impact.
 
 A beam of 1 m whose root is driven by a motor at a constant rate, or by a shaker; a satellite bus with given
 spin and attached panels; a crank driven by a motor, with a flexible rod.
@@ -68,11 +68,11 @@ FORMS: Mapping[str, Callable[[FlexibleBody], Any]] = MappingProxyType(
         "mean axes, linear": lambda body: reduce(
             body.linearized(), MeanAxisFrame(), CraigBampton(4), derivatives=NoDerivatives()
         ),
-        "all freedoms": lambda body: FullBody(body, MeanAxisFrame()),
+        "full body": lambda body: FullBody(body, MeanAxisFrame()),
         "intrinsic": lambda body: released(condense(body, LoadPath("root", "tip", n_stations=13))),
     }
 )
-"""The methods that accept a driven beam."""
+"""Forms of the driven beam."""
 
 
 def _deflection(form: Any, solution: Solution, root: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
@@ -99,7 +99,7 @@ def turned(*names: str) -> Sequence[Comparison]:
                 f"{name}: largest swing of the tip, m",
                 float(np.abs(swing).max()),
                 0.0,
-                "closed form: a beam in steady rotation is stretched along itself",
+                "closed form: a beam in steady rotation only extends along its axis",
                 1e-4,
                 scale=1.0,
             )
@@ -152,7 +152,7 @@ def _modal_responses(times: np.ndarray, size: float, rate: float) -> list[np.nda
 
 
 def bus_and_panels() -> Sequence[Comparison]:
-    """Only the spin of the bus is given; both panels rotate with it, at radius r = 0.2 + 0.5 m."""
+    """Only the spin of the bus is given; both panels rotate with the bus, at radius r = 0.2 + 0.5 m."""
     spin, offset = 0.1, 0.2
     bus = RigidBody("bus", 5.0, np.zeros(3), np.eye(3), {"right": offset * X, "left": -offset * X})
     panels = [
@@ -230,17 +230,17 @@ def slider_crank() -> Sequence[Comparison]:
 
 CASES: tuple[ValidationCase, ...] = (
     ValidationCase(
-        "beam turned at a constant rate, no velocity given", lambda: turned("nodal-fixed frame", "intrinsic")
+        "beam rotated at a constant rate, no velocity given", lambda: turned("nodal-fixed frame", "intrinsic")
     ),
     ValidationCase("beam on a shaker, no velocity given", lambda: shaken("mean axes, linear")),
     ValidationCase(
-        "beam turned at a constant rate, other methods",
-        lambda: turned("mean axes, linear", "all freedoms"),
+        "beam rotated at a constant rate, other methods",
+        lambda: turned("mean axes, linear", "full body"),
         quick=False,
     ),
     ValidationCase(
         "beam on a shaker, other methods",
-        lambda: shaken("nodal-fixed frame", "all freedoms", "intrinsic"),
+        lambda: shaken("nodal-fixed frame", "full body", "intrinsic"),
         quick=False,
     ),
     ValidationCase("bus of given spin with panels fixed to it", bus_and_panels),

@@ -1,8 +1,7 @@
 """Estimated and true errors: small reduced runs and their estimates, compared with full runs.
 
-The reference is the distance to a run of all coordinates by another engine (sparse Newton of the whole
-system) with the same steps. It is exact for the part of the basis. For the part of the step it is a closed
-form.
+The reference for the basis part is the distance to a run of all coordinates by another engine (sparse Newton
+of the whole system) with the same steps, which is exact. The reference for the step part is a closed form.
 """
 
 from __future__ import annotations
@@ -55,7 +54,7 @@ def _corrected(
     reference = simulate(system, run)
     return [
         Comparison(
-            f"stated error, {each.name}",
+            f"estimated error, {each.name}",
             basis.value,
             quantity_distance(each, corrected.system, corrected.solution, system, reference),
             FULL_RUN,
@@ -108,11 +107,11 @@ def _jumps() -> list[Comparison]:
     exact = 3.0 / 2.0 * np.maximum(solution.times - 0.1, 0.0) ** 2 / 2.0
     true = float(np.abs(solution.motion("block", FloatingMotion).position[:, 0] - exact).max())
     step = float("nan") if stated.step is None else stated.step.value
-    return [Comparison("stated error of the step", step, true, "closed form", 0.1)]
+    return [Comparison("estimated error of the step", step, true, "closed form", 0.1)]
 
 
 CASES: tuple[ValidationCase, ...] = (
-    ValidationCase("error statement, strip bent far", _bent_far),
-    ValidationCase("error statement, strip that tips sideways", _tips_sideways, quick=False),
-    ValidationCase("error statement, a force that jumps", _jumps),
+    ValidationCase("error estimate, strip in large bending", _bent_far),
+    ValidationCase("error estimate, lateral buckling of a strip", _tips_sideways, quick=False),
+    ValidationCase("error estimate, a sudden force", _jumps),
 )

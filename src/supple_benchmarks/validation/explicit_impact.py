@@ -41,7 +41,7 @@ _ST_VENANT = "closed form, St. Venant: J. D. Achenbach, Wave Propagation in Elas
 _D_ALEMBERT = "closed form, d'Alembert"
 _ELLIPTIC = "Jacobi's elliptic functions: Landau and Lifshitz, Mechanics, 3rd ed., section 37"
 _TAYLOR = (
-    "middle of the published ones: Kamoulakos 1990, Zhu and Cescotto 1995, Camacho and Ortiz 1997 "
+    "midpoint of published values: Kamoulakos 1990, Zhu and Cescotto 1995, Camacho and Ortiz 1997 "
     "(21.26 to 21.66 mm, 6.89 to 7.24 mm)"
 )
 
@@ -77,7 +77,7 @@ def _two_bars() -> Sequence[Comparison]:
             "stress behind the front", stress[8:16].mean(), 0.5 * SPEED_OF_SOUND * v, _ST_VENANT, 0.01
         ),
         Comparison("largest stress", stress.max(), 0.5 * SPEED_OF_SOUND * v, _ST_VENANT, 0.04),
-        Comparison("open in the energy balance", _balance(solution), 0.0, "conservation", 1e-10, 1.0),
+        Comparison("residual of the energy balance", _balance(solution), 0.0, "conservation", 1e-10, 1.0),
     )
 
 
@@ -98,7 +98,7 @@ def _front() -> Sequence[Comparison]:
         Comparison("stress behind the front", motion.von_mises[-1][10:30].mean(), stress, _D_ALEMBERT, 0.005),
         Comparison("largest stress", motion.von_mises[-1].max(), stress, _D_ALEMBERT, 0.04),
         Comparison("largest velocity", v.max(), velocity, _D_ALEMBERT, 0.04),
-        Comparison("place of the front", place, SPEED_OF_SOUND * late, _D_ALEMBERT, 0.01),
+        Comparison("position of the front", place, SPEED_OF_SOUND * late, _D_ALEMBERT, 0.01),
     )
 
 
@@ -150,7 +150,7 @@ def _turning_over() -> Sequence[Comparison]:
             spin,
         ),
         Comparison("angular momentum", momentum[-1], float(np.sqrt(squared)), "conservation", 1e-5),
-        Comparison("open in the energy balance", _balance(solution), 0.0, "conservation", 1e-9, 1.0),
+        Comparison("residual of the energy balance", _balance(solution), 0.0, "conservation", 1e-9, 1.0),
     )
 
 

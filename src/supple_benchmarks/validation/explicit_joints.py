@@ -56,7 +56,7 @@ def _pendulum() -> Sequence[Comparison]:
         Comparison(
             "angle after a quarter swing, rad", float(_angles(solution, "rod")[-1]), np.pi / 2, source, 2e-5
         ),
-        Comparison("force of the hinge there, N", force, 2.5 * 2.0 * G, "closed form, 5/2 m g", 1e-4),
+        Comparison("force of the hinge at this angle, N", force, 2.5 * 2.0 * G, "closed form, 5/2 m g", 1e-4),
     )
 
 

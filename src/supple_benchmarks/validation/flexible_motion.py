@@ -149,7 +149,12 @@ def harmonic_force() -> Sequence[Comparison]:
     s = (w**2 * heavy * length**4 / stiff) ** 0.25
     exact = (np.sin(s) * np.cosh(s) - np.cos(s) * np.sinh(s)) / (stiff * s**3 * (1 + np.cos(s) * np.cosh(s)))
     source = "R. E. D. Bishop, D. C. Johnson, The Mechanics of Vibration (1960), chapter 7"
-    names = ("half of the first frequency", "the first frequency", "three times it", "the second frequency")
+    names = (
+        "half of the first frequency",
+        "the first frequency",
+        "three times the first frequency",
+        "the second frequency",
+    )
     return [
         Comparison(f"receptance at {name}, m/N", float(abs(one)), float(abs(other)), source, 0.01)
         for name, one, other in zip(names, found, exact, strict=True)
@@ -158,6 +163,6 @@ def harmonic_force() -> Sequence[Comparison]:
 
 CASES = (
     ValidationCase("beam spun up", spun_up),
-    ValidationCase("load that travels over a beam", travelling_load, quick=False),
-    ValidationCase("cantilever shaken at its tip", harmonic_force),
+    ValidationCase("moving load on a beam", travelling_load, quick=False),
+    ValidationCase("cantilever with a harmonic tip force", harmonic_force),
 )

@@ -113,8 +113,12 @@ def _flying() -> Sequence[Comparison]:
     drift = centre_drift(machine, solution, "beam")
     energy = float(energies[-1] / energies[0])
     return [
-        Comparison("drift of the centre of mass over L, bent and turning", drift, 0.0, "momentum", 0.01, 1.0),
-        Comparison("energy over its first, implicit midpoint rule", energy, 1.0, "conservation", 1e-8),
+        Comparison(
+            "drift of the centre of mass over L, bent and rotating", drift, 0.0, "momentum", 0.01, 1.0
+        ),
+        Comparison(
+            "energy over its initial value, implicit midpoint rule", energy, 1.0, "conservation", 1e-8
+        ),
     ]
 
 

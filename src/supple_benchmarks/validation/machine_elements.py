@@ -1,6 +1,6 @@
 """Elements of machines against closed forms: friction, stops, servos, gears, screws, controllers.
 
-All are side by side in one machine, which is compiled and run once.
+All elements are in one machine, which is compiled and run once.
 """
 
 from __future__ import annotations
@@ -137,18 +137,14 @@ def sliding_friction() -> Sequence[Comparison]:
     """A sledge slides until friction stops it."""
     slide = _workshop()["sledge"][-1, 2]
     return (
-        Comparison("way until it stands, m", slide, SPEED**2 / (2 * GRIP * GRAVITY), "v^2 / (2 mu g)", 1e-3),
+        Comparison("stopping distance, m", slide, SPEED**2 / (2 * GRIP * GRAVITY), "v^2 / (2 mu g)", 1e-3),
     )
 
 
 def brake() -> Sequence[Comparison]:
     """A disc is stopped by a constant friction moment."""
     angle = _workshop()["disc"][-1, 0]
-    return (
-        Comparison(
-            "angle until it stands, rad", angle, 2.0**2 * INERTIA / (2 * BRAKE), "w^2 J / (2 M)", 1e-3
-        ),
-    )
+    return (Comparison("stopping angle, rad", angle, 2.0**2 * INERTIA / (2 * BRAKE), "w^2 J / (2 M)", 1e-3),)
 
 
 def stop() -> Sequence[Comparison]:
@@ -160,7 +156,7 @@ def stop() -> Sequence[Comparison]:
     away = float(hard[-1, 2])
     return (
         Comparison(
-            "place a second after it set off, m",
+            "position after one second, m",
             away,
             GAP - (1 - GAP / v - half) * v,
             "half a period of vibration at the stop",
@@ -183,7 +179,9 @@ def servo() -> Sequence[Comparison]:
     w, decay = np.sqrt(SERVO / INERTIA), SERVO_DAMPING / (2 * INERTIA)
     fast, t = np.sqrt(w**2 - decay**2), read["times"]
     exact = TARGET * (1 - np.exp(-decay * t) * (np.cos(fast * t) + decay / fast * np.sin(fast * t)))
-    return (largest_difference("angle in a second, rad", read["arm"][:, 0], exact, "damped vibration", 2e-3),)
+    return (
+        largest_difference("angle over one second, rad", read["arm"][:, 0], exact, "damped vibration", 2e-3),
+    )
 
 
 def gear() -> Sequence[Comparison]:
@@ -210,13 +208,13 @@ def screw() -> Sequence[Comparison]:
     rate = (TORQUE - lead * MASS * GRAVITY) / (INERTIA + lead**2 * MASS)
     return (
         Comparison(
-            "speed of turning after a second, rad/s",
+            "angular velocity after a second, rad/s",
             read[1],
             rate,
             "(M - p m g / 2 pi) / (J + m (p / 2 pi)^2)",
             1e-3,
         ),
-        Comparison("height after a second, m", read[2], lead * rate / 2, "p / (2 pi) of the angle", 2e-3),
+        Comparison("height after a second, m", read[2], lead * rate / 2, "p / (2 pi) times the angle", 2e-3),
     )
 
 
@@ -229,7 +227,7 @@ def speed_control() -> Sequence[Comparison]:
     exact = WANTED + np.array([(expm(matrix * t) @ start)[0] for t in read["times"]])
     return (
         largest_difference(
-            "speed in a second, rad/s",
+            "speed over one second, rad/s",
             read["motor"][:, 1],
             exact,
             "matrix exponential of the closed loop",
@@ -239,8 +237,8 @@ def speed_control() -> Sequence[Comparison]:
 
 
 CASES = (
-    ValidationCase("sledge that friction stops", sliding_friction, quick=False),
-    ValidationCase("disc that a brake stops", brake, quick=False),
+    ValidationCase("sledge stopped by friction", sliding_friction, quick=False),
+    ValidationCase("disc stopped by a brake", brake, quick=False),
     ValidationCase("elastic and dissipating stops", stop, quick=False),
     ValidationCase("servo", servo, quick=False),
     ValidationCase("pair of gears", gear, quick=False),

@@ -73,7 +73,11 @@ def stress_over_a_set() -> Sequence[Comparison]:
             "largest stress of the set, upper side, Pa", largest.values[0, 2], fibre(0.25), source, 5e-3
         ),
         Comparison(
-            "place of the largest stress, m", float(np.asarray(largest.points)[0, 2, 0]), 0.25, source, 1e-12
+            "position of the largest stress, m",
+            float(np.asarray(largest.points)[0, 2, 0]),
+            0.25,
+            source,
+            1e-12,
         ),
         Comparison("mean stress of the set, Pa", mean.values[0, 2], middle, source, 5e-3),
     ]
@@ -133,10 +137,14 @@ def curved_cells() -> Sequence[Comparison]:
     return [
         Comparison("mass of a cylinder, kg", bar.mass, mass, source, 3e-3),
         Comparison(
-            "its inertia about the axis, kg m2", bar.inertia[0, 0], mass * radius**2 / 2, source, 5e-3
+            "inertia of the cylinder about its axis, kg m2",
+            bar.inertia[0, 0],
+            mass * radius**2 / 2,
+            source,
+            5e-3,
         ),
         Comparison("mass of a quarter of a ring, kg", ring.mass, weight, source, 1e-3),
-        Comparison("its centre, m", ring.centre[0], centre, source, 1e-3),
+        Comparison("centre of the quarter of a ring, m", ring.centre[0], centre, source, 1e-3),
     ]
 
 
@@ -173,7 +181,7 @@ def _quarter_of_a_ring(inner: float, outer: float, height: float) -> Mesh:
 CASES = (
     ValidationCase("stress over a node set", stress_over_a_set),
     ValidationCase("accelerometer on a shaken base", accelerometer_on_a_shaken_base),
-    ValidationCase("strip split between its rows", split_strip),
+    ValidationCase("strip split between rows of nodes", split_strip),
     ValidationCase("mass of curved cells", curved_cells),
     ValidationCase("singular mass of an imported bar", singular_mass),
 )

@@ -20,7 +20,7 @@ def outside(report: Mapping[str, Any]) -> list[Row]:
 
 
 def tables(report: Mapping[str, Any]) -> list[Table]:
-    """One table of all rows, with failed limits marked; one of the failed cases, if any."""
+    """A table of all rows, with exceeded limits marked; a table of the failed cases, if any."""
     rows: list[list[str]] = []
     name = None
     for row in report["cases"]:

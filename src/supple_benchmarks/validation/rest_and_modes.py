@@ -47,12 +47,12 @@ def spinning_bar() -> Sequence[Comparison]:
         Comparison(
             "stretch, Rubin(6) as reduced", _stretch(bar, as_it_comes.system), STRETCH, ELONGATION, 2e-3
         ),
-        Comparison("stated error of Rubin(6) alone", stated, missing, ELONGATION, 5e-3),
+        Comparison("estimated error of Rubin(6) alone", stated, missing, ELONGATION, 5e-3),
     ]
 
 
 def cantilever_under_its_weight() -> Sequence[Comparison]:
-    """A strip under its own weight, small deflection; the start basis has two modes."""
+    """A strip under its own weight, small deflection; the starting basis has two modes."""
     body, gravity = _strip(), 0.01
     system = System((FullBody(body, ROOT),), (_hub(),), gravity=np.array([0.0, 0.0, -gravity]))
     found, _ = correct_at_rest(system, SelfCorrection(relative=1e-4))
@@ -63,10 +63,10 @@ def cantilever_under_its_weight() -> Sequence[Comparison]:
     return [
         Comparison("tip deflection", tip, -deflection, "q L^4 / (8 E I), Euler-Bernoulli", 3e-3),
         Comparison(
-            "stated RMS error, over the deflection",
+            "estimated RMS error, over the deflection",
             found.errors["bar"].rms / deflection,
             0.0,
-            "the accuracy asked for",
+            "the requested accuracy",
             1e-4,
             scale=1.0,
         ),
@@ -84,7 +84,7 @@ def frequencies_of_a_spinning_beam() -> Sequence[Comparison]:
     return [
         Comparison("first flapping frequency", flaps[0], 7.3604, source, 5e-3),
         Comparison(
-            "largest stated error of a frequency",
+            "largest estimated error of a frequency",
             float(modes.error.relative.max()),
             0.0,
             "the modes with all coordinates",

@@ -61,7 +61,7 @@ def _hinge(first: At, second: At, name: str) -> Revolute:
 
 
 def _simulated(system: System, run: Run) -> Solution:
-    """The motion of a planar loop of hinges, whose redundant equations are left out."""
+    """The motion of a planar loop of hinges; redundant joint equations are left out."""
     with warnings.catch_warnings(action="ignore", category=RedundantConstraintWarning):
         return simulate(system, run)
 
@@ -88,7 +88,7 @@ def pendulum() -> Sequence[Comparison]:
     centripetal = 2 * (1 - np.cos(swing)) * mass * arm**2 / (inertia + mass * arm**2)
     source = "Jacobi's elliptic function sn: M. Abramowitz, I. A. Stegun, Handbook (1964), chapter 16"
     return (
-        largest_difference("angle in a period, rad", angle, exact, source, 1e-5),
+        largest_difference("angle over a period, rad", angle, exact, source, 1e-5),
         Comparison(
             "force of the hinge at the lowest point, N",
             carried,
@@ -183,7 +183,7 @@ def n_four_bar() -> Sequence[Comparison]:
     angle = exact(solution.times)[0]
     arm = np.column_stack([np.sin(angle), np.cos(angle)])
     source = f"{LIBRARY} A02; one pendulum, by DOP853 to 1e-11"
-    return (largest_difference("place of B0 in 3 s, m", tip[:, :2], arm, source, 1e-3),)
+    return (largest_difference("position of B0 over 3 s, m", tip[:, :2], arm, source, 1e-3),)
 
 
 def squeezer() -> Sequence[Comparison]:
@@ -340,7 +340,7 @@ def bricard() -> Sequence[Comparison]:
     psi = cube.swung(np.array(tensors), g, solution.times)
     exact = np.array([cube.poses(each)[1][3] for each in psi])
     source = f"{LIBRARY} A04; its closure in closed form and its energy, by DOP853 to 1e-10"
-    return (largest_difference("place of P3 in 2 s, m", found, exact, source, 1e-3, scale=1.0),)
+    return (largest_difference("position of P3 over 2 s, m", found, exact, source, 1e-3, scale=1.0),)
 
 
 def slider_crank() -> Sequence[Comparison]:
@@ -446,7 +446,7 @@ CASES = (
     ValidationCase("N-four-bar mechanism", n_four_bar),
     ValidationCase("Andrews' squeezing mechanism", squeezer),
     ValidationCase("Bricard's mechanism", bricard),
-    ValidationCase("pendulum let go at 120 degrees", pendulum, quick=False),
+    ValidationCase("pendulum released at 120 degrees", pendulum, quick=False),
     ValidationCase("double pendulum", double_pendulum, quick=False),
     ValidationCase("slider-crank at constant speed", slider_crank, quick=False),
     ValidationCase("universal joint at 35 degrees", universal_joint, quick=False),

@@ -47,8 +47,8 @@ def intermediate_axis() -> Sequence[Comparison]:
     first_turn = CubicSpline(solution.times, spin[:, 1]).roots(extrapolate=False)[0]
     source = "L. D. Landau, E. M. Lifshitz, Mechanics, section 37: Jacobi's elliptic functions"
     return (
-        Comparison("time of the first turn, s", first_turn, ellipk(modulus) / rate, source, 1e-4),
-        largest_difference("angular velocity in 8 s, rad/s", spin, exact, source, 1e-3),
+        Comparison("time of the first reversal, s", first_turn, ellipk(modulus) / rate, source, 1e-4),
+        largest_difference("angular velocity over 8 s, rad/s", spin, exact, source, 1e-3),
     )
 
 
@@ -83,12 +83,12 @@ def heavy_top() -> Sequence[Comparison]:
     centre = solution.motion("top", FloatingMotion).rotation @ arm
     return (
         largest_difference(
-            "centre of mass in 0.5 s, m", centre, exact[:9].reshape(3, 3, -1)[:, 1].T, source, 1e-3
+            "centre of mass over 0.5 s, m", centre, exact[:9].reshape(3, 3, -1)[:, 1].T, source, 1e-3
         ),
     )
 
 
 CASES = (
-    ValidationCase("body turning about its intermediate axis (Dzhanibekov)", intermediate_axis),
+    ValidationCase("body rotating about its intermediate axis (Dzhanibekov)", intermediate_axis),
     ValidationCase("heavy top", heavy_top, quick=False),
 )

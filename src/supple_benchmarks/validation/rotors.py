@@ -144,7 +144,7 @@ def turning_frequencies(
 ) -> Array:
     """Frequencies of a rotor in axes that rotate with it, rad/s.
 
-    held : interfaces with a hinge along the axis (None), or with a bearing of that transverse stiffness
+    held : interfaces with a hinge along the axis (None), or with a bearing of the given transverse stiffness
     """
     form = (
         FullBody(body, frame) if full else reduce(body, frame, CompleteBasis(), derivatives=NoDerivatives())
@@ -193,8 +193,7 @@ def whirl_of_timoshenko_shaft(rotor: Rotor, rate: float, near: ArrayLike) -> Arr
 
         u' = phi + Q / kGA,   phi' = M / EI,   M' = - Q - rho I (w^2 - 2 W w) phi,   Q' = - rho A w^2 u
 
-    u and phi are complex in the plane across the shaft, in uniform whirl exp(i w t). Discs are jumps of M and
-    Q.
+    u and phi are complex in the plane across the shaft, in uniform whirl exp(i w t). M and Q jump at discs.
 
     near : pairs of bounds, each containing one root
     Source: H. D. Nelson, A finite rotating shaft element using Timoshenko beam theory, J. Mech. Des. 102
@@ -344,5 +343,5 @@ CASES: tuple[ValidationCase, ...] = (
     ValidationCase("disc on a massless shaft", _disc_on_a_massless_shaft),
     ValidationCase("overhung disc of beam elements", _disc_of_beam_elements),
     ValidationCase("rotor of two discs on bearings", _two_discs_on_bearings),
-    ValidationCase("rotor of three discs on unlike bearings", _three_discs_on_unlike_bearings),
+    ValidationCase("rotor of three discs on anisotropic bearings", _three_discs_on_unlike_bearings),
 )

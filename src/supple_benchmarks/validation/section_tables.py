@@ -30,7 +30,7 @@ BOX = np.array(
 )
 """A composite box with bending-twist coupling, lb and lb in^2, x and y across the beam: [Wang2017]."""
 BOX_MASS = np.diag([8.538e-2] * 3 + [0.40972e-2, 1.0336e-2, 1.4433e-2])
-"""Its inertia, lb s^2 / in^2 and lb s^2."""
+"""Inertia of the composite box, lb s^2 / in^2 and lb s^2."""
 EQUATIONS = "equations of the beam with the same sections, integrated along it"
 
 
@@ -100,8 +100,8 @@ def _beside(
 
 
 CASES: tuple[ValidationCase, ...] = (
-    ValidationCase("section table: a box that twists as it bends", _coupled),
+    ValidationCase("section table: bending-twist coupling of a box", _coupled),
     ValidationCase("section table: frequencies of the box", _vibrating),
-    ValidationCase("section table: the box bent far", _bent_far),
-    ValidationCase("section table: a twisted beam bent far", _twisted),
+    ValidationCase("section table: large bending of the box", _bent_far),
+    ValidationCase("section table: large bending of a twisted beam", _twisted),
 )

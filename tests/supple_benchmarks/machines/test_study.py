@@ -89,15 +89,15 @@ def test_equivalent_strain_of_uniaxial_stress_is_that_of_the_strains(pendulum):
 
 
 def test_smaller_errors_of_smaller_tolerances_are_counted_over_the_outputs(study):
-    study = replace(study, machine=replace(study.machine, settled=0.0))
+    study = replace(study, machine=replace(study.machine, compared_from=0.0))
     loose, tight = 0.3 * TIMES, 0.02 * TIMES
     assert ordered_share(study, [loose, tight]) == 1.0
     # A third error that is larger than the second from half time on.
     late = np.where(TIMES > 0.45, 1.0, 0.0)
     assert ordered_share(study, [loose, tight, late]) == 0.4
     # Counted from 0.35 s on: one of seven outputs is still in order.
-    settled = replace(study, machine=replace(study.machine, settled=0.35))
-    assert ordered_share(settled, [loose, tight, late]) == pytest.approx(1 / 7)
+    compared_from = replace(study, machine=replace(study.machine, compared_from=0.35))
+    assert ordered_share(compared_from, [loose, tight, late]) == pytest.approx(1 / 7)
 
 
 @pytest.mark.slow

@@ -18,11 +18,12 @@ def chosen_scheme(
 
         ratio = floor(safety 2 / (omega_max h)),     h <= 2 / omega_max(M_2, K_2)
 
-    With multipliers each side has a stability limit of its own. Prakash and Hjelmstad's scheme loses least
-    energy and needs two passes over linear elements. Nonlinear elements get Gravouil and Combescure's, with
-    one pass.
+    With multipliers each side has a stability limit of its own. Linear elements get Prakash and Hjelmstad's
+    scheme, which loses the least energy and needs two passes over the short steps; nonlinear elements get
+    Gravouil and Combescure's scheme, with one pass.
 
-    h : step of the elements, s;   linear : whether their force is linear;   largest_ratio : of the steps
+    h : step of the elements, s;   linear : whether the force of the elements is linear
+    safety : fraction of the step limit of the modes;   largest_ratio : of a long step to a short one
     Raises ModelError for a step above the limit of the elements, or of the modes.
     """
     side = coupling.elements

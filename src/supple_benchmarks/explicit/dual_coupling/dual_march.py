@@ -57,8 +57,7 @@ def dual_march(
         M a = f + C^T Lambda,   C_1 v_1 + C_2 v_2 = 0,   central differences (Newmark, beta 0, gamma 1/2)
 
     h : step of the elements, s;   n_steps : long steps, of scheme.ratio h;   every : long steps per output
-    Energies are those that central differences conserve for linear elements, 1/2 v M v + 1/2 u K u - h^2/8 a
-    M a.
+    Energies are 1/2 v M v + 1/2 u K u - h^2/8 a M a, which central differences conserve for linear elements.
     """
     side = coupling.elements
     arrays = CoupledArrays(

@@ -2,7 +2,7 @@
 
     H^-1 = D^-1 - D^-1 U (I + U^T D^-1 U)^-1 U^T D^-1
 
-O(l k) per solution, O(l k^2) once; for a mortar, whose D is full, a Cholesky factor replaces it.
+O(l k) per solution, O(l k^2) once. For a mortar D is full, and its inverse is stored as a matrix.
 """
 
 from __future__ import annotations

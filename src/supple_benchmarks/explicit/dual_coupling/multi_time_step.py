@@ -78,7 +78,8 @@ class GravouilCombescure:
     """Continuity at every short step, between the elements and the interpolated free velocity of the modes.
 
     Stable; dissipates energy for ratio > 1. The interpolation starts from the FREE part of the velocity at
-    the beginning. With the whole velocity all gaps close as well, but half of the energy is lost.
+    the beginning. With the whole velocity the interface is continuous as well, but half of the energy is
+    lost.
     """
 
     ratio: int = 1
@@ -126,7 +127,7 @@ class GravouilCombescure:
 class PrakashHjelmstad:
     """Continuity at long steps only, multipliers linear in between: linear sides lose no energy.
 
-    passes : over the short steps: 2 are exact for linear elements, further ones correct nonlinear elements
+    passes : number of passes over the short steps: 2 are exact for linear elements, more for nonlinear ones
     """
 
     ratio: int = 1

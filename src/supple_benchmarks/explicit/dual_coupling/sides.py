@@ -57,8 +57,8 @@ class Coupling:
         first, second = self.modal.rows, self.elements.rows
         if len(first) != len(second):
             raise ModelError(
-                f"the interface nodes do not meet: {len(first)} rows of the modal side, {len(second)} of the "
-                "elements"
+                f"the interface nodes do not match: {len(first)} rows of the modal side, {len(second)} of "
+                "the elements"
             )
         if np.linalg.matrix_rank(second) < len(second):
             raise ModelError("the rows of the element side are linearly dependent: tie each freedom once")

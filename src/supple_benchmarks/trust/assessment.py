@@ -1,6 +1,6 @@
-"""Assessment of one case: its rounds against full runs with the same steps, its sum against a run with h/8.
+"""Assessment of one case: rounds against full runs with the same steps, the sum against a full run with h/8.
 
-All reference runs are solved to a hundredth of the run's tolerance.
+All reference runs have a hundredth of the run's Newton tolerance.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ from supple.results import motion_error
 from supple.simulation import simulate
 from supple_benchmarks.trust.trust_case import TrustCase
 
-__all__ = ["judge"]
+__all__ = ["assess"]
 
 EIGHTH = 1 / 8
 TIGHT = 1e-2
 """Tolerance of the reference run over that of the run."""
 
 
-def judge(case: TrustCase, folder: Path, told: Callable[[float], None]) -> dict[str, Any]:
+def assess(case: TrustCase, folder: Path, progress: Callable[[float], None]) -> dict[str, Any]:
     """The record of a case; its full runs are stored in the folder, and read if present."""
     system, rounds = case.system(), []
     began = perf_counter()
@@ -52,15 +52,15 @@ def judge(case: TrustCase, folder: Path, told: Callable[[float], None]) -> dict[
         except SuppleError as error:
             corrected, reason = None, str(error)
         seconds = perf_counter() - began
-        told(0.4)
+        progress(0.4)
         full_runs = _FullRuns(case, system, folder)
-        judged = [_round_record(each, system, full_runs) for each in rounds]
-        told(0.7)
+        assessed = [_round_record(each, system, full_runs) for each in rounds]
+        progress(0.7)
         last = case.run if corrected is None else corrected.run or case.run
         record: dict[str, Any] = {
             "name": case.name,
             "freedoms": sum(body.n_coordinates for body in _fulls(system).values()),
-            "rounds": judged,
+            "rounds": assessed,
             "accepted": corrected is not None,
             "allowed": min((each.allowed for each in rounds[-len(_fulls(system)) :]), default=0.0),
             "parts": dict.fromkeys(PARTS),
@@ -78,7 +78,7 @@ def judge(case: TrustCase, folder: Path, told: Callable[[float], None]) -> dict[
             )
             record |= _worst(corrected.system, corrected.solution, system, exact)
             record["cost"] = _cost(system, corrected, last)
-    told(1.0)
+    progress(1.0)
     return record
 
 
@@ -130,7 +130,7 @@ def _worst(reduced: System, solution: Solution, system: System, exact: Solution)
 def _round_record(each: Round, system: System, full_runs: _FullRuns) -> dict[str, Any]:
     name = each.body.name
     run = each.run or full_runs.case.run
-    # The same steps, but a tighter tolerance: the reference's own residual is no error of the run.
+    # The same steps, but a tighter tolerance, so that the residual of the reference does not matter.
     full = full_runs.at(with_tolerance(run, TIGHT * run.tolerances.residual))
     true = np.inf
     # A run with a reduced step has other steps than any full run: the difference includes a step error.
