@@ -120,11 +120,6 @@ def _is_rigid(interface: BodyInterface) -> bool:
     return interface.motion.nnz == 6 and bool((interface.motion.data == 1).all())
 
 
-def _moved(interface: BodyInterface) -> NDArray[np.int64]:
-    """The nodes that move with a rigid interface."""
-    return interface.tied_nodes if len(interface.tied_nodes) else interface.node_ids
-
-
 def _rotation_vector(piece: _Piece, motion: Array) -> tuple[Array, Array]:
     """Rotation vector (3,) of a piece, and its derivative with respect to the rotational freedoms theta."""
     theta, c = motion[3:], piece.cubic_turn

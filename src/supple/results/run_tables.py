@@ -59,10 +59,6 @@ def stress_table(numbers: Mapping[str, Any]) -> TextTable:
     return TextTable("Stress", heads, rows)
 
 
-def _without(beams: int) -> str:
-    return f" (without {beams} beams that have no points of stress recovery)" if beams else ""
-
-
 def part_table(numbers: Mapping[str, Any]) -> TextTable:
     """Step limits, plastic strain and deleted elements of explicit parts; numbers from `summarize`."""
     rows = []

@@ -35,7 +35,7 @@ def _dot(
     if not target.size:
         return [target]
     summed = [left.shape[axis] for axis in left_sum]
-    left, right = _streamed(block, left, left_free, left_sum), _streamed(block, right, right_free, right_sum)
+    left, right = _streamed(block, left, left_free), _streamed(block, right, right_free)
 
     batch, of_batch = loops(outputs[0].shape[: len(left_batch)], "b")
     rows, of_rows = loops([left.shape[axis] for axis in left_free], "m")
@@ -72,7 +72,7 @@ def _runs_on(value: BufferView, free: Sequence[int]) -> bool:
     return bool(long) and value.strides[long[-1]] == 1
 
 
-def _streamed(block: CodeBlock, value: BufferView, free: Sequence[int], summed: Sequence[int]) -> BufferView:
+def _streamed(block: CodeBlock, value: BufferView, free: Sequence[int]) -> BufferView:
     """Constants reordered so that their last free axis is contiguous; other values as they are."""
     if value.known is None or _runs_on(value, free) or not any(value.shape[axis] > 1 for axis in free):
         return value
@@ -84,7 +84,6 @@ def _streamed(block: CodeBlock, value: BufferView, free: Sequence[int], summed: 
     strides = [0] * len(order)
     for place, axis in enumerate(order):
         strides[axis] = row_major(again.shape)[place]
-    del summed
     return replace(again, shape=value.shape, strides=tuple(strides), known=None)
 
 

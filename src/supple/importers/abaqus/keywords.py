@@ -51,7 +51,6 @@ LEFT_OUT = {
     "JOINT": "parts joined by it are free",
     "MATRIXASSEMBLE": "import the matrices instead",
     "MATRIXINPUT": "import the matrices instead",
-    "NMAP": "nodes are at their previous positions",
     "MODELCHANGE": "elements that it removes are present",
     "NODALENERGYRATE": "a value of the material is missing",
     "NODALTHICKNESS": "beams and plane elements have the section of their elements",
