@@ -8,8 +8,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-from threadpoolctl import threadpool_limits
-
 __all__ = ["available_cores", "one_core", "python_command", "python_environment"]
 
 _alone: ContextVar[bool] = ContextVar("alone", default=False)
@@ -17,11 +15,10 @@ _alone: ContextVar[bool] = ContextVar("alone", default=False)
 
 @contextmanager
 def one_core() -> Iterator[None]:
-    """Context in which `available_cores` returns 1 and BLAS has one thread: parallel work uses the others."""
+    """Context in which `available_cores` returns 1: parallel work uses the other cores."""
     token = _alone.set(True)
     try:
-        with threadpool_limits(1, user_api="blas"):
-            yield
+        yield
     finally:
         _alone.reset(token)
 

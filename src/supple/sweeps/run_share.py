@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from threadpoolctl import threadpool_limits
+
 from supple.errors import ResultFileError, SuppleError, SuppleWarning
 from supple.other_processes import one_core
 from supple.storage.sealed_hdf5 import is_whole
@@ -97,10 +99,11 @@ def run_cases(
                     stacklevel=1,
                 )
             reason = group.certificate.reason or "the error indicator could not be computed"
-            results = [
-                replace(each, no_estimate=reason) if each.lacks_estimate else each
-                for each in march_cases(group, cases, began)
-            ]
+            with threadpool_limits(1, user_api="blas"):  # the other processes use the other cores
+                results = [
+                    replace(each, no_estimate=reason) if each.lacks_estimate else each
+                    for each in march_cases(group, cases, began)
+                ]
         except NOT_OF_A_CASE:
             raise
         except SuppleError as error:  # an error of the bodies, hence of all cases
