@@ -67,7 +67,7 @@ def read_case(path: str | Path, notify: Notify = silent) -> Case:
 
 
 def _unusable_parts(tables: CaseTables, folder: Path) -> Iterator[tuple[KeyPath, str]]:
-    """Errors of joints, springs and elements in their numbers, which need no mesh."""
+    """Errors in the numbers of joints, springs and elements; no mesh is needed to find them."""
     for section in ("joint", "spring", "element"):
         for number, each in enumerate(getattr(tables, section)):
             try:
@@ -149,7 +149,7 @@ def _depth(raw: dict[str, Any]) -> int:
 
 
 def values_beyond_any_use(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
-    """Whole numbers beyond the 64 bits of TOML, and others whose squares and products overflow."""
+    """Whole numbers beyond the 64 bits of TOML, and other numbers of magnitudes beyond `LARGEST`."""
     if isinstance(value, dict | list):
         for key, item in value.items() if isinstance(value, dict) else enumerate(value):
             yield from values_beyond_any_use(item, (*path, key))

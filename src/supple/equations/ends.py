@@ -1,4 +1,7 @@
-"""The ends of joints and forces: markers, and the maps between local freedoms and the bodies."""
+"""The ends of joints and forces: their markers, and maps between the bodies and the markers' local freedoms.
+
+The twelve local freedoms of a marker are defined in `marker.py`.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,7 @@ Element = JointGroup | ForceGroup
 
 
 def markers(ends: Ends, configuration: Configuration, velocity: jax.Array | None = None) -> Marker:
-    """States of k markers, stacked; at rest without velocities (n,), and for the ground."""
+    """States of k markers, stacked. Without `velocity` (n,), and on the ground, all their rates are zero."""
     if ends.velocities is None or ends.coordinates is None:
         k = len(ends.bodies)
         zero = jnp.zeros((k, 3))
@@ -53,7 +56,7 @@ def _of_bodies(ends: Ends, per_body: Any) -> Any:
 
 
 def turns_of(ends: Ends, turns: jax.Array) -> jax.Array | None:
-    """`T` of the bodies of the ends, (k, 3, 3), selected from all bodies; None for the ground."""
+    """Rows of `turns_by_increment` (nb, 3, 3) for the bodies of the ends, (k, 3, 3); None for the ground."""
     return None if ends.on_ground else _of_bodies(ends, turns)
 
 
@@ -72,7 +75,8 @@ def forces_on_bodies(
 def columns_on_velocities(ends: Ends, by_local: jax.Array, turns: jax.Array | None) -> jax.Array:
     """Columns for the bodies' velocities (k, m, 6 + r) from columns for the local freedoms (k, m, 12).
 
-    With `turns` (k, 3, 3), for the increments of the frames' rotation vectors instead of `dpsi`.
+    The three columns of a frame's rotation are for the variation `dpsi`, `dA = A skew(dpsi)`; with `turns`
+    (k, 3, 3), they are for the increments of its rotation vector.
     """
 
     def of_end(motion: jax.Array, columns: jax.Array, *turn: jax.Array) -> jax.Array:
@@ -85,7 +89,9 @@ def columns_on_velocities(ends: Ends, by_local: jax.Array, turns: jax.Array | No
 def blocks_on_bodies(
     element: Element, local: tuple[tuple[jax.Array, jax.Array], ...], turns: jax.Array | None
 ) -> Iterator[MatrixBlock]:
-    """Blocks for the bodies from matrices (k, 12, 12) for the local freedoms, row end by column end.
+    """Blocks for the bodies from matrices (k, 12, 12) for the local freedoms.
+
+    local : `local[i][j]` has rows for end i and columns for end j of the elements
 
     With `turns` (nb, 3, 3), columns are for the increments of the bodies' rotations.
     """

@@ -41,7 +41,7 @@ def silhouette_edges(
 
 
 class _Sides(NamedTuple):
-    """The edges of triangles, and their sides: three of each.
+    """The distinct edges of triangles, and the three sides of every triangle, each on one of these edges.
 
     edges : (e, 2);  count : (e,) triangles there
     edge, owner : (3 T,) the edge and the triangle of a side;  sense : 1 from its lower node to the higher one

@@ -1,16 +1,17 @@
 """Cases of a batch in shares, each computed by one call of a compiled program.
 
-Cases are mapped together, up to a chunk, except for the solution of Newton's equations, which is sequential
-and skips converged cases (`sequential_vmap`). A smaller last share repeats its last case, so that one program
-serves all.
+The cases of a share, at most a chunk, are mapped together (`jax.vmap`). Only the solution of Newton's
+equations takes one case after the other, and skips converged ones (`sequential_vmap`). A smaller last share
+repeats its last case, so that one program serves all.
 
 With a frozen tangent, all mapped cases would compute a new tangent at every iterate, because a map cannot
 branch for the case that needs one. For a body with 25 coordinates each case would cost up to three times a
 single case. Such cases are therefore not mapped, and share the program of a single case.
 
-Arrays with the cases as innermost axis, for vector instructions, were measured for the most expensive part,
-the inverse of a tangent of 31 unknowns: 33 us per case with 8 or 16 cases together, 18 us one after the
-other. One matrix stays in the nearest cache, the matrices of many cases do not.
+The cases are not the innermost axis of the arrays, although vector instructions could then work on several
+cases at once. The most expensive part, the inverse of a tangent, would be slower: with 31 unknowns it took
+33 us per case for 8 or 16 cases together, and 18 us for one case after the other. One matrix stays in the
+nearest cache, the matrices of many cases do not.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ __all__ = ["SharesOfCases", "shares_of"]
 
 @dataclass(frozen=True)
 class SharesOfCases:
-    """Cases computed by one call, and the arguments of the program."""
+    """The cases of every share, and the arguments of the program for it: one call per share."""
 
     program: CachedProgram
     cases: tuple[Sequence[int], ...]
@@ -94,7 +95,7 @@ def _mapped(
 def _march_of_cases(
     first: Model, differing: list[Any], settings: Controls, states: State, stops: Any
 ) -> tuple[State, State]:
-    """The run, mapped over cases: the first model, with its leaves replaced by `differing` if not None."""
+    """The run, mapped over cases. A leaf of a case's model is that of `first` where `differing` has None."""
     leaves, structure = jax.tree.flatten(first)
 
     def of_case(own: list[Any], state: State) -> tuple[State, State]:

@@ -1,4 +1,4 @@
-"""Reference frequencies of a body for another program, cycles per unit of time."""
+"""Frequencies of an exported body, with which those of the importing program can be compared."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["StatedFrequencies", "floating_frequencies"]
 Array = NDArray[np.float64]
 
 StatedFrequencies = list[tuple[str, Array]]
-"""Pairs of a support, as text, and its lowest frequencies."""
+"""Pairs: how the body is supported, as text, and its lowest frequencies, cycles per unit of time."""
 
 N_STATED = 6
 N_RIGID = 6

@@ -15,7 +15,9 @@ __all__ = ["Explicit"]
 
 @dataclass(frozen=True)
 class Explicit(ExplicitRule):
-    """Central differences, with modal parts on four-point frames. FixedStep sets the step of the elements.
+    """Central differences; the frame of a modal part is given by four points at fixed distances.
+
+    FixedStep sets the step of the elements, or of the frames if there are no elements.
 
     scheme : time integration of the four-point frames: ProjectedDifference() or PublishedScheme(..)
     safety : step as a fraction of the step limit, for runs without FixedStep

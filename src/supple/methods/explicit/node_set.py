@@ -1,4 +1,4 @@
-"""Interfaces of an explicit part: the node sets of its mesh, and the interfaces of its body."""
+"""Node sets as the interfaces of a part in an explicit run; for a modal part also those of its body."""
 
 from __future__ import annotations
 
