@@ -10,7 +10,9 @@ from fixtures.compiled_c import by_c, needs_compiler
 from jax import lax
 
 from supple.errors import ModelError
+from supple.export.c import blocks, separate_functions
 from supple.export.c.function import function_source
+from supple.export.c.separate_functions import LONGEST
 
 RANDOM = np.random.default_rng(1)
 A, B, V = RANDOM.normal(size=(5, 7)), RANDOM.normal(size=(7, 4)), RANDOM.normal(size=7)
@@ -97,6 +99,21 @@ def _loops(a, v, i):
     )
 
 
+def _storage(a, v):
+    """Two arrays that only loops read; the second one is computed before the first one is read."""
+    first, second = jnp.cumsum(jnp.sin(a), axis=1), jnp.cumsum(jnp.cos(a), axis=1)
+
+    def added(rows, start):
+        def step(c, k):
+            longer = jnp.cumsum(jnp.sort(c + rows[k] * c.sum()))
+            return jnp.sort(jnp.sin(longer)) * jnp.cumsum(longer)[::-1], rows[k].sum() * c
+
+        return lax.scan(step, start, jnp.arange(5))
+
+    end, found = added(second, v)
+    return added(first, end), found
+
+
 CASES = {
     _elementwise: (A, B, SCALAR),
     _shapes: (A, B, T, SCALAR),
@@ -105,12 +122,16 @@ CASES = {
     _reductions: (A, T),
     _places: (A, V, T, TWO),
     _loops: (A, V, TWO),
+    _storage: (A, V),
 }
 
 
 @needs_compiler
+@pytest.mark.parametrize("longest", [LONGEST, 12], ids=["whole", "in parts"])
 @pytest.mark.parametrize("function", CASES, ids=lambda each: each.__name__.strip("_"))
-def test_a_family_gives_the_numbers_of_jax(function, tmp_path):
+def test_a_family_gives_the_numbers_of_jax(function, longest, tmp_path, monkeypatch):
+    monkeypatch.setattr(blocks, "LONGEST", longest)
+    monkeypatch.setattr(separate_functions, "_LINES", 4)
     expected = jax.tree.leaves(jax.jit(function)(*CASES[function]))
     for number, (own, exact) in enumerate(
         zip(by_c(tmp_path, function, *CASES[function]), expected, strict=True)

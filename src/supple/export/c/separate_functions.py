@@ -55,11 +55,15 @@ class SeparateFunctions:
     _bodies: list[str] = field(default_factory=list)
 
     def call(self, body: str) -> str:
-        """Add a function with this body; returns the statement that calls it."""
-        self.shared |= {int(number) for number in TOKEN.findall(body)}
+        """Add a function with this body; returns the statement that calls it.
+
+        A comment in the statement names the shared variables, whose storage is in use there.
+        """
+        read = sorted({int(number) for number in TOKEN.findall(body)})
+        self.shared |= set(read)
         self._bodies.append(body)
         given = ", ".join(["shared", *(name for _, name in self.parameters)])
-        return f"{self._name(len(self._bodies) - 1)}({given});"
+        return f"{self._name(len(self._bodies) - 1)}({given}); /* {' '.join(f'@{each}@' for each in read)} */"
 
     def storage(self) -> str:
         """Declaration of the shared variables, for the body of the whole function; empty without parts."""
