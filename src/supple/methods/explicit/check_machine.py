@@ -30,7 +30,7 @@ __all__ = ["check_machine", "check_run", "check_spin_stiffness"]
 _APART = 1e-9
 """Largest initial velocity difference of two tied modal parts, relative to the fastest point."""
 _ROUNDED = 1e-6
-"""Same limit for explicit nodes and the modal part to which they are tied."""
+"""Same limit for the tied nodes of an explicit part."""
 
 
 def check_spin_stiffness(system: System) -> None:

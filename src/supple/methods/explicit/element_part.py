@@ -33,7 +33,7 @@ def refuse_beside_elements(what: str, model: FiniteElementModel) -> None:
 
 
 class ElementPart(FormDefaults):
-    """`BodyForm` without a frame, for any rotation; its coordinates are the displacements of its nodes."""
+    """`BodyForm` without a frame, for large rotations; its coordinates are the displacements of its nodes."""
 
     name: str
     model: FiniteElementModel
@@ -84,7 +84,7 @@ class ElementPart(FormDefaults):
         return node_sets(self, self.mesh.node_sets)
 
     def interface(self, name: str) -> NodeSet:
-        """The node set of that name; ModelError with the nearest name, or all names."""
+        """Node set by name; an unknown name raises ModelError with the nearest name, or all names."""
         return interface_named(self.name, name, self.interfaces)
 
     def expand(self, coordinates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)) -> FloatArray:
@@ -95,7 +95,7 @@ class ElementPart(FormDefaults):
     def nodal_fields(
         self, coordinates: FloatArray, freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[FloatArray, None]:
-        """Nodal freedoms (n, t): the coordinates (t, n), transposed. No condensed freedoms."""
+        """Displacements (n, t) of some or all nodal freedoms from coordinates (t, 3 N); none is condensed."""
         return coordinates.T[freedoms], None
 
     def positions(self, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> FloatArray:
@@ -109,12 +109,12 @@ class ElementPart(FormDefaults):
         return NodeMotion(moved.nodes[:, own], moved.velocities[:, own], moved.accelerations[:, own])
 
     def interface_motion(self, motion: Motion, name: str) -> InterfaceMotion:
-        """Mean motion (t, ...) of a node set in space, as `NodeSet.moving`."""
+        """Mean motion (t, ...) of a node set in space, by `NodeSet.moving`."""
         own = self.interface(name)
         return own.moving(self.node_motion(motion, own.nodes))
 
     def motion_near(self, *_: FloatArray) -> FramedMotion:
-        """ModelError: it has no frame about which a motion could be small."""
+        """Raise ModelError: the part has no frame about which a motion could be small."""
         raise ModelError(
             f"body '{self.name}' has explicit finite elements, which have no small motions about a frame: "
             "use a modal_subdomain or a reduced body"

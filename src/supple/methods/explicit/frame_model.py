@@ -76,7 +76,7 @@ class Generalized(NamedTuple):
         return Generalized(self.p + other.p, self.y + other.y)
 
     def times(self, factor: Array | float) -> Generalized:
-        """Scaled."""
+        """Product with a factor."""
         return Generalized(factor * self.p, factor * self.y)
 
 
@@ -94,7 +94,7 @@ def spin_force(model: FrameModel, old: FrameState, new: FrameState) -> Array:
 
 
 def gravity_force(sums: Spread, p: Array, gravity: Array) -> Generalized:
-    """Gravity force. Directors add none, because their weights on the points sum to zero."""
+    """Gravity force. Directors (`mass_fields`) add none: their weights on the points sum to zero."""
     return Generalized(sums.Xi.sum(axis=1)[:, None] * gravity, (arms(p).T @ gravity) @ sums.Q.sum(axis=0))
 
 

@@ -74,7 +74,7 @@ class ModalFrame:
         return fraction * largest / np.linalg.eigvalsh(mobility)[:, -1]
 
     def motion(self, nodes: NDArray[np.int64]) -> FloatArray:
-        """(n, 3, 6 + k): motion of nodes per rigid motion and mode, undeformed, in the mesh axes."""
+        """(n, 3, 6 + k): motion of nodes of the undeformed part per rigid motion and mode, mesh axes."""
         return self.material_motion(self.weights(nodes), self.shapes[nodes])
 
     def material_motion(self, weights: FloatArray, shapes: FloatArray) -> FloatArray:

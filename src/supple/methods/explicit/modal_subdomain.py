@@ -134,7 +134,7 @@ class ModalSubdomain(FloatingForm):
         return (*of_body.values(), *node_sets(self, {k: v for k, v in sets.items() if k not in of_body}))
 
     def interface(self, name: str) -> NodeSet:
-        """The node set of that name; ModelError with the nearest name, or all names."""
+        """Node set by name; an unknown name raises ModelError with the nearest name, or all names."""
         return interface_named(self.name, name, self.interfaces)
 
     @cached_property
@@ -161,7 +161,7 @@ class ModalSubdomain(FloatingForm):
     def nodal_fields(
         self, coordinates: NDArray[np.float64], freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[NDArray[np.float64], None]:
-        """Nodal freedoms (n, t) from coordinates (t, k), without condensed freedoms."""
+        """Displacements (n, t) of some or all nodal freedoms from coordinates (t, k); none is condensed."""
         return self.nodal_basis[freedoms] @ coordinates.T, None
 
     @property
@@ -181,12 +181,12 @@ class ModalSubdomain(FloatingForm):
 
     @property
     def damping(self) -> NDArray[np.float64]:
-        """(k, k) alpha + beta diag(omega^2)."""
+        """(k, k) alpha I + beta diag(omega^2)."""
         return self.mass_damping * np.eye(self.n_modes) + self.stiffness_damping * self.stiffness
 
     @property
     def is_linear(self) -> bool:
-        """Whether it has no centrifugal stiffness."""
+        """True without centrifugal stiffness."""
         return self.spin_stiffness is None
 
     def lowest_frequency(self) -> float:
@@ -206,7 +206,7 @@ class ModalSubdomain(FloatingForm):
 
     @cached_property
     def points(self) -> FramePoints:
-        """The frame: at the centre of mass, arms of the radius of gyration."""
+        """Points at the centre of mass, with arms of the radius of gyration."""
         own = rigid_mass_properties(self.body.nodal_mass, self.body.nodes, self.body.dofs_per_node)
         return FramePoints(own.centre, float(np.sqrt(np.trace(own.inertia) / (2 * own.mass))))
 

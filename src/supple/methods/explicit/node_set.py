@@ -1,4 +1,4 @@
-"""Node sets as the interfaces of a part in an explicit run; for a modal part also those of its body."""
+"""Node sets as interfaces of a part in an explicit run; a modal part also has the interfaces of its body."""
 
 from __future__ import annotations
 

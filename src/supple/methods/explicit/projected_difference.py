@@ -160,7 +160,7 @@ def _bilinear_square(model: FrameModel, dp: Array, dy: Array) -> Array:
 
 
 class _Frozen(NamedTuple):
-    """Constants over the passes of a frame's step: B_n^T M B_n with the links, factored.
+    """Constants of a frame's step in all Newton iterations: B_n^T M B_n with the links, factored.
 
     The modes are eliminated first; the links make the remaining matrix regular, even where modes include a
     uniform strain.

@@ -46,7 +46,7 @@ class PredictedLinks:
     """Forces along d + h v from one equation linear in the acceleration; length errors are fed back."""
 
     def accelerations(self, inverse_mass, free, p, v, squared_lengths, steps):
-        """See `Links`; the rows of the predicted links are on both sides."""
+        """See `Links`; the predicted links give the constraint and the directions of the forces."""
         d, rate, h = link_vectors(p), link_vectors(v), steps.after
         rows = _padded(link_rows(d + h * rate), len(free))
         open_ = ((squared_lengths - (d * d).sum(axis=1)) / h - ((2 * d + h * rate) * rate).sum(axis=1)) / (

@@ -42,7 +42,7 @@ class YieldWatch:
     limits: tuple[_Limit, ...]
 
     def observe(self, so_far: Mapping[str, Stressed], leg: Solution) -> dict[str, Stressed]:
-        """Largest stresses so far, updated by those of a leg; ValidityError at the first excess if strict."""
+        """Largest stresses, updated by those of a leg; raises ValidityError at the first excess if strict."""
         merged = {}
         for own in self.limits:
             motion = leg.motion(own.part.name, FloatingMotion)

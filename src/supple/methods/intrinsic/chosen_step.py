@@ -14,7 +14,7 @@ from supple.methods.intrinsic.stable_step import largest_stable_step
 __all__ = ["with_chosen_step"]
 
 STEPS_A_PERIOD = 20
-"""Steps a period; the second-order rule then has a phase lag of 0.8 % of a period in each period."""
+"""Steps per period; the second-order rule then has a phase lag of 0.8 % of a period in each period."""
 MOST_RESOLVED = 16
 """Number of lowest modes of a body whose periods limit an implicit step; the rule damps higher ones."""
 OF_STABLE = 0.9

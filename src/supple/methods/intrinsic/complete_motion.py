@@ -43,7 +43,7 @@ MOST_ITERATIONS = 12
 class CompleteMotion(NamedTuple):
     """The machine with all modes of its bodies, and its motion at the sample times.
 
-    shown : the run itself at these instants, in all modes
+    shown : the run at these instants, expressed in all modes
     found : (t,)    False where the iteration did not converge
     """
 
@@ -61,7 +61,7 @@ class _Lines(NamedTuple):
 
 
 def complete_motion(system: System, solution: Solution, rows: NDArray[np.intp]) -> CompleteMotion:
-    """Motion in all modes whose elastic accelerations and strain rates are those of the run.
+    """Motion in all modes, with the elastic accelerations and strain rates of the run.
 
         0 = W q + N(q) q + eta + T^T f - A (q' of the run)
 

@@ -82,8 +82,8 @@ def condensed_line(
 ) -> CondensedLine:
     """Free line from the matrices of a condensation by Nastran (ASET) or any other program.
 
-    Rigid-body forces due to round-off are removed with the rigid motion R of the geometry about the centre of
-    mass:  K <- P^T K P,   P = 1 - R (R^T R)^-1 R^T
+    Rigid-body forces due to round-off are removed with the rigid motion R of the stations (rotations scaled
+    by the mean segment):  K <- P^T K P,   P = 1 - R (R^T R)^-1 R^T
 
     Parameters
     ----------

@@ -20,8 +20,8 @@ def placed_at_instant(placed: Placed, motion: IntrinsicMotion, row: int) -> Plac
 
         q_1 = Phi_1^T M ( R(q_2) (d + F c) - T d ) + (0, rates)
 
-    d is the twist of a driven root, F the free twists of its support, R the rigid motion of the bent line. c
-    gives the amplitudes of the rigid modes, `rates` those of the elastic modes.
+    d is the twist of a driven root, F the free twists of its support, R and T the rigid motion of the
+    bent line and of the line at rest. c follows from the rigid modes, `rates` from the elastic ones.
     """
     body, q1 = body_of(placed), motion.rates[row]
     moved = placed.moved_to(motion.position[row], motion.rotation[row])

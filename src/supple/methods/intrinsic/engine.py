@@ -89,7 +89,7 @@ class IntrinsicEngine:
         return ITERATED * self._run.tolerances.residual
 
     def start(self, time: float) -> LineMarchState:
-        """The bodies as placed; residual modes follow the others statically."""
+        """The bodies as placed; residual modes follow the retained modes statically."""
         begun = first_march_state(self._machine.lines, self.rule, time, self._machine.start)
         # NumPy types as in all later states: JAX would compile once more for Python numbers.
         return jax.tree.map(np.asarray, begun)

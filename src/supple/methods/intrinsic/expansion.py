@@ -20,12 +20,12 @@ AT_ONCE = 2**22
 
 @dataclass(frozen=True, eq=False)
 class Expansion:
-    """Map from n stations to N nodes: weighted rigid motion of two stations, plus a shape by the strains.
+    """Map from n stations to N nodes: weighted rigid motion of two stations, plus a shape due to strains.
 
         r_a = sum_i w_ai (r_i + R_i (X_a - X_i + D_a gamma))
 
-    D gamma is the difference between the static shapes of the condensation and rigid motion: warping of
-    sections, and the curve of a coarse segment.
+    gamma are the elastic amplitudes. D gamma is the static shape of the condensation minus rigid motion:
+    warping of sections, and the curve of a coarse segment.
 
     nodes : (N, 3)              at rest, m
     stations, weights : (N, 2)  two stations for each node; weights add up to one

@@ -145,7 +145,7 @@ class IntrinsicBody(FormDefaults, Summarized):
         return tuple(Station(name, points[i], motions[i], i) for name, i in self.stations.items())
 
     def interface(self, name: str) -> Station:
-        """The station of that name; ModelError with the nearest name, or all names."""
+        """Station by name; an unknown name raises ModelError with the nearest name, or all names."""
         return interface_named(self.name, name, self.interfaces)
 
     @cached_property
@@ -284,7 +284,7 @@ class IntrinsicBody(FormDefaults, Summarized):
     def motion_near(
         self, position: Array, rotation: Array, coordinates: Array, displacement: Array, rates: Array
     ) -> IntrinsicMotion:
-        """Motion displaced by p (t, 6 + e); velocities follow from the rates p' (t, 6 + e) as at p = 0."""
+        """Motion displaced by p (t, 6 + e); its velocities are those of the rates p' (t, 6 + e) at p = 0."""
         frames = frames_near(position, rotation, displacement, rates)
         amplitudes = self.freedoms(self.forces_of(coordinates)).amplitudes(rates)
         still = np.zeros_like(frames[2]), np.zeros_like(frames[2]), np.zeros_like(amplitudes)

@@ -47,7 +47,7 @@ class IntrinsicModes:
     momenta : (n, 6, k + e)     M Phi_1
     forces : (n - 1, 6, e)      Phi_2
     strains : (n - 1, 6, e)     C Phi_2
-    n_second_order : int        number of the last elastic modes that are second-order Ritz vectors
+    n_second_order : int        number of second-order Ritz vectors, which are the last elastic modes
     """
 
     line: CondensedLine

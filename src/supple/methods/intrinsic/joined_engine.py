@@ -76,7 +76,7 @@ class JoinedEngine:
 
     @property
     def step(self) -> float:
-        """Largest step."""
+        """Largest step, s."""
         return self._step
 
     @property

@@ -7,8 +7,8 @@ amplitudes q_1, V_s = T(q) q_1, and T^T maps forces of joints and force elements
     floating body   M V' + c + f - Q + G^T lambda = 0,    q' = V + M^-1 G^T mu
     joints          g(t, q) = 0,     G V + dg/dt = 0
 
-Joints do no work on velocities that satisfy them, and T belongs to the positions in the constraint equations.
-So energy is conserved for any number of modes or stations. mu vanishes with the step; it keeps both positions
+Joints do no work on velocities that satisfy them, and T is the exact derivative of the positions in g. So
+energy is conserved for any number of modes or stations. mu vanishes with the step; it keeps both positions
 and velocities on the constraints.
 Source: C. W. Gear, B. Leimkuhler, G. K. Gupta, "Automatic integration of Euler-Lagrange equations with
 constraints", J. Comput. Appl. Math. 12-13 (1985) 77-90, for mu.

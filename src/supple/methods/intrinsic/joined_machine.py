@@ -1,8 +1,8 @@
 """Machine of intrinsic, rigid and reduced bodies with any joints, as arrays for compiled code.
 
 Joints and forces act on an intrinsic body at its stations. The equations of joints and forces are those of
-floating frames, where each such station is a massless rigid body. Its forces act on the amplitudes of the
-line through the velocities of the station.
+floating frames, where each such station is a massless rigid body. Forces on a station act on the amplitudes
+of the line through the velocities of the station.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ class JoinedMachine(NamedTuple):
 
 
 class LinesAsStations(NamedTuple):
-    """A machine as the system of its joints and forces.
+    """A machine whose coupled stations are bodies, for the equations of its joints and forces.
 
     seen : System       floating bodies, and a body for every coupled station
     lines : the placed intrinsic bodies

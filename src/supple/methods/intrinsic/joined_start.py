@@ -76,8 +76,9 @@ def joined_start(machine: JoinedMachine, time: float) -> JoinedStart:
 
 
 class ClosedMachine(NamedTuple):
-    """A machine without redundant equations, as placed; rows and rates are of all equations.
+    """A machine without redundant equations, as placed.
 
+    rows, rates : Jacobian by the velocities, and rates, of all equations of joints
     active : numbers of the independent equations
     metric : mass matrix of all velocities
     """
@@ -234,7 +235,7 @@ def _rigid_motions(machine: JoinedMachine) -> tuple[list[slice], list[np.ndarray
 def instant_rates(
     arrays: JoinedArrays, now: JoinedInstant, control: ControlState | None = None
 ) -> tuple[JoinedRates, jax.Array]:
-    """Rates of an instant on its joints, and the multipliers.
+    """Rates at an instant that satisfies its joints, and the multipliers.
 
     Equations of motion and d2g/dt2 = 0:  M a + J^T lambda = -b,  J a = -c,  with b and c at a = 0. Iterated
     where friction in b depends on lambda.

@@ -32,8 +32,8 @@ class JoinedState(NamedTuple):
 
     multipliers : (m,)      of the last step
     control : ControlState | None       of the machine's controllers
-    worst : ()              largest relative residual of a step so far
-    iterations : ()         so far
+    worst : ()              largest relative residual of a step since the start
+    iterations : ()         since the start
     """
 
     now: JoinedInstant
@@ -89,7 +89,7 @@ def joined_step(
     kinds, states = _kinds(arrays, before, m), _sizes(arrays, now, m)
 
     def measured(slope: jax.Array, unknown: jax.Array, left: jax.Array) -> jax.Array:
-        """Residual of each kind of equations over the size of its terms."""
+        """Largest residual of a kind of equations, relative to the size of its terms."""
         terms = jnp.abs(slope) @ (jnp.abs(unknown) + ROUNDING / tolerance / h * states)
         sums = jax.ops.segment_sum(jnp.stack([left, terms], axis=1) ** 2, kinds, int(kinds.max()) + 1)
         return jnp.max(jnp.sqrt(sums[:, 0] / jnp.maximum(sums[:, 1], 1e-300)))

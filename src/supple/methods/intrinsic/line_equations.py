@@ -8,7 +8,7 @@ vector products and a few products of a matrix and a vector. The result is the s
 and the power of the couplings is exactly zero.
 
 Amplitudes, and all results from them, may have a last axis of cases. The products are then of two matrices,
-and cases are adjacent in memory, several to an instruction.
+and one instruction computes several cases, which are adjacent in memory.
 Source: [Wang2015] (12)-(14), with their integrals as sums over stations.
 """
 

@@ -1,4 +1,4 @@
-"""Small motions of a line: its axes and elastic amplitudes, from integrals of the velocity amplitudes."""
+"""Small motions of a line's axes and elastic amplitudes, from integrals of the velocity amplitudes."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class LineFreedoms:
     """p = shapes @ (y, h) for a line in its bent shape.
 
     p (6 + e,) contains the translation and rotation of the body's axes, along these axes, and the changes
-    -dq_2 / w of the elastic amplitudes. y (m,) are the integrals of q_1. h are the twists of the root that
+    -dq_2 / w of the elastic amplitudes. y (m,) are the integrals of q_1. h are the motions of the root that
     its support fixes.
 
     m : number of components of y

@@ -5,7 +5,7 @@ of its axes, and the rates of its elastic amplitudes g = -q_2 / omega. The ampli
 
     A(q_2) q_1 = (R^T V, w, g'),        Y = A^-1 diag(R^T, I, I)
 
-with the twist of the axes in the first six rows and the strain rates, `force_rates`, in the others. The
+The first six rows of A give the twist of the axes, the next e rows the strain rates (`force_rates`). The
 residual of the line's equations, projected on u, balances forces f at its stations, whose velocities are J u:
 
     Y^T [ q_1' - rates(q_1, q_2) ] + J^T f = 0,        q_1' = Y u' + Y' u

@@ -42,7 +42,7 @@ from supple.methods.intrinsic.supported_root import is_joined, supported_root
 __all__ = ["LineStatics", "line_statics"]
 
 SAME_AXIS = 1e-9
-"""Relative part of a root twist that its support fixes; less is round-off."""
+"""Part of a root twist along fixed directions, relative to the twist; less is round-off."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ class LineStatics(SteadyEquations):
 
     @property
     def is_discrete(self) -> bool:
-        """True: forces act on the velocities of positions, which differ from those of the modes."""
+        """True: forces act on the rates of the positions, masses on the velocities of the modes."""
         return True
 
     def start(self) -> StaticState:
@@ -130,7 +130,7 @@ class LineStatics(SteadyEquations):
     def linear_equations(self, state: StaticState, time: float) -> LinearEquations:  # noqa: ARG002
         """Equations of motion linearised about a state, for motions p of bodies in their order.
 
-        p is the translation and rotation of each body's axes, along these, and its elastic amplitudes. The
+        p is the translation and rotation of each body's axes, along them, and its elastic amplitudes. The
         motions fixed by the support of a root are among the joints' equations.
         """
         linear, arrays = self._small_motions(state), self.machine.arrays
@@ -250,7 +250,7 @@ class LineStatics(SteadyEquations):
 
     @property
     def _kinds(self) -> np.ndarray:
-        """(3, N) forces, moments, deformations of floating bodies; amplitudes of lines are deformations."""
+        """(3, N) whether a row is a force, a moment or a deformation, as the amplitudes of lines are."""
         arrays = self.machine.arrays
         lines = sum(np.shape(model.velocities)[1] for model in arrays.lines)
         of_lines = np.repeat([[0.0], [0.0], [1.0]], lines, axis=1)

@@ -40,7 +40,7 @@ class LineSystem:
 
 
 def places_of(model: LineModel, drive: RootDrive | None, state: LineState, time: Any) -> StationPlaces:
-    """Positions of the stations of one line, whose root may be driven."""
+    """Rotations and positions of the stations of one line, whose root may be driven."""
     if drive is None:
         return station_places(model, state.q2, rotation_of(state.quaternion), state.position)
     return station_places(model, state.q2, *drive.pose(time))

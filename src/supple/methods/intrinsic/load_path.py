@@ -238,7 +238,7 @@ def _averaged(body: FlexibleBody, interfaces: Sequence[AveragingInterface]) -> t
 
 
 def _in_cells(body: FlexibleBody) -> NDArray[np.bool_]:
-    """Nodes (N,) of cells; those of springs, masses and ties alone do not belong to a section."""
+    """Whether each node (N,) is in a cell; nodes of springs, masses and ties alone are in no section."""
     found = np.full(len(body.nodes), body.model is None)
     for cells in () if body.model is None else body.model.mesh.cells.values():
         found[cells] = True

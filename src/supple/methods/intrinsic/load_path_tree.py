@@ -32,7 +32,7 @@ class LoadPathTree:
     Segment i ends at station i + 1 and begins at its parent.
 
     points : (n, 3)     at rest, m
-    parents : (n,)      parent of each station, a lower number; `ROOT` of the first
+    parents : (n,)      parent of each station, a lower number; `ROOT` for the first
     """
 
     points: Array

@@ -39,7 +39,7 @@ Array = np.ndarray
 _quaternion = CachedProgram(euler_parameters)
 
 SAME_VELOCITY = 1e-6
-"""Relative velocity of a root that its support fixes; less is round-off."""
+"""Part of a root velocity along fixed directions, relative to the velocity; less is round-off."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +139,7 @@ def line_start(placed: Placed, drive: RootDrive | None, time: float) -> LineStat
 
 
 def _root_twist(placed: Placed, driven: Array) -> Array:
-    """Velocity and angular velocity (6,) of the root, along its axes; ModelError if its support fixes it.
+    """Velocity and angular velocity (6,) of the root, along its axes; ModelError if its support excludes it.
 
     driven : (6,)   velocity of its drive
     """
@@ -202,7 +202,7 @@ def line_motion(
 def _roots_over_time(
     model: LineModel, drive: RootDrive | None, states: LineState, rates: Any, times: Any
 ) -> Any:
-    """Rotations, positions, twists of a root and their rates."""
+    """Rotations, positions and twists of a root, and the rates of the twists."""
 
     def at(state: LineState, rate: Any, time: Any) -> Any:
         twist, faster = model.velocities[:6] @ state.q1, model.velocities[:6] @ rate

@@ -1,8 +1,8 @@
-"""Time integration of many cases of one machine of lines: same bodies, other loads, motions and starts.
+"""Time integration of many cases of one machine of lines: different loads, motions and initial states.
 
 Where cases share the lines, the Runge-Kutta rule integrates all of them at once, with cases as the last axis
 of all amplitudes. The modes are then read once for all cases, and products are limited by arithmetic, not by
-memory. Other rules are mapped over the cases.
+memory. Otherwise, the rule is mapped over the cases.
 """
 
 from __future__ import annotations
@@ -112,7 +112,7 @@ def _together(
 
 
 class _Root(NamedTuple):
-    """Position of a root, its prescribed motion, and the rates of its quaternion and position."""
+    """Pose of a root, its prescribed motion, and the rates of its quaternion and position."""
 
     pose: tuple[jax.Array, jax.Array]
     twist: RootTwist | None

@@ -31,7 +31,7 @@ def truncation_parts(system: System, solution: Solution) -> Mapping[str, ErrorPa
 def report_truncation(system: System, run: Run, solution: Solution) -> Solution:
     """The solution with `truncation`, the part of its error due to omitted modes.
 
-    Warns ValidityWarning about omitted modes that change positions by 1 % of the deflection.
+    Warns ValidityWarning about bodies whose truncation error is above 1 % of their deflection.
     """
     errors = _errors(system, solution)
     for name, error in errors.items():
@@ -40,7 +40,7 @@ def report_truncation(system: System, run: Run, solution: Solution) -> Solution:
 
 
 def report_truncation_of_cases(cases: Sequence[System], run: Run, solutions: Sequence[Solution]) -> None:
-    """`report_truncation` for a batch: each body is assessed once, in the case with its largest strain."""
+    """`report_truncation` for a batch: assess each body in the case of its largest strain, warn of the worst."""
     finished = [number for number, solution in enumerate(solutions) if solution.stopped is None]
     if not finished:
         return

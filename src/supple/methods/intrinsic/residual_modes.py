@@ -1,4 +1,4 @@
-"""Residual modes: high modes that follow the others statically, so that they do not limit the step."""
+"""Residual modes: high modes that follow the low modes statically, so that they do not limit the step."""
 
 from __future__ import annotations
 

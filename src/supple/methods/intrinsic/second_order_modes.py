@@ -26,9 +26,9 @@ SMALLEST = 1e-3
 
 
 def completed_modes(whole: IntrinsicModes, shapes: Array, n_lowest: int) -> IntrinsicModes:
-    """Modes in the span of some shapes U (e, j), whose first columns are the lowest elastic modes.
+    """Modes with the shapes U (e, j), whose first columns are the lowest elastic modes.
 
-        U^T W^2 U = Y diag(w^2) Y^T,     Phi_1 <- Phi_1 U Y,     Phi_2 <- Phi_2 W U Y / w
+        U^T W^2 U = diag(w^2),     Phi_1 <- Phi_1 U,     Phi_2 <- Phi_2 W U / w
 
     whole : all modes of a line
     shapes : orthonormal, as from `second_order_shapes`

@@ -98,7 +98,7 @@ def station_twists(model: LineModel, root: Array, motion: IntrinsicMotion) -> Ar
 
 
 def _driven(model: LineModel, root: Array, motion: IntrinsicMotion) -> tuple[Array, Array]:
-    """The drive's part of the root's twist (t, 6) along its axes, and of its rate, outside the modes."""
+    """Part of the root's twist (t, 6), along its axes, that is due to a drive, not to modes, and its rate."""
     w, dw = motion.angular_velocity, motion.angular_acceleration
     velocity = np.einsum("tji,tj->ti", motion.rotation, motion.velocity) + np.cross(w, root)
     acceleration = np.einsum("tji,tj->ti", motion.rotation, motion.acceleration)

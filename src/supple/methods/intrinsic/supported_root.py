@@ -39,7 +39,7 @@ class SupportedRoot(NamedTuple):
 
 
 def is_joined(system: System) -> bool:
-    """Whether a machine is more than intrinsic bodies that are free, or joined by their roots to the ground.
+    """Whether a machine has more than intrinsic bodies that are free, or have roots joined to the ground.
 
     True for other kinds of bodies, joints between bodies or at a body with a free root, controllers, and
     friction that depends on a joint force.

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 INSTANTS = 8
 
 STIFF = 1e-3
-"""Deflection relative to the length, below which drift is measured relative to this share of the length."""
+"""Smallest deflection by which the drift is divided, relative to the length."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class TruncationError:
 
     times : (t,)            sampled
     places : (t,)           RMS distance of the stations, m; infinite where `complete_motion` did not converge
-    forces, velocities : (t,)   square roots of shares of strain energy and kinetic energy
+    forces, velocities : (t,)   norms of the change of these amplitudes, relative to the largest norm
     drift : float           of the centre of mass of a free body, from its motion by the loads, m
     deflection : float      largest displacement of a station relative to the root, m
     length : float          extent of the undeformed body, m

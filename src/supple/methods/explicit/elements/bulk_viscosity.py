@@ -107,7 +107,7 @@ def bulk_pressure(of: BulkArrays, J: Array, before: Array, h: Array) -> tuple[Ar
 
 
 def bulk_share(of: BulkArrays, F: Tensor, dF: Tensor) -> Array:
-    """Fraction xi (E,) at the worst point of each element, for a gradient F that changes at rate dF, 1/s."""
+    """Damping xi (E,) at the worst point of each element; F is the deformation gradient, dF its rate, 1/s."""
     cof = cofactor(F)
     rate = sum(dF[i][j] * cof[i][j] for i in range(3) for j in range(3)) / determinant(F, cof)
     return of.shares * of.coefficients(rate).max(axis=0)

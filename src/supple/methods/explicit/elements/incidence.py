@@ -15,7 +15,7 @@ __all__ = ["gathered", "incidence"]
 
 
 def incidence(nodes: NDArray[np.int64], n_nodes: int) -> NDArray[np.int64]:
-    """Indices into `nodes.ravel()` of the corners at each node, (most, N), padded with `nodes.size`.
+    """Indices (m, N) into `nodes.ravel()` of the corners at each node, at most m, padded with `nodes.size`.
 
     nodes : (k, E) nodes of the elements
     """

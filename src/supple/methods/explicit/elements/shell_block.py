@@ -5,7 +5,7 @@
 with the axes of the triangle at rest A_0 and at present A (along its first side, across, normal), nodal
 triads R (the identity at rest), and the stiffness K of the undeformed element. Strains are small, rotations
 of any size. Force and moment are the exact gradient of U. U is invariant under rigid motion, so momentum is
-conserved. log uses the arcsine series, exact to 1e-6 for 0.3 rad between a node and its element.
+conserved. log uses the arcsine series; its error is 1e-5 rad for 0.3 rad between a node and its element.
 
 Where the material yields, the stress at layers through the thickness replaces K. With the membrane strain
 B_m d, the curvature B_b d at the three mid-sides p, and the layers z_l of weight w_l,

@@ -2,9 +2,9 @@
 
     omega_max(M, K) <= max_e omega_max(M_e, K_e),   dt <= 2 / omega_max       (Irons and Treharne 1971)
 
-At rest, the element's own eigenvalue is exact, from A A^T with A = sqrt(V) D^(1/2) B M_e^(-1/2), six rows
-per strain point. The hourglass stiffness adds at most its own eigenvalue. For deformed elements, the limit is
-multiplied by the smallest stretch, divided by sqrt(det F) where the volume has grown.
+At rest, the largest eigenvalue of each element is exact, from A A^T with A = sqrt(V) D^(1/2) B M_e^(-1/2),
+six rows per strain point. The hourglass stiffness adds at most its own eigenvalue. For deformed elements, the
+limit is multiplied by the smallest stretch, divided by sqrt(det F) where the volume has grown.
 """
 
 from __future__ import annotations

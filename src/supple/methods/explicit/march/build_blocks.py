@@ -22,7 +22,7 @@ class Blocks:
     """Blocks of elements, one list entry each, and their nodes.
 
     rules : law and deletion of each
-    spans : part to its blocks;   mass : (N,) kg;   damped : (N,) alpha m, kg/s
+    spans : blocks of each part, by its name;   mass : (N,) kg;   damped : (N,) alpha m, kg/s
     """
 
     mass: NDArray[np.float64]
@@ -40,7 +40,7 @@ class Blocks:
 def explicit_blocks(
     parts: Sequence[Placed], numbers: Mapping[str, NDArray[np.int64]], n_nodes: int
 ) -> Blocks:
-    """The blocks of explicit parts whose nodes have numbers among the n_nodes of the march."""
+    """Blocks of explicit parts; `numbers` maps the nodes of each part to the n_nodes of the model."""
     mass, damped = np.zeros(n_nodes), np.zeros(n_nodes)
     made = Blocks(mass, damped)
     for part in parts:

@@ -47,7 +47,7 @@ class JoinedFrames:
 
     ties, tied : ties with their independent multipliers, and the numbers of the two frames of each
     machine : the frames as floating bodies, with independent equations of joints
-    numbers : of the frames that multipliers join;   driven : (m,) 1 for equations with a law, else 0
+    numbers : frames with multipliers;   driven : (m,) 1 for equations with a law, else 0
     limited, step_limit : frames with ties, joints or force elements, and the step limit of all of them, s
     """
 
@@ -158,7 +158,7 @@ def _largest(free: FloatArray, matrix: FloatArray, mass: FloatArray) -> float:
 
 
 def _floating_rates(system: System, name: str, frame: ModalFrame) -> FloatArray:
-    """(dR, omega, dq) from velocity of the centre, angular velocity and modes, in the axes of the mesh."""
+    """Matrix of (dR, omega, dq) by velocity of the centre, angular velocity (mesh axes), and modal rates."""
     k = frame.body.n_modes
     found = np.zeros((6 + k, 6 + k))
     A, centre = system.placed(name).rotation, frame.body.points.origin

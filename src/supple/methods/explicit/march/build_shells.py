@@ -65,7 +65,7 @@ class Shells:
 
 
 def explicit_shells(parts: Sequence[Placed], numbers: Mapping[str, IntArray], n_nodes: int) -> Shells:
-    """The blocks of shells among explicit parts whose nodes have numbers among the n_nodes of the march."""
+    """Blocks of the shells among explicit parts; `numbers` maps their nodes to the n_nodes of the model."""
     chosen = [(part, part.body) for part in parts if isinstance(part.body, ExplicitShell)]
     place = np.full(n_nodes, -1)
     turning = np.unique(

@@ -1,7 +1,7 @@
 """Arrays of contacts between parts: points of modal surfaces, stiffness, step limits.
 
-The contact points of a modal part, on either side, become massless explicit nodes tied to it. Like all tied
-nodes, they have positions determined by the frame, and their forces act on the frame.
+The points of a modal part, on either side of a contact, become massless explicit nodes tied to it. The frame
+determines their positions, as for all tied nodes, and their forces act on the frame.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class TiedNodes:
-    """Explicit nodes (n,) tied to a modal part: its nodes (n, c) as `corners`, with weights (n, c)."""
+    """Explicit nodes (n,), each tied to nodes `corners` (n, c) of a modal part with weights (n, c)."""
 
     part: str
     nodes: IntArray

@@ -1,4 +1,4 @@
-"""Element blocks of the model, solids and triangles alike: force, step limit, recorded results."""
+"""Blocks of solids and of shell triangles in the model: force, step limit, recorded results."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class ElementInstant(NamedTuple):
 class BlockState(NamedTuple):
     """State of a block of E elements.
 
-    material : of the law, or layers of shells;   ratios : (g, E) det F of solids, else None
+    material : state of the law, or of the layers of shells;   ratios : (g, E) det F of solids, else None
     alive : (E,) 1, or 0 once an element is deleted
     """
 

@@ -35,7 +35,11 @@ __all__ = [
 
 
 class FrameForces(NamedTuple):
-    """Forces on each frame: without stored energy (given), with it at rest (stored), by rates (dragged)."""
+    """Forces on each frame.
+
+    given : of loads, controllers, and force elements without stored energy
+    stored, dragged : of force elements with stored energy: at rest, and the change by their rates
+    """
 
     given: tuple[Generalized, ...]
     stored: tuple[Generalized, ...]
@@ -150,7 +154,7 @@ def _by_frame(
 def joint_rows(
     machine: Model, frames: tuple[FrameArrays, ...], states: tuple[FrameState, ...], time: Array
 ) -> tuple[Generalized, ...]:
-    """Derivatives of the joints' equations for points (m, 4, 3) and modes (m, k) of each frame."""
+    """Derivatives of the joints' equations by points (m, 4, 3) and modes (m, k) of each frame."""
     where = configuration(tuple(each.chart for each in frames), states)
     return _by_frame(machine, frames, states, constraint_jacobian(machine, time, where))
 

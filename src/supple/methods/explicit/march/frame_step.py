@@ -170,7 +170,7 @@ def _works(
 ) -> Array:
     """Internal, damping, external, contact, nodal works: force times mean rate times mean step.
 
-    forces : external, contact, nodal; of elements that store energy: at rest, and by their rates
+    forces : external, contact, nodal, and those of elements with stored energy, at rest and by rates
     """
     vp, vy = 0.5 * (old.vp + new.vp), 0.5 * (old.vy + new.vy)
     model = arrays.model

@@ -20,14 +20,14 @@ from supple.programs.program_cache import CachedProgram
 __all__ = ["Recorded", "chosen_steps", "frame_limits", "march_to", "nodes_limit", "recorded"]
 
 DRIFT = 0.01
-"""Largest energy lost or created, relative to the largest energy of the run."""
+"""Largest energy lost or created, relative to the energy scale of the run, `_size` plus kinetic energy."""
 
 HOPELESS = 10.0
 """Multiple of the allowed interface loss at which a trial is stopped."""
 
 
 class Recorded(NamedTuple):
-    """Recorded results of an output time.
+    """Results recorded at an output time.
 
     frames : points and modes of each, their rates and accelerations;   pulls : (m,) multipliers of joints
     contacts : (c, 6) see `contact_forces`
@@ -56,7 +56,7 @@ class Recorded(NamedTuple):
 def _march_to(
     model: MarchModel, methods: Methods, state: MarchState, fixed: Array, times: Array
 ) -> tuple[MarchState, Recorded]:
-    """Integrate through output times (t,); after a failure or for times already reached, the row is repeated.
+    """Integrate to output times (t,); after a failure, or at a time already reached, the last row is repeated.
 
     fixed : fixed step of the explicit nodes, s; 0: the stable step
     """
@@ -150,7 +150,7 @@ def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Arr
 
 
 def _size(state: MarchState) -> Array:
-    """Energy scale of the run so far, without kinetic energy, J."""
+    """Energy scale since the start of the run, without kinetic energy, J."""
     e = state.energies
     return jnp.abs(state.initial) + jnp.abs(e.external) + e.plastic + jnp.abs(e.damping)
 
@@ -211,7 +211,7 @@ def _checked(
 
 
 def _noise_of_joints(model: MarchModel, state: MarchState) -> Array:
-    """Energy of round-off in jointed frames, J: 1e-12 of their positions, 1e-10 of weights."""
+    """Energy of round-off in jointed frames, J: relative errors of positions 1e-12, of weights 1e-10."""
     noise = jnp.zeros(())
     if model.machine is None or not model.machine.active:
         return noise
@@ -274,6 +274,6 @@ chosen_steps = CachedProgram(_chosen_steps, STARTING)
 recorded = CachedProgram(_recorded)
 """A recorded state.
 
-    Rates of frames at t_n, accelerations and multipliers are those of a trial of the next step.
+    Rates of frames at t_n, accelerations and multipliers follow from a trial of the next step.
     first : length of the trial at the start, s; later trials have the length of the previous step
 """

@@ -152,11 +152,11 @@ class MarchState(NamedTuple):
     before, frame_before : the last step of the explicit nodes and of the frames, s; zero at the start
     x, v : (3, N);   forces : (4, 3, N) internal, hourglass, contact, external, at t_n
     blocks : state of each
-    smallest : det F of the worst point so far
+    smallest : smallest det F of all points since the start
     obstacle_forces : (o, 3) from explicit nodes, at t_n;   initial : energy at the start, J
     ratio_bound : largest number of element steps in one frame step, limited by the interface loss
     control : state of the controllers; None without controllers
-    ratio_wait, ratio_patience : output times before a larger ratio is tried; this wait after a failure
+    ratio_wait : output times before a larger ratio is tried;   ratio_patience : next wait after a failure
     """
 
     time: Array

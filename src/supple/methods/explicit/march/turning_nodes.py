@@ -1,4 +1,4 @@
-"""Triads at the nodes of shells: their rotation, and its kinetic energy."""
+"""Triads at the nodes of shells: their rotation in a step, with its work and damping."""
 
 from __future__ import annotations
 
