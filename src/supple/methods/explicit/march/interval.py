@@ -56,7 +56,7 @@ class Recorded(NamedTuple):
 def _march_to(
     model: MarchModel, methods: Methods, state: MarchState, fixed: Array, times: Array
 ) -> tuple[MarchState, Recorded]:
-    """Integrate to output times (t,); after a failure, or at a time already reached, the last row is repeated.
+    """Integrate to output times (t,); after a failure or at times already reached, the last row is repeated.
 
     fixed : fixed step of the explicit nodes, s; 0: the stable step
     """
