@@ -33,8 +33,8 @@ def centre_drift(system: System, solution: Solution, name: str) -> float:
         c(t) - c(0) - c'(0) t - 1/m int int F dt dt
 
     The momentum of a truncated free line is that of its rigid modes only. The forces are a spline through
-    their values at the output times. The
-    error of the spline, its difference to one through every second value, is subtracted.
+    their values at the output times. The error of the spline, its difference to one through every second
+    value, is subtracted.
 
     Returns 0 for a supported body, in a machine with joints, and for fewer than five output times.
     """

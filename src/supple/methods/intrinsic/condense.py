@@ -35,7 +35,7 @@ def condense(
 ) -> IntrinsicBody:
     """Slender body in its intrinsic modes, for arbitrary rotations, from the linear model alone.
 
-    The elements are condensed statically on the stations (Guyan), from one sparse factor. The inertia is
+    The elements are condensed statically on the stations (Guyan), by one sparse factorisation. The inertia is
     lumped there, with exact mass, first and second moments. The modes of this line on the support of the root
     are the coordinates of the body.
 

@@ -21,7 +21,7 @@ __all__ = ["CondensedLine", "clamped_line", "condensed_line"]
 Array = NDArray[np.float64]
 
 LARGEST_RIGID_FORCE = 1e-6
-"""Largest force under rigid motion, relative to forces of single freedoms; more is not round-off."""
+"""Largest entry of K R relative to that of |K| |R|, for rigid motions R; more is not round-off."""
 ASYMMETRY = 1e-8
 """Largest asymmetry, relative to the largest entry."""
 LARGEST_NEGATIVE = 1e-6

@@ -89,7 +89,7 @@ def implicit_step(
     rates, slope : f (n,) and its derivatives (n, n) by the state
     before : (n,)       y'_0
     tangent : of an earlier step
-    tolerance : of the residual, relative to the largest rate
+    tolerance : of the residual, relative to the rates at both ends of the step
     most : largest number of iterations; the residual of the result shows whether they converged
     """
     alpha_m, alpha_f, gamma = coefficients

@@ -53,7 +53,7 @@ __all__ = [
 OPEN = 1e-6
 """Largest residual of a joint as placed: lengths relative to the machine's size, angles in rad."""
 MOST_REACTIONS, CONVERGED = 100, 1e-12
-"""Iterations for joint forces with friction, and their relative change in the last one."""
+"""Most iterations for joint forces with friction, and relative change of these forces at which they end."""
 
 
 class JoinedStart(NamedTuple):

@@ -28,7 +28,7 @@ from supple.methods.intrinsic.root_support import BALL, CLAMPED, FREE, RootSuppo
 __all__ = ["SupportedRoot", "is_joined", "joints_of", "supported_root"]
 
 SAME = 1e-9
-"""Largest difference of unit twists for which two supports are equal."""
+"""Largest difference of the projections on free twists for which two supports are equal."""
 
 
 class SupportedRoot(NamedTuple):
