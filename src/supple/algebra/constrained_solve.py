@@ -18,7 +18,8 @@ __all__ = ["ConstrainedFactor", "GroundedFactor", "constrained_factor", "grounde
 LARGEST_RESIDUAL = 1e-8
 SMALLEST_RECIPROCAL_CONDITION = 1e-14
 
-# Solutions computed at once: the work needs several copies, gigabytes for many columns of a large body.
+# Entries, and fewest columns, of the solutions computed at once: several copies of all columns of a large
+# body would take gigabytes.
 NUMBERS_AT_ONCE = 2**22
 FEWEST_AT_ONCE = 16
 

@@ -276,9 +276,9 @@ def _downhill(
     careful: bool = False,
     lost: float = np.inf,
 ) -> tuple[StaticState, int]:
-    """The equilibrium by descent in implicit steps; errors as above.
+    """The equilibrium by descent in implicit steps; errors as for `search_equilibrium`.
 
-    lost : largest ratio of a residual to the smallest before, without stopping
+    lost : ratio of a residual to the smallest earlier one above which the search stops
     careful : shorten steps after which the residual is far larger, as where membranes stiffen, and steps that
         ascend, as in Newton's method where walls are about to wrinkle
     """
@@ -355,7 +355,7 @@ def moved_state(machine: Equations, state: StaticState, change: StaticStep) -> S
 
 
 def carried_state(machine: Equations, time: float) -> tuple[StaticState, float]:
-    """The state with bodies as placed and with joint forces that balance it; the share left unbalanced."""
+    """The state with bodies as placed and balancing joint forces; share of the loads left unbalanced."""
     state, weights = machine.start(), machine.position_scale
     found = machine.unbalance(state, time)
     unbalanced = weights * machine.residual(state, time)
@@ -368,7 +368,7 @@ def carried_state(machine: Equations, time: float) -> tuple[StaticState, float]:
 
 
 def _largest(found: EquilibriumResidual) -> float:
-    """Largest relative residual, with that of controllers."""
+    """Largest relative residual, those of controllers included."""
     return float(np.max([*found.relative, *found.unrest.values()]))
 
 

@@ -50,7 +50,7 @@ __all__ = ["simulate_batch"]
 
 _CHUNK = 64
 _SMALL_CHUNK = 16
-"""Chunk on a CPU: equally fast per case, and more shares for the cores."""
+"""Chunk on a CPU: as fast per case as `_CHUNK`, with more shares for the cores."""
 _RESULTS_AT_ONCE = 64
 
 
@@ -65,7 +65,8 @@ def simulate_batch(
 ) -> BatchSolution:
     """Simulate many load cases of one system, with bodies of any form except explicit parts.
 
-    Cases with full bodies, or with intrinsic ones connected by joints, run one after another, on all cores.
+    Cases with full bodies, controlled intrinsic bodies, or intrinsic bodies joined to others run separately,
+    one at a time on each core.
 
     Parameters
     ----------
@@ -81,8 +82,8 @@ def simulate_batch(
 
     Raises
     ------
-    ModelError      no case, cases that differ in more than numbers, a SampledController in cases that run
-                    together
+    ModelError      no case, cases that differ in more than numbers, a SampledController in cases without
+                    full bodies
     MemoryShortageError     a chunk would not fit in the available memory
     """
     before_compiled_code()
@@ -137,7 +138,7 @@ def simulate_batch(
 
 
 def _check_cases(cases: Sequence[System], run: Run, chunk: int | None) -> None:
-    """Raise for cases that do not form a batch; warn of loads that its steps do not resolve."""
+    """Raise for cases that do not form a batch; warn of loads that the steps do not resolve."""
     if not cases:
         raise ModelError("a batch needs at least one case")
     for number, system in enumerate(cases):

@@ -37,7 +37,7 @@ class StartedMachine:
     """A machine ready to continue.
 
     system : System             its bodies with the poses, velocities and deformation of that time; run it
-        with `Run(.., start=time)`, as the time of laws continues
+        with `Run(.., start=time)`, so that laws of time continue
     time : float                the start time
     losses : ProjectionLoss     of the bodies with another basis, by name
     """
@@ -107,7 +107,8 @@ class Start:
         ------
         ModelError      a body without a motion, or with another mesh or form; explicit elements, whose
                         plastic strain is not stored
-        Warns BasisWarning of a body that loses 1 % or more, StartWarning of controllers that restart.
+        Warns BasisWarning if the projection of a body loses 1 % or more, StartWarning of controllers that
+        restart.
         """
         placed, losses = [], {}
         for each in system.bodies:
