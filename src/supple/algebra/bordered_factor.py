@@ -55,11 +55,11 @@ class BorderedFactor:
     """Whether the interior is symmetric"""
 
     def solve(self, loads: Array, gaps: Array | None = None) -> Array:
-        """`x` (n, k) for loads `b` (n, k) and gaps `g` (m, k), by default zero; refined once."""
+        """`x` (n, k) for loads `b` (n, k) and constraint values `g` (m, k), by default zero; refined once."""
         return self._refined(loads, gaps)[: self.n]
 
     def solve_with_multipliers(self, loads: Array, gaps: Array) -> tuple[Array, Array]:
-        """`x` (n, k) and `l` (m, k) for loads `b` (n, k) and gaps `g` (m, k), refined once."""
+        """`x` (n, k) and `l` (m, k) for loads `b` (n, k) and constraint values `g` (m, k), refined once."""
         solution = self._refined(loads, gaps)
         return solution[: self.n], solution[self.n : self.n + len(gaps)]
 

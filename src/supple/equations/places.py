@@ -69,7 +69,7 @@ def over(function: Callable[..., Any], *arguments: Any) -> Any:
     # A machine may be a constant of a program, but differentiation rules require JAX arrays.
     own = [leaf[0] if once else jnp.asarray(leaf) for leaf, once in zip(leaves, shared, strict=True)]
 
-    # Mapped over leaves: in_axes for a time law would be a law of axes, which fails its own check.
+    # Mapped over leaves: a time law with axes in place of its numbers would fail its check.
     def of_leaves(each: list[Any]) -> Any:
         return function(*structure.unflatten(each))
 

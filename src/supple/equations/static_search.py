@@ -97,7 +97,7 @@ class StaticState(NamedTuple):
     """A configuration and the forces in equilibrium with it."""
 
     configuration: Any
-    """Configuration in the machine's own form"""
+    """Configuration in the form of the method"""
     multipliers: AnyArray
     frame_multipliers: tuple[np.ndarray, ...] = ()
     """Multipliers of the frames of full bodies, (6,) each"""
@@ -136,7 +136,7 @@ class StaticStep(NamedTuple):
 class Equations(Protocol):
     """The equations of a machine at rest, or in steady rotation, by one method.
 
-    Its vectors (n,) are the method's own. Statics, modes and batches use these members only.
+    Vectors (n,) are those of the method. Statics, modes and batches use these members only.
     """
 
     @property

@@ -1,7 +1,7 @@
 """Many load cases of one system in one compiled call.
 
 The cases are systems of the same bodies, joints and kinds of loads that differ in numbers: tables of loads,
-initial motion, gravity, even stiffness. Numbers that all cases share are stored once; the others get a
+initial motion, gravity, even stiffness. Numbers that all cases share are stored once; all others get a
 leading axis, and the compiled run is mapped over it (`jax.vmap`), unless cases freeze their tangents
 (`shares_of_cases`). All processor cores are used where that is worthwhile (`worker_processes`).
 """

@@ -169,7 +169,7 @@ class Start:
         return there == here and not self._is_scaled and are_same_columns(known.get(name, {}), placed)
 
     def _state(self, motion: FloatingMotion) -> tuple[PlacedFrame, np.ndarray, np.ndarray]:
-        """Pose and velocities of the frame in units of the machine, coordinates and rates in their own."""
+        """Frame in units of the machine; coordinates and rates in units of the motion."""
         row, speed = self.row, self.length / self.duration
         state = PlacedFrame(
             self.length * motion.position[row],

@@ -85,7 +85,7 @@ def missed_between_steps(
 ) -> UnresolvedShare:
     """The interpolation error in `n_steps` equal steps of a time function of any shape, or its derivative.
 
-    instants : (k,)     times of kinks or extremes; steps that contain them are checked first
+    instants : (k,)     times of kinks or extremes; steps that contain them are checked in addition
     """
     shape = jax.eval_shape(lambda time: jnp.asarray(law(time)), jnp.zeros(())).shape
     numbers = max(1, int(np.prod(shape)))

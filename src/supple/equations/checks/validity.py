@@ -37,7 +37,7 @@ the length: a tenth of the deflection of such a body."""
 _STIFFER = {"modal": "Give it stiffening=CentrifugalStiffness() (spin_stiffness = true in a case file)"}
 """Remedy that gives a linear body geometric stiffness, by its kind; for other kinds modal derivatives."""
 _TURNS_LESS = {"modal": "Use explicit elements, or several modal parts tied to each other"}
-"""Remedy for a rotation relative to the frame, by the body's kind; for other kinds see its frame."""
+"""Remedy for a rotation relative to the frame, by the body's kind; for other kinds, by its frame."""
 
 
 class Peaks(NamedTuple):

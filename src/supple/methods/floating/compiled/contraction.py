@@ -45,7 +45,7 @@ class Contraction(NamedTuple):
     step: Any
     """Size of the step, s"""
     phase: Any
-    """Accepted steps since the last measured one"""
+    """Accepted steps since the last regular measurement"""
 
 
 def no_estimate() -> Contraction:

@@ -1,10 +1,10 @@
 """Full-order equations: bodies with all finite-element freedoms, solved by sparse bordered Newton steps.
 
 The interior of the linear system of a step is the sparse matrix `S` of each full body, factored by itself.
-The border, a few dozen unknowns, holds the frames, the reduced and rigid bodies, the joint multipliers and,
-per full body, the six multipliers `mu` of its frame conditions `D q = 0`. Joints and forces depend on the
-motion of a full body's interfaces, `w = B q`. The compiled equations treat these motions as coordinates of a
-massless body (`build_model`). Eliminating the interior,
+The border, a few dozen unknowns, contains the frames, the reduced and rigid bodies, the joint multipliers
+and, per full body, the six multipliers `mu` of its frame conditions `D q = 0`. Joints and forces depend on
+the motion of a full body's interfaces, `w = B q`. The compiled equations treat these motions as coordinates
+of a massless body (`build_model`). Eliminating the interior,
 
     x = - S^-1 ( r + B^T c + F y + D^T dmu ),      w = B x,      D x = - D q / k,
 
