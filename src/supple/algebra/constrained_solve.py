@@ -167,7 +167,7 @@ def constrained_factor(
 
         x = K_g^-1 (b - D^T mu) - R a,     R^T (b - D^T mu) = 0,     D x = c
 
-    leaves a dense symmetric system of m + 6 unknowns (mu, a): the springs carry no force, so they are removed
+    leaves a dense symmetric system of m + d unknowns (mu, a): the springs carry no force, so they are removed
     exactly. D = R^T M gives inertia relief (mean-axis frame); the motion of an interface as D clamps it.
 
     Parameters

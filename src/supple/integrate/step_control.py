@@ -101,9 +101,9 @@ class Tolerances:
 
     `residual` bounds the residual of forces, moments and generalised forces separately, relative to the
     largest of the terms in balance (inertia, internal, applied, joint). Constraint equations are divided by
-    `StepFactors.by_position`, which gives them the unit of accelerations, and have the same relative bound. A residual at
-    rounding error (a correction below 1e-13 of the system's size) counts as converged, so that a tighter
-    tolerance costs iterations but never prevents a result.
+    `StepFactors.by_position`, which gives them the unit of accelerations, and have the same relative bound. A
+    residual at rounding error (a correction below 1e-13 of the system's size) counts as converged, so that a
+    tighter tolerance costs iterations but never prevents a result.
     """
 
     residual: float = 1e-6

@@ -1,4 +1,4 @@
-"""Load cases that cannot run together in one program, run one after another."""
+"""Load cases that cannot run together in one program, each run separately."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ class Equilibrium(Summarized):
                 are known; None without such bodies, or if it was not found
     stable : bool | None    whether the tangent stiffness, in co-rotating axes, is positive on the motions
                 that the joints leave free; None where its sign does not decide: with follower loads,
-                controllers, or gyroscopic forces that may stabilise two unstable directions
+                controllers, or gyroscopic forces and an even number of unstable directions
     is_held : bool          whether the joints fix all rigid motion
     """
 
