@@ -15,7 +15,7 @@ LARGEST_GRAM_ERROR = 1e-10
 
 
 class OrthonormalBasis(NamedTuple):
-    """M-orthonormal columns, and the numbers of the given columns that were kept and dropped."""
+    """M-orthonormal columns, and the numbers of the given columns kept and dropped."""
 
     vectors: NDArray[np.float64]
     kept: NDArray[np.intp]

@@ -69,7 +69,7 @@ def force(model: Model, motion: SystemMotion) -> Iterator[tuple[Places, jax.Arra
 def tangent(
     model: Model, motion: SystemMotion, turns: jax.Array, factors: StepFactors
 ) -> Iterator[MatrixBlock]:
-    """Derivative of the forces of `force` with respect to the new accelerations."""
+    """Derivative of `force` with respect to the new accelerations."""
     for number, law in enumerate(model.controllers):
         ends, driven = seen_ends(law), driven_ends(law)
         still = jnp.zeros((len(ends), N_LOCAL))

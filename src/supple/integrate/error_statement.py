@@ -41,7 +41,7 @@ class ErrorStatement(Summarized):
     model : ErrorPart   of the kinematics: strains caused by rotations relative to the frame, ties included
     allowed : float     tolerance of the sum; None without one
 
-    A part is None if it was not estimated; the error is then at least the sum of the estimated parts.
+    A part that was not estimated is None; the error is then at least the sum of the parts.
     """
 
     of: str

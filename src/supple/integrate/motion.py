@@ -1,4 +1,4 @@
-"""Motion of a body over time: arrays with one row per output time, one class for each form of body."""
+"""Motion of a body over time: arrays with one row per output time, a class for each form of body."""
 
 from __future__ import annotations
 

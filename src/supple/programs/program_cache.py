@@ -98,7 +98,7 @@ class CachedProgram:
         return folder / "by-structure" / digest_of_sources()[:16] / digest
 
     def _by_text(self, arguments: Any, shapes: Any, known: Path, taken: Any) -> Any:
-        """The program found by its text, or compiled; its structure is then stored as a further key."""
+        """The program found by its text, or compiled; its structure is then stored as a key."""
 
         def kept(*arguments: Any) -> Any:
             return self.function(*arguments)

@@ -65,8 +65,7 @@ def simulate_batch(
 ) -> BatchSolution:
     """Simulate many load cases of one system, with bodies of any form except explicit parts.
 
-    Cases with full bodies, controlled intrinsic bodies, or intrinsic bodies joined to others run separately,
-    one at a time on each core.
+    Cases with full bodies, or with joined or controlled intrinsic bodies, run separately, on all cores.
 
     Parameters
     ----------

@@ -60,7 +60,7 @@ class RestError:
                 reduced body; without rigid motion where the joints leave it free
     deformation : (n,)      of the body's coordinates relative to its frame: the column missing in its basis
     size : float            largest displacement of a node, relative to the first interface
-    strain : float          root of the strain energy of the missing deformation over the total strain energy
+    strain : float          root of the ratio of the missing deformation's strain energy to the whole
     second : float          ratio of the second sweep to the first: above a third, first order is insufficient
     known : bool            False where no equilibrium with all coordinates was found: the errors are infinite
     """

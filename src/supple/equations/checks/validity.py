@@ -35,7 +35,7 @@ LINEAR_ROTATION_LIMIT = 0.1
 the length: a tenth of the deflection of such a body."""
 
 _STIFFER = {"modal": "Give it stiffening=CentrifugalStiffness() (spin_stiffness = true in a case file)"}
-"""Remedy that gives a linear body geometric stiffness, by its kind; for other kinds modal derivatives."""
+"""Remedy for missing geometric stiffness, by kind of body; for other kinds modal derivatives."""
 _TURNS_LESS = {"modal": "Use explicit elements, or several modal parts tied to each other"}
 """Remedy for a rotation relative to the frame, by the body's kind; for other kinds, by its frame."""
 

@@ -76,7 +76,7 @@ _border_matrices = CachedProgram(_matrices)
 
 
 class FullSystem:
-    """A system with full bodies, prepared for stepping; it does not contain the state of the motion.
+    """A system with full bodies, prepared for stepping, without the state of the motion.
 
     It is also the `StartingMachine` of its engine.
 

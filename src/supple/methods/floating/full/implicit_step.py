@@ -28,7 +28,7 @@ class Stepped(NamedTuple):
     decades: float
     """Reduction of the residual by all iterations, as a decimal logarithm"""
     kept: FrozenTangent | None
-    """Frozen tangent for the next step; None if the next step computes a new one"""
+    """Frozen tangent for the next step; None if that step computes one"""
 
 
 class Iterate(NamedTuple):
