@@ -44,7 +44,7 @@ class BorderedFactor:
     border: NDArray[np.intp]
     factor: SparseFactor
     responses: Array
-    """Coupling of the interior to its border, (n_interior, n_border)"""
+    """Responses of the interior to unit values of the border, negative, (n_interior, n_border)"""
     rows: Any
     """Coupling of the border to the interior, sparse"""
     remainder: tuple[Any, Any]
@@ -55,11 +55,11 @@ class BorderedFactor:
     """Whether the interior is symmetric"""
 
     def solve(self, loads: Array, gaps: Array | None = None) -> Array:
-        """`x` (n, k) for loads `b` (n, k) and gaps `g` (m, k), by default zero; refined once."""
+        """`x` (n, k) for loads `b` (n, k) and constraint values `g` (m, k), by default zero; refined once."""
         return self._refined(loads, gaps)[: self.n]
 
     def solve_with_multipliers(self, loads: Array, gaps: Array) -> tuple[Array, Array]:
-        """`x` (n, k) and `l` (m, k) for loads `b` (n, k) and gaps `g` (m, k), refined once."""
+        """`x` (n, k) and `l` (m, k) for loads `b` (n, k) and constraint values `g` (m, k), refined once."""
         solution = self._refined(loads, gaps)
         return solution[: self.n], solution[self.n : self.n + len(gaps)]
 
@@ -139,7 +139,7 @@ def bordered_factor(
     upper: Any = whole[interior]
     inner: Any = sparse.csc_array(upper[:, interior])
     skew = abs(inner - inner.T).max()
-    # Half the work; refinement corrects the asymmetry due to rounding.
+    # A symmetric factor is half the work; refinement corrects the asymmetry due to rounding.
     symmetric = skew <= _ROUNDING * abs(inner).max()
     factor = factorize_symmetric(inner) if symmetric else factorize_general(inner)
     coupling: Any = sparse.csc_array(upper[:, border])
@@ -166,7 +166,7 @@ def _singular(n: int, seen: str) -> AccuracyError:
 
 
 def _balanced(matrix: Array) -> tuple[Array, Array]:
-    """Scales of rows and columns with which all of them have a largest entry near one."""
+    """Scales that give every row and column a largest entry near one."""
     rows, columns, sizes = np.ones(len(matrix)), np.ones(len(matrix)), abs(matrix)
     for _ in range(4):
         scaled = rows[:, None] * sizes * columns

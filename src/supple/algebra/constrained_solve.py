@@ -18,7 +18,8 @@ __all__ = ["ConstrainedFactor", "GroundedFactor", "constrained_factor", "grounde
 LARGEST_RESIDUAL = 1e-8
 SMALLEST_RECIPROCAL_CONDITION = 1e-14
 
-# Solutions computed at once: the work needs several copies, gigabytes for many columns of a large body.
+# Entries, and fewest columns, of the solutions computed at once: several copies of all columns of a large
+# body would take gigabytes.
 NUMBERS_AT_ONCE = 2**22
 FEWEST_AT_ONCE = 16
 
@@ -166,7 +167,7 @@ def constrained_factor(
 
         x = K_g^-1 (b - D^T mu) - R a,     R^T (b - D^T mu) = 0,     D x = c
 
-    leaves a dense symmetric system of m + 6 unknowns (mu, a): the springs carry no force, so they are removed
+    leaves a dense symmetric system of m + d unknowns (mu, a): the springs carry no force, so they are removed
     exactly. D = R^T M gives inertia relief (mean-axis frame); the motion of an interface as D clamps it.
 
     Parameters

@@ -157,7 +157,7 @@ def _dense_modes(
     values, vectors = _lowest_by_inverse(K, M, shift, n_modes)
     elastic = values[values > 1e3 * shift]
     if 0 < elastic.size < n_modes:
-        # Beside rigid motions, nearly infinite in the inverse, elastic modes lose digits: use a closer shift.
+        # Rigid motions dominate the inverse, so that elastic modes lose digits: use a closer shift.
         values, vectors = _lowest_by_inverse(K, M, 1e-3 * float(elastic[0]), n_modes)
     return Eigenpairs(values, _fixed_sign(Z @ vectors))
 
@@ -165,7 +165,7 @@ def _dense_modes(
 def _lowest_by_inverse(
     K: NDArray[np.float64], M: NDArray[np.float64], shift: float, n_modes: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Lowest modes as the highest of M x = mu (K + s M) x, where round-off is relative to the lowest."""
+    """Lowest modes as the highest of M x = mu (K + s M) x: round-off is then relative to the lowest mode."""
     last = len(K) - 1
     try:
         mu, vectors = linalg.eigh(M, K + shift * M, subset_by_index=(last - n_modes + 1, last))
@@ -205,7 +205,7 @@ def _shifted_factor(
         constrained = constrained_factor(shifted, D, grounded=grounded)
         block = start
         for _ in range(3):
-            # Elastic parts may be 1e-9 of the rigid ones here, so nearly nothing counts as dependent.
+            # Elastic parts may be 1e-9 of the rigid ones here: hence the small rank tolerance.
             images = constrained.solve(mass @ block)
             block = mass_orthonormalize(images, mass, rank_tolerance=1e-14).vectors
         estimate = float(np.linalg.eigvalsh(block.T @ (stiffness @ block))[-1])
@@ -234,7 +234,7 @@ def _certified_modes(
         if gap is None:
             missing, verdict = max(GUARD_MODES, n_modes - values.size), "the modes found end inside a cluster"
             continue
-        # Not in memory beside the factor for the count; recomputed if modes are missing.
+        # Released before the factor for the count is computed; recomputed if modes are missing.
         inverse.grounded.factor.release()
         middle = 0.5 * (values[gap - 1] + values[gap])
         shifted = inverse.grounded.stiffness - (middle + shift) * mass

@@ -54,7 +54,7 @@ def keep_compiled_programs(folder: Path | None = None) -> Path:
     named = os.environ.get("JAX_COMPILATION_CACHE_DIR")
     folder = Path(named) if named else folder or _user_cache() / "supple" / "compiled" / this_machine()
     jax.config.update("jax_compilation_cache_dir", str(folder))
-    # Also the smallest: there are hundreds, and reading one takes a sixth of the time of compiling it.
+    # Store small programs as well: there are hundreds, and reading one takes a sixth of its compilation.
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
     return folder
 
@@ -116,7 +116,7 @@ _LOOK_EVERY = 64
 """Programs between two counts: a count takes milliseconds, and no program takes a hundred maps."""
 
 _WORTH_RELEASING = 1000
-"""Programs of 1 to 2 MB each: fewer do not fill a memory, and would take a minute to compile again."""
+"""Fewest programs, of 1 to 2 MB each: fewer do not fill a memory, and take a minute to compile again."""
 
 
 def bound_programs() -> bool:
@@ -163,7 +163,7 @@ _FORGET: list[Callable[[], None]] = []
 
 
 def on_program_release(forget: Callable[[], None]) -> None:
-    """Register `forget`, called when a process releases its programs, for those unknown to JAX."""
+    """Register a function that releases programs unknown to JAX, called by `release_programs`."""
     _FORGET.append(forget)
 
 
@@ -199,7 +199,7 @@ def _writable(folder: Path) -> bool:
 
 
 _FLAGS = {
-    # Threshold in bytes of a loop body: all but loops over large meshes, which lose nothing.
+    # Largest loop body in bytes; only loops over large meshes exceed it, and these lose nothing.
     "--xla_backend_extra_options": "xla_cpu_small_while_loop_byte_threshold=1000000000",
     # No library for products of small matrices: its call prevents a loop from being a function.
     "--xla_cpu_experimental_ynn_fusion_type": "",
@@ -218,7 +218,7 @@ def _with_flags(given: str) -> str:
 jax.config.update("jax_enable_x64", True)
 os.environ.setdefault("NPROC", "1")
 os.environ["XLA_FLAGS"] = _with_flags(os.environ.get("XLA_FLAGS", ""))
-# Also in a folder of the environment: by default JAX caches nothing compiled within a second.
+# Also called for a folder from the environment: by default JAX caches nothing compiled within a second.
 if os.environ.get("JAX_COMPILATION_CACHE_DIR") or (
     getattr(jax.config, "jax_compilation_cache_dir", None) is None
     and _writable(_user_cache() / "supple" / "compiled" / this_machine())

@@ -23,7 +23,7 @@ def largest_vector(rows: Any, coordinates: Array) -> tuple[float, int]:
         f(q) = max_p |R_p q|,    f(q) <= f(q_k) + sum_j |q - q_k|_j f(e_j)
 
     because f is a norm. A time between evaluated times is evaluated only if its bound from the nearest of
-    these exceeds the largest value so far: for a vibration a tenth of the times.
+    these exceeds the largest known value; a vibration needs a tenth of the times.
 
     rows : (3 P, r) R; with a sparse R, as for the thousands of coordinates of a full body, the bound excludes
         nothing, and all times are evaluated

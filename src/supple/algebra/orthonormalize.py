@@ -15,7 +15,7 @@ LARGEST_GRAM_ERROR = 1e-10
 
 
 class OrthonormalBasis(NamedTuple):
-    """M-orthonormal columns, and the numbers of the columns they came from."""
+    """M-orthonormal columns, and the numbers of the given columns kept and dropped."""
 
     vectors: NDArray[np.float64]
     kept: NDArray[np.intp]
@@ -72,7 +72,7 @@ def mass_orthonormalize(
         remaining = float(np.sqrt(max(column @ mass_column, 0.0)))
         if remaining * norms[j] <= rank_tolerance * reference[j]:
             continue
-        # Repeated after scaling: where a column lost digits, its round-off has grown with it.
+        # Repeated after scaling, which amplifies the round-off of a column that lost digits.
         column /= remaining
         column -= basis[:, :rank] @ (mass_basis[:, :rank].T @ column)
         mass_column = mass @ column

@@ -188,7 +188,7 @@ class SparseFactor:
 
     @cached_property
     def inertia(self) -> Inertia:
-        """Signs of the eigenvalues, by Sylvester's law; AccuracyError where the factors do not show them."""
+        """Signs of the eigenvalues, by Sylvester's law; AccuracyError if the factors do not contain them."""
         return self._numbers().inertia()
 
     def refactorize(self, matrix: Any) -> SparseFactor:

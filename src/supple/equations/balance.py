@@ -2,7 +2,7 @@
 
     M(q) vdot + c(q, v) + f(q) + D(q) v + G(q)^T lambda = Q(t, q, v),        g(q, t) = 0
 
-assembled from the bodies' 6 + r equations each: force (global), moment about the frame origin (body
+assembled from the 6 + r equations of each body: force (global), moment about the frame origin (body
 components), deformation. Each term is in its own file: `inertia`, `internal_force`, `joint_force`,
 `marker_force`, `control_force`, `nodal_load`. Source: [Wu2019] (26)-(28), (50).
 """

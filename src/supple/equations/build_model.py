@@ -67,8 +67,8 @@ def build_model(
 
     like : a system and its model, whose arrays are reused where the bodies and joints are the same objects
 
-    A full body is represented by the motions of its interfaces alone, six coordinates each, as joints and
-    forces need them. Its inertia, elasticity and nodal loads belong to the sparse method.
+    A full body is represented by the motions of its interfaces alone, six coordinates each, on which joints
+    and forces depend. Its inertia, elasticity and nodal loads belong to the sparse method.
     Raises ModelError for a part of an explicit march.
     """
     system.check_has_frames()
@@ -257,7 +257,7 @@ class _End:
 
     @property
     def key(self) -> Hashable:
-        """Ends with one key are computed together."""
+        """Ends with equal keys are computed together."""
         return self.body < 0, self.motion.shape
 
 

@@ -79,7 +79,7 @@ class CompiledMachine:
         terms: JointTerms,
         joint_residual: np.ndarray,
     ) -> np.ndarray:
-        """`M x + G^T y = 0`, `G x = - residual`."""
+        """Solution x of `M x + G^T y = 0`, `G x = - residual`."""
         mass = self.metric(configuration)
         return bordered_solve(mass, terms.jacobian, np.zeros(len(mass)), -joint_residual)[: len(mass)]
 

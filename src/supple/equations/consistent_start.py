@@ -177,7 +177,7 @@ def check_friction_known(system: System, active: tuple[int, ...]) -> None:
 
 
 def _check_redundant_closed(system: System, active: tuple[int, ...], residuals: np.ndarray) -> None:
-    """ModelError when an omitted equation is violated by the others: the joints contradict each other."""
+    """ModelError when an omitted equation is violated: the joints then contradict each other."""
     labels, scales = row_labels(system), row_scales(system)
     for index in sorted(set(range(len(residuals))) - set(active)):
         if abs(residuals[index]) > 1e-9 * scales[index]:
@@ -188,7 +188,7 @@ def _check_redundant_closed(system: System, active: tuple[int, ...], residuals: 
 
 
 def independent_constraints(system: System, jacobian: np.ndarray, metric: np.ndarray) -> tuple[int, ...]:
-    """Indices of a largest set of independent constraint equations; a warning lists the others.
+    """Indices of a largest set of independent constraint equations; a warning lists the redundant ones.
 
     Joints are processed in order, so that a closed loop loses rows of the joint that closes it. (The best
     conditioned rows of several joints may become dependent as soon as the mechanism moves.)

@@ -69,7 +69,7 @@ def force(model: Model, motion: SystemMotion) -> Iterator[tuple[Places, jax.Arra
 def tangent(
     model: Model, motion: SystemMotion, turns: jax.Array, factors: StepFactors
 ) -> Iterator[MatrixBlock]:
-    """Derivative of these forces with respect to the new accelerations."""
+    """Derivative of `force` with respect to the new accelerations."""
     for number, law in enumerate(model.controllers):
         ends, driven = seen_ends(law), driven_ends(law)
         still = jnp.zeros((len(ends), N_LOCAL))
@@ -165,9 +165,9 @@ def by_body(ends: list[Ends]) -> dict[int, list[int]]:
 
 
 def moved_with(ends: list[Ends], numbers: list[int], turn: Any = None) -> tuple[Places, jax.Array]:
-    """Positions of a body's velocities, and the local freedoms (k 12, 6 + r) of its ends as a linear map.
+    """Positions of a body's velocities, and their map (12 k, 6 + r) to the local freedoms of its k ends.
 
-    With `turn` (3, 3), the map is from increments of the frame's rotation vector instead.
+    With `turn` (3, 3), rotations of the frame are increments of its rotation vector instead.
     """
     frame = jax.scipy.linalg.block_diag(jnp.eye(3), jnp.eye(3) if turn is None else turn)
     parts = [jax.scipy.linalg.block_diag(frame, jnp.asarray(ends[number].motion)[0]) for number in numbers]

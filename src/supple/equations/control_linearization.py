@@ -52,7 +52,7 @@ class LinearControl(NamedTuple):
         return len(self.by_state)
 
     def along(self, motions: AnyArray) -> LinearControl:
-        """The same for motions restricted to (n, m): `N^T H`, `E_p N`, `E_v N`."""
+        """The same for motions `N y`, N (n, m): `N^T H`, `E_p N`, `E_v N`."""
         return LinearControl(
             motions.T @ self.forces, self.by_position @ motions, self.by_velocity @ motions, self.by_state
         )

@@ -63,7 +63,7 @@ def elimination_tree(model: Model) -> EliminationTree:
     place = {body: i for i, body in enumerate(order)} | {NONE: len(order)}
     own: dict[int, list[Places]] = {body: [] for body in order}
     border_rows = []
-    # With several joints to one parent, the one of most equations: all together may overconstrain the body.
+    # Of several joints to one parent, the body gets that of most equations: all may overconstrain the body.
     taken: set[int] = set()
     for joint in sorted(joints, key=lambda joint: -joint.size):
         rows = Places((joint.row,), joint.size)

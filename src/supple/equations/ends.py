@@ -93,7 +93,7 @@ def blocks_on_bodies(
 
     local : `local[i][j]` has rows for end i and columns for end j of the elements
 
-    With `turns` (nb, 3, 3), columns are for the increments of the bodies' rotations.
+    With `turns` (nb, 3, 3), columns of rotations are for increments of the bodies' rotation vectors.
     """
     both = element.first, element.second
     for row_ends, row in zip(both, local, strict=True):

@@ -197,7 +197,7 @@ def inertia_tangent(
     terms: InertiaTerms,
     factors: StepFactors,
 ) -> jax.Array:
-    """Derivative of the inertia force with respect to accelerations, with velocity and position following.
+    """Derivative of the inertia force by accelerations and the resulting velocities and positions.
 
     Column j belongs to `d(a, wdot, gddot) = e_j` together with `d(w, gdot) = by_velocity e_j` and
     `dg = by_position e_j`, the combination of a Newmark step; (6 + r, 6 + r). The caller adds the change of
@@ -207,7 +207,7 @@ def inertia_tangent(
     r = motion.coordinates.shape[0]
     spin = motion.angular_velocity
 
-    # The rows of G for the frame's translation and rotation, and for the rate of the latter.
+    # The rows of G for the frame's translation and rotation, and for the rate of the rotation rows.
     rows = jnp.concatenate([arrays.fixed[:3], terms.spinning])
     turning = rows[:, 3 : 6 + 3 * r].reshape(9, 1 + r, 3)
     by_spin = (terms.weights[:, None, :, None] * turning).sum(axis=2)

@@ -98,7 +98,7 @@ def joint_multipliers(
 
 
 class StationMotions(NamedTuple):
-    """Motions of bodies represented by stations, by name; and the system that contains them."""
+    """Motions of bodies with stations, and of the stations, by name; the system has stations as bodies."""
 
     system: System
     bodies: Mapping[str, Motion]

@@ -66,9 +66,9 @@ def tangent(
     turns: jax.Array,
     factors: StepFactors,
 ) -> jax.Array:
-    """Derivatives of the inertia forces by the new accelerations (k, 6 + r, 6 + r), with the elastic ones.
+    """Derivatives of inertia and internal forces by the new accelerations, (k, 6 + r, 6 + r).
 
-    elastic : (k, r, r)     of the internal forces
+    elastic : (k, r, r)     derivatives of the internal forces
     turns : (k, 3, 3)       `T` of the rotation increments
     """
 

@@ -82,7 +82,7 @@ def joints_assembled(machine: StartingMachine, time: float, configuration: Confi
 
     Raises
     ------
-    ConvergenceError    joints cannot be closed; the message has the worst one and its residual
+    ConvergenceError    joints cannot be closed; the message names the worst one and its residual
     """
     system, length = machine.system, float(machine.model.length)
     scales, still = row_scales(system), np.zeros(machine.slices[-1].stop)

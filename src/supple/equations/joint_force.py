@@ -102,7 +102,7 @@ def constraint_rows(
 ) -> jax.Array:
     """Derivative `G` of the active equations of linearised joints with respect to the velocities, (m, n).
 
-    With `increments` (n,), for the increments of this step instead: `dpsi = T(increment) dincrement`.
+    With `increments` (n,), columns of rotations are for increments: `dpsi = T(increment) dincrement`.
     """
     blocks = constraint_blocks(model, joints, increments)
     return _active(model, assembled_matrix((model.n_equations, model.n_velocities), blocks))

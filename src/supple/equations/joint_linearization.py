@@ -61,7 +61,7 @@ class JointLinearization(NamedTuple):
     motions: tuple[jax.Array, jax.Array]
     """(6, 12) each: motion of the joint frame per local freedom"""
     by_end: tuple[jax.Array, jax.Array]
-    """(m, 12) each: equations per local freedom"""
+    """(m, 12) each: derivatives of the equations by local freedoms"""
 
 
 Constraint = Callable[[Pose, Pose, Any], jax.Array]

@@ -95,7 +95,7 @@ def _coefficients(joint: Joint, times: np.ndarray) -> np.ndarray:
 
 @lru_cache
 def _constant(constraint: Callable[..., jax.Array]) -> np.ndarray:
-    """`L` (m, 12) of a joint without a law, which holds for every piece of a run."""
+    """`L` (m, 12) of a joint without a law, the same at all times."""
     return np.asarray(affine_form(constraint, None)[0])
 
 

@@ -1,8 +1,8 @@
 """A system as arrays, the input of the compiled equations of motion.
 
-Every class here is a JAX pytree. Velocities of all bodies form one vector: per body `(dR/dt, omega, dg/dt)`,
-the velocity of the frame's origin in global, the frame's angular velocity in body components. Equal bodies,
-joints and forces are grouped, as arrays with a leading axis.
+Every class here is a JAX pytree. Velocities of all bodies form one vector. Per body it contains the velocity
+`dR/dt` of the frame's origin (global), the frame's angular velocity `omega` (body components) and the rates
+`dg/dt`. Equal bodies, joints and forces are grouped, as arrays with a leading axis.
 """
 
 from __future__ import annotations

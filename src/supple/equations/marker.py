@@ -45,7 +45,7 @@ N_LOCAL = 12
 
 
 class Marker(NamedTuple):
-    """Kinematic state of one marker; every field is an array of shape (3,) or (3, 3)."""
+    """Kinematic state of one marker; fields have shape (3,) or (3, 3), `cubic_turn` ()."""
 
     origin: jax.Array
     """Frame origin `R`, global."""

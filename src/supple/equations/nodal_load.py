@@ -44,7 +44,7 @@ class PreparedLoad:
     """Number of axes of the law's value for one facet"""
     law: Any
     facets: Any
-    """(e, m) nodes of every facet, by their positions among the nodes of the load"""
+    """(e, m) nodes of every facet, as indices among the nodes of the load"""
 
 
 def prepared(load: NodalLoad) -> PreparedLoad:

@@ -69,7 +69,7 @@ def over(function: Callable[..., Any], *arguments: Any) -> Any:
     # A machine may be a constant of a program, but differentiation rules require JAX arrays.
     own = [leaf[0] if once else jnp.asarray(leaf) for leaf, once in zip(leaves, shared, strict=True)]
 
-    # Applied to leaves: time laws check their arguments, and axes would fail that check.
+    # Mapped over leaves: a time law with axes in place of its numbers would fail its check.
     def of_leaves(each: list[Any]) -> Any:
         return function(*structure.unflatten(each))
 

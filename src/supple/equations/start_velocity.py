@@ -102,7 +102,7 @@ def rigid_fit(
 ) -> RigidFit:
     """The rigid motion that cancels the joints' rates, level by level.
 
-    levels : (n, k) each    rigid motions, of unit mass and orthogonal in it
+    levels : (n, k) each    rigid motions, orthonormal in the mass norm
     rows : (m, n)           derivatives of the rates
     rates, scales : (m,)    rates to cancel, and the scale of each
     joint_masses : function for (m, m), called if no rigid motion cancels all rates: the motion that cancels

@@ -97,7 +97,7 @@ class StaticState(NamedTuple):
     """A configuration and the forces in equilibrium with it."""
 
     configuration: Any
-    """Configuration in the machine's own form"""
+    """Configuration in the form of the method"""
     multipliers: AnyArray
     frame_multipliers: tuple[np.ndarray, ...] = ()
     """Multipliers of the frames of full bodies, (6,) each"""
@@ -136,7 +136,7 @@ class StaticStep(NamedTuple):
 class Equations(Protocol):
     """The equations of a machine at rest, or in steady rotation, by one method.
 
-    Its vectors (n,) are the method's own. Statics, modes and batches use these members only.
+    Vectors (n,) are those of the method. Statics, modes and batches use these members only.
     """
 
     @property
@@ -276,9 +276,9 @@ def _downhill(
     careful: bool = False,
     lost: float = np.inf,
 ) -> tuple[StaticState, int]:
-    """The equilibrium by descent in implicit steps; errors as above.
+    """The equilibrium by descent in implicit steps; errors as for `search_equilibrium`.
 
-    lost : largest ratio of a residual to the smallest before, without stopping
+    lost : ratio of a residual to the smallest earlier one above which the search stops
     careful : shorten steps after which the residual is far larger, as where membranes stiffen, and steps that
         ascend, as in Newton's method where walls are about to wrinkle
     """
@@ -355,7 +355,7 @@ def moved_state(machine: Equations, state: StaticState, change: StaticStep) -> S
 
 
 def carried_state(machine: Equations, time: float) -> tuple[StaticState, float]:
-    """The state with bodies as placed and with joint forces that balance it; the share left unbalanced."""
+    """The state with bodies as placed and balancing joint forces; share of the loads left unbalanced."""
     state, weights = machine.start(), machine.position_scale
     found = machine.unbalance(state, time)
     unbalanced = weights * machine.residual(state, time)
@@ -368,7 +368,7 @@ def carried_state(machine: Equations, time: float) -> tuple[StaticState, float]:
 
 
 def _largest(found: EquilibriumResidual) -> float:
-    """Largest relative residual, with that of controllers."""
+    """Largest relative residual, those of controllers included."""
     return float(np.max([*found.relative, *found.unrest.values()]))
 
 

@@ -38,8 +38,8 @@ class Stations(NamedTuple):
 
     positions : (s, 3)
     rotations : (s, 3, 3)
-    motion : J (6 s, 6 + r)     their velocities, global, and angular velocities in own axes, from u
-    bias : (6 s,)               their rates at constant u
+    motion : J (6 s, 6 + r)     map of u to their velocities (global) and angular velocities (own axes)
+    bias : (6 s,)               rates of these velocities at constant u
     """
 
     positions: np.ndarray

@@ -164,7 +164,7 @@ def linear_equations(
 ) -> LinearEquations:
     """The equations of motion, linearised about a steady motion; `terms` were evaluated there."""
     mass = step_matrix(model, motion, terms, 0.0, 0.0)
-    # The factor is so large that adding the mass loses no digit, in any unit of time.
+    # The factor is so large that adding the mass does not change the product, in any unit of time.
     damping = (step_matrix(model, motion, terms, 0.0, _LARGE) - mass) / _LARGE
     stiffness = (step_matrix(model, motion, terms, _LARGE, 0.0) - mass) / _LARGE
     axes = in_turning_axes(model, motion.configuration)

@@ -52,7 +52,7 @@ class Engine(Protocol[S]):
         ...
 
     def march(self, state: S, times: np.ndarray) -> Leg[S]:
-        """Integrate to each of the output times (k,); the first may be the state's own."""
+        """Integrate to each of the output times (k,); the first may be the time of the state."""
         ...
 
     def solution(self, leg: Leg[S]) -> Solution:

@@ -41,7 +41,7 @@ class ErrorStatement(Summarized):
     model : ErrorPart   of the kinematics: strains caused by rotations relative to the frame, ties included
     allowed : float     tolerance of the sum; None without one
 
-    A part is None if it was not estimated; the error is then at least the sum of the others.
+    A part that was not estimated is None; the error is then at least the sum of the parts.
     """
 
     of: str
@@ -80,7 +80,7 @@ class ErrorStatement(Summarized):
 
     @property
     def total(self) -> float | None:
-        """Sum of all four parts; None where one is missing: the error is `at_least` the sum of the others."""
+        """Sum of all four parts; None if one was not estimated: `at_least` is then a lower bound."""
         return None if self.missing else self.at_least
 
     @property

@@ -1,4 +1,4 @@
-"""Motions of a body over time: arrays with one row per output time, of one type per form of a body."""
+"""Motion of a body over time: arrays with one row per output time, a class for each form of body."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Motion(Summarized):
         return Summary(f"Motion ({self.kind}) at {n_times} times", rows)
 
     def at(self, rows: slice | np.ndarray) -> Self:
-        """The motion at some of its output times, by their numbers."""
+        """The motion at the output times with the indices `rows`."""
         return type(self)(**{name: array[rows] for name, array in self.arrays().items()})
 
     def arrays(self) -> dict[str, np.ndarray]:
@@ -141,6 +141,6 @@ class FloatingMotion(FramedMotion):
         return assessed
 
     def at(self, rows: slice | np.ndarray) -> Self:
-        """The motion at some of its output times, by their numbers, with the error of the whole motion."""
+        """The motion at the output times with the indices `rows`, with the error of the whole motion."""
         part = super().at(rows)
         return part if self.error is None else part.with_error(self.error)

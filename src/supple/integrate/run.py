@@ -17,7 +17,7 @@ __all__ = ["leg_size", "run"]
 S = TypeVar("S")
 
 LEGS = 50
-"""Number of parts in which a run is recorded."""
+"""Largest number of legs of a run after its initial state."""
 
 
 def run(
@@ -86,7 +86,7 @@ def _legs(times: np.ndarray, left: np.ndarray) -> list[np.ndarray]:
 
 
 def leg_size(n_times: int) -> int:
-    """Output times of every leg but the first and the last, independent of interruptions."""
+    """Number of output times of a leg after the initial state; the last leg may have fewer."""
     return max(1, int(np.ceil((n_times - 1) / LEGS)))
 
 

@@ -26,9 +26,9 @@ class Validity:
     """Limits of validity of a run: of the kinematics, the initial state, and the steps.
 
     strict : exceeding a limit is an error, raised when it is detected, instead of a warning
-    spin_ratio : largest angular velocity, relative to the lowest frequency, of a linear body, or of a reduced
-        body whose condensed motion has no inertia; at 0.3 the missing centrifugal stiffness is already about
-        10 % of the elastic stiffness
+    spin_ratio : largest ratio of the angular velocity to the lowest frequency, for linear bodies and for
+        reduced bodies whose condensed motion has no inertia; at 0.3 the missing centrifugal stiffness is
+        already about 10 % of the elastic stiffness
     """
 
     strict: bool = False
@@ -114,12 +114,12 @@ class Run(Summarized):
 
     @property
     def n_steps(self) -> float:
-        """Number of steps of the first size; with fixed steps the number of all steps."""
+        """Number of steps if all have the size of the first one, as fixed steps do."""
         return self.duration / float(self.step_control.first)
 
     @property
     def second_order_method(self) -> TimeIntegrator:
-        """The step rule, if it is an implicit one of second order; ValueError for others."""
+        """The implicit step rule of second order; ValueError if the method is another one."""
         if isinstance(self.method, ExplicitRule):
             raise ValueError(
                 f"{type(self.method).__name__} supports modal and finite-element parts of an explicit run "

@@ -90,10 +90,10 @@ class Solution(Summarized):
     truncation: Mapping[str, ErrorPart] = field(default_factory=lambda: MappingProxyType({}))
     """By intrinsic body: the error due to its omitted modes, estimated at the end of the run."""
     columns: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: MappingProxyType({}))
-    """By elastic body: numbers that identify its columns; empty if unknown."""
+    """By elastic body: numbers that identify the columns of its basis; empty if unknown."""
 
     def summary(self) -> Summary:
-        """Its times, bodies, joints, cost and error."""
+        """Times, bodies, joints, cost and error."""
         cost = self.statistics
         span = f"{self.times[0]:g} to {self.times[-1]:g}" if self.times.size else "none"
         rows = [
@@ -132,7 +132,7 @@ class Solution(Summarized):
         )
 
     def at(self, rows: slice | np.ndarray) -> Solution:
-        """The solution at some of its output times, by their numbers, with the cost of the whole run."""
+        """The solution at the output times with the indices `rows`, with the cost of the whole run."""
         return Solution(
             times=self.times[rows],
             bodies={name: motion.at(rows) for name, motion in self.bodies.items()},

@@ -68,8 +68,8 @@ class FixedStep:
 class AdaptiveStep:
     """Steps chosen so that the local error stays below `tolerance`.
 
-    The error is measured per step: translations relative to the size of the system, rotations in radians,
-    deformation coordinates relative to the size of the system times the root of the body's mass.
+    The error is measured per step: translations and coordinates of full bodies relative to the size of the
+    system, rotations in radians, reduced coordinates relative to that size times the root of the body's mass.
     """
 
     first: float = 1e-6
@@ -101,9 +101,9 @@ class Tolerances:
 
     `residual` bounds the residual of forces, moments and generalised forces separately, relative to the
     largest of the terms in balance (inertia, internal, applied, joint). Constraint equations are divided by
-    `beta h^2`, which gives them the unit of accelerations, and have the same relative bound. A residual at
-    rounding error (a correction below 1e-13 of the system's size) counts as converged, so that a tighter
-    tolerance costs iterations but never prevents a result.
+    `StepFactors.by_position`, which gives them the unit of accelerations, and have the same relative bound. A
+    residual at rounding error (a correction below 1e-13 of the system's size) counts as converged, so that a
+    tighter tolerance costs iterations but never prevents a result.
     """
 
     residual: float = 1e-6

@@ -40,7 +40,7 @@ _MOST_AT_HAND = 16
 class CachedProgram:
     """A function of arrays, compiled once for all arguments that differ in numbers only.
 
-    function : of pytrees, by position; its result contains arrays in tuples and named tuples
+    function : with pytrees as positional arguments; returns arrays in tuples and named tuples
     options : compiler options
     """
 
@@ -98,7 +98,7 @@ class CachedProgram:
         return folder / "by-structure" / digest_of_sources()[:16] / digest
 
     def _by_text(self, arguments: Any, shapes: Any, known: Path, taken: Any) -> Any:
-        """The program found by its text, or compiled; afterwards its structure finds it, too."""
+        """The program found by its text, or compiled; its structure is then stored as a key."""
 
         def kept(*arguments: Any) -> Any:
             return self.function(*arguments)
@@ -135,7 +135,7 @@ def _name(dtype: Any) -> str:
 
 
 _MOST_KEPT = 2**30
-"""Bytes of the cache folder: some thousand programs, of hundreds of machines."""
+"""Largest size of the cache folder, bytes: some thousand programs, of hundreds of machines."""
 
 
 @lru_cache

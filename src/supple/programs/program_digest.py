@@ -46,7 +46,7 @@ def program_digest(
 ) -> str | None:
     """Digest of the program of a function for arguments of a structure (a PyTreeDef); None where it has none.
 
-    shapes : of the leaves, with their types
+    shapes : shapes and types of the leaves
     """
     try:
         content = _described(function), sorted(options.items()), _of_structure(structure), shapes

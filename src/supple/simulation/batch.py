@@ -1,7 +1,7 @@
 """Many load cases of one system in one compiled call.
 
 The cases are systems of the same bodies, joints and kinds of loads that differ in numbers: tables of loads,
-initial motion, gravity, even stiffness. Numbers that all cases share are stored once; the others get a
+initial motion, gravity, even stiffness. Numbers that all cases share are stored once; all others get a
 leading axis, and the compiled run is mapped over it (`jax.vmap`), unless cases freeze their tangents
 (`shares_of_cases`). All processor cores are used where that is worthwhile (`worker_processes`).
 """
@@ -50,7 +50,7 @@ __all__ = ["simulate_batch"]
 
 _CHUNK = 64
 _SMALL_CHUNK = 16
-"""Chunk on a CPU: equally fast per case, and more shares for the cores."""
+"""Chunk on a CPU: as fast per case as `_CHUNK`, with more shares for the cores."""
 _RESULTS_AT_ONCE = 64
 
 
@@ -65,7 +65,7 @@ def simulate_batch(
 ) -> BatchSolution:
     """Simulate many load cases of one system, with bodies of any form except explicit parts.
 
-    Cases with full bodies, or with intrinsic ones connected by joints, run one after another, on all cores.
+    Cases with full bodies, or with joined or controlled intrinsic bodies, run separately, on all cores.
 
     Parameters
     ----------
@@ -81,8 +81,8 @@ def simulate_batch(
 
     Raises
     ------
-    ModelError      no case, cases that differ in more than numbers, a SampledController in cases that run
-                    together
+    ModelError      no case, cases that differ in more than numbers, a SampledController in cases without
+                    full bodies
     MemoryShortageError     a chunk would not fit in the available memory
     """
     before_compiled_code()
@@ -137,7 +137,7 @@ def simulate_batch(
 
 
 def _check_cases(cases: Sequence[System], run: Run, chunk: int | None) -> None:
-    """Raise for cases that do not form a batch; warn of loads that its steps do not resolve."""
+    """Raise for cases that do not form a batch; warn of loads that the steps do not resolve."""
     if not cases:
         raise ModelError("a batch needs at least one case")
     for number, system in enumerate(cases):

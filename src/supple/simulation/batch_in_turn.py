@@ -1,4 +1,4 @@
-"""Load cases that cannot run together in one program, run one after another."""
+"""Load cases that cannot run together in one program, each run separately."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["batch_in_turn"]
 
 
 def batch_in_turn(cases: Sequence[System], run: Run, progress: Progress | None) -> BatchSolution:
-    """The solutions of `simulate`, case by case, on all cores where that is worthwhile.
+    """The solutions of `simulate` for each case, on all cores where that is worthwhile.
 
     Raises ModelError for cases with other bodies, joints or kinds of loads than the first.
     """

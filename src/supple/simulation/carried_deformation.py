@@ -31,9 +31,9 @@ Array = np.ndarray
 SAME_PLACE = 1e-6
 """Relative to the size of a body: allowed distance of nodes in two equal meshes."""
 MOST_ROUNDS, CONVERGED = 30, 1e-14
-"""Iterations for a frame, and for coordinates with their condensed motion; relative change at the end."""
+"""Largest number of iterations, and relative change at which they stop."""
 SMALLEST_MOTION = 1e-3
-"""Relative to the largest interface motion per unit of the columns: smaller motions are not corrected."""
+"""Smallest singular value of the columns' interface motions that is corrected, relative to the largest."""
 
 
 class Deformation(NamedTuple):
@@ -59,7 +59,7 @@ class ProjectionLoss:
     rms : float         RMS displacement of this part, unit of length
     relative : float    its norm, relative to that of the whole deformation
     rate : float        relative norm of the lost part of the deformation's rates
-    gap : float         largest displacement of an interface by the loss, unit of length, which joints close
+    gap : float         largest displacement of an interface due to the loss, unit of length; joints close it
         by rigid motion
     """
 
@@ -94,7 +94,7 @@ def carried_deformation(
 
     Parameters
     ----------
-    then, now : ReducedBody | FullBody | ModalSubdomain     the form of the motion, and the new one
+    then, now : ReducedBody | FullBody | ModalSubdomain     form in the motion, and new form
     nodes : (N, 3)      nodes of `then` in the units of `now`
 
     Raises ModelError for bodies with different meshes, and for a reduced body without a known full body.
@@ -147,8 +147,8 @@ def carried_deformation(
 
 
 def _interfaces(now: BodyForm, body: FlexibleBody) -> tuple[Array, Array, Any]:
-    """Least coordinates (r, 6 p) for unit motions of p interfaces; motions (6 p, r) and (6 p, n) of these
-    by reduced and by full coordinates."""
+    """Least coordinates (r, 6 p) for unit motions of p interfaces; interface motions per reduced coordinate
+    (6 p, r), and per full coordinate (6 p, n)."""
     ends = [each for each in body.interfaces if each.name in {own.name for own in now.interfaces}]
     if not ends:
         return np.zeros((now.n_coordinates, 0)), np.zeros((0, now.n_coordinates)), np.zeros((0, body.n))
@@ -161,7 +161,7 @@ def _interfaces(now: BodyForm, body: FlexibleBody) -> tuple[Array, Array, Any]:
 
 
 def _following_rates(body: BodyForm, coordinates: Array, rates: Array) -> Array:
-    """Rates (n_nodal,) of the condensed motion: twice a symmetric form, by polarisation."""
+    """Rates (n_nodal,) of the condensed motion `z = b(q, q)`: `2 b(q, dq/dt)`, by polarisation."""
     size, speed = np.linalg.norm(coordinates), np.linalg.norm(rates)
     if not (size and speed):
         return np.zeros(len(body.nodes) * body.dofs_per_node)

@@ -28,14 +28,14 @@ def _sparse_engine(system: System, run: Run) -> FullEngine:
 
 
 def _intrinsic_engine(system: System, run: Run) -> Engine[Any]:
-    """The engine for lines, or the sparse engine if lines do not support the run or the other bodies."""
+    """The engine for lines; the sparse engine beside full bodies, or with joints and adaptive steps."""
     if system.bodies_of(FullBody) or (is_joined(system) and isinstance(run.step_control, AdaptiveStep)):
         return _sparse_engine(system, run)
     return intrinsic_engine(system, run)
 
 
 _ENGINES: dict[str, EngineFactory] = {}
-"""By kind of body; the first that applies to any body of the machine is used."""
+"""By kind of body; the first kind that occurs in the machine is decisive."""
 
 
 def register_engine(kind: str, factory: EngineFactory) -> None:
@@ -73,7 +73,7 @@ def is_explicit(system: System, run: Run) -> bool:
 
 
 def refuse_explicit(system: System, run: Run, what: str) -> None:
-    """Raise ModelError for an explicit march; `what` does not support it, such as "a batch"."""
+    """Raise ModelError for an explicit march, which `what`, such as "a batch", does not support."""
     if is_explicit(system, run):
         system.check_has_frames()
         raise ModelError(

@@ -21,9 +21,9 @@ def equations_of(
     """A machine with bodies as placed, prepared for statics and modes.
 
     turning : rotation of its bodies in their order; None at rest
-    known : independent joint equations, if known: the joints are then closed
-    Raises ModelError for rotation of modal parts with centrifugal stiffening, and for the errors of joints at
-    the start of a run.
+    known : independent joint equations, for bodies placed with closed joints
+    Raises ModelError for rotation of modal parts with a centrifugal stiffness, and for joints as at the start
+    of a run.
     """
     if turning is not None and np.any(turning.angular_velocities):
         check_spin_stiffness(system)

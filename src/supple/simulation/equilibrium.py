@@ -35,14 +35,14 @@ class Equilibrium(Summarized):
     """A machine at rest, or in steady rotation.
 
     system     : System     its bodies in their poses, velocities and deformation: `simulate` starts there
-    solution   : Solution   the same as a motion of one time, for functions of motions
+    solution   : Solution   the same state as a motion with one output time
     iterations : int        number of iterations of the search
     errors : RestError      basis error, by name of the reduced body with a known full body
-    full : (System, Solution)   the same equilibrium with all coordinates of the bodies with known full
-                bodies; None where there is none, or it was not found
+    full : (System, Solution)   the equilibrium with all coordinates of the reduced bodies whose full bodies
+                are known; None without such bodies, or if it was not found
     stable : bool | None    whether the tangent stiffness, in co-rotating axes, is positive on the motions
                 that the joints leave free; None where its sign does not decide: with follower loads,
-                controllers, or gyroscopic forces that may stabilise two unstable directions
+                controllers, or gyroscopic forces and an even number of unstable directions
     is_held : bool          whether the joints fix all rigid motion
     """
 

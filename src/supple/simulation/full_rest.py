@@ -49,7 +49,7 @@ NOTHING = 1e-8
 """Relative to the size of the machine: a smaller sweep is the last, for any first one."""
 MOST_SWEEPS = 12
 NEAR_BY = 20
-"""Iterations of the search from the reduced equilibrium, where sweeps do not contract."""
+"""Iterations of the search from the reduced equilibrium if the sweeps do not contract."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,7 @@ class RestError:
                 reduced body; without rigid motion where the joints leave it free
     deformation : (n,)      of the body's coordinates relative to its frame: the column missing in its basis
     size : float            largest displacement of a node, relative to the first interface
-    strain : float          root of the strain energy of the missing deformation, relative to the whole
+    strain : float          root of the ratio of the missing deformation's strain energy to the whole
     second : float          ratio of the second sweep to the first: above a third, first order is insufficient
     known : bool            False where no equilibrium with all coordinates was found: the errors are infinite
     """

@@ -1,4 +1,4 @@
-"""Identification of the bodies of motions in a result file, so that they are not mistaken for others."""
+"""Identification of the bodies in a result file, so that no motion is read with another body."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def measured_columns(system: System) -> dict[str, dict[str, list[float]]]:
 
 
 def are_same_columns(then: Mapping[str, Any], placed: Placed) -> bool:
-    """Whether coordinates describe the same motion of a body as of the body with the measures `then`."""
+    """Whether the coordinates of a body have the same meaning as those of the body with measures `then`."""
     now = dict(_measures(placed))
     of_columns = [name for name in _OF_COORDINATES if name in now]
     return all(name in then and same_measures(then[name], now[name]) for name in of_columns)

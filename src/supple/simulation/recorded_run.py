@@ -76,7 +76,7 @@ def continue_recorded(
     progress: Progress | None = None,
     check: bool = True,
 ) -> Solution:
-    """Simulate the rest of an interrupted run, from the last time in its result file.
+    """Simulate the missing part of an interrupted run, from the last time in its result file.
 
     Parameters and errors as for `begin_recorded`; also
 

@@ -18,8 +18,8 @@ __all__ = ["is_stable"]
 SKEW = 1e-6
 """Relative to the stiffness: a larger unsymmetric part is not rounding, but due to nonconservative forces."""
 DISCRETE = 1e-2
-"""The same for intrinsic bodies, for the coupling of two vibrations: velocities of points, where joints and
-loads act, and of modes differ by the order of a segment's length squared."""
+"""The same for the coupling of two vibrations of intrinsic bodies. Part of it is a discretisation error of
+the order of a segment's length squared: joints and loads act at points, whose velocities are not modal."""
 ROUNDING = 1e-12
 """Relative to the largest eigenvalue."""
 

@@ -1,8 +1,8 @@
 """Cases of a batch in shares, each computed by one call of a compiled program.
 
-The cases of a share, at most a chunk, are mapped together (`jax.vmap`). Only the solution of Newton's
-equations takes one case after the other, and skips converged ones (`sequential_vmap`). A smaller last share
-repeats its last case, so that one program serves all.
+The cases of a share, at most a chunk, are mapped together (`jax.vmap`). Only Newton's linear equations, from
+16 velocities on, are solved case by case, without those of converged cases (`sequential_vmap`). A smaller
+last share repeats its last case, so that one program serves all.
 
 With a frozen tangent, all mapped cases would compute a new tangent at every iterate, because a map cannot
 branch for the case that needs one. For a body with 25 coordinates each case would cost up to three times a
@@ -37,7 +37,7 @@ __all__ = ["SharesOfCases", "shares_of"]
 
 @dataclass(frozen=True)
 class SharesOfCases:
-    """The cases of every share, and the arguments of the program for it: one call per share."""
+    """Cases of every share, and arguments of its one call of the program."""
 
     program: CachedProgram
     cases: tuple[Sequence[int], ...]

@@ -57,7 +57,7 @@ def simulate(
                         resolution, except those on output times
     ValueError          `overwrite` without `file`; `resume` or `record` with `file`
     ResultFileError     the file has another run, another run is writing it, or it cannot be read or written
-    KeyboardInterrupt   (Ctrl-C; on SIGTERM `Terminated`) with a note with the last time in the file
+    KeyboardInterrupt   (Ctrl-C; on SIGTERM `Terminated`) with a note of the last time in the file
 
     Warns
     -----

@@ -37,7 +37,7 @@ class StartedMachine:
     """A machine ready to continue.
 
     system : System             its bodies with the poses, velocities and deformation of that time; run it
-        with `Run(.., start=time)`, as the time of laws continues
+        with `Run(.., start=time)`, so that laws of time continue
     time : float                the start time
     losses : ProjectionLoss     of the bodies with another basis, by name
     """
@@ -107,7 +107,8 @@ class Start:
         ------
         ModelError      a body without a motion, or with another mesh or form; explicit elements, whose
                         plastic strain is not stored
-        Warns BasisWarning of a body that loses 1 % or more, StartWarning of controllers that restart.
+        Warns BasisWarning if the projection of a body loses 1 % or more, StartWarning of controllers that
+        restart.
         """
         placed, losses = [], {}
         for each in system.bodies:
@@ -168,7 +169,7 @@ class Start:
         return there == here and not self._is_scaled and are_same_columns(known.get(name, {}), placed)
 
     def _state(self, motion: FloatingMotion) -> tuple[PlacedFrame, np.ndarray, np.ndarray]:
-        """Pose and velocities of the frame in units of the machine, coordinates and rates in their own."""
+        """Frame in units of the machine; coordinates and rates in units of the motion."""
         row, speed = self.row, self.length / self.duration
         state = PlacedFrame(
             self.length * motion.position[row],

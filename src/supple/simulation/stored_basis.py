@@ -16,7 +16,7 @@ from supple.reduction import ReducedBody, ReductionBasis
 __all__ = ["stored_bases", "stored_basis"]
 
 DIFFERENT = 1e-8
-"""Relative to the nodal motion: a larger remainder is not a motion of the full body."""
+"""Relative to the nodal basis: a larger remainder of the least squares means another body."""
 LIKE = 1e-6
 """Relative to the reduced stiffness: allowed difference of the projected full stiffness."""
 
@@ -24,7 +24,7 @@ LIKE = 1e-6
 def stored_basis(full: FullBody, reduced: ReducedBody) -> ReductionBasis:
     """V with T V = nodal basis: least squares, exact for a body reduced from this one.
 
-    Raises ModelError for the reduction of another body, or for modal coordinates, which no node shows.
+    Raises ModelError for the reduction of another body, or for modal coordinates without nodal motion.
     """
     if full.body.n_modal:
         raise ModelError(

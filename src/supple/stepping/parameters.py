@@ -55,7 +55,7 @@ class AffineArrays:
     """A pytree of arrays that are affine functions of parameters.
 
     base : the pytree at the values `start` (k,)
-    slopes : by the index of the leaf, pairs (index of the parameter, slope) of slopes that are not zero
+    slopes : by index of a leaf, its nonzero slopes as pairs (index of the parameter, slope)
     """
 
     base: Any
@@ -136,7 +136,7 @@ def _difference(old: Any, new: Any) -> np.ndarray:
 def _check(
     found: AffineArrays, made: Callable[[NDArray[np.float64]], Any], at: Any, parameters: MachineParameters
 ) -> None:
-    """ModelError if the arrays at the values `at` are not those of the affine functions."""
+    """ModelError if the arrays built from the values `at` differ from the affine functions."""
     expected = jax.tree.leaves(found.at(at))
     actual = jax.tree.leaves(made(at))
     base = jax.tree.leaves(found.base)

@@ -1,4 +1,4 @@
-"""A machine for its sensors, with the stations that they read on intrinsic bodies as bodies."""
+"""A machine for its sensors: stations on intrinsic bodies are bodies of their own."""
 
 from __future__ import annotations
 

@@ -208,7 +208,7 @@ def _joint_motion(seen: SensedMachine, sensor: JointMotionSensor) -> Reads:
 
 
 def _joint_wrench(system: System, name: str) -> Callable[[Model, SystemMotion], Any]:
-    """Reader of force and moment (6,) on the second end, axes of the first, as `joint_wrenches`."""
+    """Function for force and moment (6,) on the second end, in axes of the first, as `joint_wrenches`."""
     joint = next(each for each in system.joints if each.name == name)
     rows = system.constraint_slices[name]
     (reader,) = readers_of(system, {"joint": JointReading(name)})
@@ -234,7 +234,7 @@ def _joint_force(seen: SensedMachine, sensor: JointForceSensor) -> Reads:
 
 
 class _Unnamed:
-    """A function equal to all other objects of this type: its data are leaves of the pytree around it."""
+    """A function that equals every object of this type, as its data are leaves of the enclosing pytree."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.function = function

@@ -57,7 +57,7 @@ class _Pose(NamedTuple):
 def _with_stations(
     system: System, bodies: Mapping[str, Motion]
 ) -> tuple[System, dict[str, FloatingMotion | _Pose]]:
-    """The system with separate bodies for ends on bodies without a floating frame, and without loads."""
+    """The system without loads; ends on bodies without a floating frame become bodies of their own."""
     floating = {name: motion for name, motion in bodies.items() if isinstance(motion, FloatingMotion)}
     motions: dict[str, FloatingMotion | _Pose] = dict(floating)
     placed = [each for each in system.bodies if each.body.name in floating]

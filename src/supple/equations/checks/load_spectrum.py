@@ -1,6 +1,6 @@
 """Check for loads that excite modes missing from a reduced body: load band and frequencies are compared.
 
-A load f(t) over a run of length T is a straight line from its first value to its last, and a sine series
+A load f(t) over a run of length T is the sum of a straight line between its end values and a sine series
 
     f(t) = f_0 + (f_T - f_0) t / T + sum_k b_k sin(k pi t / T),
 

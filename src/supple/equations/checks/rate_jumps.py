@@ -68,7 +68,7 @@ def rate_jumps(law: TimeLaw, begin: float, end: float) -> tuple[list[RateJump], 
 
 
 def warn_of_rate_jumps(system: System, run: Run) -> set[str]:
-    """Warn (ResolutionWarning) of each joint whose prescribed motion jumps in the run; their names."""
+    """Warn (ResolutionWarning) of joints whose prescribed motion jumps in the run; returns their names."""
     begin, end = float(run.times[0]), float(run.times[-1])
     named = set()
     for joint in system.joints:

@@ -16,7 +16,7 @@ ROUNDING = 1e-9
 
 
 def report_start(change: StartChange, validity: Validity) -> None:
-    """Warn (StartWarning) of joints that were open, and of velocities that the joints do not allow."""
+    """Warn (StartWarning) of open joints, velocities that joints do not allow, and deformation rates."""
     if change.open:
         worst = change.open[0]
         others = _others(change.open[1:])

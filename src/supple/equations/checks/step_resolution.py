@@ -33,7 +33,7 @@ MOST_STEPS = 2**13
 WITHIN = np.array([0.5, 0.07, 0.21, 0.37, 0.62, 0.78, 0.91])
 """Sampling points within a step; uneven, because a periodic load may vanish at evenly spaced points."""
 BESIDE, JUMPS = 0.1, 0.3
-"""A change by JUMPS of the largest load, within BESIDE steps on both sides of an instant, is a jump."""
+"""A change of JUMPS times the largest load within BESIDE steps before and after an instant is a jump."""
 NEAR = 1e-6
 """Relative to a step: distance of the samples before and after an instant."""
 
@@ -85,7 +85,7 @@ def missed_between_steps(
 ) -> UnresolvedShare:
     """The interpolation error in `n_steps` equal steps of a time function of any shape, or its derivative.
 
-    instants : (k,)     times of kinks or extremes; steps that contain them are checked first
+    instants : (k,)     times of kinks or extremes; steps that contain them are checked in addition
     """
     shape = jax.eval_shape(lambda time: jnp.asarray(law(time)), jnp.zeros(())).shape
     numbers = max(1, int(np.prod(shape)))

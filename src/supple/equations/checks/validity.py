@@ -35,13 +35,13 @@ LINEAR_ROTATION_LIMIT = 0.1
 the length: a tenth of the deflection of such a body."""
 
 _STIFFER = {"modal": "Give it stiffening=CentrifugalStiffness() (spin_stiffness = true in a case file)"}
-"""Remedy that gives a linear body geometric stiffness, by its kind; for others modal derivatives."""
+"""Remedy for missing geometric stiffness, by kind of body; for other kinds modal derivatives."""
 _TURNS_LESS = {"modal": "Use explicit elements, or several modal parts tied to each other"}
-"""Remedy that reduces a body's rotation relative to its frame, by its kind; for others by their frame."""
+"""Remedy for a rotation relative to the frame, by the body's kind; for other kinds, by its frame."""
 
 
 class Peaks(NamedTuple):
-    """Largest angular velocity (rad/s), relative rotation (rad) and interface error of a body; times."""
+    """Largest angular velocity (rad/s), relative rotation (rad) and interface error of a body, with times."""
 
     spin: float = 0.0
     spin_time: float = 0.0
@@ -60,7 +60,7 @@ class Peaks(NamedTuple):
 
 
 class Excess(NamedTuple):
-    """One exceeded limit: the message has the body, number, limit, consequence and remedy."""
+    """One exceeded limit; the message contains body, value, limit, consequence and remedy."""
 
     body: str
     message: str

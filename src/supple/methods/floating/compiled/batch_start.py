@@ -109,7 +109,7 @@ def _starts_alike(first: System, model: Model, system: System, own: Model) -> bo
             return False
         return all(map(np.array_equal, jax.tree.leaves(one), jax.tree.leaves(other)))
 
-    # Forces that depend on joint forces or controllers differ further: each start is computed separately.
+    # Where forces depend on joint forces, or on controllers, each start is computed separately.
     if model.reads_reactions or own.reads_reactions or model.controllers or own.controllers:
         return False
     if [placed.body for placed in system.bodies] != [placed.body for placed in first.bodies]:

@@ -31,7 +31,7 @@ __all__ = ["Contraction", "is_predictable", "measured", "no_estimate", "predicte
 MARGIN = 100.0
 """The prediction must be below the tolerance by this factor."""
 LIKE = 2.0
-"""A residual may exceed the measured one by this factor; a load jump exceeds it."""
+"""Largest ratio of a residual to the measured one; a load that jumps causes a larger ratio."""
 MEASURED_EVERY = 8
 """Steps between two measurements."""
 
@@ -45,7 +45,7 @@ class Contraction(NamedTuple):
     step: Any
     """Size of the step, s"""
     phase: Any
-    """Accepted steps since the last measured one"""
+    """Accepted steps since the last regular measurement"""
 
 
 def no_estimate() -> Contraction:

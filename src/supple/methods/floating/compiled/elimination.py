@@ -2,7 +2,7 @@
 
 LAPACK is an external library. XLA executes a loop that calls it as a list of hundreds of operations, each a
 fraction of a microsecond. Without such calls, the time integration is one function of machine code
-(`algebra/jax_settings.py`): a step takes a third to a sixth of the time, and compilation twice as long.
+(`algebra/jax_settings.py`): a step takes a third to a sixth of the time, compilation twice the time.
 """
 
 from __future__ import annotations
@@ -64,8 +64,8 @@ class ByLoops:
 
 _ROWS_BESIDE_SIDES = range(25, 44), 44
 _ROWS_IN_PLACE = range(13, 32), 32
-"""Row lengths that the compiler unrolls, which takes up to twice the time, and the length to which such rows
-are padded with zeros, because from there the compiler vectorises the loop over a row."""
+"""Lengths of rows whose loop the compiler unrolls, at up to twice the run time; and the length to which such
+rows are padded with zeros. From this length on, the compiler vectorises the loop over a row."""
 
 
 def solve_bordering_column(augmented: jax.Array) -> jax.Array:
@@ -120,7 +120,7 @@ def _exchanged(matrix: jax.Array) -> jax.Array:
 
         a_pk <- 1 / a_pk,   a_pj <- - a_pj / a_pk,   a_ik <- a_ik / a_pk,   a_ij <- a_ij - a_ik a_pj / a_pk
 
-    with `p` of the largest `|a_pk|` among the rows that have not changed. Source: [Stiefel1963], chapter 1.
+    with `p` the row of the largest `|a_pk|` among those not yet exchanged. Source: [Stiefel1963], chapter 1.
     """
     n = len(matrix)
     rows = jnp.arange(n)

@@ -37,12 +37,12 @@ class EveryStep(NamedTuple):
 
 
 def as_outputs(solution: Solution) -> EveryStep:
-    """The run at its output times alone."""
+    """A run whose steps all end at output times."""
     return EveryStep(solution, np.arange(len(solution.times)))
 
 
 def every_step(system: System, run: Run, solution: Solution) -> EveryStep:
-    """All steps of a finished run: its output times if each of them is a step, otherwise a second run."""
+    """All steps of a finished run: the run itself with one step per output, otherwise a second run."""
     if solution.statistics.steps == len(solution.times) - 1:
         return as_outputs(solution)
     with warnings.catch_warnings():  # the first run has issued them

@@ -70,7 +70,7 @@ def of_frames(terms: JointTerms, parts: Sequence[slice]) -> JointTerms:
 
 
 class _ConstrainedMachine(CompiledMachine):
-    """Machine whose redundant constraints are those of rigid bodies, more than those of deformable ones."""
+    """Machine whose redundant constraints are found for rigid bodies; deformable bodies have fewer."""
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
         """Constraint terms of bodies that keep their shape."""
@@ -280,7 +280,7 @@ def _next_instant(model: Model, before: Instant, time: jax.Array) -> Instant:
 def _closed(
     model: Model, time: jax.Array, guess: Configuration, frames: np.ndarray
 ) -> tuple[Configuration, jax.Array, jax.Array]:
-    """Newton's method on `g(q, t) = 0` down to rounding error; the remaining residual, and the iterations."""
+    """Newton's method on `g(q, t) = 0` to rounding error: configuration, residual, number of iterations."""
 
     def gap_of(configuration: Configuration) -> jax.Array:
         return jnp.max(jnp.abs(constraints(model, time, configuration)), initial=0.0)

@@ -66,7 +66,7 @@ def modified_pass(
         lambda: (jnp.zeros_like(trial.acceleration), jnp.zeros_like(trial.multipliers), before.inverse),
         lambda: _correction(elimination, model, rule, start, trial, linearization, before.inverse, anew),
     )
-    # From earlier steps alone: the gain of a first correction does not predict that of a second one.
+    # Predicted from earlier steps alone: the first correction of a step does not predict its second one.
     predicted = jnp.where(
         anew, predicted_to_converge(start.contraction, size, rule.h), predicted_to_suffice(start.kept, size)
     )

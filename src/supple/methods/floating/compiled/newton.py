@@ -118,7 +118,7 @@ def _correction_where_needed(
 def _correction_sequential(
     elimination: DenseElimination, model: Model, rule: StepRule, start: State, *evaluated: Any
 ) -> tuple[jax.Array, jax.Array]:
-    """`_correction_where_needed`, case by case; arguments are copied, so loads are evaluated before."""
+    """`_correction_where_needed`, case by case; loads are evaluated first, as arguments are copied."""
     held = model.loads_at(start.time + rule.h)
     return sequential_vmap(partial(_correction_where_needed, elimination), held, rule, start, *evaluated)
 

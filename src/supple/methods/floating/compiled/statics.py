@@ -53,7 +53,7 @@ class CompiledStatics(SteadyEquations):
 
     @property
     def is_discrete(self) -> bool:
-        """False: forces act on the velocities that have mass."""
+        """False: the velocities conjugate to forces are those of masses."""
         return False
 
     def start(self) -> StaticState:

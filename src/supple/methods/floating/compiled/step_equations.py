@@ -50,7 +50,7 @@ faster as one matrix (32 us a step, 42 along the tree), eight along the tree (70
 
 _ROUNDING = 1e-13
 """Residual due to rounding alone, relative to the terms of the equations, by kind of row. A tree solution
-with a larger residual is refined [ArioliDemmelDuff1989] until two passes have reached it: small multipliers
+with a larger residual is refined [ArioliDemmelDuff1989] until it holds in two passes: small multipliers
 beside large ones are accurate one pass after the residual is small."""
 _REFINEMENTS = 4
 _INEXACT = 1e-11
@@ -191,7 +191,7 @@ def step_fronts(layout: TreeLayout, model: Model, step: LinearizedStep) -> jax.A
 
 
 def _kept(model: Model, block: MatrixBlock) -> MatrixBlock:
-    """Constraint equations relative to the mass, after the velocities; zero for redundant equations."""
+    """Block of constraint equations times the mass, numbered after the velocities; zero where redundant."""
     values = model.mass * block.values
     if len(model.active) < model.n_equations:
         kept = np.zeros(model.n_equations)

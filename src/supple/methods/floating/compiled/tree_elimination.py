@@ -1,14 +1,14 @@
 """Elimination of the linear equations of a step along a tree, one body after another.
 
 Each body has a front: the part of the matrix with its own unknowns (velocities and the multipliers of its
-joint), the velocities of its parent, and the border. With `o` for its own and `q` for the other unknowns,
-after the elimination of its children,
+joint), the velocities of its parent, and the border. After the elimination of its children, with `o` for the
+unknowns of the body and `q` for those of parent and border,
 
     F = [ F_oo  F_oq ]      F_oo^-1,   up = F_oo^-1 F_oq,   down = F_qo F_oo^-1
         [ F_qo  0    ]      remainder for its parent:  - F_qo F_oo^-1 F_oq
 
-All fronts have one size; unused places hold decoupled unknowns. So one compiled loop serves all bodies. The
-work is proportional to the number of bodies; the size of the program does not depend on it. `F_oo` is
+All fronts have one size, with decoupled unknowns at unused places, so that one loop eliminates all bodies.
+The work is proportional to the number of bodies; the size of the program does not depend on it. `F_oo` is
 inverted with row exchanges. `F_oo` is regular, because a body on its joint with a fixed parent has inertia in
 every remaining direction. Source: multifrontal elimination [DuffReid1983].
 """
@@ -152,7 +152,7 @@ class TreeLayout:
         return idle[own], idle[border]
 
     def fronts(self, blocks: Iterable[MatrixBlock]) -> jax.Array:
-        """The matrix as fronts (nb + 1, T, T), T = N + Q; the last one holds the border alone.
+        """The matrix as fronts (nb + 1, T, T), T = N + Q; the last one contains the border alone.
 
         Rows and columns of constraint equations in the blocks are counted from the number of velocities on.
         """

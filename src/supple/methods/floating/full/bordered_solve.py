@@ -92,7 +92,7 @@ def _condense(interior: EliminatedInterior, mu: slice, matrix: np.ndarray, right
     part, out = interior.part, interior.out
     frame, interface = slice(part.start, part.start + 6), slice(part.start + 6, part.stop)
     p = interface.stop - interface.start
-    # All coupling of the interior to the machine, per unknown: `c` is in the rows of the interface.
+    # Coupling `L x` of the interior per unknown; the border's rows of the interface are `c`.
     seen = out.seen_responses[:, :p] @ matrix[interface]
     seen[:, frame] += out.seen_responses[:, p : p + 6]
     seen[:, mu] += out.seen_responses[:, p + 6 :]

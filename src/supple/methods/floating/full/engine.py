@@ -1,4 +1,4 @@
-"""Full-order engine: machines with bodies that keep all finite-element freedoms, as references.
+"""Full-order engine for machines with bodies that keep all finite-element freedoms.
 
 The loop over time steps is in Python, because each iteration solves with sparse factors.
 """
@@ -126,7 +126,7 @@ class FullEngine:
         before, stopped = state, None
         stops, outputs = self._stops.on_the_way(state.state.time, times)
         for number, end in enumerate(stops):
-            if end > state.state.time:  # controllers due at the last time are called when the run continues
+            if end > state.state.time:  # controllers due at the end are called when the run continues
                 state = state._replace(state=self._sampled(state.state))
             state, residual = self._to_output(state, float(end))
             if residual is not None:

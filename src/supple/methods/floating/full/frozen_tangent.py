@@ -1,8 +1,8 @@
 """Frozen tangent of the whole machine for several iterations and steps, reconstructed from few numbers.
 
 The frozen tangent is that of an earlier iterate, with zero deformation rates and accelerations relative to
-the frames; the error of this is of the size of the deformation in one step. It then depends on few numbers. A
-recorded run stores these numbers, so that a resumed run has the same iterations.
+the frames; the resulting error is of the size of the deformation in one step. The tangent then depends on
+few numbers. A recorded run stores these numbers, so that a resumed run has the same iterations.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from supple.methods.floating.full.full_tangent import FullTangent
 __all__ = ["FrozenTangent", "frozen_tangent", "numbers_of", "serves", "tangent_of"]
 
 SIMILAR = 0.1
-"""Relative difference up to which the step factors may differ from those of a frozen tangent."""
+"""Largest relative difference of the step factors from those of a frozen tangent."""
 
 _FIELDS = ("rotation", "angular_velocity", "angular_acceleration", "acceleration", "time", "coordinates")
 
@@ -58,7 +58,7 @@ def frozen_tangent(
 
 
 def serves(tangent: FrozenTangent, factors: StepFactors) -> bool:
-    """Whether the tangent belongs to nearly the same step factors."""
+    """Whether the step factors of the tangent are nearly these."""
     return bool(np.allclose(factors, tangent.factors, rtol=SIMILAR, atol=0.0))
 
 

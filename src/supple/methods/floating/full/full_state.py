@@ -25,7 +25,7 @@ class FullState(NamedTuple):
     multipliers: np.ndarray
     frame_multipliers: tuple[np.ndarray, ...]
     control: ControlStep | None = None
-    """At the end of the last step, or of a step of zero length at the start. None without controllers"""
+    """Controllers in the step that ends here, of zero length after `FullSystem.ended`; None without any"""
 
 
 Targets = tuple[np.ndarray, tuple[np.ndarray, ...]]
@@ -55,7 +55,7 @@ class Evaluation(NamedTuple):
     frame_residuals: tuple[np.ndarray, ...]
     relative_residual: np.ndarray
     largest_terms: np.ndarray
-    """Norms of forces, moments and deformation forces, (3,), the reference of the first residuals"""
+    """Norms of forces, moments and deformation forces, (3,), the references of their residuals"""
     rotations: np.ndarray
     """Rotations of the system's bodies, (nb, 3, 3)"""
     lines: tuple[LineEvaluation, ...] = ()

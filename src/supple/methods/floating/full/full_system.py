@@ -1,10 +1,10 @@
 """Full-order equations: bodies with all finite-element freedoms, solved by sparse bordered Newton steps.
 
 The interior of the linear system of a step is the sparse matrix `S` of each full body, factored by itself.
-The border, a few dozen unknowns, holds the frames, the reduced and rigid bodies, the joint multipliers and,
-per full body, the six multipliers `mu` of its frame conditions `D q = 0`. Joints and forces depend on the
-motion of a full body's interfaces, `w = B q`. The compiled equations treat these motions as coordinates of a
-massless body (`build_model`). Eliminating the interior,
+The border, a few dozen unknowns, contains the frames, the reduced and rigid bodies, the joint multipliers
+and, per full body, the six multipliers `mu` of its frame conditions `D q = 0`. Joints and forces depend on
+the motion of a full body's interfaces, `w = B q`. The compiled equations treat these motions as coordinates
+of a massless body (`build_model`). Eliminating the interior,
 
     x = - S^-1 ( r + B^T c + F y + D^T dmu ),      w = B x,      D x = - D q / k,
 
@@ -76,7 +76,7 @@ _border_matrices = CachedProgram(_matrices)
 
 
 class FullSystem:
-    """A system with full bodies, ready for stepping; the state of the motion is kept elsewhere.
+    """A system with full bodies, prepared for stepping, without the state of the motion.
 
     It is also the `StartingMachine` of its engine.
 
@@ -115,7 +115,7 @@ class FullSystem:
         return tuple(known[index] for index in range(len(self.system.bodies)))
 
     def _seen_slices(self) -> tuple[slice, ...]:
-        """`_border_slices`, but for bodies with stations their own velocities instead of the stations'."""
+        """`_border_slices` with the velocities of bodies with stations instead of those of the stations."""
         parts = list(self.border_slices)
         first = max((parts[index].stop for index in self._others), default=0)
         for line in self.lines:
@@ -326,7 +326,7 @@ class FullSystem:
 
     @cached_property
     def border_scale(self) -> np.ndarray:
-        """`position_scale` for the border: translations and rotations of interfaces."""
+        """`position_scale` of the freedoms of the border, with those of interfaces and stations."""
         of_frame = [self.model.length] * 3 + [1.0] * 3
         found = np.empty(self.model.n_velocities)
         for index, part in enumerate(self.border_slices):
@@ -635,7 +635,7 @@ class FullSystem:
         bias = self.joint_terms(state.time, state.configuration, state.velocity).acceleration_bias
         none = tuple(np.zeros(6) for _ in self.interiors)
         still, targets = np.zeros(self.n), (-bias, none)
-        # The correction from zero acceleration is the acceleration; that of the state may differ.
+        # The correction from zero acceleration is the acceleration; the state may contain another one.
         begun = state._replace(acceleration=still, frame_multipliers=none)
 
         def solved(carried: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:

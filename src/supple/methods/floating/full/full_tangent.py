@@ -2,7 +2,7 @@
 
 With the step's factors `b'` by position and `g'` by velocity,
 
-    S = M + g' (C + beta K_mat(q)) + b' K(q) + g' w_i G_i + b' (dw_i E_i + w_i w_j Z_ij)
+    S = M + g' (C + beta K_mat(q)) + b' K(q) + g' w_i G_i + b' (dw_i E_i - w_i w_j Z_ij)
 
 Mass, stiffness, damping and centrifugal terms are symmetric, the gyroscopic terms `G_i` skew-symmetric, and
 the terms `E_i` of the angular acceleration neither. The symmetric part has an L D L^T factor with a symbolic
@@ -28,8 +28,8 @@ from supple.methods.floating.full.full_damping import FullDamping
 __all__ = ["LARGEST_TURN", "Factored", "FullTangent", "TangentPoint", "full_tangent"]
 
 LARGEST_TURN = 0.02
-"""Change of angular velocity times step up to which a linear body's factor is reused: Newton's iteration
-still contracts fast."""
+"""Largest change of the angular velocity times the step (and of its rate times the step squared) for which a
+linear body's factor is reused: Newton's iteration still contracts fast."""
 
 SYMMETRIC = ("mass", "euler", "centrifugal")
 """Inertia matrices with a symmetric part."""
@@ -56,7 +56,7 @@ class Factored(NamedTuple):
 class _FactorCache:
     """The last factored tangent of a linear body.
 
-    The factor depends on the step and the angular velocity alone, so one factor serves many instants.
+    It depends on the step, the angular velocity and its rate alone, so one factor serves many instants.
     """
 
     _point: TangentPoint | None = field(default=None, init=False)

@@ -28,7 +28,7 @@ class Stepped(NamedTuple):
     decades: float
     """Reduction of the residual by all iterations, as a decimal logarithm"""
     kept: FrozenTangent | None
-    """Frozen tangent for the next step; None if that computes its own"""
+    """Frozen tangent for the next step; None if that step computes one"""
 
 
 class Iterate(NamedTuple):
@@ -41,7 +41,7 @@ class Iterate(NamedTuple):
     reached: bool
     """Whether the residual is below the stated tolerance"""
     converged: bool
-    """Whether the residual is below the step's share of the tolerance"""
+    """Whether the residual is below the `share` of the tolerance"""
     distance: float
     """Largest relative residual over that share"""
     moved: float
@@ -57,7 +57,7 @@ class ImplicitStep(NamedTuple):
     rule: StepRule
     tolerances: Tolerances
     share: float = 1.0
-    """Part of the tolerance to which to iterate"""
+    """Fraction of the tolerance at which the iteration ends"""
 
     def at(self, unknowns: Unknowns, moved: float = np.inf, *, trusted: bool = False) -> Iterate:
         """Residuals of the exact equations at an iterate; `moved` is the size of the last correction.

@@ -47,7 +47,7 @@ class KinematicInstant(NamedTuple):
 
 
 class _ConstrainedSystem(FullSystem):
-    """Full system whose redundant constraints are those of rigid bodies."""
+    """Full system whose redundant constraints are found for rigid bodies."""
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
         """Constraint terms of bodies that keep their shape."""
