@@ -40,8 +40,9 @@ ZERO_MODE = 1e-6
 MASS_AGREEMENT = 0.02
 # Difference between the three masses of R^T M R: rounding of entries printed with few digits.
 SAME_MASS = 1e-4
-# Node spacing times sqrt(K_ii / M_ii) is 2 to 6 times the speed of sound: 30 m/s (rubber) to 2e4 m/s, a
-# thousand times that in mm. Outside the narrow range units are doubtful (as in mm with ms), outside the wide one wrong.
+# Node spacing times sqrt(K_ii / M_ii) is 2 to 6 times the speed of sound: 30 m/s (rubber) to 2e4 m/s.
+# In mm the numbers are a thousand times as large. Outside the narrow range units are doubtful (as in mm with
+# ms), outside the wide one wrong.
 USUAL_SPEEDS = (30.0, 3e8)
 POSSIBLE_SPEEDS = (0.3, 1e11)
 # Kilograms with mm and MPa are within the range, so the report gives the values for steel to compare with.

@@ -94,7 +94,7 @@ def read_csv_table(
 
 
 def _words(path: Path | Traversable, number: int, line: str) -> tuple[str, ...]:
-    """The words of a line; one in quotes ends where its line does."""
+    """The words of a line; a quoted word ends on the same line."""
     try:
         (row,) = csv.reader([line], strict=True)
     except csv.Error as error:

@@ -31,7 +31,7 @@ class CommonNodes:
 
 
 def merged_decks(decks: Mapping[str, Deck], common: Sequence[CommonNodes]) -> Deck:
-    """One deck of all decks, each also in `superelements`; sets of its name list its elements and nodes.
+    """One deck of all decks, with node and element sets of their names; `superelements` lists them as well.
 
     Sets, properties and ties are renamed to NAME.SET, except those of the first deck. Common nodes have the
     position and id of the first deck with this node; an id that is in use is replaced by a free one.
