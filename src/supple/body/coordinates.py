@@ -276,7 +276,7 @@ def _without_stiffness(
 
 
 def _fixed(still: sparse.csc_array, n: int) -> StaticallyTied:
-    """No motion along directions (n, k): each triple loses as many freedoms as it has directions."""
+    """No motion along directions (n, k): each direction eliminates one freedom of its triple."""
     rows = sparse.csr_array(still.T)
     return together(rows, np.full(rows.indptr.size - 1, -1), np.zeros(n, dtype=bool))
 
@@ -284,7 +284,7 @@ def _fixed(still: sparse.csc_array, n: int) -> StaticallyTied:
 def _bare(
     body: str, mass: sparse.csc_array, eligible: NDArray[np.bool_], freedoms: IntArray, dofs_per_node: int
 ) -> NDArray[np.bool_]:
-    """Freedoms without mass."""
+    """Mask of freedoms without mass; ModelError where mass is negative, or missing but needed."""
     diagonal = mass.diagonal()
     bare = diagonal <= np.finfo(float).tiny
     wrong = np.flatnonzero((diagonal < 0) | (bare & ~eligible))

@@ -197,7 +197,7 @@ Damping = RayleighDamping | LinearRayleighDamping | ModalDamping
 
 
 def refuse_relative_damping(damping: Damping | None, what: str) -> None:
-    """ModelError for a damping relative to an interface, where the motion has no floating frame."""
+    """ModelError for a damping relative to an interface, for methods without a floating frame."""
     if damping is not None and damping.held is not None:
         raise ModelError(
             f"{what}: its damping is relative to the interface '{damping.held}', which needs a body in a "

@@ -17,7 +17,7 @@ _BLOCK_NUMBERS = 2**22
 
 
 def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
-    """The matrix of the kinetic energy of a body that deforms along the columns of a basis.
+    """The matrix of the kinetic energy of a body whose deformation has the coordinates gamma of a basis.
 
         z = (v, w, gamma_1 w, ..., gamma_r w, gamma'),    T = 1/2 z^T G z
 

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 
 class _Part(NamedTuple):
-    """One block of elements; the last axis of all point arrays is the points, P = E g."""
+    """One block of elements; in shapes, P = E g is the number of points, the last axis of point arrays."""
 
     block: QuadraticStrain
     linear: csr_array

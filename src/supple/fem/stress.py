@@ -88,7 +88,7 @@ class StressLayers:
 
     @property
     def outer(self) -> tuple[int, ...]:
-        """Layers where von Mises stress can be largest, as the stress is linear through a wall."""
+        """Layers where von Mises stress, convex in stress, can be largest; stress is linear through walls."""
         walls = (0, 2) if self.walls > 1 else (0,) * self.walls
         return (*walls, *range(self.walls, self.count))
 

@@ -57,7 +57,7 @@ def read_csv_table(
     Parameters
     ----------
     path : str, Path or package resource
-    required, optional : names of columns; others are errors, which finds misspelt names
+    required, optional : names of columns; any other name is an error, as it may be misspelt
     Returns
     -------
     CsvTable

@@ -114,7 +114,8 @@ def _bends(
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
     """Whether the normals near each triangle differ (E,), and whether there are only two of them (E,).
 
-    Near are its neighbours and their neighbours. Also the sides (E, 3) across which the normals differ.
+    Near means its neighbours and their neighbours. The third mask (E, 3) is that of the sides across which
+    the normals differ.
     """
     near = np.concatenate([beside, beside[beside].reshape(len(beside), -1)], axis=1)
     # Triangles of opposite orientation have the opposite normal.

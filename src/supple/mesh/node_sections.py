@@ -29,7 +29,7 @@ IntArray = NDArray[np.int64]
 
 # Largest distance between nodes of one plane, relative to the extent along the axis.
 _SAME_PLANE = 1e-6
-# Deviation of a section from a plane, relative to the extent of its cells along the normal.
+# Largest deviation of a section from a plane, relative to the extent of its cells along the normal.
 _FLAT = 0.1
 
 

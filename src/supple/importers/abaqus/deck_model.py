@@ -41,7 +41,7 @@ class DeckSurface:
 class AbaqusModel:
     """Definitions of a file; sets and surfaces by scope and name in upper case.
 
-    If two scopes use the same id, `Labels` of each scope give the right number.
+    Scopes may use the same ids; `Labels` distinguish them by scope.
     """
 
     file: KeywordFile
@@ -236,7 +236,7 @@ def _listed_elements(model: AbaqusModel, copied: ScopedBlock) -> IntArray:
 
 
 def _numbered(blocks: list[ElementBlock], kept: NDArray[np.bool_]) -> Iterator[ElementBlock]:
-    """The remaining elements, renumbered."""
+    """The elements of the mask `kept`, renumbered."""
     start = first = 0
     for block in blocks:
         mine = kept[start : start + len(block.ids)]

@@ -106,7 +106,7 @@ class DeckReading:
         return left_out_by_card(self._left)
 
     def chosen_sets(self, command: str, adder: str, sets: set[int]) -> set[int]:
-        """Sets that case control selects, also through `adder` (SPCADD); without it, the set if only one."""
+        """Sets that case control selects, also by `adder` (SPCADD); without case control, a single set."""
         number = self.case.number(command)
         if number is None:
             if self.case.present or len(sets) != 1:

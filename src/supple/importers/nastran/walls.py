@@ -34,7 +34,7 @@ class WallOptions:
 def read_wall(
     card: BulkCard, materials: Materials, reading: DeckReading, options: WallOptions
 ) -> ShellProperty | WallProperty | str:
-    """The wall of a property card with the options of an element; else a reason."""
+    """The wall of a property card with the options of an element; else the reason for its absence."""
     if card.name == "PSHELL":
         return _pshell(card, materials, reading, options)
     return _pcomp(card, materials, reading, options)
