@@ -20,7 +20,7 @@ __all__ = ["BodyForm"]
 class BodyForm(Protocol):
     """A body in a machine. Code that uses these members does not depend on the form of the body.
 
-    `motion` is the motion of this body in a solution; one of another type raises ModelError.
+    `motion` is the motion of this body in a solution; any other type raises ModelError.
     """
 
     @property

@@ -166,7 +166,7 @@ class InertiaPolynomial:
 
     @cached_property
     def by_both(self) -> NDArray[np.float64]:
-        """`k_ij` (3, 3, n); k_ii is the load of a unit angular velocity about i, undeformed.
+        """`k_ij` (3, 3, n); k_ii is the load of unit angular velocity about i on the undeformed body.
 
         Only k_ij + k_ji enters the energy. The skew part is chosen so that 2 w_j k_ij . q' is the Coriolis
         moment, J' w + w x (P . q'). For points, k_ij . q = m (e_i x x) . (e_j x q).

@@ -385,7 +385,7 @@ def _read_set(model: AbaqusModel, placed: ScopedBlock, *, with_elements: bool) -
 
 
 def _scope_of_members(model: AbaqusModel, placed: ScopedBlock) -> int:
-    """The scope that INSTANCE of a set names; in a file without instances (CalculiX) it is only a doubt."""
+    """The scope that INSTANCE of a set names; an unknown one is an error, or a doubt without instances."""
     name, known = placed.block.options.get("INSTANCE"), [each.name.upper() for each in model.scopes]
     if name is None or name.upper() in known:
         return placed.scope if name is None else known.index(name.upper())
