@@ -1,10 +1,10 @@
 """Error of an averaging interface on a deformable section that has rotated relative to the frame.
 
-The nodal forces that represent a moment m, F_a = w_a (J^-1 m) x r_a, keep their directions of the undeformed
-body. On a section rotated by phi about the axis n of m, they include a self-equilibrated part m phi p,
-p_a = - n x F_a(n), which deforms the section by d = phi m K^-1 p. The mean rotation is taken in the same
-directions and includes d: the rotation of the joint is sin phi + phi p.d. With c = p K^-1 p and the
-potential
+The nodal forces that represent a moment m, F_a = w_a (J^-1 m) x r_a, keep the directions that they have in
+the undeformed body. On a section rotated by phi about the axis n of m, they include a self-equilibrated part
+m phi p, p_a = - n x F_a(n), which deforms the section by d = phi m K^-1 p. The mean rotation is computed with
+these same directions and includes d: the rotation of the joint is sin phi + phi p.d. With c = p K^-1 p and
+the potential
 
     Pi = U(phi) + d K d / 2 - m (phi + phi p.d),
 
@@ -35,7 +35,7 @@ DEFLECTION_ERROR = 6.0
 def section_softness(body: FlexibleBody, interface: BodyInterface) -> Array:
     """Softness c / C (3,) of an averaging interface about the axes of the body; zeros for a rigid section.
 
-    C : rotation per moment, with the first other interface fixed; without one, balanced by inertia
+    C : rotation per moment, with another interface fixed, or balanced by inertia where there is no other
     """
     # cubic_turn > 0 marks interfaces that average displacements: their motion is sin(phi).
     if body.is_linear or interface.cubic_turn <= 0:

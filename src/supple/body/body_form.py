@@ -20,7 +20,7 @@ __all__ = ["BodyForm"]
 class BodyForm(Protocol):
     """A body in a machine. Code that uses these members does not depend on the form of the body.
 
-    The motion argument is that of this body in a solution; ModelError for one of another type.
+    `motion` is the motion of this body in a solution; any other type raises ModelError.
     """
 
     @property
@@ -131,7 +131,7 @@ class BodyForm(Protocol):
     ) -> tuple[np.ndarray, np.ndarray | None]:
         """Nodal freedoms (n, t) for coordinates (t, r), from which strains follow; all or some freedoms.
 
-        The second array is the condensed part, which enters linear strains alone; None without condensation.
+        The second array is the condensed part, which enters only linear strains; None without condensation.
         """
         ...
 

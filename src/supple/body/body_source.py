@@ -109,7 +109,7 @@ def section_beams_source(path: Path) -> BodySource:
 
 
 def labelled_matrices_source(files: MatrixFiles, *, rigid_tolerance: float | None = None) -> BodySource:
-    """Matrices of another program with the file of its nodes, as for `read_labelled_superelement`.
+    """Matrices of another program with the file of their nodes, as for `read_labelled_superelement`.
 
     The matrices may come from any element type, so the mesh of the node file is not read.
     """

@@ -73,7 +73,7 @@ def check_moves_rigidly(
     dofs_per_node: int,
     tolerance: float,
 ) -> None:
-    """Check K R = 0 (or C R), for nodal and modal freedoms, relative to the forces that cancel in it."""
+    """Check K R = 0 (or C R = 0), for nodal and modal freedoms, relative to the forces that cancel."""
     ratio = rigid_force_ratios(matrix, rigid_modes)
     row, mode = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     if ratio[row, mode] > tolerance:

@@ -1,8 +1,8 @@
 """Constraints between the freedoms of a body, eliminated: C q = 0 becomes q = T q_kept.
 
 Each row eliminates one freedom: the one named in its file if possible, another otherwise. Rows whose freedom
-occurs in no other row are solved separately, so that thousands of ties of nodes to surfaces stay sparse; the
-others are solved together with the rows that share their freedoms.
+occurs in no other row are solved separately, so that thousands of ties of nodes to surfaces stay sparse.
+Rows that share freedoms are solved together.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def eliminate(
     *,
     held: bool = False,
 ) -> StaticallyTied:
-    """The coordinates q that remain after constraints, and the expansion to all.
+    """The coordinates that remain after constraints, and the expansion from these to all q.
 
     Parameters
     ----------

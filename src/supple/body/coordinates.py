@@ -3,8 +3,8 @@
     u = T q,    T = T_rigid T_constraints T_fixed T_massless
 
 Six freedoms of a virtual node replace those of the nodes of a rigid piece. Each constraint eliminates one
-freedom. Rotations without stiffness (of nodes of solids beside shells) are fixed. Massless freedoms follow
-the others statically.
+freedom. Rotations without stiffness (of nodes of solids beside shells) are fixed. Massless freedoms are
+condensed statically.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ IntArray = NDArray[np.int64]
 
 # A stiffness below this share of the stiffest rotation of a node is rounding.
 _NO_STIFFNESS = 1e-10
-# Largest size of a dense tie, in numbers: 160 MB.
+# Largest number of entries of a dense tie: 160 MB.
 _LARGEST_TIE = 2e7
 
 
@@ -46,7 +46,7 @@ class Coordinates:
     whole : csc (n_nodal, n0)   u = whole @ q0; q0 : triples of free nodes, of rigid pieces, modal coordinates
     rest : csc (n0, n)          q0 = rest @ q; None where q0 = q, as with rigid pieces alone
     rigid_modes : (n, 6);  stiffness, mass : csc (n, n), T^T A T
-    freedoms : (n,) nodal freedom of each coordinate, for messages; modal coordinates have later numbers
+    freedoms : (n,) nodal freedom of each coordinate, for messages; modal coordinates follow the nodal ones
     sets : the rigid pieces
     n_modal : number of coordinates of q0 without a node
     bare : nodal freedoms that have no mass and follow statically
@@ -154,7 +154,7 @@ def coordinates(
 ) -> Coordinates:
     """The coordinates that remain after ties, constraints, fixed rotations and static condensation.
 
-    n_interfaces : number of interfaces, the last sets; their coordinates are kept
+    n_interfaces : number of rigid interfaces, which are the last of `sets`; their coordinates are kept
     n_modal : number of modal coordinates, the last rows of the matrices; zero in rigid motions
     tolerance : relative mass that counts as zero
     held : whether constraints may support the body; displacements without stiffness are then fixed as well
@@ -221,7 +221,7 @@ class _State:
     rest: sparse.csc_array | None
 
     def after(self, tied: StaticallyTied, K: Any = None, M: Any = None) -> _State:
-        """The state after some coordinates follow the others; K and M if known."""
+        """The state after an elimination; K, M : its matrices, if already known."""
         T = tied.expansion
         rest = T if self.rest is None else sparse.csc_array(self.rest @ T)
         K = congruent(T, self.K) if K is None else sparse.csc_array(K)
@@ -276,7 +276,7 @@ def _without_stiffness(
 
 
 def _fixed(still: sparse.csc_array, n: int) -> StaticallyTied:
-    """No motion along directions (n, k): each triple loses as many freedoms as it has directions."""
+    """No motion along directions (n, k): each direction eliminates one freedom of its triple."""
     rows = sparse.csr_array(still.T)
     return together(rows, np.full(rows.indptr.size - 1, -1), np.zeros(n, dtype=bool))
 
@@ -284,7 +284,7 @@ def _fixed(still: sparse.csc_array, n: int) -> StaticallyTied:
 def _bare(
     body: str, mass: sparse.csc_array, eligible: NDArray[np.bool_], freedoms: IntArray, dofs_per_node: int
 ) -> NDArray[np.bool_]:
-    """Freedoms without mass."""
+    """Mask of freedoms without mass; ModelError where mass is negative, or missing but needed."""
     diagonal = mass.diagonal()
     bare = diagonal <= np.finfo(float).tiny
     wrong = np.flatnonzero((diagonal < 0) | (bare & ~eligible))
@@ -305,7 +305,7 @@ def _bare(
 
 
 def _follow_statically(body: str, stiffness: sparse.csc_array, bare: NDArray[np.bool_]) -> StaticallyTied:
-    """Freedoms without mass in static equilibrium with the others:  K_ee u_e + K_ek u_k = 0."""
+    """Static condensation of the freedoms without mass:  K_ee u_e + K_ek u_k = 0."""
     eliminated, kept = np.flatnonzero(bare), np.flatnonzero(~bare)
     beside = sparse.csc_array(stiffness[eliminated][:, kept])
     reached = np.flatnonzero(np.diff(beside.indptr))

@@ -32,7 +32,7 @@ class RayleighDamping:
         K_mat(q) = sum w A^T C A,     eps_dot = A(q) q_dot
 
     is the stiffness of the material in its current configuration, so that beta damps the strain rate and no
-    rotation. At rest it is Rayleigh's alpha M + beta K, of modal ratio
+    rotation. In the undeformed body, D is Rayleigh's alpha M + beta K, with the modal ratio
     zeta(omega) = alpha / (2 omega) + beta omega / 2 for motions with the interface `held` fixed. P removes
     the rigid motion of that interface, so that the damping is the same in every frame. Without `held`, alpha
     damps motion relative to the body's frame, and depends on the frame.
@@ -58,7 +58,7 @@ class RayleighDamping:
         return self.beta
 
     def linearized(self) -> LinearRayleighDamping:
-        """The damping of the undeformed body, for any deformation."""
+        """The same factors with the constant stiffness of the undeformed body."""
         return LinearRayleighDamping(self.alpha, self.beta, self.held)
 
 
@@ -197,7 +197,7 @@ Damping = RayleighDamping | LinearRayleighDamping | ModalDamping
 
 
 def refuse_relative_damping(damping: Damping | None, what: str) -> None:
-    """ModelError for a damping relative to an interface, where the motion has no floating frame."""
+    """ModelError for a damping relative to an interface, for methods without a floating frame."""
     if damping is not None and damping.held is not None:
         raise ModelError(
             f"{what}: its damping is relative to the interface '{damping.held}', which needs a body in a "
@@ -208,7 +208,7 @@ def refuse_relative_damping(damping: Damping | None, what: str) -> None:
 def damping_matrix(
     damping: Damping | None, body: FlexibleBody, columns: NDArray[np.float64], stiffness: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Damping matrix D (k, k) of a body at rest, for motions V along some columns; zero without damping.
+    """Damping matrix D (k, k) of an undeformed body for motions along columns V; zero without damping.
 
     Relative to an interface `held`, the motions are P V, with the mass matrix V^T P^T M P V.
 

@@ -74,7 +74,7 @@ def deck_body(
 ) -> FlexibleBody:
     """A free body from a deck; joints replace its supports.
 
-    interfaces : their nodes may be node sets of the deck; None: its rigid ties and weighted means, by name
+    interfaces : on nodes or node sets of the deck; None: one for each of its rigid ties and weighted means
     part : one of several disconnected parts (`deck_parts`)
 
     Raises
@@ -318,7 +318,7 @@ def _isotropic(material: IsotropicMaterial) -> Isotropic:
 
 
 def _has_shear(material: IsotropicMaterial) -> bool:
-    """Whether a material resists shear; lines of other materials carry no torsion."""
+    """Whether a material resists shear; otherwise its beams and rods carry no torsion."""
     return material.shear_modulus is None or material.shear_modulus > 0
 
 
@@ -491,7 +491,7 @@ def _mean_rows(deck: Deck, number: int, d: int) -> sparse.csr_array:
 
 
 def _ground(terms: ScalarTerms) -> NDArray[np.bool_]:
-    """Rows of a single node, in any axes: springs to ground."""
+    """Whether a row acts on a single node, in any axes: it is then a spring to ground."""
     nodes = np.unique(np.column_stack([terms.rows, terms.freedoms // 6]), axis=0)
     return np.bincount(nodes[:, 0], minlength=len(terms.lines)) == 1
 

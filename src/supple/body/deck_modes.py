@@ -24,7 +24,7 @@ __all__ = ["deck_frequencies", "deck_mass", "deck_models", "mass_of_models"]
 FloatArray = NDArray[np.float64]
 
 MORE_MODES = 6
-"""Number of modes beyond the six rigid ones, for mechanisms within a part."""
+"""Number of modes computed in addition to the wanted and six rigid ones, as a part may have mechanisms."""
 
 
 def deck_models(deck: Deck, *, held: bool = False) -> dict[str, FiniteElementModel]:

@@ -45,10 +45,10 @@ class FlexibleBody(Summarized):
     rotation_limit    : rad, largest rotation relative to the body's frame for which its kinematics hold
     threes : the map `rest` (n0, n) to coordinates in triples q0 = rest @ q, of free nodes and rigid pieces,
         and their mass (n0, n0); None where q0 = q, as with rigid interfaces alone
-    damping       : csc (n, n), N s/m, from its files; None without. Options of a reduction add to it
+    damping       : csc (n, n), N s/m, from its files, or None. Options of a reduction add to it
     linearized_from : the same body with quadratic strains, if it was linearised; None otherwise
     n_modal : number of modal coordinates in q, of a condensed model. They belong to no node, and their mass
-        is not in `nodal_mass`. Of their motion, only the masses of recovered points rotate with the frame
+        is not in `nodal_mass`. They enter centrifugal and Coriolis terms only by masses of recovered points
     """
 
     name: str

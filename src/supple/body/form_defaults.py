@@ -37,7 +37,7 @@ class _Form(Protocol):
 
 
 class FormDefaults:
-    """Members of `BodyForm` that are alike in most forms."""
+    """Members of `BodyForm` that are the same in most forms."""
 
     @property
     def uses_interface_motions(self) -> bool:

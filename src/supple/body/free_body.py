@@ -50,7 +50,7 @@ def free_body(
     """A checked free body: coordinates after ties, M = T^T M_nodal T and K likewise.
 
     n_modal : number of modal coordinates, the last rows of the matrices; zero in rigid motions
-    recovery : of points that become nodes without own mass
+    recovery : recovers the motion of points, which become nodes without mass
     """
     node_ids = None if model is None else model.mesh.node_ids
     attached = Attached() if model is None else model.attached
@@ -79,7 +79,7 @@ def free_body(
         tolerance=rigid_tolerance,
     )
     M, K = made.mass, made.stiffness
-    # Checked before elimination, which loses the size of the forces that cancel.
+    # The nodal matrices are checked: elimination loses the size of the forces that cancel.
     R = np.vstack([nodal_rigid_modes(nodes, dofs_per_node), np.zeros((n_modal, 6))])
     check_moves_rigidly(name, "stiffness", K_nodal, R, dofs_per_node, rigid_tolerance)
     C = None

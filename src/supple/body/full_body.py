@@ -79,7 +79,7 @@ class FullBody(FloatingForm):
 
     @property
     def uses_interface_motions(self) -> bool:
-        """True: only a sparse method has all its coordinates as unknowns."""
+        """True: joints use interface motions, as only a sparse method solves for all its coordinates."""
         return True
 
     @property

@@ -17,7 +17,7 @@ _BLOCK_NUMBERS = 2**22
 
 
 def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
-    """The matrix of the kinetic energy of a body that moves in the columns of a basis.
+    """The matrix of the kinetic energy of a body whose deformation has the coordinates gamma of a basis.
 
         z = (v, w, gamma_1 w, ..., gamma_r w, gamma'),    T = 1/2 z^T G z
 
@@ -54,7 +54,7 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
         among[:, :, some] = np.tensordot(V, energy.spin_products(fields), axes=(0, 2)).swapaxes(2, 3)
     rigid, turned = R.T @ (body.mass @ R), turned.reshape(6, 3 * r)
     among, rates = among.reshape(3 * r, 3 * r), rates.reshape(3 * r, r)
-    # From the nodal mass, so that a disagreement of the two masses shows; it lacks modal coordinates.
+    # From the nodal mass, which lacks modal coordinates, so that a disagreement of the two masses shows.
     nodal = V if body.n_modal else body.expansion @ V
     own = nodal.T @ ((body.mass if body.n_modal else body.nodal_mass) @ nodal)
     gram = np.block([[rigid, turned, by_basis], [turned.T, among, rates], [by_basis.T, rates.T, own]])

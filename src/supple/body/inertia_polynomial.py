@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["SPIN_PAIRS", "InertiaPolynomial"]
 
 SPIN_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-"""Index pairs of angular velocity components of the matrices of `by_spin`."""
+"""Pairs (i, j) of angular velocity components, in the order of `by_spin`."""
 
 _AXES = np.eye(3)
 _CROSS = np.array([cross_matrix(axis) for axis in _AXES])
@@ -166,7 +166,7 @@ class InertiaPolynomial:
 
     @cached_property
     def by_both(self) -> NDArray[np.float64]:
-        """`k_ij` (3, 3, n); k_ii is the load of a unit angular velocity about i at rest.
+        """`k_ij` (3, 3, n); k_ii is the load of unit angular velocity about i on the undeformed body.
 
         Only k_ij + k_ji enters the energy. The skew part is chosen so that 2 w_j k_ij . q' is the Coriolis
         moment, J' w + w x (P . q'). For points, k_ij . q = m (e_i x x) . (e_j x q).

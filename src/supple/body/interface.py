@@ -83,8 +83,8 @@ class BodyInterface:
 
     The strains of the elements at a rigid interface are truncated to second order (`second_order_tie`), so
     that their energy is least where |theta_v| = tan(phi) for a rotation phi: c = -1/3. Where nodes rotate by
-    phi, the mean motion of an averaging interface is sin(phi): c = 1/6. Where theta_v is that of the nodes, c
-    = 0.
+    phi, the mean motion of an averaging interface is sin(phi): c = 1/6. Where theta_v is the rotation of the
+    nodes themselves, c = 0.
     """
 
     name: str
@@ -100,7 +100,7 @@ class UntiedInterface:
 
     @property
     def cubic_turn(self) -> float:
-        """Zero: its rotation vector is that of its motion."""
+        """Zero: its rotation vector is theta itself."""
         return 0.0
 
     @property

@@ -26,7 +26,7 @@ __all__ = ["StaticallyTied", "massless_motions", "tie_statically"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# An energy below this share of that of freedoms that move alone is zero.
+# An energy below this share of the energy of freedoms that move alone is zero.
 _REGULAR = 1e-9
 # Entries of a tie below this share of the largest are rounding.
 _NO_TIE = 1e-11

@@ -33,15 +33,16 @@ FloatArray = NDArray[np.float64]
 LOWEST_FREQUENCIES = "lowest free frequencies"
 """Name of the finding that lists them, in cycles per unit of time."""
 
-# Eigenvalues below this share of the highest computed one are zero. Those of rigid modes are some 1e-9 of it,
-# those of the slowest elastic modes of slender parts some 1e-4.
+# Eigenvalues below this share of the highest computed one are zero. Rigid modes reach some 1e-9 of that one,
+# the slowest elastic modes of slender parts some 1e-4.
 ZERO_MODE = 1e-6
 # Difference of the mass matrix from the mass of the mesh: far above the quadrature error on curved cells.
 MASS_AGREEMENT = 0.02
 # Difference between the three masses of R^T M R: rounding of entries printed with few digits.
 SAME_MASS = 1e-4
-# h sqrt(K_ii / M_ii) is some 2 to 6 times the speed of sound: 30 m/s (rubber) to 2e4 m/s, or a thousand times
-# that in mm. Outside the narrow range units are doubtful (as in mm with ms), outside the wide one wrong.
+# Node spacing times sqrt(K_ii / M_ii) is 2 to 6 times the speed of sound: 30 m/s (rubber) to 2e4 m/s.
+# In mm the numbers are a thousand times as large. Outside the narrow range units are doubtful (as in mm with
+# ms), outside the wide one wrong.
 USUAL_SPEEDS = (30.0, 3e8)
 POSSIBLE_SPEEDS = (0.3, 1e11)
 # Kilograms with mm and MPa are within the range, so the report gives the values for steel to compare with.
@@ -71,7 +72,7 @@ class ModelCheck:
     """All findings; the model is accepted unless one of them refuses it.
 
     mass         : mass, centre and inertia of the mass matrix in rigid motion
-    rigid_energy : (6,) strain energy of the six rigid motions relative to that of their nodes moving alone
+    rigid_energy : (6,) r^T K r relative to r^T diag(K) r, for each of the six rigid motions r
     n_zero_modes : number of modes without strain energy, 6 for a free body; None if not computed
     frequencies  : cycles per unit of time, of the lowest elastic modes of the free body
     """
@@ -254,7 +255,7 @@ def _middle_nodes(mesh: Mesh) -> list[Finding]:
 
 
 def _check_sizes(n: int, K: sparse.csc_array, M: sparse.csc_array) -> None:
-    """Check that both are square, of one size, and cover at least the nodes' freedoms."""
+    """Check that stiffness and mass are square, of one size, and cover at least the nodes' freedoms."""
     for what, matrix in (("stiffness", K), ("mass", M)):
         columns, rows = matrix.indptr.size - 1, matrix.tocsr().indptr.size - 1
         if rows != columns or rows < n or (what == "mass" and K.shape != M.shape):
@@ -366,7 +367,7 @@ def _coordinates(
 
 
 def _positive_mass(made: Coordinates, mass: sparse.csc_array, labels: NDArray[np.int64], d: int) -> Finding:
-    """Finding on massless motions that follow the others, if there are any."""
+    """Finding on the mass: whether some motions have none and are condensed statically."""
     n, bare = mass.indptr.size - 1, made.bare
     if not made.n_massless:
         return Finding("positive mass", f"all {len(made.freedoms)} eigenvalues")
@@ -467,7 +468,7 @@ def _units(
 
 
 def _modal(K: sparse.csc_array, M: sparse.csc_array, n_modal: int) -> Iterator[Finding]:
-    """Validity of a model with modal coordinates: rotation must be slow relative to the lowest of them."""
+    """Validity of a model with modal coordinates: rotation must be slow relative to their frequencies."""
     if not n_modal:
         return
     n = K.indptr.size - 1

@@ -3,8 +3,8 @@
     u_points = T [u_boundary; eta],      T R = R_points
 
 Masses on these points and on the nodes add information that the matrices lack: in which direction modal
-coordinates move the mass. These masses are nonnegative, and their mass matrix is nearest to that of the body,
-both scaled by its diagonal:
+coordinates move the mass. These masses are fitted to the mass matrix M of the body, scaled by its diagonal.
+T_a, Theta_a are the translations and rotations of point or node a by the freedoms:
 
     M  ~  sum_a m_a T_a^T T_a + sum_a J_a Theta_a^T Theta_a,      m_a, J_a >= 0
 """
@@ -69,10 +69,10 @@ class Recovery:
     def masses(
         self, mass: FloatArray, nodes: FloatArray, dofs_per_node: int
     ) -> tuple[FloatArray, FloatArray] | None:
-        """Masses (N, 1 or 2) of the nodes, of translations and rotations, and of the points (P,).
+        """Masses of the nodes (N, 1 or 2), for translations and rotations, and of the points (P,).
 
-        None if the body has too many points, if the masses miss its mass by more than 5 %, or if they miss
-        its centre by more than 5 % of the radius of gyration (as for points in only a part of the body).
+        None if the body has too many points, if the total differs from its mass by more than 5 %, or if the
+        centre differs by more than 5 % of the radius of gyration (as for points in only a part of the body).
         """
         n, n_nodes, parts = len(mass), len(nodes), dofs_per_node // 3
         if n_nodes * parts + len(self.points) > _MOST_MASSES:

@@ -85,8 +85,8 @@ def section_loads(body: Any, model: FiniteElementModel, motion: Motion, plane: C
 
     over the nodes n that elements on both sides share. f, m are the mean of the internal forces of elements
     before the plane and of those beyond it with opposite sign; the two differ by the loads on these nodes.
-    Both parts are thus in equilibrium for any mesh, and distributed loads cause an error of second order. The
-    mean of its nodes determines the side of an element. `p` is the point of the plane, moved by the mean
+    Both parts are thus in equilibrium for any mesh, and distributed loads cause an error of second order. An
+    element is on the side where the mean of its nodes is. `p` is the point of the plane, moved by the mean
     displacement of the nodes n.
 
     Parameters

@@ -32,9 +32,9 @@ IntArray = NDArray[np.integer]
 # Any scipy.sparse array: their common base declares no shape.
 SparseArray = Any
 
-# Entries held at once while many elements are evaluated: 2 MiB, within a processor's cache.
+# Numbers in memory at once while many elements are evaluated: 2 MiB, within a processor's cache.
 CHUNK = 2**18
-# Factor on CHUNK for `works`: elements of a larger portion share more nodes, whose forces are used once.
+# Factor on CHUNK for `works`: in a larger portion more elements share a node, whose force is projected once.
 LARGER_FOR_WORKS = 4
 
 
@@ -128,7 +128,7 @@ class Assembly:
 
     def strain_rate_tangent(self, q: Array, rates: Array) -> csr_array:
         """Derivative (n, n) by q of the force of stresses D eps_dot at given rates; not symmetric."""
-        # The sums are by rows; the matrix pattern is symmetric, so rows and columns are interchangeable.
+        # The entries are in row order but are read by columns, on a symmetric pattern: hence the transpose.
         return self._matrix(self._over_elements(quadratic_strain.strain_rate_tangent, q, rates)).T
 
     def tangent(self, q: Array, *, material: float = 1.0) -> csc_array:
@@ -289,7 +289,7 @@ def assemble_strains(
 def _congruence(nodal: NodeSparsity, T: SparseArray) -> tuple[csr_array, IntArray, IntArray]:
     """Pattern of T^T K T, and the map from the entries of K to those of T^T K T.
 
-    Entry (a, b) of K adds T_ai T_bj of itself to entry (i, j), for all entries i of row a and j of row b.
+    Entry (a, b) of K adds T_ai T_bj K_ab to entry (i, j), for all entries i of row a of T and j of row b.
     """
     row = np.repeat(np.arange(nodal.n_rows), np.diff(nodal.indptr))
     in_row = np.diff(T.indptr)

@@ -21,7 +21,7 @@ IntArray = NDArray[np.int64]
 class RigidPiece:
     """Nodes tied rigidly, to second order in their rotation.
 
-    nodes : (k,) including the reference node, which the others follow;  position : (3,) of that node, m
+    nodes : (k,) including the reference node, which all follow;  position : (3,) of the reference node, m
     """
 
     name: str

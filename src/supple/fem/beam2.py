@@ -118,7 +118,7 @@ def beam_strain(
     the shear flexibility.
 
     An end on an arm o moves by u + theta x o + 1/2 theta x (theta x o); a rigid rotation then leaves strains
-    of third order, as at a rigid interface. Released freedoms follow the others by the linear stiffness, so
+    of third order, as at a rigid interface. Released freedoms are condensed with the linear stiffness, so
     that the energy is correct to third order and the force to second.
 
     Parameters

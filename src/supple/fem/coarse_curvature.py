@@ -26,13 +26,13 @@ COARSE = 3.0
 SHARE = 0.25
 """Share of the area of doubly curved walls that may be coarser without a warning."""
 COARSEST = np.radians(45.0)
-"""Largest angle between neighbours on a curved wall; cells connected across an edge exceed it."""
+"""Largest angle between neighbours on a curved wall; cells that meet at a sharp edge exceed it."""
 
 
 def curvature_over_thickness(mesh: Mesh, shells: list[Section]) -> tuple[FloatArray, FloatArray]:
     """`|det K| h^3 / t` (E,) of triangles, 0 without bending stiffness, and their areas (E,).
 
-    h^2 is twice the area, t the thickness of a plain wall of the same bending stiffness.
+    h^2 is twice the area, t the thickness of a plain wall of the same ratio of bending to membrane stiffness.
     """
     triangles = np.concatenate([section.nodes(mesh) for section in shells])
     corners = mesh.nodes[triangles]
@@ -47,7 +47,7 @@ def curvature_over_thickness(mesh: Mesh, shells: list[Section]) -> tuple[FloatAr
 
 
 def _thickness(section: Section) -> float:
-    """Thickness of a plain wall that bends equally; infinite without membrane or bending stiffness."""
+    """sqrt(12 bending / membrane stiffness), the thickness of a plain wall; infinite without either."""
     wall = section.property
     assert isinstance(wall, HomogeneousSection | LaminateSection)
     stretching = np.trace(wall.membrane)

@@ -43,8 +43,7 @@ def linear_gradients(xy: FloatArray) -> FloatArray:
 def drilling_strain(xy: FloatArray) -> FloatArray:
     """Constant strain that drilling rotations d_i add to the strain of the corner displacements.
 
-    Together they are the strain of the basic stiffness, the transposed lumping matrix over the volume,
-    L^T / (A t).
+    The sum is the strain of the basic stiffness, L^T / (A t), with the lumping matrix L.
 
     Parameters
     ----------

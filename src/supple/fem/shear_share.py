@@ -26,7 +26,8 @@ def shear_share(model: FiniteElementModel, shapes: NDArray[np.float64]) -> NDArr
     """Ratio (k,) of transverse shear energy to that of all strains, in motions of small strain.
 
     The shear energy is that of homogeneous walls that are modelled as rigid in shear, evaluated from their
-    bending with the shear factor 5/6. The ratio is the relative decrease of the square of a frequency.
+    bending with the shear factor 5/6. The ratio is the relative decrease that shear causes in the square of a
+    frequency.
 
     shapes : (n, k) nodal displacements and rotations of the model
     """

@@ -108,7 +108,7 @@ class LaminateSection:
     Parameters
     ----------
     membrane, coupling, bending : float array (3, 3)
-        A (N/m), B (N), D (N m), symmetric; A or D may be zero where B is
+        A (N/m), B (N), D (N m), symmetric; if B is zero, A or D may be zero
     mass_per_area : float                               kg/m^2; 0 for statics alone
     rotary_inertia_per_area : float
         kg, the second moment of density through the thickness about the surface of the nodes

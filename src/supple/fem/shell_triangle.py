@@ -105,7 +105,7 @@ def drilling_rotations(
 ) -> FloatArray:
     """Drilling d_i (E, 3, 18) of the mid-surface from the strains of the element.
 
-    Parameters as of `resultant_strains`.
+    Parameters as for `resultant_strains`.
     """
     drilling = np.zeros((len(xy), 3, N_STRAINS))
     drilling[..., DRILLING] = np.eye(3)

@@ -1,7 +1,7 @@
 """Solid elements: isoparametric, with the full Green-Lagrange strain.
 
-A solid element consists of data: its cell type, whose shape functions belong to the mesh, and two quadrature
-rules. Three freedoms a node, ux uy uz in global axes.
+A solid element consists of data: its cell type, whose shape functions are in supple.mesh, and two quadrature
+rules. A node has three freedoms, ux uy uz in global axes.
 """
 
 from __future__ import annotations

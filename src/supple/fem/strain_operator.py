@@ -5,7 +5,7 @@ With the linear strains and the displacement gradients of all points as one spar
     eps = b + P p(a),   p_k = a_i a_j       sigma = w D (eps + tau eps_dot)
     F = L^T [sigma, (dp/da)^T P^T sigma]
 
-where `P` has the nonzero products of the quadratic form. Evaluated element by element, the same sum takes
+where `P` has the coefficients of the quadratic form. Evaluated element by element, the same sum takes
 three to four times as long, as it reads the strain arrays several times, zeros included.
 """
 
@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 
 class _Part(NamedTuple):
-    """One block of elements; the last axis of all point arrays is the points, P = E g."""
+    """One block of elements; in shapes, P = E g is the number of points, the last axis of point arrays."""
 
     block: QuadraticStrain
     linear: csr_array

@@ -88,7 +88,7 @@ class StressLayers:
 
     @property
     def outer(self) -> tuple[int, ...]:
-        """Layers with the largest von Mises stress: it is convex in the stress, linear through a wall."""
+        """Layers where von Mises stress, convex in stress, can be largest; stress is linear through walls."""
         walls = (0, 2) if self.walls > 1 else (0,) * self.walls
         return (*walls, *range(self.walls, self.count))
 
@@ -101,7 +101,7 @@ class StressRecovery:
     sections: tuple[SectionStress, ...]
     layers: StressLayers
     pieces: tuple[RigidPiece, ...] = ()
-    """Rigidly tied nodes, to second order in their rotation, which strain the elements beside them"""
+    """Nodes tied rigidly, to second order in their rotation; these ties add strain in adjacent elements"""
 
     def linearized(self) -> StressRecovery:
         """The stress of the linear strain alone, for a body's linear stiffness."""
@@ -118,7 +118,7 @@ class StressRecovery:
         return tuple(section.shares(self.n_nodes, self.n_layers) for section in self.sections)
 
     def layers_at(self, nodes: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Layers (k, l) that some nodes have; the stress in the others is zero."""
+        """Whether each of k nodes has each layer, (k, l); in a missing layer the stress is zero."""
         there = sum(np.diff(own.indptr) for own in self.averaging_at(nodes))
         return (np.asarray(there) > 0).reshape(len(nodes), self.n_layers)
 
@@ -258,7 +258,7 @@ def stress_layers(model: FiniteElementModel) -> StressLayers:
 
 
 def beam_end_ranks(model: FiniteElementModel) -> dict[int, NDArray[np.int64]]:
-    """Rank of each beam end (E, 2) among the ends at its node, by number of the section, if it has stress."""
+    """Rank of each beam end (E, 2) among the ends at its node, for each section with stress, by number."""
     numbers = [
         number
         for number, section in enumerate(model.sections)

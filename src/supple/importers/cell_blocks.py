@@ -50,7 +50,7 @@ def file_mesh(
 ) -> FileMesh:
     """The cells of the highest dimension, with quadrilaterals cut into triangles.
 
-    Sets of cells of a lower dimension become node sets.
+    Sets of cells also become node sets; sets of a lower dimension become node sets only.
 
     Raises
     ------

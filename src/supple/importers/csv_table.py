@@ -57,7 +57,7 @@ def read_csv_table(
     Parameters
     ----------
     path : str, Path or package resource
-    required, optional : names of columns; others are errors, which finds misspelt names
+    required, optional : names of columns; any other name is an error, as it may be misspelt
     Returns
     -------
     CsvTable
@@ -94,7 +94,7 @@ def read_csv_table(
 
 
 def _words(path: Path | Traversable, number: int, line: str) -> tuple[str, ...]:
-    """The words of a line; one in quotes ends where its line does."""
+    """The words of a line; a quoted word ends on the same line."""
     try:
         (row,) = csv.reader([line], strict=True)
     except csv.Error as error:

@@ -228,9 +228,9 @@ class RigidTie:
 
 @dataclass(frozen=True, eq=False)
 class WeightedMean:
-    """A reference node that follows the weighted mean motion of others (RBE3, distributing coupling).
+    """A reference node that follows the weighted mean motion of `nodes` (RBE3, distributing coupling).
 
-    components : (6,) components of the reference node that follow the mean; the others are free
+    components : (6,) whether a component of the reference node follows the mean; otherwise it is free
     """
 
     name: str

@@ -108,7 +108,7 @@ class FileMesh:
         )
 
     def without_unused(self, among: NDArray[np.bool_]) -> FileMesh:
-        """The file mesh without those of the nodes `among` (N,) that no cell uses."""
+        """The file mesh without the nodes of the mask `among` (N,) that no cell uses."""
         return self._used(~among)
 
     def _used(self, kept: NDArray[np.bool_] | None = None) -> FileMesh:

@@ -21,7 +21,7 @@ from supple.importers.plain_number import is_plain
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 
-# Number of the type: name, dimension, nodes.
+# Name, dimension and number of nodes of each of Gmsh's types, by its number.
 _TYPES = {
     1: ("line", 1, 2), 2: ("triangle", 2, 3), 3: ("quad", 2, 4), 4: ("tetra", 3, 4), 5: ("hexahedron", 3, 8),
     6: ("wedge", 3, 6), 7: ("pyramid", 3, 5), 8: ("line3", 1, 3), 9: ("triangle6", 2, 6), 10: ("quad9", 2, 9),

@@ -15,7 +15,7 @@ from supple.importers.plain_number import is_plain, plain_integer, plain_number
 
 @dataclass(frozen=True)
 class KeywordBlock:
-    """One keyword, its options, and the data lines below it; `line` counts in the `KeywordFile`.
+    """One keyword, its options, and the data lines below it; `line` is an index of `KeywordFile.lines`.
 
     Names of options have no blanks, as both programs compare them (`REF NODE` and `REFNODE` are one).
     """

@@ -82,9 +82,9 @@ def laminate(plies: Sequence[Ply], *, bottom: float | None = None, added_mass: f
     The transverse shear stiffness follows from equilibrium: moments that vary along the wall, M_x,x = Q_x
     and M_y,y = Q_y, cause in-plane stresses that vary, and shear stresses balance these from the bottom up,
 
-        tau(z) = F(z) [Q_x, Q_y],   H^-1 = int F^T S F dz,   S the shear compliance of the plies;
+        tau(z) = F(z) [Q_x, Q_y],   H^-1 = int F^T S F dz,   S the shear compliance of the plies.
 
-    5/6 G t for a homogeneous wall. It does not depend on the surface of the nodes.
+    H is 5/6 G t for a homogeneous wall. It does not depend on the surface of the nodes.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ class CommonNodes:
 
 
 def merged_decks(decks: Mapping[str, Deck], common: Sequence[CommonNodes]) -> Deck:
-    """One deck of all decks, each also in `superelements`; sets of its name list its elements and nodes.
+    """One deck of all decks, with a node and an element set named after each, and each in `superelements`.
 
     Sets, properties and ties are renamed to NAME.SET, except those of the first deck. Common nodes have the
     position and id of the first deck with this node; an id that is in use is replaced by a free one.
@@ -83,7 +83,7 @@ def _numbers(
 
 
 def _without_repeats(ids: IntArray, taken: IntArray) -> IntArray:
-    """The ids; those that repeat an earlier one or are in use become free ones above all others."""
+    """The ids; repeated ids and ids in use are replaced by free ones above all others."""
     _, first = np.unique(ids, return_index=True)
     free = np.ones(len(ids), dtype=bool)
     free[first] = False
@@ -93,7 +93,7 @@ def _without_repeats(ids: IntArray, taken: IntArray) -> IntArray:
 
 
 def _renumbered(deck: Deck, number: IntArray, before: str, taken: IntArray) -> Deck:
-    """The deck in the node numbers of the assembly; element ids in use become free ones."""
+    """The deck in the node numbers of the assembly; element ids in use are replaced by free ones."""
     named = {name: f"{before}{name}" for name in deck.properties}
 
     def freedoms(given: IntArray) -> IntArray:

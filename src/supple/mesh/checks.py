@@ -205,7 +205,7 @@ def _check_line_lengths(nodes: FloatArray, lines: IntArray, names: _Names) -> No
 
 
 def _check_flat_triangles(nodes: FloatArray, triangles: IntArray, names: _Names) -> None:
-    """A triangle in space has no wrong side, so only its height relative to its longest edge is checked."""
+    """A triangle in space cannot be inverted: only its height relative to its longest edge is checked."""
     kind = CellType.TRIANGLE3
     corners = nodes[triangles]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)

@@ -167,7 +167,7 @@ class DividedMesh:
 
     @property
     def ties(self) -> Mapping[str, Cut]:
-        """The cuts by unique names: that of their nodes, with the parts if several cuts have this name."""
+        """The cuts by unique names: the name of their nodes, with the parts if several cuts have it."""
         count = Counter(cut.name for cut in self.cuts)
         return {
             cut.name if count[cut.name] == 1 else f"{cut.name} {cut.first + 1}-{cut.second + 1}": cut
@@ -179,7 +179,7 @@ class DividedMesh:
         return {cut.name: cut.nodes for cut in self.cuts if part in cut}
 
     def neighbours_from(self, start: int) -> Iterator[tuple[int, Cut]]:
-        """Every other part, nearest first, with the cut on the path to it from one part."""
+        """Every other part, nearest to part `start` first, with the last cut on the path to it."""
         reached, boundary = {start}, [start]
         while boundary:
             ahead = []

@@ -32,7 +32,7 @@ def extrude(
     Parameters
     ----------
     section : float array (P, 2)         y, z of the section's points
-    quads : int array (Q, 4)             turning from y to z
+    quads : int array (Q, 4)             right-handed about x
     stations : float array (S,)          x, ascending
     cell_type : CellType                 a solid type
     section_sets : {name: int array}     section points; the mesh's sets contain them at every station

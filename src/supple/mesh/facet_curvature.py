@@ -56,7 +56,7 @@ def facet_curvature(nodes: FloatArray, triangles: IntArray, crease: float = CREA
     x = first[bent] / np.linalg.norm(first[bent], axis=1, keepdims=True)
     axes = np.stack([x, np.cross(normal[bent], x), normal[bent]], axis=1)
     K[bent], smooth[bent] = _fitted(axes, corners[bent], nodes, _nodes_across(triangles, across)[bent])
-    # The surface continues across a folded edge: the crest of a corrugated sheet is fitted alone.
+    # The surface must continue across an edge where normals differ: the crest of a corrugated sheet does not.
     smooth &= (smooth[beside] | ~edges).all(axis=1)
     shown = smooth & ~folded
     for _ in range(2):
@@ -66,7 +66,7 @@ def facet_curvature(nodes: FloatArray, triangles: IntArray, crease: float = CREA
 
 
 def sides_across(triangles: IntArray, normals: FloatArray, crease: float) -> IntArray:
-    """Sides (E, 3) of neighbours, by their numbers 3 e + k of triangle e; -1 at rims and creases.
+    """For each side (E, 3), the number 3 e + k of side k of its neighbour e; -1 at rims and creases.
 
     Side k goes from corner k to the next. Of several triangles at an edge, the two with the least angle are
     neighbours.
@@ -112,9 +112,10 @@ def _linear(points: FloatArray) -> FloatArray:
 def _bends(
     normal: FloatArray, beside: IntArray
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
-    """Whether the normals near each triangle differ (E,), and whether only two of them do (E,).
+    """Whether the normals near each triangle differ (E,), and whether there are only two of them (E,).
 
-    Near are its neighbours and their neighbours. Also the sides (E, 3) across which the normals differ.
+    Near means its neighbours and their neighbours. The third mask (E, 3) is that of the sides across which
+    the normals differ.
     """
     near = np.concatenate([beside, beside[beside].reshape(len(beside), -1)], axis=1)
     # Triangles of opposite orientation have the opposite normal.

@@ -29,7 +29,7 @@ IntArray = NDArray[np.int64]
 
 # Largest distance between nodes of one plane, relative to the extent along the axis.
 _SAME_PLANE = 1e-6
-# Deviation of a section from a plane, relative to the extent of its cells along the normal.
+# Largest deviation of a section from a plane, relative to the extent of its cells along the normal.
 _FLAT = 0.1
 
 
@@ -123,7 +123,7 @@ def _is_flat(mesh: Mesh, sides: Sequence[Mapping[CellType, IntArray]], nodes: In
 
 
 def _touching(mesh: Mesh, side: Mapping[CellType, IntArray], nodes: IntArray) -> list[IntArray]:
-    """The nodes of the cells of a side at some nodes, by kind."""
+    """The cells (E, k) of one side of the mesh that contain some of the nodes, by kind."""
     members = [mesh.cells[kind][own] for kind, own in side.items()]
     return [cells[np.isin(cells, nodes).any(axis=1)] for cells in members]
 

@@ -23,7 +23,7 @@ FACE_TRIANGLES = {
 
 
 def outer_faces(mesh: Mesh, *, middles: bool = False) -> list[IntArray]:
-    """Faces (F, k) of all cells, by their number of nodes, each oriented by its outward normal.
+    """Outer faces (F, k) of all cells, by their number of nodes, each oriented by its outward normal.
 
     Faces shared by two solid cells, of one type or two, are interior and left out. The faces of a shell are
     its triangles.

@@ -68,7 +68,7 @@ def shape_gradients(cell_type: CellType, points: NDArray[np.float64]) -> NDArray
 
 
 def _powers(points: NDArray[np.float64], exponents: NDArray[np.int64]) -> NDArray[np.float64]:
-    """x^i y^j z^k / (1 - z)^l (p, m) of exponents (m, 4); zero at the apex z = 1, where l > 0 has x y = 0."""
+    """x^i y^j z^k / (1 - z)^l (p, m) of exponents (m, 4); zero at the apex z = 1 for l > 0, where x y = 0."""
     below_apex = 1.0 - points[:, 2:]
     divided = np.divide(1.0, below_apex, out=np.zeros_like(below_apex), where=below_apex != 0.0)
     return np.prod(np.hstack([points, divided])[:, None, :] ** exponents[None, :, :], axis=2)

@@ -29,7 +29,8 @@ class Skin:
     """Visible triangles, and which of their sides are edges of the mesh.
 
     triangles : int array (T, 3)        node numbers, oriented by the outward normal on solids
-    mesh_lines : bool array (T, 3)      side i is opposite to corner i; the others are cuts through a face
+    mesh_lines : bool array (T, 3)      True for mesh edges, False for cuts through a face; side i is opposite
+                                        to corner i
 
     Raises
     ------

@@ -30,8 +30,9 @@ def read_abaqus_deck(path: str | Path) -> Deck:
     """The body of an Abaqus or CalculiX input file.
 
     Reads nodes, elements, sets, surfaces, instances, materials, sections, masses, springs, dashpots,
-    constraints and supports. Steps are ignored, except supports of the first; so are keywords without effect
-    on an elastic body. Keywords that would change the body but are not read are listed in `left_out`.
+    constraints and supports. Steps are ignored, except the supports of the first. Keywords without effect
+    on an elastic body are ignored. Keywords that would change the body but are not read are listed in
+    `left_out`.
 
     Raises
     ------

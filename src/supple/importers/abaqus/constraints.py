@@ -178,7 +178,7 @@ def _groups(nodes: list[IntArray], n: int) -> list[list[int]] | None:
 def _add_rigid(
     found: DeckConstraints, name: str, reference: int, nodes: IntArray, line: int, freedoms: Freedoms
 ) -> None:
-    """Add to the tie of that name and reference node."""
+    """Add nodes to the tie of that name and reference node."""
     nodes = np.unique(nodes)
     nodes = nodes[nodes != reference]
     for i, other in enumerate(found.rigid):

@@ -41,7 +41,7 @@ class DeckSurface:
 class AbaqusModel:
     """Definitions of a file; sets and surfaces by scope and name in upper case.
 
-    If two scopes use the same id, `Labels` of each scope give the right number.
+    Scopes may use the same ids; `Labels` distinguish them by scope.
     """
 
     file: KeywordFile
@@ -64,14 +64,14 @@ class AbaqusModel:
                 yield placed
 
     def nodes_of(self, scope: int, word: str, line: int, what: str) -> IntArray:
-        """Numbers of the nodes of a word: an id, a set, or either in an instance, as in A.12, A.SET.
+        """Numbers of the nodes that a word names: an id or set, also of an instance, as in A.12, A.SET.
 
         An unknown word is recorded as a doubt and gives no node.
         """
         return self._members(scope, word, line, what, "node", self.nodes, self.node_sets)
 
     def elements_of(self, scope: int, word: str, line: int, what: str) -> IntArray:
-        """Numbers of the elements of a word, as for nodes."""
+        """Numbers of the elements that a word names, as for nodes."""
         return self._members(scope, word, line, what, "element", self.element_labels, self.element_sets)
 
     def surface(self, scope: int, name: str) -> DeckSurface | None:
@@ -236,7 +236,7 @@ def _listed_elements(model: AbaqusModel, copied: ScopedBlock) -> IntArray:
 
 
 def _numbered(blocks: list[ElementBlock], kept: NDArray[np.bool_]) -> Iterator[ElementBlock]:
-    """The remaining elements, renumbered."""
+    """The elements of the mask `kept`, renumbered."""
     start = first = 0
     for block in blocks:
         mine = kept[start : start + len(block.ids)]
@@ -385,7 +385,7 @@ def _read_set(model: AbaqusModel, placed: ScopedBlock, *, with_elements: bool) -
 
 
 def _scope_of_members(model: AbaqusModel, placed: ScopedBlock) -> int:
-    """The scope of the INSTANCE of a set; in a file without instances, as for CalculiX, a doubt."""
+    """The scope that INSTANCE of a set names; an unknown one is an error, or a doubt without instances."""
     name, known = placed.block.options.get("INSTANCE"), [each.name.upper() for each in model.scopes]
     if name is None or name.upper() in known:
         return placed.scope if name is None else known.index(name.upper())
@@ -399,7 +399,7 @@ def _scope_of_members(model: AbaqusModel, placed: ScopedBlock) -> int:
 def _generated_members(
     model: AbaqusModel, line: int, words: list[str], labels: Labels, scope: int, what: str, *, of_nodes: bool
 ) -> IntArray:
-    """The existing ids of first, last, step; a missing one is a doubt."""
+    """Numbers of the existing ids from first to last by step; a missing id is a doubt."""
     file = model.file
     if len(words) not in (2, 3) or not all(map(is_plain_digits, words)):
         raise file.error(line, f"GENERATE takes first, last, step; got '{', '.join(words)}'")
@@ -412,7 +412,7 @@ def _generated_members(
     ids = labels.ids[mine]
     inside = mine[(ids >= first) & (ids <= last) & ((ids - first) % step == 0)]
     inside = inside[np.argsort(labels.ids[inside], kind="stable")]
-    # Among one more id than exist, at least one is unknown, so longer ranges can be cut there.
+    # A range with more ids than exist has an unknown one, so a long range can be cut there.
     wanted = first + step * np.arange(min((last - first) // step, len(ids)) + 1, dtype=np.int64)
     unknown = wanted[~np.isin(wanted, ids)]
     if unknown.size:

@@ -217,7 +217,7 @@ def _solid_face(kind: ElementType, corners: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def free_faces(kind: ElementType) -> tuple[tuple[int, ...], ...]:
-    """`face_nodes` of all faces; faces of two elements are internal."""
+    """`face_nodes` of all faces of an element; a face shared by two elements is not free."""
     n = len(_FACES[_solid_corners(kind)]) if kind.family is Family.SOLID else 1
     labels = [f"S{i + 1}" for i in range(n)] if kind.family is Family.SOLID else [""]
     return tuple(face_nodes(kind, label) for label in labels)

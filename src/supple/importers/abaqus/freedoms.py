@@ -50,7 +50,7 @@ class Rows:
         return len(self._line)
 
     def terms(self, *, with_values: bool) -> tuple[ScalarTerms, ...]:
-        """The rows, as springs (with values) or constraints; no object without rows."""
+        """The rows as one object, of springs (with values) or constraints; empty without rows."""
         if not self._line:
             return ()
         return (

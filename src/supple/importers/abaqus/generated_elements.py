@@ -24,7 +24,7 @@ IntArray = NDArray[np.int64]
 def generated_elements(
     file: KeywordFile, node_labels: Labels, placed: ScopedBlock, earlier: Sequence[ElementBlock]
 ) -> list[ElementBlock]:
-    """Elements of *ELGEN: a master, then up to three times a count and steps of its nodes and of its id."""
+    """Elements of *ELGEN: a line has a master, then up to three triples of count, node step and id step."""
     found = list[ElementBlock]()
     for line, text in placed.block.data:
         words = fields(text)

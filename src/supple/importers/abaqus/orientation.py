@@ -25,7 +25,7 @@ IntArray = NDArray[np.int64]
 class Orientation:
     """system : R, C, S or Z;  a, b, c : (3,) points;  axis (1 to 3), angle : rotation about a local axis
 
-    distributed : element numbers with their own orientation (*DISTRIBUTION); the last one is used
+    distributed : element numbers with their own orientation (*DISTRIBUTION); later ones override earlier ones
     """
 
     system: str
@@ -88,7 +88,7 @@ def cylindrical_axes(a: FloatArray, b: FloatArray, places: FloatArray) -> FloatA
 
 
 def read_orientations(model: AbaqusModel) -> Mapping[tuple[int, str], Orientation]:
-    """Orientations by scope and name in upper case; those by nodes or distributed fields are left out.
+    """Orientations by scope and name in upper case; those by nodes or with distributed angles are left out.
 
     Raises
     ------

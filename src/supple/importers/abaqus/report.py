@@ -27,7 +27,7 @@ class Report:
         self._notes: dict[str, None] = {}
 
     def leave_out(self, card: str, line: int, meaning: str, count: int = 1) -> None:
-        """Record data that would change the body but are not read; `line` counts in the keyword file."""
+        """Record data that would change the body but are not read; `line` is an index of `file.lines`."""
         entry = self._left_out.setdefault((card, meaning), [0, self.file.lines[line][1]])
         entry[0] += count
 

@@ -50,7 +50,7 @@ class SectionOfShells:
     def properties(
         self, key: str, cells: IntArray, kind: ElementType
     ) -> Iterator[tuple[str, ShellProperty | WallProperty, IntArray]]:
-        """Name, property and mask of its cells (C, 3), one for each mean thickness of their nodes.
+        """Name, property and indices of its cells (C, 3), once for each mean thickness of their nodes.
 
         kind : of the elements: membranes have no bending stiffness, and some shells are rigid in shear
         """

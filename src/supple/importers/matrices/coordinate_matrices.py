@@ -131,7 +131,7 @@ def _table(path: Path, width: int, form: str, delimiter: str | None) -> tuple[Fl
 
 
 def _words(text: str, delimiter: str | None) -> list[str]:
-    """Words between a delimiter; None: between commas and blanks."""
+    """Words separated by a delimiter; None: by commas and blanks."""
     return text.replace(",", " ").split() if delimiter is None else [w.strip() for w in text.split(delimiter)]
 
 

@@ -28,7 +28,7 @@ SYMMETRY = 1e-9
 
 
 class MatrixRole(Enum):
-    """Role of a matrix: its name in messages and HDF5 files, and the first letter of its name in others."""
+    """Role of a matrix: its name in messages and HDF5 files; in other files, the first letter of its name."""
 
     STIFFNESS = ("stiffness", "K")
     MASS = ("mass", "M")

@@ -26,7 +26,7 @@ NODE_SUFFIXES = (".inp", *NASTRAN_SUFFIXES, *HDF5_SUFFIXES)
 
 
 def read_nodes(path: str | Path) -> NodeTable:
-    """Labelled nodes of an Abaqus or CalculiX (.inp), Nastran (.bdf ..) or HDF5 file, with any elements.
+    """Labelled nodes of an Abaqus or CalculiX (.inp), Nastran (.bdf ..) or HDF5 file; elements are ignored.
 
     Raises
     ------

@@ -18,7 +18,7 @@ __all__ = ["read_matrix"]
 FloatArray = NDArray[np.float64]
 
 MOST_EMPTY = 100_000
-"""Largest number of rows or columns of a sparse matrix in excess of its entries."""
+"""Largest excess of the rows or columns of a sparse matrix over its entries."""
 
 _FORM = "write the complete matrix again, as coordinate real"
 
@@ -40,7 +40,7 @@ class _Header:
     entries: int
 
     def error(self, message: str, line: int | None = None) -> ImportFormatError:
-        """The error for a mistake at a line, or at that of the size."""
+        """The error for a mistake at a line; by default, at the line with the size."""
         return ImportFormatError(
             f"{self.path}: line {self.line if line is None else line}: not readable as Matrix Market: "
             f"{message}; {_FORM}"

@@ -356,7 +356,7 @@ def read_shells(
 _PLAIN = WallOptions()
 
 FLAT = 1e-12
-"""Smallest difference of areas, relative to a quadrilateral's, that counts as warp."""
+"""Smallest difference of areas, relative to the area of a quadrilateral, that counts as warp."""
 
 
 def _wall_options(card: BulkCard, shell: _Shell, added: float) -> WallOptions | None:

@@ -251,7 +251,7 @@ def _deck(reading: DeckReading) -> Deck:
 def _with_rotations(
     reading: DeckReading, elements: list[DeckElements], matrices: list[NodalMatrix]
 ) -> NDArray[np.bool_]:
-    """Grids (N,) whose rotations elements, springs, masses, matrices, constraints or ties act on."""
+    """Whether elements, springs, masses, matrices, constraints or ties act on a grid's rotations, (N,)."""
     nodes = [each.nodes.ravel() for each in elements if each.kind.dimension < 3]
     collected = (reading.springs, reading.dashpots, reading.inertias, reading.constraints)
     freedoms = [np.array(rows.freedoms, dtype=np.int64) for rows in collected]

@@ -49,7 +49,7 @@ class FreedomSums:
         self.dependent.append(dependent if dependent in kept else -1)
 
     def terms(self, n_nodes: int, *, constraints: bool = False) -> tuple[ScalarTerms, ...]:
-        """The rows as one object, or no object without rows."""
+        """The rows as one object; empty without rows."""
         if not self.counts:
             return ()
         rows = np.repeat(np.arange(len(self.counts)), self.counts)
@@ -106,7 +106,7 @@ class DeckReading:
         return left_out_by_card(self._left)
 
     def chosen_sets(self, command: str, adder: str, sets: set[int]) -> set[int]:
-        """Sets selected by case control, also by SPCADD; without case control, a set that is the only one."""
+        """Sets that case control selects, also by `adder` (SPCADD); without case control, a single set."""
         number = self.case.number(command)
         if number is None:
             if self.case.present or len(sets) != 1:

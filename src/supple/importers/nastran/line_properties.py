@@ -30,7 +30,7 @@ _STATIONS = {"YES": 2, "YESA": 1, "NO": 1}
 
 
 def read_beam(card: BulkCard, materials: Materials, reading: DeckReading, added: float) -> BeamProperty | str:
-    """The section of a beam's property with non-structural mass `added`, kg/m; else why it is absent."""
+    """A beam's section with non-structural mass `added`, kg/m; else the reason for its absence."""
     material = materials.isotropic(card.integer(1, "the material id"))
     return material if isinstance(material, str) else _BEAMS[card.name](card, material, reading, added)
 

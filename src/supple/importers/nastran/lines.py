@@ -36,7 +36,7 @@ ROD_CARDS = ("CROD", "CTUBE", "CONROD")
 _DEFAULTS = {"CBAR": "BAROR", "CBEAM": "BEAMOR"}
 
 PIECES_OF_A_RIGHT_ANGLE = 16
-"""Number of straight pieces of a curved beam in a right angle; the deflection converges with its square."""
+"""Number of straight pieces of a curved beam in a right angle; the error falls with its square."""
 
 
 @dataclass(eq=False)

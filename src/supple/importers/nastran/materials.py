@@ -22,7 +22,7 @@ MATERIAL_CARDS = ("MAT1", "MAT2", "MAT8", "MAT9", "MAT11")
 _ORDER = [0, 1, 2, 4, 5, 3]
 
 LARGEST_INCONSISTENCY = 0.01
-"""Relative difference of G from E and nu above which Nastran warns and uses G for shear."""
+"""Relative difference of G and E / (2 (1 + nu)) above which Nastran warns and uses G for shear."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ class Materials:
         return found
 
     def _continuum(self, number: int) -> IsotropicMaterial | str:
-        """The MAT1 of a wall or solid, with Poisson's ratio also if E and G are given."""
+        """The MAT1 of a wall or solid; records that Poisson's ratio is 0 if that of E and G is impossible."""
         found = self.isotropic(number)
         if number in self._of_lines:
             meaning = "E and G give an impossible Poisson's ratio for a wall or solid: 0 is used"

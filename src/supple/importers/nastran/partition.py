@@ -79,7 +79,7 @@ def _ids(card: BulkCard) -> IntArray:
 
 
 def _owners(interior: IntArray, nodes: IntArray) -> IntArray:
-    """The superelement of each of some groups of nodes (C, k): the lowest number above 0 among them, or 0."""
+    """The superelement of each group of nodes (C, k): the lowest number above 0 in the group, or 0."""
     own = interior[nodes]
     far = np.iinfo(np.int64).max
     lowest = np.where(own > 0, own, far).min(axis=1)

@@ -155,7 +155,7 @@ def _bush(card: BulkCard, known: BulkCard, reading: DeckReading) -> None:
 
 
 def _bush_values(known: BulkCard) -> dict[str, list[float]]:
-    """PBUSH: groups K, B, GE, RCV, M .. each with its values, a row each."""
+    """PBUSH: six values of each group K, B, M; RIGID is a key if a group has rigid directions."""
     found: dict[str, list[float]] = {}
     for start in range(0, len(known.fields), 8):
         kind = known.word(start + 1)

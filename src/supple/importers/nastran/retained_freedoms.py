@@ -1,6 +1,6 @@
 """The analysis set of a Nastran file: physical freedoms (ASET, BSET, CSET), modal coordinates (QSET, SPOINT).
 
-A scalar point has the component 0. Rows of matrices follow the ids, grids and scalar points alike.
+A scalar point has component 0. Matrix rows are in the order of ids, grids and scalar points together.
 """
 
 from __future__ import annotations

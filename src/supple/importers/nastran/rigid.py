@@ -55,7 +55,7 @@ def read_ties(reading: DeckReading, turning: NDArray[np.bool_]) -> tuple[list[Ri
 
 
 def turned_by_ties(reading: DeckReading) -> NDArray[np.bool_]:
-    """Grids (N,) with rotations that a tie uses; rotations of averaged grids are not used."""
+    """Whether a tie uses the rotations of a grid (N,); a mean does not use those of its averaged grids."""
     found = np.zeros(len(reading.grids.ids), dtype=bool)
 
     def mark(ids: list[int]) -> None:

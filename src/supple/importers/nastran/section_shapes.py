@@ -45,7 +45,7 @@ class SectionShape:
 def _built(
     boxes: list[Wall], J: float, shear_centre: tuple[float | None, float | None] = (None, None)
 ) -> SectionValues | None:
-    """Values of rectangles that do not overlap; shear centre in the axes of the boxes.
+    """Values of rectangles that do not overlap; `shear_centre` is in the axes of the rectangles.
 
     Vertical walls carry shear along y, horizontal ones along z: K is their share of the area. Walls
     without a shear stress by torsion have that of open sections, thickness / J.
@@ -162,7 +162,7 @@ def _chan1(flange: float, web: float, inner: float, height: float) -> SectionVal
 
 
 def _chan2(leg: float, base: float, height: float, width: float) -> SectionValues | None:
-    """The channel that opens upwards: that of the web on the left, rotated by a right angle."""
+    """The channel that opens upwards: CHAN rotated by a right angle."""
     lying = _chan(height, width, base, leg)
     return None if lying is None else _rotated(lying)
 

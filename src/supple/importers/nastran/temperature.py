@@ -14,7 +14,7 @@ __all__ = ["at_temperature"]
 _MATERIALS = ("MATT1", "MATT2", "MATT3", "MATT8", "MATT9", "MATT11")
 _FIELDS = ("TEMP", "TEMPP1", "TEMPP3", "TEMPRB", "TEMPF", "TEMPG")
 _OF_STIFFNESS_AND_MASS = range(1, 5)
-"""Fields of E, G, NU and RHO: of a MAT1 the values, of a MATT1 the tables."""
+"""Fields of E, G, NU and RHO: a MAT1 has values there, a MATT1 tables."""
 
 
 def at_temperature(reading: DeckReading, cards: Mapping[int, BulkCard]) -> dict[int, BulkCard]:

@@ -21,7 +21,7 @@ WALL_CARDS = ("PSHELL", "PCOMP", "PCOMPG")
 class WallOptions:
     """Wall data of an element.
 
-    thicknesses : T1 .. T4, None if blank; their mean is used;  relative : as factors on the property's
+    thicknesses : T1 .. T4, None if blank; their mean is used;  relative : whether they are factors on T
     offset : ZOFFS, m;  added_mass : of NSM cards, kg/m^2, without PARAM,WTMASS
     """
 
@@ -34,7 +34,7 @@ class WallOptions:
 def read_wall(
     card: BulkCard, materials: Materials, reading: DeckReading, options: WallOptions
 ) -> ShellProperty | WallProperty | str:
-    """The wall of a property card with the options of an element; else why it is absent."""
+    """The wall of a property card with the options of an element; else the reason for its absence."""
     if card.name == "PSHELL":
         return _pshell(card, materials, reading, options)
     return _pcomp(card, materials, reading, options)

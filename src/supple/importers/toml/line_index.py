@@ -131,7 +131,7 @@ class _Scanner:
         return (*array, position)
 
     def _inside_arrays(self, key: KeyPath) -> KeyPath:
-        """Header `[a.b]` read inside the last items of the arrays of tables that it passes through."""
+        """Path of a header `[a.b]`, with the last item of each array of tables that it passes through."""
         path: KeyPath = ()
         for part in key:
             path = (*path, part)

@@ -35,7 +35,7 @@ def checked(
         return root.model_validate(raw), mistakes
     except ValidationError as error:
         errors = error.errors(include_url=False)
-        # Only the renamed key: other mistakes follow from it.
+        # Where a key was renamed, only this is reported: other mistakes follow from it.
         renamed = list(_renamed(root, errors))
         return None, renamed or [*(_schema_mistake(root, each) for each in errors), *mistakes]
 
@@ -144,7 +144,7 @@ def _follow(root: _Schema, location: tuple[int | str, ...]) -> tuple[KeyPath, _S
 
 
 def _resolve(root: _Schema, schema: _Schema) -> _Schema:
-    """The schema behind references and behind 'or nothing', keeping the description of the key itself."""
+    """The schema behind references and optional values, with the description of the key itself."""
     while "$ref" in schema or "anyOf" in schema:
         if "$ref" in schema:
             target = root["$defs"][schema["$ref"].rsplit("/", 1)[-1]]

@@ -12,7 +12,7 @@ PIECES = 100
 
 
 def fine_grid(grid: FloatArray) -> FloatArray:
-    """The grid (n,), ascending, with points added so that no step exceeds a hundredth of its length."""
+    """The grid (n,), ascending, with points added so that no step exceeds 1 % of the whole length."""
     parts = np.ceil(np.diff(grid) / (grid[-1] - grid[0]) * PIECES - 1e-9).astype(int)
     steps = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(grid[:-1], grid[1:], parts, strict=True)]
     return np.append(np.concatenate(steps), grid[-1])
