@@ -76,7 +76,7 @@ def run_case(
     folder : created if missing; no other process may write to it meanwhile
     resume : continue the result file of an interrupted run, instead of starting a new one
     force : replace existing results; otherwise finished or interrupted runs there are an error
-    strict : a motion beyond the limits of a body's kinematics is an error
+    strict : warnings of start, steps and validity are errors
     errors : estimate the error of the run, with two extra runs unless the case sets otherwise. If false, an
         accuracy limits the error of the basis only. Errors of explicit runs are not estimated.
     allow_code : run the Python file of `control`, if the case has one

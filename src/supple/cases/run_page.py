@@ -29,7 +29,7 @@ def page_looks(case: Case) -> Mapping[str, Mesh | FiniteElementModel]:
 
 
 def coloured_elements(case: Case, system: System) -> Mapping[str, FiniteElementModel] | None:
-    """Elements whose stress colours the bodies, if the case selects it or a body has no deflection."""
+    """Elements whose stress colours the bodies, if the case selects stress or a body has no deflection."""
     framed = all(placed.body.has_frame for placed in system.bodies)
     return case.elements if case.tables.output.colour == "von-mises" or not framed else None
 
