@@ -33,7 +33,7 @@ _MOST = 100
 _KEPT = 1e-7
 """Weight of the initial values, relative to the largest singular value of the scaled Jacobian."""
 _NEAR = 1e-3
-"""Smallest notable step relative to the sizes of parameters, and gain relative to the sum of squares."""
+"""Smallest notable step, relative to the parameter sizes, and gain, relative to the sum of squares."""
 
 
 @checked_arguments
@@ -143,7 +143,7 @@ def _bounds(start: Mapping[str, float], bounds: Mapping[str, tuple[float, float]
 
 @dataclass
 class _Fit:
-    """Residuals in deviations and their Jacobian, as functions of the parameters (p,)."""
+    """Residuals divided by deviations, and their Jacobian, as functions of the parameters (p,)."""
 
     build: Build
     run: Run

@@ -7,7 +7,7 @@ import hashlib
 __all__ = ["file_name"]
 
 LONGEST = 150
-"""Bytes; a file system allows 255, the rest is for suffixes and temporary files."""
+"""Bytes; file systems allow 255, which leaves room for suffixes and temporary files."""
 
 # Separators of folders, and characters with a special meaning on some operating system.
 _QUOTED = frozenset('%/\\:*?"<>|')

@@ -152,7 +152,7 @@ def holds_reduced_body(path: Path | str) -> bool:
 def _open(path: Path, parts: Collection[str] | None = None) -> Iterator[h5py.File]:
     """The file, or some of its parts, after a check of its format and version.
 
-    ResultFileError otherwise, and for damage found while it is open.
+    ResultFileError for another format or version, and for damage found while the file is open.
     """
     with file_errors("read", path):
         if not path.is_file():

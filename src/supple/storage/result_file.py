@@ -188,7 +188,7 @@ class ResultFile:
         self._last_time = float(chunk.times[-1])
 
     def solution(self) -> Solution:
-        """The run as written so far, read from the open file and checked against its seals.
+        """The written part of the run, read from the open file and checked against its seals.
 
         Raises
         ------
