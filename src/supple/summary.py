@@ -71,7 +71,7 @@ class Summarized:
 
 
 def listed(names: Iterable[str]) -> str:
-    """Names separated by commas; of more than `N_LISTED` the first ones and the count."""
+    """Names separated by commas; if more than `N_LISTED`, the first ones and the count."""
     every = list(names)
     more = f", ... ({len(every)} in all)" if len(every) > N_LISTED else ""
     return (", ".join(every[:N_LISTED]) or "none") + more

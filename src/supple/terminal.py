@@ -115,8 +115,8 @@ def progress_bars(on: Console | None = None, *, transient: bool = False) -> Prog
 
 
 def plain(text: str) -> str:
-    """The text with control characters and undecodable bytes escaped; it may contain brackets, so print it
-    as `words`."""
+    """The text with control characters and undecodable bytes escaped; print the result by `words`, because
+    it may contain brackets."""
     return "".join(
         sign if sign.isprintable() or sign == "\n" else sign.encode("unicode_escape").decode("ascii")
         for sign in text

@@ -83,7 +83,7 @@ def run_case(
 
     Raises
     ------
-    SelfCorrectionError     an error that was not reached: its value, and the file of the best round
+    SelfCorrectionError     a target error that was not reached; the message names the file of the best round
     CaseError               --resume and --force at once; a file that changed while the case was read; a
                             controller without `allow_code`, or in a case that corrects itself
     ResultFileError         a result that would be lost; a result file that cannot be written or continued, or

@@ -24,7 +24,7 @@ def page_path(folder: Path) -> Path:
 
 
 def page_looks(case: Case) -> Mapping[str, Mesh | FiniteElementModel]:
-    """Geometry of the bodies in the report, as in pictures, but beams of unknown section are lines."""
+    """Geometry of the bodies in the report, as in pictures, but with lines for beams of unknown section."""
     return {**case.meshes, **{name: look for name, look in case.drawn.items() if look is not None}}
 
 

@@ -56,7 +56,7 @@ class _AtPlace:
 
 
 class PositionSensor(_AtPlace):
-    """Position of a place in space, (t, 3); as a quantity of interest, of each of its nodes."""
+    """Position of a place in space, (t, 3); as a quantity of interest, positions of its nodes."""
 
     quantity = QuantityKind.LENGTH
 

@@ -74,8 +74,8 @@ def tensor_blocks(
 ) -> Iterator[TensorBlock]:
     """A tensor at N nodes over t times, in blocks that fit in memory.
 
-    The tensor has l layers (`StressLayers`). Every pair of a time and a node is in one block. Errors are
-    those of `von_mises_history`.
+    The tensor has l layers (`StressLayers`). Every pair of a time and a node is in exactly one block. Errors
+    are those of `von_mises_history`.
     """
     if not _has_modes(body):
         yield from _recovered(body, tensor.recovery(model), coordinates, nodes)

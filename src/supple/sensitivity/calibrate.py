@@ -151,7 +151,7 @@ class _Fit:
     measurements: tuple[Measurement, ...]
     sizes: Mapping[str, float]
     given: frozenset[str]
-    """Names of parameters with a given size; the sizes of others follow their values"""
+    """Names of parameters with a given size; the sizes of all other parameters follow their values"""
     runs: int = field(default=0)
     broken: str = ""
     """Cause of the last failed run"""

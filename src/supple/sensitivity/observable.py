@@ -83,7 +83,7 @@ def observables_of(observables: Observables, system: System) -> dict[str, Any]:
 
 
 def reads_elements(observable: Any) -> bool:
-    """Whether it uses finite elements, whose material determines its stress."""
+    """Whether an observable uses finite elements, whose material determines the stress."""
     return _holds(observable, (FiniteElementModel,))
 
 

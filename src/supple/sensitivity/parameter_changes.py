@@ -35,7 +35,7 @@ Build = Callable[[Mapping[str, float]], System]
 """The machine for parameter values by name"""
 
 _STEP = 3e-3
-"""Relative to a parameter's size: truncation and rounding errors are then below 1e-11 of a derivative."""
+"""Step, relative to a parameter's size, with truncation and rounding errors below 1e-11 of a derivative."""
 _COMPILED = {"rigid", "reduced"}
 """Kinds of bodies in compiled runs."""
 

@@ -1,4 +1,4 @@
-"""File names made from names of bodies: every name is allowed, and its file stays in its folder."""
+"""File names made from names of bodies: any name is allowed, and the file stays in its folder."""
 
 from __future__ import annotations
 
