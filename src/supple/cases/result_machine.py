@@ -63,7 +63,7 @@ def result_machine(path: Path, case_file: Path | None = None, notify: Notify = s
     Raises
     ------
     ResultFileError     no result; a run without a case file; missing reduced bodies; a case or files that
-                        have changed since the run, except for sensors
+                        have changed since the run, except for sensors, parameters and error
     errors of `read_case` and of building its machine
     """
     header = read_header(path)

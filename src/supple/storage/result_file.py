@@ -164,7 +164,7 @@ class ResultFile:
         return self._header
 
     def append(self, chunk: Solution) -> None:
-        """Write the next output times of the run; on return they are safely on disk.
+        """Write the next output times of the run; on return they survive a kill of this process.
 
         Raises
         ------
