@@ -17,7 +17,7 @@ __all__ = ["moved", "small_step"]
 _SMALL = 1e-3
 """Displacement of the motion: rad, or relative to the machine's length or a body's deformation."""
 _UNDEFORMED = 1e-8
-"""Least deformation, relative to the machine's length, as reference of its change."""
+"""Least reference value of a deformation, relative to the machine's length."""
 
 
 def moved(states: State, change: StateChange, parameter: int, step: float) -> State:
