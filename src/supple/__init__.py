@@ -2,7 +2,7 @@
 
     import supple as sp
 
-contains what most scripts need, in the order of the workflow:
+provides the names that most scripts need, in the order of the workflow:
 
     mesh -> model -> body -> reduction -> machine -> run -> correction -> results -> files -> pictures
 

@@ -1,7 +1,7 @@
 """Checks of the arguments of functions and constructors.
 
-A failed check raises ArgumentError, `check_ranges` ModelError. The message contains location, expectation and
-given value. JAX tracers pass as numbers.
+A failed check raises ArgumentError; `check_ranges` raises ModelError. The message contains location,
+expectation and given value. JAX tracers pass as numbers.
 """
 
 from __future__ import annotations
@@ -194,7 +194,7 @@ def _test_of(hint: Any) -> tuple[Callable[[Any], bool], str] | None:
     if hint in _PLAIN or origin in _GENERIC:
         return _PLAIN.get(hint) or _GENERIC[origin]
     if origin is tuple and set(get_args(hint)) == {float}:
-        return _passes(check_numbers), f"{len(get_args(hint))} numbers"  # the class checks how many
+        return _passes(check_numbers), f"{len(get_args(hint))} numbers"  # the class checks their number
     if hint is Any or not isinstance(hint, type):
         return None
     called = f"an object of the kind {hint.__name__}"

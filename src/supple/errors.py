@@ -110,7 +110,7 @@ class StartWarning(SuppleWarning):
 
 
 class ResolutionWarning(SuppleWarning):
-    """Time steps, or output times, too far apart for the loads, the prescribed motions or the motion."""
+    """Time steps, or output times, too far apart for the loads, the prescribed motions or the response."""
 
 
 class IdentifiabilityWarning(SuppleWarning):

@@ -15,7 +15,7 @@ _alone: ContextVar[bool] = ContextVar("alone", default=False)
 
 @contextmanager
 def one_core() -> Iterator[None]:
-    """Context in which `available_cores` returns 1: parallel work uses the other cores."""
+    """Context in which `available_cores` returns 1, because parallel processes use the other cores."""
     token = _alone.set(True)
     try:
         yield

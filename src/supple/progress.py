@@ -86,7 +86,7 @@ def with_progress_bar(
 
 @contextmanager
 def progress_bar(title: str) -> Iterator[Share | None]:
-    """Context with a bar; yields its reporter, or None if no bar is shown, as inside work with a bar."""
+    """Context with a bar; yields its reporter, or None without a bar, as inside work that has one."""
     if not (_switch["on"] and _outermost.get() and _is_watched()):
         yield None
         return

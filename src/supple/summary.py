@@ -29,7 +29,7 @@ class Summary:
 
     @property
     def shown(self) -> tuple[Row, ...]:
-        """The rows that fit in `N_LINES`; the last one counts the others."""
+        """The rows that fit in `N_LINES`; the last one states how many are left out."""
         most = N_LINES - 1
         if len(self.rows) <= most:
             return tuple(self.rows)
@@ -51,7 +51,7 @@ class Summary:
 
 
 class Summarized:
-    """Base of objects with a `summary`: `print` shows ten lines of it, a notebook a table, a list one line.
+    """Base of objects with a `summary`: `print` shows ten lines, a notebook a table, `repr` the title.
 
     A dataclass of this kind needs `repr=False`.
     """
@@ -71,7 +71,7 @@ class Summarized:
 
 
 def listed(names: Iterable[str]) -> str:
-    """Names separated by commas; of more than `N_LISTED` the first ones and the count."""
+    """Names separated by commas; if more than `N_LISTED`, the first ones and the count."""
     every = list(names)
     more = f", ... ({len(every)} in all)" if len(every) > N_LISTED else ""
     return (", ".join(every[:N_LISTED]) or "none") + more

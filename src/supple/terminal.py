@@ -115,8 +115,8 @@ def progress_bars(on: Console | None = None, *, transient: bool = False) -> Prog
 
 
 def plain(text: str) -> str:
-    """The text with control characters and undecodable bytes escaped; it may contain brackets, so print it
-    as `words`."""
+    """The text with control characters and undecodable bytes escaped; print the result by `words`, because
+    it may contain brackets."""
     return "".join(
         sign if sign.isprintable() or sign == "\n" else sign.encode("unicode_escape").decode("ascii")
         for sign in text
@@ -200,8 +200,8 @@ def print_rows(title: str, rows: Iterable[tuple[str, str]]) -> None:
 def reported_errors(*, debug: bool) -> Iterator[None]:
     """Print log records; print an error as a message and exit. With `debug` the error is raised.
 
-    Errors raised by supple or by the system are mistakes of the input (exit code `MISTAKE`). All others are
-    faults of supple (`FAULT`), and the message states this.
+    Errors raised by supple or by the system are mistakes of the input (exit code `MISTAKE`). All other
+    errors are faults of supple (`FAULT`), and the message states this.
     """
     try:
         with shown_log():

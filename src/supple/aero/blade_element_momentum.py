@@ -124,7 +124,7 @@ class _Sections:
     polars: BlendedPolars
 
     def chord(self) -> FloatArray:
-        """At all radii, m."""
+        """Chord at all radii, m."""
         return np.interp(self.radius, self.rotor.radius, self.rotor.chord)
 
     def angle_of_attack(self, phi: FloatArray, place: NDArray[np.int64]) -> FloatArray:

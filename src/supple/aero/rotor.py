@@ -24,7 +24,7 @@ class Rotor:
     ----------
     radius : float array (n,)    m from the rotor axis, increasing, n >= 2; the tip is the last
     chord : float array (n,)     m, above zero
-    twist : float array (n,)     rad, positive turns the nose into the wind
+    twist : float array (n,)     rad, positive rotates the nose into the wind
     polars : Polar (n,)
     n_blades : int
     Raises

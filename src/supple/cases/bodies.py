@@ -172,7 +172,7 @@ class Body(CheckedTable):
 
         Raises
         ------
-        ModelError   a model that fails its check: all findings
+        ModelError   a model that fails its check; the message lists all findings
         """
         try:
             connections = source.connections()

@@ -47,7 +47,7 @@ class Case:
     tables : CaseTables     checked content of the file
     lines : LineIndex       line of each table
     notify                  called at each long step of the build, with its progress
-    made : Mapping          existing bodies, by name: those of a sweep are reduced once
+    made : Mapping          existing bodies, by name: a sweep reduces each body once
     """
 
     path: Path
@@ -118,11 +118,11 @@ class Case:
 
     @cached_property
     def _whole(self) -> Mapping[str, BodySource]:
-        """The source of each elastic body, with split bodies as a whole.
+        """The source of each elastic body, before any is split.
 
         Raises
         ------
-        CaseError   node sets of interfaces, loads or output that no mesh has: all, with their lines
+        CaseError   missing node sets of interfaces, loads or output: all, with their lines
         """
         self.notify("reading meshes")
         sources = {
@@ -165,7 +165,7 @@ class Case:
 
     @cached_property
     def _unsplit(self) -> Mapping[str, FlexibleBody]:
-        """The split bodies, as a whole."""
+        """The bodies to be split, undivided."""
         return {
             body.name: body.flexible(self._whole[body.name])
             for body in self.tables.body
@@ -178,7 +178,7 @@ class Case:
 
         Raises
         ------
-        CaseError   node sets of interfaces, loads or output that no mesh has: all, with their lines
+        CaseError   missing node sets of interfaces, loads or output: all, with their lines
         """
         parts = {name: source for split in self._split.values() for name, source in split.parts.items()}
         return {name: made for name, made in self._whole.items() if name not in self._split} | parts
@@ -200,7 +200,7 @@ class Case:
         Raises
         ------
         CaseError    as for `sources`
-        SuppleError  a model that fails its check: all findings
+        SuppleError  a model that fails its check; the message lists all findings
         """
         flexible = {}
         for table in self.parts.body:
@@ -231,7 +231,7 @@ class Case:
 
         Raises
         ------
-        CaseError    as for `sources`; stress to draw for elements without stress
+        CaseError    as for `sources`; colours by stress for elements without stress
         SuppleError  errors of meshes, bodies, reductions and joints
         """
         tables = self.parts
@@ -350,7 +350,7 @@ class Case:
 
     @cached_property
     def held_modes(self) -> Mapping[str, BodyModes]:
-        """Modes of the bodies before reduction, clamped at the first interface, or in the frame."""
+        """Modes of the bodies before reduction, clamped at the first interface, or else in the frame."""
         found = {}
         for name, full in self.fulls.items():
             held = full.interfaces[0].motion if full.interfaces else full.frame.constraint(full.body)
@@ -403,7 +403,7 @@ class Case:
 
 
 _OF_MESHES = ("_whole", "_split", "_unsplit", "sources", "meshes", "elements")
-"""Parts read or built once from the meshes, independent of other numbers."""
+"""Cached properties that depend on the meshes, not on other numbers of the case."""
 
 
 def _missing(name: str, mesh: Mesh | None) -> str:

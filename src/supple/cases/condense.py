@@ -1,4 +1,4 @@
-"""A slender elastic body in intrinsic modes: for any rotation, instead of a floating-frame reduction."""
+"""A slender elastic body in intrinsic modes, for rotations of any size, without a floating frame."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class StartState(CheckedTable):
-    """A time of an earlier run at which this one begins."""
+    """A time of an earlier run at which this run begins."""
 
     file: FileName = Field(description="result file of the earlier run")
     time: float = Field(description="output time of the earlier run at which this run starts, a time")

@@ -24,7 +24,7 @@ from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, 
 from supple.reduction import ReducedBody, clamped_modes
 
 LARGEST_MISS = 0.1
-"""Largest relative deviation of the ratio of a clamped mode without a warning."""
+"""Largest relative deviation of a clamped mode's damping ratio that causes no warning."""
 
 HELD = "interface relative to which mass damping acts, in any frame; default: the body's frame"
 

@@ -1,4 +1,4 @@
-"""The force elements of a case between two interfaces, besides springs and joints."""
+"""The force elements of a case between two interfaces, other than springs."""
 
 from __future__ import annotations
 

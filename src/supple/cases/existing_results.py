@@ -14,7 +14,7 @@ __all__ = ["readings_paths", "refuse_overwrite", "report_path", "result_path", "
 
 
 def result_path(case: Path, folder: Path) -> Path:
-    """The result file, in a folder, of the case in a case file."""
+    """The result file of a case file in a folder."""
     return folder / f"{case.stem}.h5"
 
 

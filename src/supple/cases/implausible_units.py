@@ -1,4 +1,4 @@
-"""Warnings of numbers of a case that are implausible in its units, or in any.
+"""Warnings of numbers of a case that are implausible in its units, or in any units.
 
 A model in mixed units runs without an error. So every run checks densities, moduli, sizes, gravity, wave
 speeds and first frequencies.

@@ -50,7 +50,7 @@ def _interfaces_suit_their_body(path: KeyPath, body: Raw) -> Mistakes:
     kind = kind_of(body)
     if "reduced" in body:  # its file has the interfaces
         return
-    if kind is SectionTableFile and "condense" in body:  # whose stations have their own rules
+    if kind is SectionTableFile and "condense" in body:  # its stations have their own rules
         return
     for place, interface in tables(body, "interface", path):
         sources = [key for key in ("nodes", "node_indices", "connection") if key in interface]

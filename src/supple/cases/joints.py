@@ -34,7 +34,7 @@ _RENAMED = {"first_axis": "axis", "angle": "law", "displacement": "law"}
 
 
 def _needed(kind: str) -> dict[str, str]:
-    """The keys that a kind needs besides its ends, by their names in its class."""
+    """The keys that a kind of joint needs besides its ends, by the fields of its class."""
     own = (each.name for each in fields(_KINDS[kind]) if each.name not in ("first", "second", "name"))
     return {name: _RENAMED.get(name, name) for name in own}
 

@@ -48,9 +48,9 @@ class MachineFile(CheckedTable):
 def with_machine(raw: Raw, folder: Path) -> tuple[Raw, list[Mistake]]:
     """The raw case with the tables of its machine file added, and the mistakes in them.
 
-    A body of the case with the name of a body in the file replaces it: it takes the position of that body,
-    and its interfaces take the positions of the joints of the same name. A body without a kind adds its keys
-    to the rigid body.
+    A body of the case replaces the body of the same name in the file, at the position of that body; its
+    interfaces take the positions of the joints of the same name. A body without a kind adds its keys to the
+    rigid body.
     """
     given = raw.get("machine")
     name = given.get("mujoco") if isinstance(given, Mapping) else None

@@ -230,7 +230,7 @@ def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes:
 
 
 def _known(errors: np.ndarray | None) -> list[list[float | None]] | None:
-    """Numbers over speed; None if unknown."""
+    """Numbers over speed as lists; None where unknown."""
     if errors is None:
         return None
     return [[float(each) if np.isfinite(each) else None for each in row] for row in errors]

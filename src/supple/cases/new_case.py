@@ -20,7 +20,7 @@ __all__ = ["write_new_case"]
 def write_new_case(mesh_file: Path, path: Path) -> None:
     """Write a case of one body to `path`: clamped at the first node set of its mesh, loaded by gravity.
 
-    Material, thickness and units are guesses, each marked as such. A deck with properties provides them.
+    Guesses of material, thickness and units are marked. A deck with properties provides all but the units.
 
     Raises
     ------

@@ -14,4 +14,4 @@ class Notify(Protocol):
 
 
 def silent(*_: Any) -> None:
-    """No report."""
+    """Report nothing."""

@@ -19,7 +19,7 @@ def parameter_path(text: str, raw: Raw) -> KeyPath:
     """The keys and positions (from 0) of a path in the tables of a case.
 
     Items of an array are given by their position, `load[0]`, or by their name, `body.blade`; joints without
-    a name by their label. The last key may be missing: it has a default.
+    a name by their label. The last key may be absent, if it has a default.
 
     Raises
     ------

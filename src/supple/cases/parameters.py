@@ -1,4 +1,4 @@
-"""Named numbers of a case that an exported machine may change."""
+"""Named numbers of a case that can be changed in an exported machine."""
 
 from __future__ import annotations
 

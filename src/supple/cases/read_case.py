@@ -84,7 +84,7 @@ def checked_file(
     """The text of a case file, its tables, and their lines.
 
     root : the table of the whole file
-    completed : function from the raw TOML tables to those for the schema, with the mistakes found by rules
+    completed : function that returns the raw tables, completed for the schema, and the mistakes in them
 
     Raises
     ------

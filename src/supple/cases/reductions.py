@@ -284,7 +284,7 @@ def _selections_have_candidates(path: KeyPath, body: Raw) -> Mistakes:
 
 
 def _sizes_are_fixed_or_corrected(path: KeyPath, body: Raw) -> Mistakes:
-    """The rule that a reduction has a fixed size, or corrects itself with a damping for full bodies."""
+    """The rule that a reduction has a fixed size, or corrects itself with damping that full bodies allow."""
     given = table(body, "reduction")
     if not is_elastic(body) or "condense" in body or given.get("basis") in ("none", "error-controlled"):
         return  # of fixed size

@@ -58,12 +58,12 @@ def path_from(folder: Path, path: Path) -> str:
 def result_machine(path: Path, case_file: Path | None = None, notify: Notify = silent) -> ResultMachine:
     """The machine of a result file written by `supple run`; nothing is written.
 
-    case_file : present path of its case file; by default the path of the run, relative to the result
+    case_file : present path of its case file; by default the path stored in the result
 
     Raises
     ------
     ResultFileError     no result; a run without a case file; missing reduced bodies; a case or files that
-                        have changed since the run, except for sensors
+                        have changed since the run, except for sensors, parameters and error
     errors of `read_case` and of building its machine
     """
     header = read_header(path)

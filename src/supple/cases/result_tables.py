@@ -15,8 +15,8 @@ def recorded_quantities(case: Case, system: System) -> tuple[Quantity, ...]:
     """All quantities of a table, with unique names.
 
     Sensors have their own names; then `joint NAME`, `position BODY.PLACE`, `deflection BODY.PLACE` for
-    tracked places of deformable bodies, and `energy`. A sensor with such a name replaces the default
-    quantity.
+    tracked places of deformable bodies with a frame, and `energy`. A sensor with such a name replaces the
+    default quantity.
     """
     sensors = {sensor.name: sensor for sensor in case.sensors}
     others: list[Quantity] = [JointForceSensor(f"joint {joint.name}", joint.name) for joint in system.joints]

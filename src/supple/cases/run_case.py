@@ -76,14 +76,14 @@ def run_case(
     folder : created if missing; no other process may write to it meanwhile
     resume : continue the result file of an interrupted run, instead of starting a new one
     force : replace existing results; otherwise finished or interrupted runs there are an error
-    strict : a motion beyond the limits of a body's kinematics is an error
+    strict : warnings of start, steps and validity are errors
     errors : estimate the error of the run, with two extra runs unless the case sets otherwise. If false, an
         accuracy limits the error of the basis only. Errors of explicit runs are not estimated.
     allow_code : run the Python file of `control`, if the case has one
 
     Raises
     ------
-    SelfCorrectionError     an error that was not reached: its value, and the file of the best round
+    SelfCorrectionError     a target error that was not reached; the message names the file of the best round
     CaseError               --resume and --force at once; a file that changed while the case was read; a
                             controller without `allow_code`, or in a case that corrects itself
     ResultFileError         a result that would be lost; a result file that cannot be written or continued, or

@@ -24,12 +24,12 @@ def page_path(folder: Path) -> Path:
 
 
 def page_looks(case: Case) -> Mapping[str, Mesh | FiniteElementModel]:
-    """Geometry of the bodies in the report, as in pictures, but beams of unknown section are lines."""
+    """Geometry of the bodies in the report, as in pictures, but with lines for beams of unknown section."""
     return {**case.meshes, **{name: look for name, look in case.drawn.items() if look is not None}}
 
 
 def coloured_elements(case: Case, system: System) -> Mapping[str, FiniteElementModel] | None:
-    """Elements whose stress colours the bodies, if the case selects it or a body has no deflection."""
+    """Elements whose stress colours the bodies, if the case selects stress or a body has no deflection."""
     framed = all(placed.body.has_frame for placed in system.bodies)
     return case.elements if case.tables.output.colour == "von-mises" or not framed else None
 

@@ -19,7 +19,7 @@ from supple.machine import At, ForceElement, as_end
 
 
 class SensedCase(NamedTuple):
-    """Parts of a case for sensors."""
+    """Parts of a case that sensors need."""
 
     place: Callable[[str], quantities.Place]
     """Finds a place from BODY.PLACE"""

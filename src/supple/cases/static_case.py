@@ -147,7 +147,7 @@ def static_case(
 
     folder : created if missing
     time : time at which loads and laws are evaluated
-    errors : estimate the error of the bases, which takes a factorisation of the full bodies
+    errors : estimate the error of the bases, which requires factorisations of the full bodies
     allow_code : whether the controllers of the case may run
 
     Raises

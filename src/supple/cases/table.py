@@ -21,7 +21,7 @@ from supple.importers.toml import CheckedTable, KeyPath, NonNegative, Positive
 
 @dataclass(frozen=True)
 class Key:
-    """The key of a parameter, as far as it differs from the parameter.
+    """The key of a parameter; its fields state the differences from the parameter.
 
     type : type of its values; by default the parameter's type
     description : for messages; by default from the docstring of the class, if the type is the parameter's
@@ -171,7 +171,7 @@ def _descriptions(makes: Any) -> Mapping[str, str]:
 
 
 def _of_toml(hint: Any) -> Any:
-    """The type of a parameter as a key: an array for a tuple, and numbers keep their range."""
+    """The type of the key of a parameter: tuples become arrays, and numbers keep their range."""
     ranges = {arguments.Positive: Positive, arguments.NotNegative: NonNegative}
     if hint in ranges:
         return ranges[hint]
@@ -204,7 +204,7 @@ def named_in(table: Any, value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPa
 
 @cache
 def _naming_keys(table: type[CheckedTable]) -> tuple[tuple[str, Any], ...]:
-    """Keys of a table that `named_in` may find, with their types; cached, as most tables have none."""
+    """Keys of a table that `named_in` may find, with their types; most tables have none."""
     kinds: dict[str, Any] = {}
     for key, field in table.model_fields.items():
         kinds[key] = Annotated[field.annotation, *field.metadata, None]  # ty: ignore[invalid-type-form]

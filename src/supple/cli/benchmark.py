@@ -1,7 +1,7 @@
 """`supple benchmark`: the benchmarks of installed packages, each loaded on first use.
 
-A package registers one by an entry point of the group `supple.benchmarks`: the command's name, and the
-function from which Typer creates the command.
+A package registers a benchmark by an entry point of the group `supple.benchmarks`: the command's name, and
+the function from which Typer creates the command.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Rainflow counting by ASTM E1049-85, section 5.4.4, of all channels at once."""
+"""Rainflow counting by ASTM E1049-85, sections 5.4.4 and 5.4.5, of all channels at once."""
 
 from __future__ import annotations
 

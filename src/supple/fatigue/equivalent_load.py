@@ -45,7 +45,7 @@ class Goodman:
         object.__setattr__(self, "ultimate", read_only(ultimate))
 
     def corrected(self, cycles: Cycles) -> Array:
-        """Ranges (c,) about a mean of zero; ModelError where a peak exceeds the ultimate load."""
+        """Ranges (c,) about a mean of zero; ModelError where a peak reaches the ultimate load."""
         try:
             ultimate = np.broadcast_to(self.ultimate, cycles.shape).ravel()[cycles.channels]
         except ValueError:

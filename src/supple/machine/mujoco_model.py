@@ -46,7 +46,7 @@ _PLACE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class _Group:
-    """Welded bodies as one: mass, centre and inertia in the axes of the first."""
+    """Welded bodies merged into one; mass, centre and inertia in the axes of the first body."""
 
     name: str
     position: Array
@@ -162,7 +162,7 @@ class _Reader:
         return found or else_
 
     def groups(self) -> dict[int, _Group]:
-        """Groups of welded bodies, by the number of the first; none for the ground."""
+        """Groups of welded bodies, by the number of the first body; without those welded to the ground."""
         model, data = self.model, self.data
         result = {}
         for first in np.unique(model.body_weldid[1:]).tolist():
@@ -189,7 +189,7 @@ class _Reader:
         return result
 
     def end(self, groups: dict[int, _Group], body: int, name: str, point: Array) -> At:
-        """A new interface of a body."""
+        """The end at a new interface of a body, or the ground."""
         group = groups.get(int(self.model.body_weldid[body]))
         if group is None:
             return GROUND
@@ -299,7 +299,7 @@ class _Reader:
         """Penalty of a limit, as stiff as MuJoCo's: k = I / (tau zeta)^2, with the effective inertia I."""
         time, ratio = (float(value) for value in self.model.jnt_solref[j])
         inertia = 1 / max(float(self.model.dof_invweight0[dof]), np.finfo(float).tiny)
-        rate = 1 / (time * ratio) ** 2 if time > 0 else -time  # negative: stiffness and damping themselves
+        rate = 1 / (time * ratio) ** 2 if time > 0 else -time  # negative numbers are stiffness and damping
         return Penalty(stiffness=inertia * rate)
 
     def close_loops(self, groups: dict[int, _Group], joints: list[Joint]) -> None:

@@ -71,7 +71,7 @@ class Placed(Summarized):
         (for the velocity of the centre of mass use `with_centre_velocity`)
     angular_velocity : (3,)   body components, rad/s
         A velocity of None follows from the joints, their laws and the other bodies, and is zero where these
-        leave it free. A given velocity, also zero, is kept where the joints allow it.
+        leave it free. A given velocity, even zero, is kept where the joints allow it.
     coordinates, coordinate_rates : (r,) deformation at the start, and its rates; default zero
     assembled : AssembledPose pose at assembly, which determines the points and axes of joints and forces;
         default the initial pose. An `equilibrium` starts in another pose of the same machine.

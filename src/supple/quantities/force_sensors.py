@@ -184,7 +184,7 @@ def joint_loads(system: System, solution: Solution) -> dict[str, dict[str, Array
     Returns
     -------
     by joint, then "force" (t, 3) and "moment" (t, 3) at the second end's point, in the units of the model; a
-    joint that fixes no position has no force, one that fixes no rotation no moment
+    joint that fixes no position has no force, and a joint that fixes no rotation has no moment
     """
     return {
         joint.name: {

@@ -1,4 +1,4 @@
-"""Rotation and sliding of a joint about its axis, and their rates."""
+"""Rotation of a joint about its axis, sliding along the axis, and their rates."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ __all__ = ["CriticalPlane", "SignedVonMises", "StressCriterion", "hot_spot_damag
 Array = NDArray[np.float64]
 
 _NUMBERS = 2**22
-"""Numbers of histories in memory at a time (32 MiB)."""
+"""Largest number of values of histories in memory at a time (32 MiB)."""
 
 
 class StressCriterion(Protocol):

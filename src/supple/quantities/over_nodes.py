@@ -24,7 +24,7 @@ class MeasuredBlock(NamedTuple):
 
 
 class Combined(NamedTuple):
-    """Channels (t, c), and the node (t, c) at which each was read; None for no single node."""
+    """Channels (t, c), and the node (t, c) at which each was read; None if there is no single node."""
 
     values: Array
     nodes: IntArray | None

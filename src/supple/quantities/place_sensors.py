@@ -56,7 +56,7 @@ class _AtPlace:
 
 
 class PositionSensor(_AtPlace):
-    """Position of a place in space, (t, 3); as a quantity of interest, of each of its nodes."""
+    """Position of a place in space, (t, 3); as a quantity of interest, positions of its nodes."""
 
     quantity = QuantityKind.LENGTH
 
@@ -80,7 +80,7 @@ class PositionSensor(_AtPlace):
         return self.place.points(body_named(system, self.body, self.name), solution.bodies[self.body])
 
     def size(self, system: System, solution: Solution) -> float:
-        """Largest displacement of its nodes, or of the body's, relative to the first interface."""
+        """Largest displacement of a node from the first interface; for an interface, over the whole body."""
         form, nodes = body_named(system, self.body, self.name), self.place.at
         some = slice(None) if isinstance(nodes, str) else np.array(nodes)
         return largest_displacement(form, solution.motion(self.body, FramedMotion).coordinates, some)

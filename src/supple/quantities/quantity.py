@@ -44,7 +44,7 @@ class Quantity(Protocol):
 
 @runtime_checkable
 class LocatedQuantity(Quantity, Protocol):
-    """A quantity with known nodes."""
+    """A quantity whose values belong to known nodes."""
 
     def located(self, system: System, solution: Solution, /) -> Located:
         """Its values, with the nodes."""
@@ -93,7 +93,7 @@ def read_in_parts(sensors: Sequence[Quantity], system: System, parts: Iterable[S
 
 
 def _continued(before: Readings, readings: Readings) -> Readings:
-    """The readings without their first time, the last one of `before`; angles continue from there."""
+    """The readings without their first time, which is the last of `before`; angles continue from there."""
 
     def continued(old: Reading, new: Reading) -> Reading:
         is_angle = np.array([each.quantity is QuantityKind.ANGLE for each in new.channels])

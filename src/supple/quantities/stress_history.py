@@ -20,9 +20,9 @@ __all__ = ["LargestStress", "largest_stress", "von_mises_by_end", "von_mises_his
 Array = NDArray[np.float64]
 # Numbers in memory at a time: modes of some nodes (128 MiB), and the field at some times (32 MiB).
 _MODE_NUMBERS, _FIELD_NUMBERS = 2**24, 2**22
-# Largest modes cached for many calls (1 GiB).
+# Largest size of modes cached for many calls (1 GiB).
 _KEPT_NUMBERS = 2**27
-# Times at which all nodes are searched for the largest stress; nodes that are evaluated at all times.
+# Number of times at which all nodes are searched for the largest stress; number of candidate nodes.
 _SEARCHED = 100
 
 
@@ -74,8 +74,8 @@ def tensor_blocks(
 ) -> Iterator[TensorBlock]:
     """A tensor at N nodes over t times, in blocks that fit in memory.
 
-    The tensor has l layers (`StressLayers`). Every pair of a time and a node is in one block. Errors are
-    those of `von_mises_history`.
+    The tensor has l layers (`StressLayers`). Every pair of a time and a node is in exactly one block. Errors
+    are those of `von_mises_history`.
     """
     if not _has_modes(body):
         yield from _recovered(body, tensor.recovery(model), coordinates, nodes)
@@ -128,7 +128,7 @@ class LargestStress(NamedTuple):
 
 
 def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> LargestStress:
-    """The largest von Mises stress over nodes of cells, layers and times; errors as for the history.
+    """The largest von Mises stress over nodes, layers and times; errors as for `von_mises_history`.
 
     All nodes are evaluated at a hundred evenly spaced times. The hundred nodes with the largest stress found
     there are evaluated at all times. The result is exact for runs of up to a hundred outputs.
@@ -174,8 +174,7 @@ def _recovered(
 ) -> Iterator[TensorBlock]:
     """Stress of a body by direct recovery, from the cells at the nodes alone, in blocks of times.
 
-    For an intrinsic body, from the linear displacements of its modes: only strains, and so section loads,
-    enter.
+    For an intrinsic body, the displacements are the linear ones of its modes, because only strains matter.
     """
     chosen = np.arange(len(body.nodes))
     if nodes is not None:

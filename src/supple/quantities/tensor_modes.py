@@ -175,9 +175,9 @@ def tensor_modes(
 
         eps = e gamma + 1/2 sum_jk N(a_j, a_k) gamma_j gamma_k
 
-    exactly, and stress and its nodal mean are linear in it. The condensed motion z adds B z to the strain, as
-    it does in the energy; z rotates no interface. Elements at rigid interfaces include their second-order
-    ties (`tied_recovery`).
+    exactly, and stress and its nodal mean are linear in the strain. The condensed motion z adds B z to the
+    strain, as it does in the energy; z rotates no interface. Elements at rigid interfaces include their
+    second-order ties (`tied_recovery`).
     """
     same_count = body.nodal_basis.shape[0] == model.n_dofs and body.nodes.shape == model.mesh.nodes.shape
     if not (same_count and np.array_equal(body.nodes, model.mesh.nodes)):

@@ -29,9 +29,9 @@ DISPLACEMENT_TOLERANCE = 1e-5
 FIELD_TOLERANCE = 5e-3
 """Error of a colour field, relative to its largest value; half of it is due to omitted shapes."""
 _NUMBERS = 2**21
-"""Numbers of displacements in memory at a time (16 MiB)."""
+"""Largest number of displacement components in memory at a time (16 MiB)."""
 _FIELD_NUMBERS = 2**24
-"""Numbers of another field in memory at a time (128 MiB)."""
+"""Largest number of values of another field in memory at a time (128 MiB)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -91,7 +91,7 @@ def moving_machine(
 ) -> MovingMachine:
     """A machine in a run; parameters as for `write_report`.
 
-    Raises ModelError for a solution whose columns are not those of the bodies.
+    Raises ModelError for a solution with other basis columns than the bodies.
     """
     check_motions(system, solution)
     colourings = {} if elements is None else {"von Mises stress": stress_colouring(elements)}

@@ -43,7 +43,7 @@ class NodalShapes:
 def nodal_shapes(blocks: Iterable[Array], *, tolerance: float) -> NodalShapes:
     """The shapes and amplitudes of a field given in blocks of times.
 
-    Each block adds the directions that the shapes so far lack, from the eigenvectors of the Gram matrix of
+    Each block adds the directions that the existing shapes lack, from the eigenvectors of the Gram matrix of
     the remainder. At the end all shapes are ordered by the singular values of the amplitudes, and the
     smallest are dropped. Each of the two steps uses at most half of the tolerance.
 
@@ -62,7 +62,7 @@ def nodal_shapes(blocks: Iterable[Array], *, tolerance: float) -> NodalShapes:
         known = flat @ basis.T
         rest = flat - known @ basis
         added = np.linalg.qr(_directions(rest, 0.5 * tolerance * largest).T)[0].T
-        # A second projection removes what the first leaves in the basis by round-off.
+        # A second projection removes the components in the basis that round-off leaves.
         added = np.linalg.qr((added - (added @ basis.T) @ basis).T)[0].T
         basis = np.vstack([basis, added])
         rows.append(np.hstack([known, rest @ added.T]))
@@ -103,7 +103,7 @@ def _truncated(basis: Array, amplitudes: Array, allowed: float) -> tuple[Array, 
 
 
 def _fewest(left: Callable[[int], float], most: int, allowed: float) -> int:
-    """The smallest number whose error `left` is allowed, by bisection; it decreases with the number."""
+    """The smallest number with an allowed error `left`, by bisection; the error decreases monotonically."""
     low, high = 0, 0 if left(0) <= allowed else most
     while low < high:
         middle = (low + high) // 2

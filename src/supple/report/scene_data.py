@@ -124,7 +124,7 @@ def _body_data(body: MovingBody, middle: Array, arrays: PackedArrays) -> dict[st
 
 
 def _shapes_data(field: NodalShapes, step: float, arrays: PackedArrays) -> dict[str, Any]:
-    """Shapes as integers, with more digits for larger contributions, and amplitudes times the unit of 1."""
+    """Shapes as integers, with more digits for larger contributions, and amplitudes scaled to match."""
     largest = np.abs(field.shapes).max(axis=(1, 2), initial=0.0)
     contribution = largest * np.abs(field.amplitudes).max(axis=0, initial=0.0)
     levels = np.clip(np.ceil(contribution / (step * (field.largest or 1.0))), 1, _LEVELS)

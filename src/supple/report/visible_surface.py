@@ -117,7 +117,7 @@ def _eroding_surface(body: Any, alive: NDArray[np.float64]) -> VisibleSurface:
 
 
 def _face_keys(kind: Any, cells: IntArray) -> IntArray:
-    """Sorted corners (m, 4) of the face of each triangle of `FACE_TRIANGLES`; -1 is the fourth of three."""
+    """Sorted corners (m, 4) of the face of each triangle of `FACE_TRIANGLES`; -1 if there is no fourth."""
     keys = []
     for corners in kind.faces:
         own = np.sort(cells[:, corners], axis=1)

@@ -14,7 +14,7 @@ from supple.machine import System
 __all__ = ["first_swing", "start_lines", "start_numbers"]
 
 FALLEN = 0.7
-"""A deformation has swung back if it is below this fraction of its largest size so far."""
+"""A deformation has swung back if it is below this fraction of its previous maximum."""
 NOTED = 0.5
 """A first swing is reported if it is at least this fraction of the largest deformation of the run."""
 
@@ -43,7 +43,7 @@ def start_numbers(system: System, solution: Solution) -> dict[str, Any]:
 def first_swing(sizes: np.ndarray) -> tuple[float, int] | None:
     """The maximum of the first swing of sizes (t,), relative to the overall maximum, and its index.
 
-    The first swing ends where the sizes fall below 0.7 of their largest value so far. None if they never do,
+    The first swing ends where the sizes fall below 0.7 of their previous maximum. None if they never do,
     or if the maximum of the first swing is less than half of the overall maximum.
     """
     largest = np.maximum.accumulate(sizes)

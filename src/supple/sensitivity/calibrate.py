@@ -33,7 +33,7 @@ _MOST = 100
 _KEPT = 1e-7
 """Weight of the initial values, relative to the largest singular value of the scaled Jacobian."""
 _NEAR = 1e-3
-"""Smallest notable step relative to the sizes of parameters, and gain relative to the sum of squares."""
+"""Smallest notable step, relative to the parameter sizes, and gain, relative to the sum of squares."""
 
 
 @checked_arguments
@@ -143,7 +143,7 @@ def _bounds(start: Mapping[str, float], bounds: Mapping[str, tuple[float, float]
 
 @dataclass
 class _Fit:
-    """Residuals in deviations and their Jacobian, as functions of the parameters (p,)."""
+    """Residuals divided by deviations, and their Jacobian, as functions of the parameters (p,)."""
 
     build: Build
     run: Run
@@ -151,7 +151,7 @@ class _Fit:
     measurements: tuple[Measurement, ...]
     sizes: Mapping[str, float]
     given: frozenset[str]
-    """Names of parameters with a given size; the sizes of others follow their values"""
+    """Names of parameters with a given size; the sizes of all other parameters follow their values"""
     runs: int = field(default=0)
     broken: str = ""
     """Cause of the last failed run"""

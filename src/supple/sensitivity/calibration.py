@@ -16,7 +16,7 @@ __all__ = ["Calibration", "Uncertainty", "uncertainty"]
 Array = NDArray[np.float64]
 
 _UNDETERMINED = 1e-7
-"""Relative to the largest singular value of the scaled Jacobian: smaller ones are rounding."""
+"""Singular values of the scaled Jacobian below this fraction of the largest are rounding."""
 _INVOLVED = 1e-3
 """Component of an undetermined direction above which a parameter is part of it."""
 
@@ -57,7 +57,7 @@ def _determined(singular: Array) -> NDArray[np.bool_]:
 
 
 def uncertainty(jacobian: Array, sizes: Mapping[str, float], variance: float) -> Uncertainty:
-    """Covariance `s^2 (J^T J)^-1` of parameters from the Jacobian (n, p) of residuals in deviations.
+    """Covariance `s^2 (J^T J)^-1`; J (n, p) is the Jacobian of residuals divided by their deviations.
 
     sizes : of the parameters by name, which scale the Jacobian
     variance : s^2, 1 where deviations are known

@@ -30,7 +30,7 @@ __all__ = ["DerivativeReader", "read"]
 Array = NDArray[np.float64]
 
 _STEPS = (1.0, 1e-2, 1e-4)
-"""Steps along a motion, relative to a small one: tried in turn until the observable is smooth."""
+"""Steps along a motion, relative to `small_step`, tried in turn until the observable is smooth."""
 
 
 def read(observables: Observables, system: System, solution: Solution) -> dict[str, Array]:

@@ -6,8 +6,8 @@ at f_-2, f_-1, f_1, f_2, steps h apart. The differences
 
     f_2 - 2 f_1 + 2 f_-1 - f_-2,        f_-2 - 4 f_-1 + 6 f_0 - 4 f_1 + f_2
 
-are of order h^3 and h^4 for a smooth function; at a kink of order h, and at a jump, or for a wave no longer
-than the steps, of the order of the function itself.
+are of order h^3 and h^4 for a smooth function, and of order h at a kink. At a jump, or for a wave no longer
+than the steps, they are of the order of the function itself.
 """
 
 from __future__ import annotations

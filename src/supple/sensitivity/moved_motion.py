@@ -15,9 +15,9 @@ from supple.methods.floating.compiled.state import State
 __all__ = ["moved", "small_step"]
 
 _SMALL = 1e-3
-"""rad, or relative to the machine's length or a body's deformation: displacement of the motion."""
+"""Displacement of the motion: rad, or relative to the machine's length or a body's deformation."""
 _UNDEFORMED = 1e-8
-"""Relative to the machine's length: smaller deformations are zero, and their changes large in comparison."""
+"""Least reference value of a deformation, relative to the machine's length."""
 
 
 def moved(states: State, change: StateChange, parameter: int, step: float) -> State:

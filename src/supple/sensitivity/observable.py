@@ -40,7 +40,7 @@ class Statistic:
     sensor : Observable     with values (t, c)
     of : callable           on a column (t,), such as `np.max`, `np.mean`, `np.std`
 
-    Extremes are those among the output times; their derivative is that of the value at the time of the
+    Extremes are taken over the output times; their derivative is that of the value at the time of the
     extreme.
     """
 
@@ -58,7 +58,7 @@ class Statistic:
 
 
 Observables = Sequence[Any] | Callable[[System], Sequence[Any]]
-"""Observables, or a function of the machine that creates them, for those with references to its parts"""
+"""Observables; if they refer to parts of the machine, a function that creates them from the machine"""
 
 
 def observables_of(observables: Observables, system: System) -> dict[str, Any]:
@@ -83,7 +83,7 @@ def observables_of(observables: Observables, system: System) -> dict[str, Any]:
 
 
 def reads_elements(observable: Any) -> bool:
-    """Whether it uses finite elements, whose material determines its stress."""
+    """Whether an observable uses finite elements, whose material determines the stress."""
     return _holds(observable, (FiniteElementModel,))
 
 

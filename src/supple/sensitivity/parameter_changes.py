@@ -1,8 +1,8 @@
 """Derivatives of a compiled machine's numbers, start and stops with respect to parameters.
 
 These quantities are smooth and cost little compared to a run, so they are differentiated by central
-differences of fourth order: exact up to rounding for low-order polynomials, as most are. The motion is
-differentiated exactly (`methods/floating/compiled/sensitivity_step`).
+differences of fourth order: exact up to rounding for polynomials of low order, which most of them are. The
+motion is differentiated exactly (`methods/floating/compiled/sensitivity_step`).
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ Build = Callable[[Mapping[str, float]], System]
 """The machine for parameter values by name"""
 
 _STEP = 3e-3
-"""Relative to a parameter's size: truncation and rounding errors are then below 1e-11 of a derivative."""
+"""Step, relative to a parameter's size, with truncation and rounding errors below 1e-11 of a derivative."""
 _COMPILED = {"rigid", "reduced"}
-"""Kinds of bodies of the compiled march."""
+"""Kinds of bodies in compiled runs."""
 
 
 class Neighbours(NamedTuple):
@@ -77,11 +77,11 @@ def parameter_changes(
 
     sizes : magnitude of a large change of each parameter, by name
 
-    Raises ModelError for a machine without derivatives, or a parameter that changes more than its numbers.
+    Raises ModelError for a machine without derivatives, or a parameter that changes more than numbers.
     """
     system = _built(build, parameters)
     _check_marches(system, run)
-    batch_start([system], run)  # gives the warnings of the machine
+    batch_start([system], run)  # issues the warnings of the machine
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SuppleWarning)
         neighbours = tuple(_neighbours(build, parameters, name, _STEP * sizes[name]) for name in parameters)

@@ -75,7 +75,7 @@ def sensitivities(
     """Derivatives of sensors and statistics of a run with respect to parameters of its machine.
 
     The discrete motion is differentiated: the number of steps is constant, and their lengths follow the kinks
-    of laws. The derivatives are accurate to about 1e-9 and the tolerance of the run, for any motion, and
+    of laws. The derivatives are accurate to about 1e-9 and the tolerance of the run, for any motion. They
     include initial values, an equilibrium or an assembly within `build`. Forward mode: the cost grows with
     the number of parameters, not of observables.
 
@@ -86,7 +86,7 @@ def sensitivities(
     parameters : values by name
     run : Run               as for `simulate`, with fixed or adaptive steps
     observables : sensors, `Statistic` of them, or any object with a name and `values(system, solution)`;
-        those that refer to parts of the machine, such as a `SpringForceSensor`, by a function of the System
+        a function of the System for those that refer to its parts, such as a `SpringForceSensor`
     sizes : magnitude of a large change of each parameter, by name; by default the magnitude of its value, so
         that a parameter with value 0 needs a size
 

@@ -21,8 +21,8 @@ _OF_MOTION = {
 def dataset_labels(path: str, metadata: Mapping[str, object]) -> Labels:
     """Attributes of the dataset at a path; empty for datasets not listed here.
 
-    metadata : of the run; "units" as text of a UnitSystem, "NAME: second end" of each joint. A unit without a
-        name is "", an end that is not given is "second end"
+    metadata : of the run, with "units" (text of a UnitSystem) and "NAME: second end" of each joint. A unit
+        without a name is ""; an end that is not given is "second end"
     """
     units = UnitSystem.parsed(str(metadata.get("units", "")))
     match path.split("/"):

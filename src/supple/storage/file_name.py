@@ -1,4 +1,4 @@
-"""File names made from names of bodies: every name is allowed, and its file stays in its folder."""
+"""File names made from names of bodies: any name is allowed, and the file stays in its folder."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import hashlib
 __all__ = ["file_name"]
 
 LONGEST = 150
-"""Bytes; a file system allows 255, the rest is for suffixes and temporary files."""
+"""Bytes; file systems allow 255, which leaves room for suffixes and temporary files."""
 
 # Separators of folders, and characters with a special meaning on some operating system.
 _QUOTED = frozenset('%/\\:*?"<>|')

@@ -135,13 +135,13 @@ def read_interface_names(path: Path | str) -> tuple[str, ...]:
 
 
 def holds_reduced_body(path: Path | str) -> bool:
-    """Whether a file is an HDF5 file marked as a reduced body."""
+    """Whether a file is an HDF5 file marked as a reduced body, or one whose seal does not match."""
     path = Path(path)
     if not path.is_file() or not h5py.is_hdf5(path):
         return False
     try:
         if is_seal_broken(path):
-            return True  # only such files have a seal; read_reduced_body reports the damage
+            return True  # read_reduced_body reports the damage
         with _content(path, ()) as file:
             return file.attrs.get("format") == FORMAT
     except DAMAGE:
@@ -152,7 +152,7 @@ def holds_reduced_body(path: Path | str) -> bool:
 def _open(path: Path, parts: Collection[str] | None = None) -> Iterator[h5py.File]:
     """The file, or some of its parts, after a check of its format and version.
 
-    ResultFileError otherwise, and for damage found while it is open.
+    ResultFileError for another format or version, and for damage found while the file is open.
     """
     with file_errors("read", path):
         if not path.is_file():

@@ -33,7 +33,7 @@ class Ledger:
     layout : Layout         of the chunks
     rows : list of seals    of the chunks
     n_times : int           number of output times written
-    datasets : h5py.Dataset     by name, of the open file: looking one up takes as long as writing to it
+    datasets : h5py.Dataset     by name, cached, because a look-up takes as long as a write
     """
 
     header: bytes
@@ -130,7 +130,7 @@ def _commit(file: h5py.File, ledger: Ledger, arrays: Mapping[str, Array], chunk:
     row = np.concatenate([[ledger.n_times, n_times], statistics_row(chunk.statistics)])
     content = content_seal(arrays, state)
     sealed = row_seal(ledger.header, number, row, content)
-    # A chunk is valid once its row is written; the row is sealed next.
+    # A chunk is valid once its row is written; therefore the seals are written first.
     _set_row(ledger.dataset(file, "seals/chunks"), number, np.frombuffer(content + sealed, np.uint8))
     file.flush()
     _set_row(ledger.dataset(file, "commits"), number, row)

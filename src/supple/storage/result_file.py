@@ -164,7 +164,7 @@ class ResultFile:
         return self._header
 
     def append(self, chunk: Solution) -> None:
-        """Write the next output times of the run; on return they are safely on disk.
+        """Write the next output times of the run; on return they survive a kill of this process.
 
         Raises
         ------
@@ -188,7 +188,7 @@ class ResultFile:
         self._last_time = float(chunk.times[-1])
 
     def solution(self) -> Solution:
-        """The run as written so far, read from the open file and checked against its seals.
+        """The written part of the run, read from the open file and checked against its seals.
 
         Raises
         ------

@@ -19,7 +19,7 @@ from supple.storage.run_inputs import digest_of
 __all__ = ["bytes_of", "digest_of_parts"]
 
 _MOST_CALLS = 8
-"""Largest depth of functions that call functions."""
+"""Largest depth of function calls that are followed."""
 
 
 def digest_of_parts(parts: Iterable[bytes]) -> str:

@@ -61,7 +61,7 @@ def draw_mesh(path: Path, drawn: DrawnBody) -> Path:
 
 
 def draw_modes(path: Path, drawn: DrawnBody, body: ReducedBody, modes: BodyModes | None) -> Path:
-    """Picture of the modes of a reduced body; those of its basis if the modes are not given.
+    """Picture of the modes of a reduced body; by default the modes of its basis.
 
     The body is clamped at its first interface, or fixed in its frame if it has no interface.
     """

@@ -19,7 +19,7 @@ __all__ = ["plot_campbell"]
 Array = NDArray[np.float64]
 
 N_ORDERS = 4
-"""Multiples of the speed to draw."""
+"""Number of multiples of the speed to draw."""
 _LINE = 0.032
 """Height of a name, as a share of the diagram."""
 

@@ -28,7 +28,7 @@ _IN_FRONT = 0.1
 def machine_camera(system: System, solution: Solution, meshes: Mapping[str, Look | None]) -> Camera:
     """Camera with gravity downwards and the widest extent of the motion horizontal.
 
-    If one camera can do so, all walls are viewed from the side on which bodies touch them.
+    If possible, all walls are viewed from the side on which bodies touch them.
     """
     rows = np.unique(np.linspace(0, len(solution.times) - 1, _INSTANTS).astype(int))
     points = [glyphs_of(system, solution, rows).points]

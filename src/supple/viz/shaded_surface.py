@@ -75,7 +75,7 @@ def render(
     values: Array | None = None,
     colouring: Colouring | None = None,
 ) -> Array:
-    """Picture (rows, columns, 4) of a surface: red, green, blue, alpha from the bottom row; else transparent.
+    """Picture (rows, columns, 4) of a surface: RGB and alpha from the bottom row; transparent elsewhere.
 
     Both sides are lit equally, because both sides of a shell can be visible. With nodal values (N,) and a
     colouring, the colour of each pixel follows from the interpolated value.

@@ -105,7 +105,7 @@ def as_written(name: str) -> str:
 
 
 def draw_curve(axes: Axes, x, y, stroke: Stroke, rank: int, label: str) -> None:
-    """One curve, coloured by its rank unless the stroke has a colour; the first curves are on top."""
+    """One curve, coloured by its rank unless the stroke has a colour."""
     (line,) = axes.plot(
         x,
         y,

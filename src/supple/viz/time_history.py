@@ -124,7 +124,7 @@ def plot_time_history(
 
 
 def _draw_panel(axes: Axes, panel: Panel, ranks: Sequence[int] | None) -> None:
-    """The curves of a panel, in the colours of their ranks or one after another."""
+    """The curves of a panel, in the colours of their ranks, or in palette order."""
     largest = panel.largest
     for series, rank in zip(panel.series, ranks or _palette_ranks(panel.series), strict=True):
         values = np.where(np.abs(series.values) < NOISE * largest, 0.0, series.values)

@@ -23,7 +23,7 @@ class AxialElement(ForceElement):
     axis: tuple[float, float, float]
 
     blocked_by: ClassVar[tuple[str, ...]] = ()
-    """First words of the joint equations that block the element's motion, an error; empty: no check."""
+    """Names of joint equations, without axis, that block the element's motion (an error); empty: no check."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -33,7 +33,7 @@ class ForceElement(ABC):
     """True if the law needs the line between its ends; the ends must then not coincide."""
 
     reads_reaction: ClassVar[bool] = False
-    """True if the `value` of `wrenches` is a joint force instead of a law's value: a `JointFriction`."""
+    """True if the `value` of `wrenches` is a joint force instead of a law's value, as in `JointFriction`."""
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -1,4 +1,4 @@
-"""Coulomb friction, regularised at zero velocity, and its elements for two joints."""
+"""Friction, regularised at zero velocity: Coulomb's law, and elements for hinges and slides."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ class Penalty:
     """Contact force `F = k depth^n (1 + a d depth/dt)`, never tensile.
 
     The force begins and ends at zero, without a jump. For a speed v before an impact, the speed w after it
-    is, for any mass, k and n,
+    satisfies, for any mass, k and n,
 
         v/a - ln(1 + a v)/a^2 = - w/a - ln(1 - a w)/a^2
 

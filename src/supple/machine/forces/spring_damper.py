@@ -18,7 +18,7 @@ __all__ = ["SpringDamper"]
 
 @dataclass(frozen=True, kw_only=True)
 class SpringDamper(ForceElement):
-    """Tension `k (l - l_0) + c dl/dt` along the line between the points; they must stay apart.
+    """Tension `k (l - l_0) + c dl/dt` along the line between two points that must not coincide.
 
     stiffness : k, force per length
     damping : c, force per velocity
@@ -43,7 +43,7 @@ class SpringDamper(ForceElement):
         return None if self.anchor is None else np.asarray(self.anchor, dtype=float)
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> SpringDamper:
-        """The spring with the distance of its ends as its length, if none is given."""
+        """The spring with the distance of its ends as its rest length, if none is given."""
         if self.rest_length is not None:
             return self
         return replace(self, rest_length=float(np.linalg.norm(second - first)))

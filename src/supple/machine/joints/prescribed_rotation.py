@@ -19,7 +19,7 @@ __all__ = ["PrescribedRotation"]
 
 @dataclass(frozen=True, kw_only=True)
 class PrescribedRotation(Joint):
-    """A fixed joint whose angle about one axis follows a law of time; all else is fixed."""
+    """A fixed joint, except that the angle about one axis follows a law of time."""
 
     axis: tuple[float, float, float]
     """Direction of the axis in the initial configuration, global."""

@@ -19,7 +19,7 @@ __all__ = ["PrescribedTranslation"]
 
 @dataclass(frozen=True, kw_only=True)
 class PrescribedTranslation(Joint):
-    """A fixed joint whose offset along one axis follows a law of time; all else is fixed."""
+    """A fixed joint, except that the offset along one axis follows a law of time."""
 
     axis: tuple[float, float, float]
     """Direction of the axis in the initial configuration, global."""

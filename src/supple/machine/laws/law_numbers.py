@@ -61,7 +61,7 @@ def increasing_rows(times: Any, values: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 class OfRows:
-    """A law defined by rows: its time span, and the smallest spacing of rows."""
+    """Base of laws defined by rows: time span, and smallest spacing of rows."""
 
     times: Any
 

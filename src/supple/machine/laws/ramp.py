@@ -49,5 +49,5 @@ class Ramp(UnboundedLaw):
         return within([0.0, self.duration], begin, end)
 
     def shortest_scale(self, begin: float, end: float) -> float:
-        """The duration; infinite where the span does not include any of it."""
+        """The duration; infinite for a span without any part of the rise."""
         return float(self.duration) if begin < self.duration and end > 0 else float("inf")

@@ -24,7 +24,7 @@ BLOCK = 64 * 33
 """Times that are evaluated together: the subdivisions of all jumps in one round."""
 N_SAMPLES = 8 * BLOCK - 1
 MOST_NUMBERS = 4_000_000
-"""Largest number of values of all samples together: those of a load on many nodes would exceed the memory."""
+"""Largest number of values in all samples, which limits the memory for a load on many nodes."""
 MOST_JUMPS = 64
 DIVISIONS, ROUNDS = 32, 5
 """Parts of an interval, and rounds of subdivision: a jump is located to 32^-5 of the distance of samples."""

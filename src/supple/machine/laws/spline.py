@@ -34,7 +34,7 @@ class Spline(OfRows):
     times: Any
     values: Any
     coefficients: Any = field(init=False, repr=False)
-    """(4, k - 1, ...) coefficients of the cubic on each piece, highest power first, in time since its row"""
+    """(4, k - 1, ...) coefficients of the cubic on each piece, highest power first; time from its row"""
 
     def __post_init__(self) -> None:
         times, values = increasing_rows(self.times, self.values)
@@ -58,7 +58,7 @@ class Spline(OfRows):
         return within(rows_that_bend(times, values, np.diff(third, axis=0), 3), begin, end)
 
     def excursions(self) -> np.ndarray:
-        """Overshoot of each piece beyond the range of the rows around it, (k - 1,), relative to all values.
+        """Overshoot (k - 1,) of each piece beyond the rows around it, relative to the range of all rows.
 
         The rows are those at both ends of the piece and one more on either side. For smooth data the
         overshoot is below one per cent; at a jump the spline oscillates.

@@ -107,7 +107,7 @@ def _value_of(law: TimeLaw) -> jax.ShapeDtypeStruct:
     if all(isinstance(leaf, float) or _is_array(leaf) for leaf in leaves):
         try:
             hash(own)
-        except TypeError:  # a part has no hash
+        except TypeError:  # a part of the law has no hash
             pass
         else:
             return _traced_value(own)

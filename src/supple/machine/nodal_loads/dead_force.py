@@ -27,7 +27,7 @@ class DeadForce(NodalLoad):
     at: str | Sequence[int] | np.ndarray
     """An interface's name, or node indices (k,), of the body; or "BODY.INTERFACE"."""
     force: Any
-    """(3,) for an interface or for every node alike, or (k, 3): constant, law or function of time."""
+    """(3,) at the interface, or the same at every node, or (k, 3): constant, law or function of time."""
 
     follows_nodes: ClassVar[bool] = False
     turns_against_frame: ClassVar[bool] = True

@@ -23,10 +23,10 @@ class FollowerPressure(NodalLoad):
     """Pressure on triangles or quadrilaterals, against their normals.
 
     A triangle with deformed corners a, b, c has `f = - p (b - a) x (c - a) / 6` on each of them; a
-    quadrilateral is the mean of its two pairs of triangles. The corners are counter-clockwise seen from the
-    side on which the pressure acts.
+    quadrilateral a, b, c, d has `f = - p (c - a) x (d - b) / 8`. The corners are counter-clockwise, viewed
+    from the side on which the pressure acts.
 
-    Source: [BonetWood1997] section 6.5, one-point rule, exact for flat facets.
+    Source: [BonetWood1997] section 6.5, one-point rule, exact for triangles and parallelograms.
     """
 
     faces: Sequence[Sequence[int]] | np.ndarray

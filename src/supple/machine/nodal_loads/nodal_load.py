@@ -54,7 +54,7 @@ class NodalLoad(ABC):
     @property
     @abstractmethod
     def value_shapes(self) -> tuple[tuple[int, ...], ...]:
-        """Allowed shapes of the law's value; the first axis of a larger value counts the facets."""
+        """Allowed shapes of the law's value; an additional first axis counts the facets."""
 
     @staticmethod
     @abstractmethod

@@ -1,4 +1,4 @@
-"""Nodes that follow another mesh at their own positions."""
+"""Nodes tied to another mesh at their positions."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Collocated:
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Nodes (n, c) of a mesh that points (n, 3) follow, and their weights (n, c), which sum to one.
 
-        faces : (T, 3) triangles of the tied side, by number of point
+        faces : (T, 3) triangles of the tied side, as indices of `points`
         within : largest distance between the sides, m
         Raises ModelError for a point without a face.
         """

@@ -29,7 +29,7 @@ class Continuity(Protocol):
         """L (r, n, 3) with sum_c L_rc . gap_c = 0.
 
         points : (n, 3) of the interface
-        reach : (3 n, m)    gap by each motion of the two parts, scaled to unit kinetic energy
+        reach : (3 n, m)    gap due to each motion of the two parts, scaled to unit kinetic energy
         """
         ...
 

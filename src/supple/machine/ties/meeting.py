@@ -25,7 +25,7 @@ def meeting_nodes(points: FloatArray, nodes: FloatArray, within: float) -> IntAr
 def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[IntArray, FloatArray]:
     """Corners (n, 3) of a face under each point (n, 3) and their weights (n, 3), which sum to one.
 
-    Linear on triangles, so a tie of different meshes passes the patch test.
+    Weights are linear on triangles, so a tie of different meshes passes the patch test.
     Raises ModelError where a point is farther than `within` from every face: the interfaces do not match.
     """
     triangles = np.concatenate(
@@ -36,7 +36,7 @@ def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[
         ]
     )
     corners = mesh.nodes[triangles]
-    # Only faces near a point can be under it; their centres are searched within their own size.
+    # Only faces near a point can be under it; centres are searched within the largest face size.
     centres, reach = corners.mean(axis=1), np.linalg.norm(np.ptp(corners, axis=1), axis=1).max()
     tree = KDTree(centres)
     found, weights = np.empty((len(points), 3), dtype=np.int64), np.empty((len(points), 3))

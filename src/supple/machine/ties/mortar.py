@@ -39,7 +39,7 @@ class Mortar:
     """Nodes follow the other mesh in the mean over the faces around them, by exact integrals.
 
     The faces must be covered by the other mesh, and have straight sides and corner nodes only. The two sides
-    may differ by the `within` of the tie, for curved surfaces.
+    may be `within` apart, for curved surfaces.
     """
 
     def weights(
@@ -47,7 +47,7 @@ class Mortar:
     ) -> tuple[IntArray, FloatArray]:
         """Nodes (n, c) of a mesh that points (n, 3) follow, and their weights (n, c), which sum to one.
 
-        faces : (T, 3) triangles of the tied side, by number of point
+        faces : (T, 3) triangles of the tied side, as indices of `points`
         within : largest distance between the sides, m
         Raises ModelError for points that are not corners of a face, and faces that the mesh does not cover.
         """
@@ -120,7 +120,7 @@ def _overlaps(own: FloatArray, other: FloatArray, within: float) -> tuple[FloatA
     at = np.einsum("gc,pvci->pvgi", _MIDDLES, fans)
     N_own = np.concatenate([1 - at.sum(axis=-1, keepdims=True), at], axis=-1)
     N_other = _area_coordinates(at, to_other)
-    # Faces that overlap only in projection, at a distance, are on other sides of the body.
+    # Faces that overlap only in projection, at a distance, are on different sides of the body.
     close = np.abs(np.einsum("pvgm,pm->pvg", N_other, height)).max(axis=(1, 2)) <= within
     weight = doubled * (_areas(own) * close)[:, None] / 3  # 2 A times doubled / 2, over three points
     coupling = np.einsum("pv,pvgi,pvgm->pim", weight, 4 * N_own - 1, N_other, optimize=True)
@@ -128,7 +128,7 @@ def _overlaps(own: FloatArray, other: FloatArray, within: float) -> tuple[FloatA
 
 
 def _area_map(flat: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """(P, 3, 3): area coordinates of triangles (P, 3, 2) from (1, s, t); and whether each has an area."""
+    """Maps (P, 3, 3) of (1, s, t) to area coordinates of triangles (P, 3, 2); whether each has an area."""
     corners = np.concatenate([np.ones((*flat.shape[:2], 1)), flat], axis=2).swapaxes(1, 2)
     upright = np.abs(np.linalg.det(corners)) > _INSIDE
     corners = np.where(upright[:, None, None], corners, np.eye(3))
