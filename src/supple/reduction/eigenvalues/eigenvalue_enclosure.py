@@ -71,7 +71,7 @@ def enclose_eigenvalues(
     trial : (n, p)          approximations of the lowest elastic modes, somewhat more than n_values of them
     largest_width : float   of upper / lower - 1
     make_room : called before K - rho M is factored, to release memory
-    Raises AccuracyError when the bounds are wider than that, or the count and the modes found disagree.
+    Raises AccuracyError when the bounds remain wider, or the count and the modes found disagree.
     Source: [Lehmann1963] in the form of [GoerischHaunhorst1985]; with one trial motion it is Temple's and
         Kato's bound.
     """
