@@ -109,7 +109,7 @@ def deflection(history: ErrorHistory) -> float:
 
 
 def is_large(history: ErrorHistory) -> bool:
-    """Whether an error is as large as the deformation.
+    """Whether an error exceeds a third of the deformation.
 
     Then a small second correction is no proof of accuracy, because the linearised march may have diverged.
     Converged iterations are a proof, in columns that contain the motion outside the basis.

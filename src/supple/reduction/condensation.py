@@ -65,7 +65,7 @@ class Condensation:
 
     @cached_property
     def energy(self) -> Array:
-        """R (n2, n2): energy released by pair motion outside columns and interface shapes; symmetric, >= 0."""
+        """R (n2, n2): energy released by pair motion outside columns and interface shapes; >= 0."""
         energy = self._energy_of_all - self._held.T @ self._held
         return (energy + energy.T) / 2
 

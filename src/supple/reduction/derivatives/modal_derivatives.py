@@ -40,7 +40,7 @@ class ModalDerivatives:
         return np.where(self.pairs[:, 0] == self.pairs[:, 1], 1.0, 2.0)
 
     def reference_norms(self, body: FlexibleBody) -> np.ndarray:
-        """Lengths (M-norm) that remainders are compared with: of the derivative, at least 1/100 of the longest.
+        """Lengths (M-norm) for comparison with remainders: the derivative's, at least 1/100 of the longest.
 
         Where symmetry makes a derivative vanish, the solve leaves round-off, whose length is meaningless.
         """
