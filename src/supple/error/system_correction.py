@@ -193,7 +193,7 @@ def _check_load_band(problem: Problem, model: _Model) -> None:
 
 
 def _simulated(problem: Problem, model: _Model) -> _Run:
-    """Simulate a round. Without derivatives in its basis it may stop early, but still shows missing motion."""
+    """Simulate a round. Without derivatives in its basis it may stop early, but shows missing motion."""
     began = perf_counter()
     step = f"{model.label}: simulating"
     problem.report(step, 0.0)

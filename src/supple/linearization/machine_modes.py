@@ -208,7 +208,7 @@ def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
 def _slow_first(machine: LinearMachine) -> Array:
     """Coordinates (k, k) that separate slow and stiff motions: undamped vibrations, slowest first.
 
-    The rounding error of an eigenvalue is relative to the largest matrix entry, in mixed coordinates that of
+    The rounding error of an eigenvalue is relative to the largest matrix entry; in mixed coordinates this is
     the stiffest spring. Slow motions, computed as the highest eigenvalues of the inverse, are accurate
     relative to their own size.
     """
@@ -274,7 +274,7 @@ def _is_zero(values: Any, left: Any, right: Any, unit: float) -> np.ndarray:
 
 
 def _one_of_each(values: Any, vectors: Any, scales: Array, k: int) -> tuple[Any, Any]:
-    """The eigenvalue of each conjugate pair above the real axis; as many zeros as they have vectors.
+    """The eigenvalue of each conjugate pair above the real axis; as many zeros as independent vectors.
 
     Each free rigid motion has two poles at zero, of position and rate: they count as one mode.
     """
@@ -283,7 +283,7 @@ def _one_of_each(values: Any, vectors: Any, scales: Array, k: int) -> tuple[Any,
     at_zero = np.hstack([vectors[:, zero].real, vectors[:, zero].imag])
     at_zero[k : 2 * k] = 0.0  # rates, which are rounding
     # Positions in the mass norm: in balanced units, the strain due to the rate of a free rotation is as
-    # large.
+    # large as the rotation.
     weights, places = np.ones((len(at_zero), 1)), scales[:k, None] * at_zero[:k]
     weights[:k, 0] = scales[:k] * np.linalg.norm(at_zero[:k]) / (np.linalg.norm(places) or 1.0)
     directions, sizes, _ = np.linalg.svd(weights * at_zero, full_matrices=False)

@@ -35,7 +35,7 @@ LARGEST = 4000
 HALF = 1e-3
 """Distance of a mean harmonic from one half within which both neighbours are kept."""
 ZERO = 3e-7
-"""Relative to the stiffness: smaller eigenvalues are zero within rounding."""
+"""Ratio to a typical frequency below which an eigenvalue is zero within rounding."""
 
 
 @dataclass(frozen=True, eq=False)
