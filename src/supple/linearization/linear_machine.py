@@ -65,8 +65,8 @@ class LinearMachine(Summarized):
     full_mass : (n, n)          of `p`, without the joints' constraints
     control   : LinearControl   H (k, c), E_p (c, k), E_v (c, k), E_z (c, c)
     full      : FullMachine | None      the machine with all coordinates of its reduced bodies, if known
-    is_in_space : bool          whether y describes rotating bodies in standing axes; `basis` then holds at the
-                angle of the system only
+    is_in_space : bool          whether y describes rotating bodies in standing axes; `basis` then holds only
+                at the angle of the system
     periodic  : Periodic | None     the matrices over a revolution, if they vary; `mass`, `damping` and
                 `stiffness` are then their means
     """
