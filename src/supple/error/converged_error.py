@@ -48,8 +48,8 @@ def converged(
 
     Each iteration is a Newton step for the motion itself. Without convergence the first differences are
     returned, as an order of magnitude. The iteration continues to a smaller change in two cases: where forces
-    have kinks (a small change can be an oscillation between two sides of a kink), and for errors of the size
-    of the deformation.
+    have kinks (a small change can be an oscillation between two sides of a kink), and for large errors
+    (`is_large`).
     """
     found, own, changes = first, histories, dict.fromkeys(histories, np.inf)
     if not is_finite(histories):
@@ -85,7 +85,8 @@ def is_clearly_larger(
 ) -> bool:
     """Whether an error exceeds the allowed error so clearly that its first order suffices.
 
-    Such a round of a self-correction is not the last one. It needs one iteration less, a third of its cost.
+    A round with such an error is not the last of a self-correction. It needs one iteration less, a third of
+    its cost.
     """
     small = max(second.values()) <= CLEAR_SECOND and _largest_turn(histories) <= CLEAR_SECOND
     larger = any(

@@ -66,7 +66,7 @@ def self_correct(
 
     Raises
     ------
-    SelfCorrectionError     (an AccuracyError) a target is not met; its `rounds` hold the results so far
+    SelfCorrectionError     (an AccuracyError) a target is not met; its `rounds` hold the completed rounds
     ModelError              nothing to reduce, a body that is not full; errors of `reduce`
     ConvergenceError        a run stopped before its first output time
 

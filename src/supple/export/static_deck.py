@@ -55,7 +55,7 @@ class DeckProgram:
 
 
 CALCULIX = DeckProgram("CalculiX", "S6", has_midsides=True)
-"""The six-node shell is written, because the three-node shell is a linear wedge, far too stiff in bending."""
+"""The six-node shell is used, as CalculiX's three-node shell is a linear wedge, far too stiff in bending."""
 
 ABAQUS = DeckProgram("Abaqus", "S3", has_midsides=False)
 

@@ -224,7 +224,7 @@ def _slow_first(machine: LinearMachine) -> Array:
 
 
 def _is_rigid(machine: LinearMachine, values: Any, motions: Any) -> np.ndarray:
-    """Motions (k, ..) whose inertia, damping and stiffness terms are all rounding of large terms.
+    """Whether inertia, damping and stiffness terms of motions (k, ..) are all rounding of large terms.
 
     Beside a spring of stiffness k, a free motion has a rounding error of `eps k` in its stiffness; its
     `|s|^2 M + |s| C` is smaller than that.
@@ -264,7 +264,7 @@ def _state_matrix(machine: LinearMachine, lower: Any) -> tuple[Array, float]:
 
 
 def _is_zero(values: Any, left: Any, right: Any, unit: float) -> np.ndarray:
-    """Eigenvalues that are zero within rounding.
+    """Whether eigenvalues are zero within rounding.
 
     Rounding moves an eigenvalue by its size over `|w^H v|` of the left and right unit vectors, which are
     nearly orthogonal for the two zeros of a free motion, but not for a single slow pole.

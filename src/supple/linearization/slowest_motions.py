@@ -41,7 +41,7 @@ _NEW = 1e-5
 def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) -> Array:
     """Motions (n, k), mass-orthonormal, whose span contains the slowest modes; all of a small machine.
 
-    modes_of : function for eigenvalues, coordinates and controller states of a `LinearMachine`, slowest first
+    modes_of : function for eigenvalues, coordinates and controller states of modes, slowest first
 
     Raises
     ------

@@ -44,7 +44,7 @@ __all__ = ["CONSTANT", "FEW", "BodyColumns", "Sampled", "constant_in_standing_ax
 CONSTANT = 1e-6
 """Relative variation of the equations over the rotation above which they are not constant."""
 FEW, SAMPLES = 7, 16
-"""Angles of a revolution at which equations are compared, and at which their harmonics are found."""
+"""Numbers of angles of a revolution at which equations are compared, and their harmonics found."""
 FINE = 64
 """Least number of angles for the coordinates W alone; their derivatives are computed from their harmonics."""
 PER_BLADE = 3
@@ -270,7 +270,7 @@ def _hub_in_space(found: RestingState, spin: Spin, columns: BodyColumns, angles:
 
 
 def _equal_bodies(found: RestingState, spin: Spin, columns: BodyColumns) -> list[list[int]]:
-    """Three or more rotating bodies with equal numbers of coordinates, evenly around the axis, by angle."""
+    """Groups of three or more rotating bodies with equally many coordinates, evenly spaced, by angle."""
     turning, configuration = turning_bodies(found, spin), found.configuration
     hub, slices = _hub(found, turning), columns.slices
     length = float(found.equations.model.length)

@@ -78,7 +78,7 @@ class Condensation:
         """The motion z at the nodes: independent fields that span those of all pairs, energy-orthonormal."""
         first, second = self._pairs
         scale = np.sum(self._vectors * (self.body.stiffness @ self._vectors), axis=0) ** -0.5
-        unit = scale[first] * scale[second]  # of pairs of columns of unit energy
+        unit = scale[first] * scale[second]  # scales pairs to columns of unit energy
         largest = np.max(unit**2 * np.diag(self._energy_of_all))
         (pivoted_cholesky,) = linalg.get_lapack_funcs(("pstrf",), (self.energy,))
         factor, order, rank, _ = pivoted_cholesky(
@@ -190,7 +190,7 @@ class Condensation:
 
     @cached_property
     def _interfaces(self) -> Array:
-        """Static interface shapes outside the columns, K-orthonormal; the first interface rests."""
+        """Static interface shapes outside the columns, K-orthonormal; the first interface is fixed."""
         if len(self.body.interfaces) < 2:
             return np.empty((self.body.n, 0))
         return _orthonormalized(interface_shapes(self.body)[:, 6:], self.body.stiffness, self._columns)

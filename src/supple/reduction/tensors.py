@@ -87,7 +87,7 @@ class InternalForceTensors:
     def symmetrized(self) -> InternalForceTensors:
         """Tensors of the same energy, symmetric in all indices: their force is the energy's gradient.
 
-        Published tensors are symmetric only in some indices: their forces have no potential.
+        Some published tensors are symmetric in part of the indices only: their forces have no potential.
         """
         if self.cubic is None or self.quartic is None:
             return self

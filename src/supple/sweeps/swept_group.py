@@ -58,7 +58,7 @@ class SweptGroup:
     """Cases that differ only in numbers of their runs.
 
     like : the representative case, with the reduced bodies
-    fresh : the representative case, which builds its bodies itself
+    fresh : the representative case, with bodies built from its tables
     """
 
     plan: SweepPlan

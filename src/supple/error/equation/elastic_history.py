@@ -276,7 +276,7 @@ def _projected(matrix: Any, onto: Array) -> Array:
 
 
 def _unit_energies(body: FlexibleBody, motion: Array, coordinates: Array) -> Array | None:
-    """Factors (s,) that weight coordinates by strain energy, at most 1; None where nothing moves."""
+    """Factors (s,) that scale coordinates to energy norms of at most 1; None where nothing moves."""
     scale = np.sqrt(np.sum(motion * (body.stiffness @ motion), axis=0))
     largest = float(np.max(np.abs(coordinates * scale), initial=0.0))
     return scale / largest if largest else None

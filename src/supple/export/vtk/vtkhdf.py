@@ -58,7 +58,7 @@ def write_vtkhdf(
 
     Points are those of the assembled, undeformed machine; `displacement` is the vector from there to the
     position at the output time. `deflection` is the displacement relative to the rigid motion of the body's
-    first interface, in global components. These fields are in single precision, and NaN for bodies without
+    first interface, in global components. Field values are in single precision, and NaN for bodies without
     the field.
 
     Parameters

@@ -22,7 +22,7 @@ NAMES = (
     *(f"rotation about {first} and {second}" for first, second in combinations("xyz", 2)),
 )
 
-# Length relative to the longest response below which one is zero, as of a line rotating about its own axis.
+# Ratio to the longest response below which a response is zero, as of a line rotating about its own axis.
 SMALLEST_RESPONSE = 1e-9
 
 
