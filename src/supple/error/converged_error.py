@@ -85,8 +85,7 @@ def is_clearly_larger(
 ) -> bool:
     """Whether an error exceeds the allowed error so clearly that its first order suffices.
 
-    A round with such an error is not the last of a self-correction. It needs one iteration less, a third of
-    its cost.
+    A round with such an error is not the last one, and needs one iteration less: a third of its cost.
     """
     small = max(second.values()) <= CLEAR_SECOND and _largest_turn(histories) <= CLEAR_SECOND
     larger = any(
