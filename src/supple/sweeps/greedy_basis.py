@@ -213,8 +213,8 @@ class _Search:
     def _next(self, found: Sequence[Mapping[str, Indicated]]) -> int | None:
         """Index of the next representative; None ends the search.
 
-        The second is the case with the largest scaled indicator or, if that has a full estimate, the case with
-        the smallest, to find the spread. Later ones have the largest indicator, or exceed their allowed error.
+        The second is the case with the largest scaled indicator or, if that has a full estimate, with the
+        smallest, to find the spread. Later ones have the largest indicator, or exceed the allowed error.
         """
         stated = {each.case for each in self.certificate.representatives}
         errors = [self.certificate.scaled_indicator(own) for own in found]
