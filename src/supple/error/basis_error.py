@@ -34,9 +34,9 @@ class BodyError:
     second : float | None   ratio of a second correction to the first at the times of the largest errors;
                             above a third the error is an order of magnitude only; None: not estimated
     history : (t,)          RMS over the nodes at the output times
-    indicator : float       largest RMS over the nodes of the motion outside the basis at rest; infinite
+    indicator : float       largest RMS over the nodes of the quasi-static motion outside the basis; infinite
                             where no equilibrium was found; 0: not estimated
-    withheld : float        relative loss of a static deflection by locking
+    withheld : float        relative deficit of a static deflection due to locking
     """
 
     rms: float

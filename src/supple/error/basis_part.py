@@ -33,7 +33,7 @@ from supple.reduction.locking import TOLERATED
 __all__ = ["assessed_basis", "basis_parts", "distances", "in_full", "stated_of"]
 
 NEGLIGIBLE = 1e-3
-"""Ratio to the largest displacement below which motion outside the basis at rest is ignored."""
+"""Ratio to the largest displacement below which quasi-static motion outside the basis is ignored."""
 
 
 def basis_parts(
@@ -48,7 +48,7 @@ def basis_parts(
 ) -> dict[str, ErrorPart]:
     """Error of a finished run caused by its bases, by name of the quantity of interest.
 
-    fulls, bases : of the reduced bodies whose bases are assessed, by name
+    fulls, bases : full bodies and bases of the assessed reduced bodies, by name
     """
     if system.controllers:  # the error equation does not contain them
         asked = stated_of(system, bases, quantities)
@@ -93,13 +93,13 @@ def assessed_basis(
         system, run, solution, fulls, bases, asked, missed=missing.fields, progress=progress
     )
     for name, own in shapes.items():
-        # Weighted as the motion outside the basis at all instants.
+        # Weighted to count as much as all fields outside the basis together.
         fields = {**fields, name: np.hstack([own * np.sqrt(fields[name].shape[1]), fields[name]])}
     return parts, fields
 
 
 def _is_surely_doubtful(system: System, missing: MissingMotion) -> bool:
-    """Whether an estimate by the error equation is doubtful whatever it is (`BodyError.is_doubtful`)."""
+    """Whether any estimate by the error equation would be doubtful (`BodyError.is_doubtful`)."""
     return any(
         withheld(reduced_form(system, name)) > TOLERATED or not np.isfinite(own.rms).all()
         for name, own in missing.corrections.items()

@@ -58,7 +58,7 @@ def state_batch_errors(
 ) -> tuple[Solution, ...]:
     """The solutions of a batch with their reduction errors and the floor of the integration error.
 
-    Parameters as for `estimate_batch_errors`. The parts of the time step and of the model need single runs
+    Parameters as for `estimate_batch_errors`. Errors of the time step and of the model need single runs
     (`state_errors`).
     """
     bases = stored_bases(cases[0], fulls)
@@ -92,7 +92,7 @@ def estimate_batch_errors(
 ) -> tuple[BasisError, ...]:
     """Errors caused by the bases of reduced bodies in each run of a batch, as `estimate_error` for one run.
 
-    About sixty factorisations serve all runs. In addition each run has its march, in one compiled call.
+    About sixty factorisations serve all runs. The error is marched for all runs in one compiled call.
 
     Parameters
     ----------

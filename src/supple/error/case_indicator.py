@@ -48,15 +48,15 @@ Array = NDArray[np.float64]
 MORE = 12
 """Smallest number of error columns besides those of the motion; half of them for the given fields."""
 SLOWNESS = 1e2
-"""Ratio of the time for a body to come to rest to its longest vibration period."""
+"""Product of the time for all bodies to come to rest and their lowest frequency in rad/s."""
 AT_ONCE = 16
 """Runs marched together: 0.2 GB for 5000 steps in 14 coordinates."""
 MOST_INSTANTS = 1250
-"""Largest number of steps of the error in a run. Full estimates use all steps; the effectivity corrects the
-difference."""
+"""Largest number of steps of the error's march in a run. Full estimates use all steps; the effectivity
+corrects the difference."""
 MANY_STEPS = np.inf
-"""Number of steps assumed in all runs of a sweep: a further column costs time in each run, but all runs share
-one program."""
+"""Number of steps assumed for `padded_size`, for little padding: each column costs time in every run of a
+sweep, and all runs share one program."""
 LOOKED = 200
 """Number of times at which the size of a motion is evaluated."""
 
@@ -121,7 +121,7 @@ def indicator_body(
 ) -> IndicatorBody:
     """The columns of a body that many runs share.
 
-    coordinates : (t, r)    of some of the runs, where condensed tensors add motion outside the basis
+    coordinates : (t, r)    of some of the runs, to sample the motion z that condensed tensors add
     fields : (n, m)         motion outside the basis, found by estimates of some of the runs
     """
     columns = motion_columns(full.body, reduced, basis, coordinates)
@@ -199,7 +199,7 @@ def case_indicators(
 
 
 def size_of_motion(body: ReducedBody, motion: FloatingMotion) -> float:
-    """Largest displacement of a node along a run, seen from the first interface."""
+    """Largest displacement of a node along a run, relative to the first interface."""
     stride = max(1, len(motion.coordinates) // LOOKED)
     return largest_displacement(body, motion.coordinates[::stride])
 

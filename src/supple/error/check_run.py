@@ -62,7 +62,7 @@ def check_run(
     The shapes are the leading directions (n, m) of the difference of the two runs, by body, each with its
     mean size; none where the run with richer bases stopped early.
 
-    fulls, bases : of the reduced bodies whose bases are assessed, by name
+    fulls, bases : full bodies and bases of the assessed reduced bodies, by name
     missed : (n, m) displacement fields outside each basis; None: found here at `INSTANTS` times
     """
     report = progress or (lambda _step, _share: None)
@@ -113,12 +113,12 @@ def _leading_shapes(basis: ReductionBasis, coordinates: np.ndarray) -> np.ndarra
 
 
 def _onto(full: FullBody, basis: ReductionBasis, richer: ReductionBasis) -> np.ndarray:
-    """Coordinates in a richer basis, orthonormal in the mass, of the columns of a basis."""
+    """Coordinates of the columns of a basis in a richer, M-orthonormal basis."""
     return richer.vectors.T @ (full.body.mass @ basis.vectors)
 
 
 def _richer(full: FullBody, basis: ReductionBasis, missed: np.ndarray | None) -> ReductionBasis:
-    """The basis with modes and the motion outside it; if that is unknown, with another start basis."""
+    """The basis extended by modes and the motion outside it; if this is unknown, by another start basis."""
     n_modes = min(MODES, max(full.n_coordinates - 8, 1))
     modes = reduction_basis(full.body, full.frame, NormalModes(n_modes), derivatives=NoDerivatives())
     more = enrich(full.body, basis, modes.vectors, n_modes).basis

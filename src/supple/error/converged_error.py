@@ -48,8 +48,8 @@ def converged(
 
     Each iteration is a Newton step for the motion itself. Without convergence the first differences are
     returned, as an order of magnitude. The iteration continues to a smaller change in two cases: where forces
-    have kinks (a small change can be an oscillation between two sides of a kink), and for errors of the size
-    of the deformation.
+    have kinks (a small change can be an oscillation between two sides of a kink), and for large errors
+    (`is_large`).
     """
     found, own, changes = first, histories, dict.fromkeys(histories, np.inf)
     if not is_finite(histories):
@@ -85,7 +85,7 @@ def is_clearly_larger(
 ) -> bool:
     """Whether an error exceeds the allowed error so clearly that its first order suffices.
 
-    Such a round of a self-correction is not the last one. It needs one iteration less, a third of its cost.
+    A round with such an error is not the last one, and needs one iteration less: a third of its cost.
     """
     small = max(second.values()) <= CLEAR_SECOND and _largest_turn(histories) <= CLEAR_SECOND
     larger = any(
@@ -109,7 +109,7 @@ def deflection(history: ErrorHistory) -> float:
 
 
 def is_large(history: ErrorHistory) -> bool:
-    """Whether an error is as large as the deformation.
+    """Whether an error exceeds a third of the deformation.
 
     Then a small second correction is no proof of accuracy, because the linearised march may have diverged.
     Converged iterations are a proof, in columns that contain the motion outside the basis.

@@ -2,8 +2,8 @@
 
 round-<k>.h5        the motion of run k, a result file (see `storage`)
 round-<k>.stopped   the reason why run k ended before its last output time, if it did
-round-<k>.npz       written before run k starts: per body its basis V, the origin of its columns, and the
-                    motion found outside the bases of run k - 1; the file ends in a seal
+round-<k>.npz       written before run k starts: per body its basis V, the origin of its columns, and its
+                    error and indicator in run k - 1; the file ends in a seal
 """
 
 from __future__ import annotations

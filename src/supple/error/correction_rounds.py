@@ -43,11 +43,11 @@ class SelfCorrection:
                             to the body's first interface, or to its floating frame without an interface
     instants : int          number of stratified samples of the run at which the residual is balanced, in
                             addition to the times of load peaks and kinks
-    directions : int        columns added per round; fewer may save single columns, but an omitted stiff
-                            direction locks the others and costs a further round
+    directions : int        columns added per round; fewer may save single columns, but omission of a stiff
+                            direction causes locking and costs a further round
     largest_size : int      largest number of coordinates of the basis
     max_rounds : int        largest number of enrichments
-    of : QuantityOfInterest     the error of which is limited; by default the positions of all nodes
+    of : QuantityOfInterest     quantity whose error is limited; by default the positions of all nodes
 
     Raises ModelError when both or none of absolute and relative are given, or a number is not positive.
     """
@@ -69,7 +69,7 @@ class SelfCorrection:
                 raise ModelError(f"self-correction: {name} must be a positive number, not {value}")
 
     def allowed(self, size: float) -> float:
-        """The target error of a quantity; size : for the whole body, its largest displacement."""
+        """The target error of a quantity of given size; for a whole body, its largest displacement."""
         return self.absolute or (self.relative or 0.0) * size
 
     def quantity(self, body: str) -> QuantityOfInterest:
@@ -117,10 +117,10 @@ class Round:
     seconds : float                 wall time of the reduction, the run and its correction, of all bodies
     allowed : float                 the target error, in the unit of the quantity of interest
     useless : bool                  no improvement over the previous round
-    unconfirmed : bool              the body locks, or the motion outside the basis at rest exceeds the
+    unconfirmed : bool              the body locks, or the quasi-static motion outside the basis exceeds the
                                     estimated error, and no second run has confirmed that error
     number : int | None             number of the run in the archive; None: that of the round
-    run : Run | None                the settings of the run as it was stepped
+    run : Run | None                the settings with which the run was made
     """
 
     body: ReducedBody

@@ -1,7 +1,7 @@
 """Self-correction at rest: find an equilibrium or modes, and enrich the bases by the motion outside them.
 
-No time integration is needed. The equilibrium in all coordinates follows from the reduced one by one
-factorisation, and the enriched basis contains it. One or two rounds therefore suffice.
+No time integration is needed. One factorisation gives the equilibrium in all coordinates from the reduced
+equilibrium, and the enriched basis contains it. One or two rounds therefore suffice.
 """
 
 from __future__ import annotations

@@ -56,7 +56,7 @@ __all__ = ["ErrorEstimate", "ErrorEstimator", "MissingMotion", "estimate_error"]
 
 INSTANTS = 50
 FRESH = 16
-"""Number of the `INSTANTS` not used to build the error space; their corrections measure the part outside."""
+"""Number of `INSTANTS` not used to build the error space: corrections there measure the part outside it."""
 DIVERGED = 10.0
 """Ratio of error to deformation above which the error is a numerical instability."""
 
@@ -89,7 +89,7 @@ class MissingMotion:
     steps : the run at every step, or at its output times if it stopped early
     corrections : by body, at the times that build the error space and at further ones
     n_looked : number of the times that build the error space
-    along : numbers of many steps, for tangents that contain this motion
+    along : indices of many steps, for tangents that contain this motion
     """
 
     steps: EveryStep
@@ -411,7 +411,7 @@ def _differences(
     """True motion less the run's, the errors by body, and their last relative change by body.
 
     None where the differences grow far beyond the deformation: the order of magnitude is then unknown, too.
-    missed_along : motion outside the bases at rest, at many times
+    missed_along : quasi-static motion outside the bases, at many times
     allowed : as for `ErrorEstimator.assess`
     smooth : bool   whether elastic second corrections suffice to show that an error is small
     """
@@ -470,7 +470,7 @@ def body_error(
         worst_node=int(np.argmax(sizes)),
         worst_time=float(history.times[row]),
         rest=_rest(history, fresh),
-        # Without the motion outside the basis at rest, the columns of such a large error may lock.
+        # Without the quasi-static motion outside the basis, the columns of such a large error may lock.
         second=np.inf if is_large(history) and not np.isfinite(indicator) else second,
         history=rms,
         indicator=indicator,

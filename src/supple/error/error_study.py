@@ -29,12 +29,12 @@ class ErrorStudy:
     """The parts of the error that are estimated, and the quantities of interest.
 
     basis : bool        error of the basis, by the error equation or by one more run with richer bases; for
-                        bodies whose full coordinates are given
+                        reduced bodies whose full bodies are given
     integration : bool  errors of step and tolerance, by two more runs: the first with a tighter tolerance,
                         the second also with half the step; False: only the floor of the integration error
     model : bool        error of the kinematics, from the forces of all elements and one solution of the whole
                         system at six times
-    quantities : of interest, in addition to the positions of every elastic body
+    quantities : quantities of interest besides the positions of every elastic body
     """
 
     basis: bool = True
@@ -69,8 +69,8 @@ def state_errors(
     ----------
     system, run, solution : the machine as simulated, the settings of the run, and its result
     study : ErrorStudy      by default all parts, of every elastic body
-    fulls : the full bodies of the reduced ones; without them the error of the basis is not estimated, and
-        that of the model from its rotation limit only
+    fulls : the full bodies of the reduced ones; without them the error of the basis is not estimated, and the
+        error of the model follows from the rotation limit
     progress : called with the name of the current step and its completed fraction
 
     Raises

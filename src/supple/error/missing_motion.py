@@ -10,8 +10,8 @@ straight or about to buckle. A basis enriched by such directions does not improv
 
 The solution at one time is the start value at the next: missing motion grows from zero and is followed as it
 grows. A shell whose walls buckle has several equilibria close together, and the motion follows one of them.
-If sample times are far apart, the search leaves this equilibrium (61.5 m blade at 8 rad/s: it does at 0.6 s,
-not at 0.2 s). At intermediate times a relative correction of a tenth is accurate enough, because the search
+If sample times are far apart, the search leaves this equilibrium (61.5 m blade at 8 rad/s: if 0.6 s apart,
+not 0.2 s). At intermediate times a relative correction of a tenth is accurate enough, because the search
 at the next sample time has the strict tolerance again. A tangent is frozen over several times while it
 reduces corrections to less than a third.
 

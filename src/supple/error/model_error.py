@@ -7,10 +7,10 @@ system gives the resulting change of the motion,
 
     K_t delta = - ( f_turned(q) - f(q) ),
 
-with joints and frames constrained as for the motion outside a basis. q is the run's motion plus the motion
-outside its basis at rest (`missing_motion`). In the run's own motion, elements may be compressed, because the
+with joints and frames constrained as for the motion outside a basis. q is the run's motion plus quasi-static
+motion outside its basis (`missing_motion`). In the run's own motion, elements may be compressed, because the
 basis cannot relax the compression; K_t would be nearly singular there. For a strip of 1 m, bent by a quarter
-of its length, this gave 5 mm instead of 0.1 mm. The estimate is quasi-static. It does not include the changed
+of its length, the error was then 5 mm, not 0.1 mm. The estimate is quasi-static. It does not include changed
 frequencies, which affect the phase of long vibrations, nor the discretisation error of the mesh.
 
 A body without elements, and any body of a machine with controllers, is assessed by its rotation limit: the
@@ -19,7 +19,7 @@ third power of the rotation.
 
 A linear body is compared with the original body, whose quadratic strains include the shortening by bending
 and the stiffening of the membrane. If the body bends by more than its thickness, its linear motion has a
-large residual from stretching alone (for a plate of 4 mm, with nodes displaced by 14 mm: 0.3 m instead of
+large residual from stretching alone (plate 4 mm thick, nodes displaced by 14 mm: an error of 0.3 m, not
 0.14 mm). The linear motion is therefore corrected to second order first; Newton's method continues from the
 result (`MissingMotionSearch`). The error of a linear body without elements is theta^2 / 2 of its length, with
 theta its largest rotation. Where rotations are unknown, theta = 3 u / 2 L, that of a cantilever with the
@@ -77,7 +77,7 @@ def model_errors(
     fulls : the same bodies with all coordinates, by name; those without elements are assessed by their limit
     bases : of the reduced bodies, by name
     quantities : the error of positions of one of these bodies follows from the body's own motion; that of
-        another quantity from the relative error of its body, or the largest of all bodies if it has none
+        another quantity from the relative error of its body, or the largest of all bodies if without a body
     """
     seen_bodies = [full for name, full in fulls.items() if full.body.model is not None and name in bases]
     if system.controllers:  # their forces are known during the run only

@@ -12,7 +12,7 @@ by Newton's method for the whole system (`missing_motion`), with corrections
 K_t is the tangent of the deformed body and of the inertia forces at given accelerations (the centrifugal term
 softens, the tension it causes stiffens). The frame rows D and the joint rows G are constraints; the motion of
 the frame and of the other bodies and the joint forces are unknowns. One clamped interface, closed loops and
-free flight are therefore the same case. The inertia M / p resists rigid motion, which a static equilibrium
+free flight need no distinction. The inertia M / p resists rigid motion, which a static equilibrium
 would leave free. delta is the quasi-static missing motion. In displacements of the run, z is zero at the
 first interface; in these equations z is relative to the body's frame. The rigid motion between the two is
 subtracted from delta.

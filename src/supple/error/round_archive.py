@@ -1,4 +1,4 @@
-"""Archives of the rounds of a self-correction, from which an interrupted one continues."""
+"""Archives of the rounds of a self-correction, which can be resumed from them."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ FOLLOWED = 100
 
 
 def stratified_samples(n_times: int, number: int, seed: int) -> NDArray[np.intp]:
-    """One output time of 1 .. n_times - 1 at random in each of `number` equal intervals, ascending.
+    """Indices of output times in 1 .. n_times - 1: a random one in each of `number` equal intervals.
 
     Evenly spaced samples could hit a periodic load always at the same phase.
     """
@@ -32,7 +32,7 @@ def stratified_samples(n_times: int, number: int, seed: int) -> NDArray[np.intp]
 
 
 def load_peaks(system: System, times: Sequence[float] | NDArray[np.float64]) -> NDArray[np.intp]:
-    """Output times at which laws are largest, or which follow a kink; ascending, without the start."""
+    """Indices of output times where laws are largest, or that follow a kink; ascending, without the start."""
     times = np.asarray(times)
     found: list[float] = []
     for _, law in laws_of(system):

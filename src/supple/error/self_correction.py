@@ -38,8 +38,8 @@ def self_correct(
     Start with small bases and run. Estimate the error and the motion outside the bases (`estimate_error`).
     Append the leading directions of that motion to the bases, and run again. Neither a full-order time
     integration nor a run with a finer basis is needed: the run's own residual at every step drives its
-    linearised integrator. The appended directions include the motion that balances the residual at rest, at
-    some sample times (`system_corrections`); its size is reported as `Round.indicator`. Modes within the
+    linearised integrator. The appended directions include the quasi-static motion that balances the residual
+    at some sample times (`system_corrections`); its size is reported as `Round.indicator`. Modes within the
     frequency band of the loads belong in the basis from the start (checked by `load_spectrum`).
 
     Every round simulates all reduced bodies together and enriches all their bases, until every body meets its
@@ -66,7 +66,7 @@ def self_correct(
 
     Raises
     ------
-    SelfCorrectionError     (an AccuracyError) a target is not met; its `rounds` hold the results so far
+    SelfCorrectionError     (an AccuracyError) a target is not met; its `rounds` hold the completed rounds
     ModelError              nothing to reduce, a body that is not full; errors of `reduce`
     ConvergenceError        a run stopped before its first output time
 

@@ -5,7 +5,7 @@ not accepted, because its columns are of the same kind: a loop that ended with t
 accept estimates that are too small by chance.
 
 A doubtful estimate (`BodyError.is_doubtful`) is accepted once two runs confirm it: their distance must agree
-with the estimated error of the first.
+with the estimated error of the first, or both must be within the allowed error.
 """
 
 from __future__ import annotations

@@ -43,7 +43,7 @@ Accepted = Callable[[CorrectedSystem], None]
 """Called with the run whose basis meets the target, before other parts of the error are estimated."""
 
 PASSING = 1e-2
-"""`PROVEN` of a first round, which is never the last: its error is needed to a factor of two only."""
+"""`PROVEN` of a first round that cannot be the last: its error is needed to a factor of two only."""
 MOST_PADDED_STEPS = 20_000
 """Largest number of steps with padding coordinates (`padded`), by which rounds share compiled programs; in
 longer runs these coordinates cost more time than another compilation."""
@@ -193,7 +193,7 @@ def _check_load_band(problem: Problem, model: _Model) -> None:
 
 
 def _simulated(problem: Problem, model: _Model) -> _Run:
-    """The run. With a start basis without derivatives it may stop early, but still shows missing motion."""
+    """Simulate a round. Without derivatives in its basis it may stop early, but shows missing motion."""
     began = perf_counter()
     step = f"{model.label}: simulating"
     problem.report(step, 0.0)
@@ -265,7 +265,7 @@ def _enriched(
 def _error(quantity: QuantityOfInterest, name: str, run: _Run, estimate: ErrorEstimate) -> float:
     """Error of a quantity, from the corrected motion and the part outside the error space.
 
-    Infinite where the second correction is over a third of the first, an order of magnitude only.
+    Infinite if the second correction exceeds a third of the first: then only an order of magnitude is known.
     """
     own = estimate.error.bodies[name]
     if estimate.corrected is None or own.second is None or own.second > FIRST_ORDER:

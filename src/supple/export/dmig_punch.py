@@ -1,7 +1,7 @@
 """DMIG punch files (.pch): symmetric real matrices of a body, as Nastran and Radioss read them.
 
-    DMIG*   KAAX                   1               1
-    *                              1  1.234567890123456D+05
+    DMIG*   KAAX                           1               1
+    *                      1               1 1.234567890D+05
 
 A field has sixteen columns. Each entry of the lower triangle has one card, column by column.
 """

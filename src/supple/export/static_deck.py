@@ -55,7 +55,7 @@ class DeckProgram:
 
 
 CALCULIX = DeckProgram("CalculiX", "S6", has_midsides=True)
-"""The six-node shell is written, because the three-node shell is a linear wedge, far too stiff in bending."""
+"""The six-node shell is used, as CalculiX's three-node shell is a linear wedge, far too stiff in bending."""
 
 ABAQUS = DeckProgram("Abaqus", "S3", has_midsides=False)
 
@@ -78,7 +78,7 @@ def write_static_deck(
     ----------
     path : Path             ends in .inp
     model : FiniteElementModel      solids, or shells of one material through the thickness
-    loads : (N, 3) or (N, 6)        forces, N, and moments of shells, N m, on all nodes, of fixed direction
+    loads : (N, 3) or (N, 6)        forces, N, and for shells moments, N m, at all nodes; directions are fixed
     clamped : int array (k,)        nodes that are fixed in all degrees of freedom
     program : CALCULIX or ABAQUS    program whose shell element is written; its mid-side nodes are numbered
                                     after the nodes of the mesh

@@ -14,9 +14,9 @@ __all__ = ["turn_generator", "waves_around"]
 Array = np.ndarray
 
 SAME_PLACE = 1e-6
-"""Relative to the size of a body: allowed distance of rotated nodes from others."""
+"""Allowed distance of a rotated node from the nearest node, relative to the size of the body."""
 SAME_SHAPE = 1e-6
-"""Relative to a shape: allowed part of its rotated copy outside the columns of a body."""
+"""Allowed part of a rotated shape outside the columns of the body, relative to the shape."""
 MOST_SECTORS, MOST_WAVES = 360, 6
 ON_AXIS = 8
 """Number of sectors assumed where every node is on the axis."""
@@ -52,7 +52,7 @@ def turn_generator(body: Any, axis: Array, point: Array) -> Array | None:
 
 
 def waves_around(nodes: Array, fields: Array, axis: Array, point: Array) -> Array:
-    """Parts (N p, j) of fields (N p, k) on cyclic nodes, by their number of waves.
+    """Parts (N p, j) of fields (N p, k), p numbers per node, by their number of waves around the axis.
 
         P_n x = (1 / S) sum_k exp(- 2 pi i n k / S) R^k x,     R a rotation by one of S sectors
 

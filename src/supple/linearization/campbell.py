@@ -49,7 +49,7 @@ class CampbellDiagram(Summarized):
     axes : str                          description of the axes of the frequencies
     sense : (ns, nm)                    of whirl: 1 forward, -1 backward, 0 for neither or unknown
     in_space : (ns, nm)                 frequencies in space, rad per unit of time; NaN for modes that do not
-                                        move the rotor normal to its axis, or without a single one
+                                        move the rotor normal to its axis, or that have several
     names : (nm,)                       of the modes, by their motion at the last speed (`mode_names`)
     """
 
@@ -143,7 +143,7 @@ def campbell_diagram(
     ----------
     spins : Spin    in tracking order, with small steps of the rate; the first rate may be zero
     n_modes : number of the slowest modes at the first speed
-    time : of loads and laws
+    time : at which loads and laws are evaluated
     fulls : the bodies with all their coordinates, as for `equilibrium`: at each speed an equilibrium and some
         modes of the full machine are computed for comparison
 

@@ -65,8 +65,8 @@ class LinearMachine(Summarized):
     full_mass : (n, n)          of `p`, without the joints' constraints
     control   : LinearControl   H (k, c), E_p (c, k), E_v (c, k), E_z (c, c)
     full      : FullMachine | None      the machine with all coordinates of its reduced bodies, if known
-    is_in_space : bool          whether y describes rotating bodies in standing axes; `basis` is then that at
-                the angle of the system
+    is_in_space : bool          whether y describes rotating bodies in standing axes; `basis` then holds only
+                at the angle of the system
     periodic  : Periodic | None     the matrices over a revolution, if they vary; `mass`, `damping` and
                 `stiffness` are then their means
     """
@@ -121,7 +121,7 @@ class LinearMachine(Summarized):
 
     @cached_property
     def unit_rates(self) -> Solution:
-        """The equilibrium, with unit rate of each independent coordinate in turn: k times."""
+        """The equilibrium k times, each with a unit rate of one independent coordinate."""
         return self.motion_near(np.zeros_like(self.basis.T), self.basis.T)
 
     def coordinates_of(self, motions: np.ndarray) -> np.ndarray:

@@ -208,7 +208,7 @@ def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
 def _slow_first(machine: LinearMachine) -> Array:
     """Coordinates (k, k) that separate slow and stiff motions: undamped vibrations, slowest first.
 
-    The rounding error of an eigenvalue is relative to the largest matrix entry, in mixed coordinates that of
+    The rounding error of an eigenvalue is relative to the largest matrix entry; in mixed coordinates this is
     the stiffest spring. Slow motions, computed as the highest eigenvalues of the inverse, are accurate
     relative to their own size.
     """
@@ -224,7 +224,7 @@ def _slow_first(machine: LinearMachine) -> Array:
 
 
 def _is_rigid(machine: LinearMachine, values: Any, motions: Any) -> np.ndarray:
-    """Motions (k, ..) whose inertia, damping and stiffness terms are all rounding of large terms.
+    """Whether inertia, damping and stiffness terms of motions (k, ..) are all rounding of large terms.
 
     Beside a spring of stiffness k, a free motion has a rounding error of `eps k` in its stiffness; its
     `|s|^2 M + |s| C` is smaller than that.
@@ -264,7 +264,7 @@ def _state_matrix(machine: LinearMachine, lower: Any) -> tuple[Array, float]:
 
 
 def _is_zero(values: Any, left: Any, right: Any, unit: float) -> np.ndarray:
-    """Eigenvalues that are zero within rounding.
+    """Whether eigenvalues are zero within rounding.
 
     Rounding moves an eigenvalue by its size over `|w^H v|` of the left and right unit vectors, which are
     nearly orthogonal for the two zeros of a free motion, but not for a single slow pole.
@@ -274,7 +274,7 @@ def _is_zero(values: Any, left: Any, right: Any, unit: float) -> np.ndarray:
 
 
 def _one_of_each(values: Any, vectors: Any, scales: Array, k: int) -> tuple[Any, Any]:
-    """The eigenvalue of each conjugate pair above the real axis; as many zeros as they have vectors.
+    """The eigenvalue of each conjugate pair above the real axis; as many zeros as independent vectors.
 
     Each free rigid motion has two poles at zero, of position and rate: they count as one mode.
     """
@@ -283,7 +283,7 @@ def _one_of_each(values: Any, vectors: Any, scales: Array, k: int) -> tuple[Any,
     at_zero = np.hstack([vectors[:, zero].real, vectors[:, zero].imag])
     at_zero[k : 2 * k] = 0.0  # rates, which are rounding
     # Positions in the mass norm: in balanced units, the strain due to the rate of a free rotation is as
-    # large.
+    # large as the rotation.
     weights, places = np.ones((len(at_zero), 1)), scales[:k, None] * at_zero[:k]
     weights[:k, 0] = scales[:k] * np.linalg.norm(at_zero[:k]) / (np.linalg.norm(places) or 1.0)
     directions, sizes, _ = np.linalg.svd(weights * at_zero, full_matrices=False)

@@ -22,7 +22,7 @@ MORE = 4
 UNLIKE = 0.5
 """MAC below which a mode of the reduced machine does not match any mode of the full one."""
 STILL = 1e-6
-"""Relative to the fastest eigenvalue: slower motions are rigid."""
+"""Ratio to the fastest eigenvalue below which motions count as rigid."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class ModeError:
     eigenvalues : complex (k,)      of each mode with all coordinates; NaN without a matching mode
     relative : (k,)                 |s - s_full| / |s_full|; infinite without a matching mode
     missed : complex (m,)           eigenvalues of the full machine below that of the fastest mode, without a
-        mode of the reduced machine
+        matching mode of the reduced machine
     fields : (n, j), by body        deformation of the full machine's modes, matched and missed
     """
 

@@ -57,7 +57,7 @@ def _radii(placed: Placed, spin: Spin) -> Array:
 
 
 def _of_blade(modes: MachineModes, number: int, placed: Placed, spin: Spin, radii: Array) -> str:
-    """The motion with the largest part of the sum of squares over the nodes, by sections."""
+    """Name of the motion with the largest part of the sum of squares over the nodes, by sections."""
     along = radii.mean(axis=0) / np.linalg.norm(radii.mean(axis=0))
     moved = _moved(modes, number, placed)
     places = radii @ along

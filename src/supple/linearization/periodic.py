@@ -35,7 +35,7 @@ LARGEST = 4000
 HALF = 1e-3
 """Distance of a mean harmonic from one half within which both neighbours are kept."""
 ZERO = 3e-7
-"""Relative to the stiffness: smaller eigenvalues are zero within rounding."""
+"""Ratio to a typical frequency below which an eigenvalue is zero within rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +143,7 @@ def _with_harmonics(periodic: Periodic, number: int) -> FloquetModes:
 
 
 def _twins(values: Array, mean: Array, shift: complex) -> Array:
-    """Modes with a mean harmonic near -1/2 that repeat others near 1/2, one harmonic apart."""
+    """Whether modes have a mean harmonic near -1/2 and repeat others near 1/2, one harmonic apart."""
     other = np.flatnonzero(abs(mean - 0.5) <= HALF)
     twins = abs(mean + 0.5) <= HALF
     apart = abs(values[:, None] - shift - values[other]).min(axis=1, initial=np.inf)
@@ -151,7 +151,7 @@ def _twins(values: Array, mean: Array, shift: complex) -> Array:
 
 
 def _one_of_zeros(values: Array) -> Array:
-    """One of the two zeros of each free motion."""
+    """Indices of the eigenvalues, with only one of the two zeros of each free motion."""
     zero = np.flatnonzero(values == 0)
     return np.setdiff1d(np.arange(len(values)), zero[1::2])
 

@@ -35,13 +35,13 @@ _ALLOWED = 1e-5
 _ROUNDS = 60
 
 _NEW = 1e-5
-"""Relative to a motion: a smaller new part is rounding."""
+"""Ratio to a motion below which its new part is rounding."""
 
 
 def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) -> Array:
     """Motions (n, k), mass-orthonormal, whose span contains the slowest modes; all of a small machine.
 
-    modes_of : eigenvalues and coordinates of the modes of a `LinearMachine`, slowest first
+    modes_of : function for eigenvalues, coordinates and controller states of modes, slowest first
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """A rotating machine in standing axes: rotors on unequal bearings, blades on a tower.
 
 Small motions `p` of rotating bodies are measured in their own axes, where standing parts vary with the angle
-psi of rotation. Other coordinates, `p = W(psi) z`, describe both by constants:
+psi of rotation. In other coordinates z, `p = W(psi) z`, the equations of both can be constant:
 
 - one rotating body, the hub, has its rigid motion as a twist at the axis, in standing axes; the motions of
 the other rotating bodies are relative to the hub, so that nothing between rotating bodies varies;
@@ -12,7 +12,7 @@ the other rotating bodies are relative to the hub, so that nothing between rotat
 - bodies with cyclic symmetry about the axis have deformation and relative motion in standing axes
 (`turn_generator`).
 
-With psi' = W' constant (rate r) and M, C, K at that angle,
+With a constant rate psi' = r, W' = dW/dpsi, and M, C, K at that angle,
 
     M_z = W^T M W,    C_z = W^T (C W + 2 r M W'),    K_z = W^T (K W + r C W' + r^2 M W'').
 
@@ -44,7 +44,7 @@ __all__ = ["CONSTANT", "FEW", "BodyColumns", "Sampled", "constant_in_standing_ax
 CONSTANT = 1e-6
 """Relative variation of the equations over the rotation above which they are not constant."""
 FEW, SAMPLES = 7, 16
-"""Angles of a revolution at which equations are compared, and at which their harmonics are found."""
+"""Numbers of angles of a revolution at which equations are compared, and their harmonics found."""
 FINE = 64
 """Least number of angles for the coordinates W alone; their derivatives are computed from their harmonics."""
 PER_BLADE = 3
@@ -52,9 +52,9 @@ PER_BLADE = 3
 BETWEEN = 0.7
 """rad, not a fraction of a revolution: detects variations that vanish at all evenly spaced angles."""
 ROUNDING = 64 * np.finfo(float).eps
-"""Relative to the terms of a sum."""
+"""Rounding error of a sum, relative to its terms."""
 SAME_PLACE = 1e-6
-"""Relative to the size of the machine, and rad: allowed deviation of equal bodies from even spacing."""
+"""Allowed deviation of equal bodies from even spacing, relative to the size of the machine and in rad."""
 
 
 class Sampled(NamedTuple):
@@ -77,11 +77,11 @@ class BodyColumns(NamedTuple):
 
 
 def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str) -> LinearMachine:
-    """The machine in coordinates for standing and rotating parts alike.
+    """The machine in coordinates that suit both standing and rotating parts.
 
     refusal : error message: why the machine is not linearised in co-rotating axes
-    Raises ModelError for a machine whose equilibrium varies with rotation, with controllers, or whose joints
-    leave other motions free at another angle.
+    Raises ModelError for a machine with controllers, one whose equilibrium varies with rotation, or one whose
+    joints leave other motions free at another angle.
     """
     if found.system.controllers:
         raise ModelError(refusal)
@@ -152,7 +152,7 @@ class _Coordinates(NamedTuple):
 
     @classmethod
     def of_fine(cls, W: Array, number: int) -> _Coordinates:
-        """At some of finer angles, whose harmonics give the derivatives exactly."""
+        """Coordinates at `number` of the angles of W; harmonics over all angles give exact derivatives."""
         harmonics = 1j * np.fft.fftfreq(len(W), 1 / len(W))[:, None, None]
         spectrum = np.fft.fft(W, axis=0)
         spectrum[abs(spectrum) < ROUNDING * abs(spectrum).max()] = 0.0
@@ -177,7 +177,7 @@ class _Seen(NamedTuple):
 def _seen_in_every_way(
     found: RestingState, spin: Spin, columns: BodyColumns, sampled: Sampled
 ) -> list[_Seen]:
-    """The machine in all coordinates in which the joints leave the same motions free."""
+    """The machine in all coordinates in which the joints leave the same motions free at all angles."""
     ways = _ways(found, spin, columns, len(sampled.mass))
     seen = (_seen(sampled, spin, coordinates) for coordinates in ways)
     return [each for each in seen if each is not None]
@@ -270,7 +270,7 @@ def _hub_in_space(found: RestingState, spin: Spin, columns: BodyColumns, angles:
 
 
 def _equal_bodies(found: RestingState, spin: Spin, columns: BodyColumns) -> list[list[int]]:
-    """Groups of three or more rotating bodies of equal size, evenly around the axis, by ascending angle."""
+    """Groups of three or more rotating bodies with equally many coordinates, evenly spaced, by angle."""
     turning, configuration = turning_bodies(found, spin), found.configuration
     hub, slices = _hub(found, turning), columns.slices
     length = float(found.equations.model.length)

@@ -40,11 +40,11 @@ ROUNDS = 8
 STAYS = 1e-6
 """Relative change of an eigenvalue per round below which modes have converged."""
 STILL = 1e-6
-"""Relative to the fastest eigenvalue: slower motions are rigid."""
+"""Ratio to the fastest eigenvalue below which motions count as rigid."""
 NEW = 1e-5
-"""Relative to a response: a smaller new part is rounding."""
+"""Ratio to a response below which its new part is rounding."""
 ALIKE = 1e-9
-"""Relative to a basis: allowed difference for equal bodies."""
+"""Allowed difference between the bases of equal bodies, relative to the bases."""
 PAIRED = 0.99
 """Ratio of sizes above which two columns are a shape and its rotated copy: both are kept, or none."""
 
@@ -177,8 +177,8 @@ def slowest_in_standing_axes(
 ) -> tuple[Any, Any]:
     """Eigenvalues and shapes (N, k), at the first angle, of the slowest modes with all coordinates.
 
-    machine : the same in co-rotating axes, whose factor is used for the responses
-    modes_of : eigenvalues and coordinates of the modes of a `LinearMachine`, slowest first
+    machine : the same machine in co-rotating axes, whose factor is used for the responses
+    modes_of : function for eigenvalues and coordinates of the modes of a `LinearMachine`, slowest first
     Raises AccuracyError for modes that do not converge, or equations that are not constant.
     """
     vectors, before = turn.vectors, np.zeros(0)

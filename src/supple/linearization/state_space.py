@@ -35,14 +35,14 @@ class Velocity(_Derivative):
 
 
 class Acceleration(_Derivative):
-    """The second derivative of a port's motion, as output, in the same axes."""
+    """The second derivative of a port's motion, as output, in the axes of `Velocity`."""
 
 
 @dataclass(frozen=True, eq=False)
 class StateSpace:
     """`x' = A x + B u`, `w = C x + D u`, with `x = (y, y', z)` of the `LinearMachine`, z of its controllers.
 
-    a : (m, m)    b : (m, ni)    c : (no, m)    d : (no, ni),    m = 2 k and the number of states z
+    a : (m, m)    b : (m, ni)    c : (no, m)    d : (no, ni),    m = 2 k + number of states z
     inputs, outputs : their names
     """
 

@@ -21,7 +21,7 @@ __all__ = ["TurnedEquations", "equations_turned_on", "refuse_other_speeds", "tur
 
 
 SAME_RATE = 1e-9
-"""Relative to the spin: a slower drive counts as fixed."""
+"""Ratio to the spin rate up to which a drive counts as fixed."""
 
 
 class TurnedEquations(NamedTuple):

@@ -19,14 +19,14 @@ __all__ = ["Whirl", "whirl"]
 Array = np.ndarray
 
 LEAST = 1e-6
-"""Relative to the kinetic energy of a mode: a smaller motion normal to the axis is not whirl."""
+"""Share of the kinetic energy of a mode below which motion normal to the axis is not whirl."""
 ROUND, TURNING_ROUND = 1e-3, 0.5
 """Difference of both senses over their sum, above which an orbit has a sense: for orbits in space, however
 flat; and in co-rotating axes, where a flat orbit is a sum of two motions in space."""
 ALIKE = 1e-6
 """Relative distance of frequencies in co-rotating axes within which modes are arbitrary combinations."""
 ON_AXIS = 1e-6
-"""Relative to the size of a body."""
+"""Allowed distance from the axis of an interface on the axis, relative to the size of the body."""
 
 
 class Whirl(NamedTuple):
@@ -92,7 +92,7 @@ def _across(machine: LinearMachine, shapes: Array) -> tuple[Array, Array]:
 
 
 def _on_axis(machine: LinearMachine, placed: Placed, shapes: Any, directions: Array) -> Array:
-    """Motions (2, p, k) of interfaces of a body on the axis, by the root of their share of its mass."""
+    """Motions (2, p, k) of interfaces of a body on the axis, times the root of their share of its mass."""
     spin, body = machine.spin, placed.body
     assert spin is not None
     arms = [placed.position + placed.rotation @ end.position - spin.point for end in body.interfaces]

@@ -34,7 +34,7 @@ class BodyModes:
 class ClampedModes(BodyModes):
     """Modes of a reduced body, with their damping.
 
-    damping_ratios : (m,)   phi^T D phi / (2 omega), with the damping at rest
+    damping_ratios : (m,)   phi^T D phi / (2 omega), D the damping matrix of the undeformed body
     """
 
     damping_ratios: np.ndarray

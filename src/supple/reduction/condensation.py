@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 NUMBERS_AT_ONCE = 2**24
 FEWEST_AT_ONCE = 16
 
-# Energy shares below which columns are dependent: those of a basis, and static interface shapes on it.
+# Energy shares below which columns are dependent: basis columns on each other, interface shapes on the basis.
 DEPENDENT = 1e-12
 DEPENDENT_ON_BASIS = 1e-8
 
@@ -65,7 +65,7 @@ class Condensation:
 
     @cached_property
     def energy(self) -> Array:
-        """R (n2, n2): energy released by the pairs' motion outside the columns; symmetric, not negative."""
+        """R (n2, n2): energy released by pair motion outside columns and interface shapes; >= 0."""
         energy = self._energy_of_all - self._held.T @ self._held
         return (energy + energy.T) / 2
 
@@ -78,7 +78,7 @@ class Condensation:
         """The motion z at the nodes: independent fields that span those of all pairs, energy-orthonormal."""
         first, second = self._pairs
         scale = np.sum(self._vectors * (self.body.stiffness @ self._vectors), axis=0) ** -0.5
-        unit = scale[first] * scale[second]  # of pairs of columns of unit energy
+        unit = scale[first] * scale[second]  # scales pairs to columns of unit energy
         largest = np.max(unit**2 * np.diag(self._energy_of_all))
         (pivoted_cholesky,) = linalg.get_lapack_funcs(("pstrf",), (self.energy,))
         factor, order, rank, _ = pivoted_cholesky(
@@ -163,7 +163,7 @@ class Condensation:
 
     @cached_property
     def _energy_of_all(self) -> Array:
-        """Energy like R, but of all motion t_jk: f^T K^-1 f, with K t = -f."""
+        """Like R, but the energy of the whole motion t_jk: f^T K^-1 f, with K t = -f."""
         n2 = len(self._pairs[0])
         energy = np.empty((n2, n2))
         for i, block in enumerate(self._blocks):
@@ -175,7 +175,7 @@ class Condensation:
 
     @cached_property
     def _held(self) -> Array:
-        """(q, n2): shares of the pair forces in the motion of the columns and of the interfaces."""
+        """(q, n2): work of the pair forces on the K-orthonormal columns and interface shapes."""
         shapes = np.hstack([self._columns, self._interfaces])
         return np.hstack([shapes.T @ self._forces(block) for block in self._blocks])
 
@@ -190,7 +190,7 @@ class Condensation:
 
     @cached_property
     def _interfaces(self) -> Array:
-        """Static interface shapes outside the columns, K-orthonormal; the first interface rests."""
+        """Static interface shapes outside the columns, K-orthonormal; the first interface is fixed."""
         if len(self.body.interfaces) < 2:
             return np.empty((self.body.n, 0))
         return _orthonormalized(interface_shapes(self.body)[:, 6:], self.body.stiffness, self._columns)

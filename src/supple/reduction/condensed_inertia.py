@@ -13,8 +13,8 @@ added to blocks of the inertia Gram matrix of the same form. A body without axia
 centrifugal stiffening; energy and momenta are conserved, at no cost in the run.
 
 In a nodal-fixed frame the columns can nearly cancel motions of the frame. Velocities of z are not small
-compared with the remainder, and the mass matrix would become indefinite: there z has no inertia. The missing
-stiffness is computed, and a warning reports it.
+compared with the remainder, and the mass matrix would become indefinite: in this frame the inertia of z is
+omitted. The missing stiffness is computed, and a warning reports it.
 
 Source: derived here; theory page on tensors.
 """

@@ -23,7 +23,7 @@ class CondensedMotion:
     Its strain is the linear one, and its inertia is of leading order (`condensed_inertia`). Displacements
     include it: the edges of a strip twisted by theta move inwards by width theta^2 / 4, a bent beam shortens.
 
-    fields : (n_nodal, m)       orthonormal in the strain energy; interfaces rest
+    fields : (n_nodal, m)       orthonormal in the strain energy; interfaces do not move
     amplitudes : (m, n2)        n2 = r(r+1)/2
     moments : (12, n2)          inertia moments of z; None: no inertia, as in files of format version 1
     """

@@ -42,7 +42,7 @@ def enrich(body: FlexibleBody, basis: ReductionBasis, fields: np.ndarray, n: int
     seen = in_frame(fields)
     norms = np.sqrt(np.sum(seen * (body.mass @ seen), axis=0))
     directions = leading_directions(seen, basis.vectors, body.mass, norms)
-    # Repeated after scaling, as directions of small fields carry the round-off of large ones.
+    # Projected again after scaling, as directions of small fields carry the round-off of large ones.
     added = in_frame(directions.vectors[:, :n])
     V = mass_orthonormalize(np.hstack([basis.vectors, added]), body.mass).vectors
     check_frame_motion(body, basis.frame, V)

@@ -1,4 +1,4 @@
-"""The quartic tensor as blocks of pairs, which the symmetries of a body leave nonzero.
+"""The quartic tensor as those blocks of pairs that the symmetries of a body leave nonzero.
 
 In a body with planes of symmetry every shape is even or odd in each of them. A term of the strain energy that
 is odd as a whole is zero, so that the packed products `g_l g_m` fall into classes, two for one plane and four
@@ -26,7 +26,7 @@ _LARGEST_SHARE = 0.75
 _FEWEST_PAIRS = 100
 """Smallest matrix that is split: below it, the overhead of a product exceeds the saving."""
 _SMALLEST_BLOCK = 16
-"""Pairs; smaller classes are merged, for the same reason."""
+"""Smallest number of pairs in a block; smaller classes are merged, for the same reason."""
 
 
 class PairBlocks(NamedTuple):
@@ -35,7 +35,7 @@ class PairBlocks(NamedTuple):
     first: tuple[NDArray[np.int32], ...]
     """(n_b,) the coordinate l of every pair of a block"""
     second: tuple[NDArray[np.int32], ...]
-    """(n_b,) m"""
+    """(n_b,) the coordinate m of every pair"""
     matrices: tuple[Array, ...]
     """(n_b, n_b)"""
     position: NDArray[np.int32]

@@ -29,7 +29,7 @@ class CondensedQuartic:
     """Stiff motion outside the columns follows the columns statically: no locking; see `Condensation`."""
 
     def strains(self, plain: StrainProducts, left_out: Condensation) -> StrainProducts:
-        """The quadratic strains minus those that this motion relaxes, for force and damping alike."""
+        """The quadratic strains without those that the condensed motion relaxes, for force and damping."""
         return plain.condensed(left_out.energy)
 
     def motion(self, left_out: Condensation) -> CondensedMotion | None:

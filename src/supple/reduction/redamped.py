@@ -16,7 +16,7 @@ __all__ = ["redamped"]
 Array = NDArray[np.float64]
 
 ROUND_OFF = 1e-9
-"""Relative to the damping removed: a smaller remainder is not the body's own damping."""
+"""Ratio to the damping removed below which the remainder is round-off, not damping of imported matrices."""
 
 
 def redamped(body: ReducedBody, before: Damping, after: Damping) -> ReducedBody:
@@ -24,7 +24,7 @@ def redamped(body: ReducedBody, before: Damping, after: Damping) -> ReducedBody:
 
         D = D_own + alpha V^T P^T M P V + beta V^T K V,      D(q) - D(0) proportional to beta
 
-    with P V = V - R a, a the motion of the interface `held`: the body's Gram matrix contains all of it. For
+    with P V = V - R a, a the motion of the interface `held`: the body's Gram matrix contains all terms. For
     modal damping, D follows from the modes of the same matrices. D_own is the damping of imported matrices.
 
     before : the damping that the body was reduced with

@@ -22,7 +22,7 @@ from supple.reduction.reduction_basis import ReductionBasis, reduction_basis
 __all__ = ["reduce"]
 
 LARGEST_SHEAR = 0.01
-"""Share of the energy of the lowest mode, for walls without shear flexibility."""
+"""Share of shear in the energy of the lowest mode above which walls rigid in shear cause a warning."""
 
 
 @checked_arguments

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ReducedBody", "ReducedInterface"]
 
-# Relative to the largest tensor entry: allowed deviation of its sums from the symmetry of a potential.
+# Allowed deviation of a tensor from symmetry in all indices, relative to its largest entry.
 LARGEST_ASYMMETRY = 1e-8
 
 
@@ -69,7 +69,7 @@ class ReducedBody(FloatingForm, Summarized):
     stiffness : (r, r)          V^T K V
     cubic : (r(r+1)/2, r)       or None: the body is linear
     quartic : (n2, n2)          or None, n2 = r(r+1)/2
-    damping : (r, r)            acts on the rates of gamma, undeformed
+    damping : (r, r)            multiplies the rates of gamma, undeformed body
     damping_cubic : (n2, r)     or None; increase of the damping with deformation, for strain-rate damping:
     damping_quartic : (n2, n2)  D = damping + unpack(damping_cubic @ gamma) + unpack(damping_quartic @ m2)
     interfaces : ReducedInterface, one per virtual node
@@ -80,7 +80,7 @@ class ReducedBody(FloatingForm, Summarized):
     frequencies : (r,)          rad/s, ascending, of the reduced body fixed in its frame
     report : ReductionReport
     condensed : motion z outside the columns, condensed into the quartic tensor; None without
-    padding : int               padding coordinates of a run, see `padded`; not stored in files
+    padding : int               number of padding coordinates in a run, see `padded`; not stored in files
     full : FullBody | None      reference to the full body before reduction; not stored in files and not
            passed to other processes
     elastic_elsewhere : bool    the tensors lack the nonlinear elastic force of the elements; not stored in
@@ -185,7 +185,7 @@ class ReducedBody(FloatingForm, Summarized):
 
     @cached_property
     def damping_quartic_blocks(self) -> np.ndarray | PairBlocks | None:
-        """The quartic tensor of the damping, likewise."""
+        """The quartic tensor of the damping without its zero blocks."""
         return None if self.damping_quartic is None else pair_blocks(self.damping_quartic)
 
     def interface(self, name: str) -> ReducedInterface:

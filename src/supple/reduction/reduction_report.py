@@ -16,7 +16,7 @@ __all__ = ["Locking", "ReductionReport"]
 Array = NDArray[np.float64]
 
 ROTATION = 0.1
-"""rad, rotation in linear theory under the softest of the loads, relative to the fixed interface."""
+"""rad; rotation of the softest response in linear theory, relative to the fixed interface."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,5 +99,5 @@ def _largest(shares: Array) -> float:
 
 
 def in_percent(share: float) -> str:
-    """A share to two digits, for tables and warnings."""
+    """A share in per cent to two digits, for tables and warnings."""
     return f"{100 * share:.2g} %" if share >= 1e-4 else "none"

@@ -76,7 +76,7 @@ class InternalForceTensors:
         return self.stiffness + A3 + A4
 
     def condensed(self, energy: np.ndarray) -> InternalForceTensors:
-        """The tensors minus the energy (1/8) s^T R s, s_(jk) = mult_jk gamma_j gamma_k, of condensed motion.
+        """Tensors of the energy less (1/8) s^T R s of condensed motion, s_(jk) = mult_jk gamma_j gamma_k.
 
         energy : (n2, n2)   R of `Condensation`
         """
@@ -85,9 +85,9 @@ class InternalForceTensors:
         return replace(self, quartic=self.quartic - _fold_quartic(energy, self.r))
 
     def symmetrized(self) -> InternalForceTensors:
-        """Tensors of the same energy, symmetric in all indices: their force is its gradient.
+        """Tensors of the same energy, symmetric in all indices: their force is the energy's gradient.
 
-        The forces of published forms that are symmetric in some indices only have no potential.
+        Some published tensors are symmetric in part of the indices only: their forces have no potential.
         """
         if self.cubic is None or self.quartic is None:
             return self

@@ -45,8 +45,8 @@ from supple.sweeps.training_runs import TrainingRuns, training_runs
 __all__ = ["certify", "indicated", "training_cases"]
 
 FEWEST, MOST, MOST_EXCEEDING = 2, 3, 6
-"""Smallest and largest number of representative cases of a group, the latter also for cases whose estimates
-exceed their allowed errors: a full estimate costs less than an enrichment that it proves needless."""
+"""Smallest and largest number of representative cases of a group, and the largest number if estimates exceed
+allowed errors: a full estimate costs less than a needless enrichment."""
 MOST_ENRICHED = 3
 """Largest number of enrichments of the bases at representative cases."""
 
@@ -161,7 +161,7 @@ class _Search:
     ) -> tuple[list[Representative], dict[str, np.ndarray]]:
         """The full estimate of a case, as for a single run, and the motion that its bases lack, by body.
 
-        known : indicators of the case, so far
+        known : previous indicators of the case
         """
         own, solution = self._cases[place], self._solutions[place]
         fulls = self._group.fulls(own.case)
@@ -213,8 +213,8 @@ class _Search:
     def _next(self, found: Sequence[Mapping[str, Indicated]]) -> int | None:
         """Index of the next representative; None ends the search.
 
-        It is the case with the largest scaled indicator. If that case has a full estimate, it is the case
-        with the smallest one, to find the spread. Later ones are cases that exceed their allowed errors.
+        The second is the case with the largest scaled indicator or, if that has a full estimate, with the
+        smallest, to find the spread. Later ones have the largest indicator, or exceed the allowed error.
         """
         stated = {each.case for each in self.certificate.representatives}
         errors = [self.certificate.scaled_indicator(own) for own in found]
@@ -235,7 +235,7 @@ class _Search:
 def _with_locking(
     system: System, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]
 ) -> System:
-    """The machine with the locking of its bodies computed; bodies read from files have no locking."""
+    """The machine with the locking of its bodies computed; files of bodies do not contain it."""
     bodies = []
     for each in system.bodies:
         placed, body = each, cast("Any", each.body)

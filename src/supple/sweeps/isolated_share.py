@@ -20,7 +20,7 @@ __all__ = ["isolated_share"]
 TRIES = 2
 """Number of processes that a single case may kill before it is recorded."""
 _REFUSED = 3
-"""Exit code of a process with an error that is not of a case."""
+"""Exit code of a process that ends with an error other than that of a case."""
 
 
 def isolated_share(folder: Path, cases: Sequence[int], level: int, *, allow_code: bool = False) -> Part:

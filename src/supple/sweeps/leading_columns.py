@@ -51,7 +51,7 @@ def leading_directions(coordinates: Array, stiffness: Array, missed: float) -> A
 
     coordinates : (t, r)
     stiffness : (r, r)  at rest, positive definite
-    missed : largest energy norm of the motion outside S, as a fraction of that of all instants together
+    missed : largest energy norm of the motion outside S, as a fraction of that of the whole motion
     """
     factor = np.linalg.cholesky((stiffness + stiffness.T) / 2)
     _, lengths, rows = np.linalg.svd(coordinates @ factor, full_matrices=False)

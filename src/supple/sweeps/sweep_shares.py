@@ -27,7 +27,7 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class SweepShares:
-    """All shares that are known so far.
+    """All shares that the existing parts determine.
 
     plan : plan of the sweep
     cases : cases of each share, ascending

@@ -58,7 +58,7 @@ class SweptGroup:
     """Cases that differ only in numbers of their runs.
 
     like : the representative case, with the reduced bodies
-    fresh : the representative case, which builds its bodies itself
+    fresh : the representative case, with bodies built from its tables
     """
 
     plan: SweepPlan
@@ -75,7 +75,7 @@ class SweptGroup:
         return self.with_values(self.plan.values(number))
 
     def with_values(self, values: Mapping[KeyPath, Any]) -> SweptCase:
-        """A case with other numbers of its run, by keys, in the table or not; errors as for `case`."""
+        """A case with other numbers of its run, by keys, even outside the table; errors as for `case`."""
         case = self.plan.family.variant(values, self.like, self._made)
         made = dict(self._made)
         for table in case.parts.body:

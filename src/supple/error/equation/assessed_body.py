@@ -1,4 +1,4 @@
-"""Body of an assessed run: its columns, its start error, and its missing motion at rest."""
+"""Body of an assessed run: its columns, its start error, and its quasi-static missing motion."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class AssessedBody:
 
 
 class MissedAtRest(NamedTuple):
-    """Motion outside the basis of a body, at some times (k,): displacements (n, k)."""
+    """Quasi-static motion outside the basis of a body, at some times (k,): displacements (n, k)."""
 
     times: Array
     deformation: Array

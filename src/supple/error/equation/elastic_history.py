@@ -43,7 +43,7 @@ SMALLEST_RATE = 3e-3
 large changes estimates by less than 0.1 %."""
 MOST_SAMPLES = 120
 AT_ONCE = 4
-"""Number of further sample times in each test whether the matrices so far are sufficient."""
+"""Number of sample times added before each test whether the previous matrices are sufficient."""
 PROVEN = 3e-4
 """Allowed error of tangents combined from earlier ones, over the stiffness at rest, in any direction; it
 changes the estimated error of a run by the same ratio, in energy."""
@@ -166,7 +166,7 @@ def tangent_history(
 
     motion : (n, s) X;  coordinates : (t, s);  onto : (n, k) Z
     material : bool     whether the part through the strains is needed as well (by strain-rate damping)
-    proven : float      over the stiffness at rest, in any direction: allowed error of the next tangents
+    proven : float      allowed error of the next tangents over the stiffness at rest, in any direction
     """
     k = onto.shape[1]
     scale = _unit_energies(body, motion, coordinates)
@@ -199,7 +199,7 @@ def _samples(
     at_rest: Array,
     proven: float,
 ) -> Array:
-    """Matrices (m, k, k) at the first of the sample times, until they give the next ones.
+    """Matrices (m, k, k) at the first sample times, until these reproduce the next matrices.
 
     at_rest : (k, k)    stiffness, reference of the allowed error
     """
@@ -276,7 +276,7 @@ def _projected(matrix: Any, onto: Array) -> Array:
 
 
 def _unit_energies(body: FlexibleBody, motion: Array, coordinates: Array) -> Array | None:
-    """Factors (s,), at most 1, that weight coordinates by strain energy; None where nothing moves."""
+    """Factors (s,) that scale coordinates to energy norms of at most 1; None where nothing moves."""
     scale = np.sqrt(np.sum(motion * (body.stiffness @ motion), axis=0))
     largest = float(np.max(np.abs(coordinates * scale), initial=0.0))
     return scale / largest if largest else None

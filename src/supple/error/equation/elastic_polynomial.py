@@ -2,8 +2,8 @@
 
 With about a hundred columns the polynomial of the tangent does not fit in memory; `elastic_history` then uses
 sample times of one run. With the thirty columns of an indicator the polynomial fits, and one pass over the
-elements serves any number of runs. With g the coordinates of a run in the first s columns, beyond the
-stiffness at rest
+elements serves any number of runs. With g the coordinates of a run in the first s columns, the force and the
+tangent exceed those of the stiffness at rest by
 
     f_a       = (L_ajl / 2 + T_ajl) g_j g_l + C_iajl g_i g_j g_l / 2
     df_a/dg_b = (L_abl + T_abl + T_alb) g_l + (C_bajl / 2 + C_jabl) g_j g_l

@@ -46,7 +46,7 @@ Array = NDArray[np.float64]
 
 MORE_DIRECTIONS = 8
 SMALLEST_DIRECTION = 0.02
-"""Ratio to the largest error direction below which a direction is no column of the corrected motion."""
+"""Ratio to the error below which its remainder outside the chosen directions is neglected."""
 FEWEST_SAMPLES = 32
 """Smallest number of tangents along a run for which a march of the error is compiled."""
 
@@ -60,11 +60,11 @@ class _InColumns(NamedTuple):
 
 
 TangentMotion = Mapping[str, _InColumns]
-"""By body"""
+"""Motion of the bodies, by name."""
 
 
 class _Point(NamedTuple):
-    """A motion of the system of columns at every step, about which the integrator is linearised."""
+    """Motion of the system in columns at every step, about which the integrator is linearised."""
 
     motion: SystemMotion
     bodies: Mapping[str, _InColumns]
@@ -77,7 +77,7 @@ class ErrorHistory:
     times : (t,)
     origin : (t, 3)         dR, global
     turn : (t, 3)           psi, body components
-    coordinates : (t, k)    in columns Z: of the displacements, as the run defines them
+    coordinates : (t, k)    of the displacements relative to the frame, in columns Z
     rms : (t,)              root mean square over the nodes, in space
     """
 
@@ -147,7 +147,7 @@ class ErrorEquation:
         return self.bodies[name].columns.stiffness[:k, :k] + gained[:k, :k]
 
     def with_missed(self, missed: Mapping[str, MissedAtRest]) -> TangentMotion:
-        """Deformation of the bodies plus the motion outside the bases at rest, for the tangents."""
+        """Deformation of the bodies plus the quasi-static motion outside the bases, for the tangents."""
         return self._corrected(self._at_rest(missed)).bodies
 
     def _at_rest(self, missed: Mapping[str, MissedAtRest]) -> ErrorState:
@@ -165,7 +165,7 @@ class ErrorEquation:
     # Where differences diverge, the result is not finite.
     @np.errstate(over="ignore", invalid="ignore")
     def again(self, found: ErrorState, tangents: TangentMotion | None = None) -> ErrorState:
-        """The differences by the error equation about the corrected motion; tangents as for `first`.
+        """The differences by the equation linearised about the corrected motion; tangents as for `first`.
 
         The leading directions of each body's error become columns of the motion, so that its forces remain
         polynomials of few coordinates.
@@ -488,7 +488,7 @@ def _from_polynomial(
 
 
 def _more(number: int) -> int:
-    """Padded number of samples, as for the columns: 32, 64, 128 .., so that rounds share one program.
+    """Number of samples to add for a total of 32, 64, 128 .., so that rounds share one program.
 
     A further sample costs a product of two small matrices per block; a further program costs seconds.
     """

@@ -37,7 +37,7 @@ def body_of_columns(
 ) -> ReducedBody:
     """A body in columns (n, k), linearised at rest, filled up with padding coordinates.
 
-    steps : of the run, or of all runs, whose error has these columns
+    steps : number of steps of the run, or of all runs, whose error has these columns
     The effect of the deformation on stiffness and damping is added by `ElasticGain`.
     """
     k = columns.shape[1]

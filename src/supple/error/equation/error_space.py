@@ -97,7 +97,7 @@ def error_space(modes: ModesInFrame, motion: Array, corrections: Array, deformed
 def small_space(modes: ModesInFrame, motion: Array, fields: Array, number: int) -> ErrorSpace:
     """Z = orth_M [ V | fields | modes ], on D q = 0, with `number` columns besides V.
 
-    motion : (n, s) V;  fields : (n, m), at most half of these columns are their leading directions
+    motion : (n, s) V;  fields : (n, m), whose leading directions are at most half of these columns
     """
     space = _Growing(modes.body, modes.frame, motion)
     space.add(fields, number // 2)

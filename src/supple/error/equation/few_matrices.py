@@ -1,4 +1,4 @@
-"""Weighted sums of many constant matrices along runs, by few combinations: tangents as polynomials.
+"""Weighted sums of many constant matrices along runs, from few combinations of the matrices.
 
 A tangent along a run is a sum of about a hundred matrices with weights at every step. Runs of a blade bend in
 a few shapes, so that few combinations of these matrices give all their tangents.

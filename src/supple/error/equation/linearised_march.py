@@ -48,7 +48,7 @@ __all__ = ["ElasticGain", "ErrorState", "GainHistory", "StepOfRun", "first_error
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class ElasticGain:
-    """Additional stiffness and damping of a deformed body over those at rest."""
+    """Additional stiffness and damping of a deformed body, compared with the undeformed body."""
 
     start: int = field(metadata=STATIC)
     """Index of its first coordinate among the velocities"""

@@ -54,7 +54,7 @@ def _second_correction(history: ErrorHistory, stiffness: Callable[[int], Array])
 
 
 def _worst(rms: Array) -> NDArray[np.intp]:
-    """Times of the largest errors, at some distance from each other."""
+    """Indices of the steps with the largest errors, at some distance from each other."""
     spans = np.array_split(np.arange(len(rms)), min(len(rms), 4 * MOST_INSTANTS))
     peaks = np.array([span[np.argmax(rms[span])] for span in spans])
     return peaks[np.argsort(rms[peaks])[::-1][:MOST_INSTANTS]]

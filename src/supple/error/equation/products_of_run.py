@@ -15,7 +15,7 @@ CANDIDATES = 400
 
 
 def few_instants(monomials: Array, smallest: float, most: int) -> NDArray[np.intp]:
-    """Times whose monomials span those of a whole run, by a factorisation with column pivoting.
+    """Indices of times whose monomials span those of a whole run, by factorisation with column pivoting.
 
     monomials : (t, m)
     smallest : float    pivot, relative to the largest, at which selection ends

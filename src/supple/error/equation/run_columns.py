@@ -30,7 +30,7 @@ class RunColumns:
 
     vectors : (n, s)
     coordinates, rates, accelerations : (t, s)
-    rigid : (t, 6)      rigid motion between these displacements and the run's (z is zero at an interface)
+    rigid : (t, 6)      rigid motion that the run's displacements have in addition: z is zero at an interface
     """
 
     vectors: Array

@@ -22,7 +22,7 @@ STEPS_AT_ONCE = 64
 def blocks_of_run(
     motion: SystemMotion, histories: tuple[GainHistory, ...]
 ) -> Iterator[tuple[StepOfRun, int]]:
-    """Blocks of equal numbers of steps, the last filled up with its last step; and the number of steps."""
+    """Blocks of equal numbers of steps, the last padded with its last step; each with its number of steps."""
     frames = motion.configuration.rotations
     # (t, nb, 3): the rotation of every frame in the step that ends at each time.
     turn = rotation_vectors(frames[:-1].swapaxes(-1, -2) @ frames[1:])

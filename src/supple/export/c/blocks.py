@@ -22,7 +22,7 @@ _UNROLLED = 4
 class Constants:
     """Tables of constants of a function; equal tables are written once.
 
-    prefix : of their names
+    prefix : prefix of the names of the tables
     """
 
     prefix: str = ""
@@ -151,9 +151,9 @@ class CodeBlock:
         return "\n".join(lines + [TOKEN.sub(named, statement) for statement in statements])
 
     def _divided(self, first: Mapping[int, int], last: Mapping[int, int]) -> list[str]:
-        """The statements; those of a long block are calls of functions, each for a run of statements.
+        """The statements; a long block becomes calls of functions, each with a run of its statements.
 
-        first, last : places of the statements that read a variable
+        first, last : indices of the first and the last statement that use a variable
         """
         lengths = [statement.count("\n") + 1 for statement in self.statements]
         if len(lengths) == 1 or sum(lengths) <= LONGEST:

@@ -67,7 +67,7 @@ def _dot(
 
 
 def _runs_on(value: BufferView, free: Sequence[int]) -> bool:
-    """Whether elements along the last free axis of several entries are contiguous."""
+    """Whether elements are contiguous along the last free axis that has more than one entry."""
     long = [axis for axis in free if value.shape[axis] > 1]
     return bool(long) and value.strides[long[-1]] == 1
 

@@ -173,7 +173,7 @@ def _recorded(step: StepProgram) -> tuple[np.ndarray, np.ndarray]:
 
 
 def sensor_sizes(variables: Sequence[Variable], outputs: np.ndarray) -> np.ndarray:
-    """Size (o,) of each output: the largest value of the outputs with its sensor, unit and quantity."""
+    """Size (o,) of each output: the largest magnitude of outputs with the same sensor, unit and quantity."""
     kinds = [
         (each.name.rpartition(".")[0], each.unit, each.description.partition(",")[0]) for each in variables
     ]

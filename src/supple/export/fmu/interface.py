@@ -1,4 +1,4 @@
-"""The data of a machine that the description of an FMU contains: variables, and times of its run."""
+"""The data of a machine that the description of an FMU contains: variables, and times of the run."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""A machine linearized about its equilibrium, for export: matrices with named inputs and outputs."""
+"""A machine linearised about its equilibrium, for export: matrices with named inputs and outputs."""

@@ -9,7 +9,7 @@ positions x of the points, their displacement u and the modes phi_k, and with in
     Ge_k = -2 int phi^T phi_k~                Oe Omega = int phi^T w~ w~ (x + u)
     Ke, De : stiffness, damping               Omega = (w_x^2, w_y^2, w_z^2, w_x w_y, w_y w_z, w_x w_z)
 
-Gr has three columns for each coordinate; Ge has a column of every coordinate for each axis. With the
+Gr has three columns for each coordinate; Ge has r columns for each axis, one per coordinate. With the
 acceleration a of the frame's origin, its angular acceleration alpha and angular velocity w, the equations are
 
     Me q'' + Ct a + Cr alpha + Ge_k q_k' w + Oe Omega + Ke q + De q' = loads

@@ -34,7 +34,7 @@ class Piece:
     cells : Cells
     positions : function        Solution -> global positions (t, N, 3)
     body : BodyForm | None      the body whose nodes are the points; None for rigid bodies and joints
-    mesh : Mesh | None          the mesh whose cells are the cells
+    mesh : Mesh | None          the mesh with these cells
     """
 
     name: str

@@ -2,8 +2,8 @@
 
 The format is VTKHDF 2.0, an UnstructuredGrid with one partition per body. Cells and points are stored once;
 `PointData` and `CellData` have rows for each output time, with the partitions one after another. VTK 9.3 to
-9.7 reads it. Collections of named blocks are not used: VTK reads them only from 9.4 on, and 9.7 only at their
-first time. The cell array `body` is the index of a name in the field data `bodies`.
+9.7 reads it. Collections of named blocks are not used: VTK reads them only from 9.4 on, and VTK 9.7 reads
+their first time only. The cell array `body` is the index of a name in the field data `bodies`.
 
 Source: VTK file formats, VTKHDF, https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/index.html
 """
@@ -58,8 +58,8 @@ def write_vtkhdf(
 
     Points are those of the assembled, undeformed machine; `displacement` is the vector from there to the
     position at the output time. `deflection` is the displacement relative to the rigid motion of the body's
-    first interface, in global components. Numbers are in single precision, and NaN for bodies without the
-    field.
+    first interface, in global components. Field values are in single precision, and NaN for bodies without
+    the field.
 
     Parameters
     ----------

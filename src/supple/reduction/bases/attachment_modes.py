@@ -22,8 +22,8 @@ class AttachmentModes:
 
     Joints load a body by forces at its interfaces. The truncated modes respond to these forces nearly
     statically, and six columns per interface contain that response: the truncation error of a mode then falls
-    with the fourth power of its frequency instead of the second. Rigid-body inertia balances the forces in
-    every frame, so that the reduced body does not depend on the frame. In a mean-axis frame,
+    with the fourth power of its frequency instead of the second. In every frame, rigid-body inertia balances
+    these forces, so that the reduced body does not depend on the frame. In a mean-axis frame,
     AttachmentModes(NormalModes(n)) is Rubin(n).
 
     recipe : modes of the free body, ErrorControlled(...) or NormalModes(n)

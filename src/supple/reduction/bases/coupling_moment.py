@@ -27,8 +27,8 @@ class CouplingMoment:
 
         chi_j = p_j M_b^-1 p_j^T / kappa_j
 
-    The sum over the truncated modes, sum chi_j = trace(M_b^-1 X), times lambda also bounds the first-order
-    eigenvalue error lambda xi^T X xi of [Han2020] (45) for interface motions with xi^T M_b xi <= 1.
+    With X the sum of S_j over the truncated modes, lambda sum chi_j = lambda trace(M_b^-1 X) also bounds the
+    first-order eigenvalue error lambda xi^T X xi of [Han2020] (45) for motions with xi^T M_b xi <= 1.
 
     candidates : number of lowest modes to choose from
     Source: [LiaoBaiGao2007] for the principle, from which the formula is derived here; [Givoli2004] for modes

@@ -17,7 +17,7 @@ __all__ = ["CraigBampton"]
 
 @dataclass(frozen=True)
 class CraigBampton:
-    """Constraint modes and vibrations with every interface fixed, by default those of lowest frequency.
+    """Constraint modes and fixed-interface modes, by default those of lowest frequency.
 
         K Phi + B^T mu = M Phi diag(omega^2),   B Phi = 0
 

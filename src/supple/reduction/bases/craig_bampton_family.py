@@ -53,7 +53,7 @@ class CraigBamptonFamily:
         return self.body.n - N_RIGID
 
     def vibrations(self, n_kept: int, n_vibrations: int) -> FreeVibrations:
-        """The lowest elastic vibrations of the free body with n_kept modes; fewer, where it has fewer."""
+        """The lowest elastic vibrations of the free body with n_kept modes; fewer if the body has fewer."""
         self._know(max(n_kept, min(n_vibrations, self.n_available)))
         return free_vibrations(self.component.leading(n_kept), self.rigid_motion, n_vibrations)
 

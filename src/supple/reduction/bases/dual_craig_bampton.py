@@ -24,9 +24,9 @@ class DualCraigBampton:
     The second row is the compatibility of the interfaces, B u = 0 or the neighbour's motion, weighted by the
     residual shapes: with few modes a gap of size H f'' remains. K is indefinite, so that Rayleigh's principle
     does not apply: each force makes one eigenvalue negative, which belongs to no vibration. The other
-    eigenvalues are upper bounds all the same, and fall with every mode added. At s = omega^2 the forces obey
+    eigenvalues are upper bounds, and fall with every mode added. At s = omega^2 the coupling stiffnesses obey
 
-        F^-1 - s F^-1 H F^-1  <=  (F + s H)^-1  <=  F^-1        in Rubin's, the dual and MacNeal's method,
+        F^-1 - s F^-1 H F^-1  <=  (F + s H)^-1  <=  F^-1        (Rubin, dual, MacNeal),
 
     so that exact <= Rubin <= dual <= MacNeal holds eigenvalue by eigenvalue.
 

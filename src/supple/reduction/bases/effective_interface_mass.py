@@ -14,7 +14,7 @@ from supple.reduction.components.fixed_interface_component import FixedInterface
 
 __all__ = ["EffectiveInterfaceMass", "effective_interface_masses", "interior_interface_mass"]
 
-# Relative: directions of interface motion with a smaller eigenvalue move no interior mass.
+# Relative eigenvalue below which a direction of interface motion moves no interior mass.
 SMALLEST_SHARE = 1e-10
 
 
@@ -58,7 +58,7 @@ def interior_interface_mass(body: FlexibleBody, component: FixedInterfaceCompone
         M_e = Psi^T M Psi - (B M^-1 B^T)^-1
 
     It is the interface mass less the mass that moves with the interfaces when the interior does not follow.
-    With a lumped mass, the latter is the mass of the interface nodes. The cost is one factor of M.
+    With a lumped mass, the mass subtracted is that of the interface nodes. The cost is one factor of M.
     """
     B = motion_rows(body.interfaces)
     mobility = B @ factorize_symmetric(body.mass).solve(B.T)

@@ -28,7 +28,7 @@ from supple.reduction.stopwatch import timed
 __all__ = ["ErrorControlled", "ErrorControlledModes", "error_controlled_modes"]
 
 SMALLEST_TOLERANCE = 1e-7
-"""Smallest tolerance: below it, round-off in the eigenvalues of large bodies could decide."""
+"""Smallest tolerance; round-off in the eigenvalues of large bodies could exceed a smaller one."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ __all__ = ["Guyan", "constraint_modes", "interface_shapes"]
 
 @dataclass(frozen=True)
 class Guyan:
-    """Constraint modes alone: the body follows its interfaces statically, exact for loads at interfaces."""
+    """Constraint modes alone: the body follows its interfaces statically; exact for static loads there."""
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
         """Constraint modes in a frame; see constraint_modes."""
@@ -33,8 +33,8 @@ def constraint_modes(body: FlexibleBody, frame: Frame) -> LinearBasis:
         K Psi + B^T mu = 0,   B Psi = (columns of) I
 
     which is Psi_i = -K_ii^-1 K_ib where B selects freedoms. The six shapes of the interface to which the
-    frame is fixed (otherwise of the first interface) are a rigid motion minus the other shapes and are not
-    formed.
+    frame is fixed, or else of the first interface, are rigid motions minus combinations of the other shapes:
+    they are not formed.
 
     Returns LinearBasis (n, 6 (n_interfaces - 1)), not yet projected on the frame; frequencies nan.
     Raises ModelError when the body has no interface.

@@ -25,9 +25,9 @@ class Herting:
 
     Interface statics are exact, as in Craig-Bampton; the free body's modes are exact, as in Rubin. Herting
     uses Phi - Psi B Phi as modes, so that the interface coordinates are the physical ones: the span is the
-    same. Psi, Upsilon and the rigid motions are the static responses to all balanced loads of interface
-    forces and rigid inertia, and so are Rubin's attachment modes in a mean-axis frame with the rigid motions:
-    there both bases give the same body.
+    same. Psi, Upsilon and the rigid motions span the static responses to all balanced loads of interface
+    forces and rigid inertia. In a mean-axis frame, Rubin's attachment modes and the rigid motions span the
+    same space, and both bases give the same body.
 
     n_modes : number of free-interface modes, besides the static columns; or
     n_columns : total number of columns

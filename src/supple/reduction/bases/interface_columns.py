@@ -1,4 +1,4 @@
-"""The interface motions that a frame leaves free, with a label for each."""
+"""Interface motions as rows, their labels, and the interfaces that a frame fixes."""
 
 from __future__ import annotations
 

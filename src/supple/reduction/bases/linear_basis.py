@@ -26,7 +26,7 @@ class LinearBasis:
     static_solver : solves K x = f with the interfaces and the frame fixed as in this basis;
                         the derivatives of its columns are static solutions of that same problem
     dropped : labels of columns not formed because their motion is that of the frame
-    certificate : proven bounds of their eigenvalues; None where nothing is proven
+    certificate : proven bounds of the modes' eigenvalues; None without a proof
     """
 
     vectors: np.ndarray
@@ -57,8 +57,8 @@ def rayleigh_ritz(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> LinearB
     P is the frame's projector. A static column thus also has a frequency, which weights its modal
     derivatives; modes of the frame's own eigenproblem keep their frequencies. Dependent columns are dropped.
 
-    Returns LinearBasis: `labels` are those of the kept raw columns (in their own order, not in the ascending
-        order of the frequencies), `dropped` those of the other raw columns.
+    Returns LinearBasis: `labels` are those of the kept raw columns (in the raw order, not in the ascending
+        order of the frequencies); `dropped` also has those of the other raw columns.
     Raises AccuracyError when a column stores no energy, ModelError when no column is left.
     """
     # Norms before projection: the projection of a motion of the frame is round-off only.

@@ -22,7 +22,7 @@ NAMES = (
     *(f"rotation about {first} and {second}" for first, second in combinations("xyz", 2)),
 )
 
-# Relative to the longest response: a shorter one is zero, such as that of a line rotating about its own axis.
+# Ratio to the longest response below which a response is zero, as of a line rotating about its own axis.
 SMALLEST_RESPONSE = 1e-9
 
 
@@ -46,7 +46,7 @@ class SteadyLoads:
     recipe: LinearBasisRecipe
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
-        """The recipe's columns, then up to twelve static responses; errors of the recipe."""
+        """The recipe's columns, then up to twelve static responses; raises the recipe's errors."""
         basis = self.recipe.build(body, frame)
         held = fixed_interfaces(body, frame) or body.interfaces
         solver = body.constrained(held[0].motion) if held else basis.static_solver
@@ -69,7 +69,7 @@ class NoLoads:
     recipe: LinearBasisRecipe
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
-        """The recipe's columns; errors of the recipe."""
+        """The recipe's columns; raises the recipe's errors."""
         return self.recipe.build(body, frame)
 
 

@@ -43,7 +43,7 @@ class ReducedMatrices:
 
     @cached_property
     def spectrum(self) -> np.ndarray:
-        """All eigenvalues (rad^2/s^2), ascending, with rigid motions, without those of interface forces.
+        """All eigenvalues (rad^2/s^2), ascending, of vibrations and rigid motions, not of interface forces.
 
         Dependent coordinates contribute none.
         Raises AccuracyError when the mass is indefinite, or where interface forces are dependent.

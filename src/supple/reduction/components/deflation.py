@@ -37,8 +37,8 @@ def residual_response(
     difference K^-1 A - Phi Lambda^-1 Phi^T A would lose all digits if the modes contain nearly the whole
     response.
 
-    solver : solves K x = b where the modes vibrate: interfaces fixed, or a mean-axis frame (inertia relief)
-    modes : RitzModes       Phi, modes of that same problem
+    solver : solves K x = b, interfaces fixed, or in a mean-axis frame (inertia relief)
+    modes : RitzModes       Phi, modes under the same constraints
     loads : (n, k)          A
     Source: [Han2020] (36) for its use; the deflation is derived here.
     """

@@ -61,7 +61,7 @@ class FixedInterfaceComponent:
         return residual_shares(self.residual_flexibility, self.participation, self.eigenvalues)
 
     def keeping(self, modes: np.ndarray) -> FixedInterfaceComponent:
-        """The same body with some of its modes (m',) int; the others join the residual, exactly.
+        """The same body with the modes of given indices (m',); the removed modes join the residual, exactly.
 
         X + sum a a^T / kappa  and  X2 + sum a a^T / kappa^2  over the modes removed, a their participation.
         """

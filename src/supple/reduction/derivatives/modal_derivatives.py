@@ -40,9 +40,9 @@ class ModalDerivatives:
         return np.where(self.pairs[:, 0] == self.pairs[:, 1], 1.0, 2.0)
 
     def reference_norms(self, body: FlexibleBody) -> np.ndarray:
-        """Reference lengths (M-norm) for zero derivatives: the derivative's own, or 1/100 of the longest.
+        """Lengths (M-norm) for comparison with remainders: the derivative's, at least 1/100 of the longest.
 
-        Where symmetry makes a derivative vanish, the solve leaves round-off whose own length is meaningless.
+        Where symmetry makes a derivative vanish, the solve leaves round-off, whose length is meaningless.
         """
         lengths = np.sqrt(np.sum(self.vectors * (body.mass @ self.vectors), axis=0))
         return np.maximum(lengths, 0.01 * lengths.max(initial=0.0))

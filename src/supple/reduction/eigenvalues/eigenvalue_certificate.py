@@ -22,7 +22,7 @@ class EigenvalueCertificate:
     values : (N,)                chi-bar, of the reduced body, rad^2/s^2, ascending
     enclosure : EigenvalueEnclosure     of the full body
     n_fixed_interface_modes : number of fixed-interface modes in the reduced body
-    estimated : (N,)             errors by the estimator that selected them
+    estimated : (N,)             errors by the estimator of the search
     steps : every number of modes tried, in order
     seconds : wall time of modes, search and proof
     """

@@ -24,7 +24,7 @@ SMALLEST_GAP = 1e-3
 # Share of the largest energy or inverse eigenvalue below which a value may be round-off.
 SMALLEST_PART = 1e-13
 
-# Number of times that random motions, as many as the trial motions, are added.
+# Largest number of times that as many random motions as trial motions are added.
 MOST_WIDENED = 4
 
 
@@ -69,9 +69,9 @@ def enclose_eigenvalues(
     point: the proof holds up to round-off.
 
     trial : (n, p)          approximations of the lowest elastic modes, somewhat more than n_values of them
-    largest_width : float   of upper / lower - 1
+    largest_width : float   largest value allowed of upper / lower - 1
     make_room : called before K - rho M is factored, to release memory
-    Raises AccuracyError when the bounds are wider than that, or the count and the modes found disagree.
+    Raises AccuracyError when the bounds remain wider, or the count and the modes found disagree.
     Source: [Lehmann1963] in the form of [GoerischHaunhorst1985]; with one trial motion it is Temple's and
         Kato's bound.
     """

@@ -66,7 +66,7 @@ def error_terms(component: FixedInterfaceComponent, vibrations: FreeVibrations) 
 class EigenvalueErrorEstimator(Protocol):
     """An estimate of zeta_n = chi-bar_n / chi_n - 1, the relative error of a reduced eigenvalue.
 
-    Upper and lower estimates are such to first order, for errors of a few per cent and less. No estimate
+    Upper and lower estimates are bounds to first order, for errors of a few per cent and less. No estimate
     detects a truncated mode without motion or force at the interfaces: that needs a count.
     """
 

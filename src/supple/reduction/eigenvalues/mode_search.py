@@ -13,7 +13,7 @@ from supple.algebra import read_only
 
 __all__ = ["Bisection", "ModeSearch", "OneByOne", "SearchStep"]
 
-# Steps are at most doubled: an error that falls slowly at first would predict too many modes.
+# A step at most doubles the number of modes: an error that falls slowly at first would predict too many.
 LARGEST_GROWTH = 2.0
 SMALLEST_GROWTH = 1.05
 
