@@ -66,6 +66,7 @@ def test_the_bend_of_45_degrees():
     np.testing.assert_allclose(x[-1, [1, 0, 2]], [15.79, 47.23, 53.37], rtol=1e-2)
 
 
+@pytest.mark.slow
 def test_in_a_plane_it_is_the_planar_beam():
     """Two codes, one of angles and one of rotation matrices."""
     planar = ROTATING_BEAM

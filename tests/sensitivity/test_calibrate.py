@@ -37,6 +37,7 @@ def measured():
     return solution.times, X.values(system, solution)[:, 0]
 
 
+@pytest.mark.slow
 def test_parameters_of_an_exact_measurement_are_found_again():
     """Also between output times, and where some times were not measured."""
     times, values = measured()

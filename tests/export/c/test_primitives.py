@@ -12,7 +12,6 @@ from jax import lax
 from supple.errors import ModelError
 from supple.export.c import blocks, separate_functions
 from supple.export.c.function import function_source
-from supple.export.c.separate_functions import LONGEST
 
 RANDOM = np.random.default_rng(1)
 A, B, V = RANDOM.normal(size=(5, 7)), RANDOM.normal(size=(7, 4)), RANDOM.normal(size=7)
@@ -127,11 +126,28 @@ CASES = {
 
 
 @needs_compiler
-@pytest.mark.parametrize("longest", [LONGEST, 12], ids=["whole", "in parts"])
 @pytest.mark.parametrize("function", CASES, ids=lambda each: each.__name__.strip("_"))
-def test_a_family_gives_the_numbers_of_jax(function, longest, tmp_path, monkeypatch):
-    monkeypatch.setattr(blocks, "LONGEST", longest)
+def test_a_family_gives_the_numbers_of_jax(function, tmp_path):
+    check(function, tmp_path)
+
+
+@needs_compiler
+@pytest.mark.parametrize(
+    "function",
+    [
+        _loops,
+        _storage,
+        *(pytest.param(each, marks=pytest.mark.slow) for each in CASES if each not in (_loops, _storage)),
+    ],
+)
+def test_long_functions_in_parts_give_the_same(function, tmp_path, monkeypatch):
+    monkeypatch.setattr(blocks, "LONGEST", 12)
     monkeypatch.setattr(separate_functions, "_LINES", 4)
+    check(function, tmp_path)
+
+
+def check(function, tmp_path):
+    """Compare each result of a function in C with that of JAX."""
     expected = jax.tree.leaves(jax.jit(function)(*CASES[function]))
     for number, (own, exact) in enumerate(
         zip(by_c(tmp_path, function, *CASES[function]), expected, strict=True)

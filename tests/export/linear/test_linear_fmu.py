@@ -203,6 +203,7 @@ def test_small_motions_are_those_of_the_march_and_derivatives_its_matrices(tmp_p
     np.testing.assert_allclose(fmu.getFloat64(references), first, atol=1e-14 * np.abs(first).max())
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_two_machines_share_one_library_which_refuses_the_numbers_of_another(tmp_path):
     fmpy = pytest.importorskip("fmpy")
