@@ -7,6 +7,7 @@ import pytest
 
 from supple.body import RayleighDamping
 from supple.cases import read_case, run_case, static_case
+from supple.cases.static_case import spin_of
 from supple.errors import CaseError, ModelError, SuppleWarning
 from supple.machine import At
 
@@ -121,6 +122,12 @@ def test_an_interface_across_a_cut_is_refused(case_folder):
 
 
 @pytest.mark.slow
+def test_the_parts_of_a_split_body_rotate(case_folder):
+    path = rewritten(case_folder, (SPLIT, "split = { parts = 2 }\n" + SPLIT))
+    path.write_text(path.read_text() + "\n[spin]\nrate = 2.0\naxis = [0, 0, 1]\nbodies = ['strip']\n")
+    assert list(spin_of(read_case(path)).bodies) == ["strip-1", "strip-2"]
+
+
 def test_what_is_read_at_a_split_body_is_read_at_its_part(case_folder):
     """Sensors and quantities of the error; a joint without a name is called by the ends that it was given."""
     read = (

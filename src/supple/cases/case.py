@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -138,6 +138,11 @@ class Case:
         if mistakes:
             raise self.error(mistakes)
         return sources
+
+    def names_in_machine(self, names: Sequence[str]) -> list[str]:
+        """Names of bodies as in the machine: a split body is replaced by its parts."""
+        parts = {name: list(split.parts) for name, split in self._split.items()}
+        return [part for name in names for part in parts.get(name, [name])]
 
     @cached_property
     def _split(self) -> Mapping[str, SplitSource]:

@@ -47,9 +47,7 @@ def spin_of(case: Case) -> Spin | None:
     made = spin.build()
     if made.bodies is None:
         return made
-    names = [placed.body.name for placed in case.system.bodies]
-    wanted = [name for name in names if name in made.bodies or name.rpartition(" ")[0] in made.bodies]
-    return Spin(made.rate, made.axis, made.point, wanted)
+    return Spin(made.rate, made.axis, made.point, case.names_in_machine(made.bodies))
 
 
 def analysed_system(case: Case, *, allow_code: bool) -> System:
