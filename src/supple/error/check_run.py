@@ -18,6 +18,7 @@ import numpy as np
 
 from supple.body.full_body import FullBody
 from supple.error.basis_error import ENRICH
+from supple.error.leading_fields import leading_fields
 from supple.error.residual_correction import system_corrections
 from supple.error.sample_times import stratified_samples
 from supple.errors import SuppleWarning
@@ -101,15 +102,8 @@ def check_run(
     for name, basis in bases.items():
         before = solution.motion(name, FloatingMotion).coordinates @ _onto(fulls[name], basis, richer[name]).T
         after = check.motion(name, FloatingMotion).coordinates
-        shapes[name] = _leading_shapes(richer[name], after - before)
+        shapes[name] = leading_fields(richer[name].vectors, after - before, most=DIRECTIONS)
     return parts, shapes
-
-
-def _leading_shapes(basis: ReductionBasis, coordinates: np.ndarray) -> np.ndarray:
-    """Leading directions (n, m) of some motion (t, r) in a basis, each with its root mean square size."""
-    _, sizes, rows = np.linalg.svd(coordinates, full_matrices=False)
-    weights = sizes[:DIRECTIONS] / np.sqrt(len(coordinates))
-    return basis.vectors @ (rows[:DIRECTIONS].T * weights)
 
 
 def _onto(full: FullBody, basis: ReductionBasis, richer: ReductionBasis) -> np.ndarray:

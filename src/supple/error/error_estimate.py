@@ -36,6 +36,7 @@ from supple.error.equation import (
     second_corrections,
 )
 from supple.error.equation.elastic_history import PROVEN
+from supple.error.leading_fields import leading_fields
 from supple.error.missing_motion import FOLLOWED
 from supple.error.residual_correction import (
     ResidualCorrections,
@@ -500,11 +501,5 @@ def _missing(history: ErrorHistory, second: float, corrections: np.ndarray) -> n
     """
     if second > FIRST_ORDER and not history.body.full.is_linear:
         return corrections
-    return np.hstack([_leading_fields(history, corrections.shape[1]), corrections])
-
-
-def _leading_fields(history: ErrorHistory, number: int) -> np.ndarray:
-    """Leading directions (n, m) of the error at all steps, weighted as `number` fields."""
-    _, sizes, rows = np.linalg.svd(history.coordinates, full_matrices=False)
-    weights = sizes * np.sqrt(number / len(history.coordinates))
-    return history.deformation @ (rows.T * weights)
+    leading = leading_fields(history.deformation, history.coordinates, corrections.shape[1])
+    return np.hstack([leading, corrections])
