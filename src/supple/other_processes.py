@@ -1,15 +1,19 @@
-"""Other processes of this Python: commands, environment, and available cores."""
+"""Other processes and threads of this Python: commands, environment, and available cores."""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from contextvars import ContextVar
+from typing import TypeVar
 
-__all__ = ["available_cores", "one_core", "python_command", "python_environment"]
+__all__ = ["available_cores", "in_threads", "one_core", "python_command", "python_environment"]
 
+_Given = TypeVar("_Given")
+_Found = TypeVar("_Found")
 _alone: ContextVar[bool] = ContextVar("alone", default=False)
 
 
@@ -28,6 +32,15 @@ def available_cores() -> int:
     if _alone.get():
         return 1
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def in_threads(function: Callable[[_Given], _Found], arguments: Sequence[_Given]) -> list[_Found]:
+    """Results of a function of large arrays, in order, computed by threads on the available cores."""
+    number = min(available_cores(), len(arguments))
+    if number < 2:
+        return [function(each) for each in arguments]
+    with ThreadPoolExecutor(number) as pool:
+        return list(pool.map(function, arguments))
 
 
 def python_command(*words: str) -> list[str]:

@@ -23,7 +23,8 @@ def largest_vector(rows: Any, coordinates: Array) -> tuple[float, int]:
         f(q) = max_p |R_p q|,    f(q) <= f(q_k) + sum_j |q - q_k|_j f(e_j)
 
     because f is a norm. A time between evaluated times is evaluated only if its bound from the nearest of
-    these exceeds the largest known value; a vibration needs a tenth of the times.
+    these exceeds the largest known value; a vibration needs a tenth of the times. Vectors that are shorter
+    than this value at all times, |R_p q| <= sum_j |R_p e_j| max_t |q_j|, are left out.
 
     rows : (3 P, r) R; with a sparse R, as for the thousands of coordinates of a full body, the bound excludes
         nothing, and all times are evaluated
@@ -33,9 +34,13 @@ def largest_vector(rows: Any, coordinates: Array) -> tuple[float, int]:
         lengths = _lengths(rows, coordinates)
         return float(lengths.max()), int(np.argmax(lengths))
     n_times = len(coordinates)
-    of_each = np.sqrt((rows.reshape(-1, 3, rows.shape[1]) ** 2).sum(axis=1).max(axis=0))
+    vectors = rows.reshape(-1, 3, rows.shape[1])
+    unit_lengths = np.sqrt((vectors**2).sum(axis=1))
+    of_each = unit_lengths.max(axis=0)
     known = np.arange(0, n_times, STRIDE)
     values = _lengths(rows, coordinates[known])
+    longest = unit_lengths @ np.abs(coordinates).max(axis=0)
+    rows = vectors[longest >= values.max()].reshape(-1, rows.shape[1])
     stride = STRIDE
     while stride > 1:
         stride //= 2

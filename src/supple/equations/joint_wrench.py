@@ -28,7 +28,7 @@ from supple.programs.program_cache import CachedProgram
 __all__ = ["joint_wrenches"]
 
 # Times linearised together: one compiled program for runs of any length.
-_BLOCK = 256
+_BLOCK = 2048
 
 
 def joint_wrenches(

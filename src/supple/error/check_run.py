@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from supple.blas_threads import one_blas_thread
 from supple.body.full_body import FullBody
 from supple.error.basis_error import ENRICH
 from supple.error.leading_fields import leading_fields
@@ -47,6 +48,7 @@ SHORTER_STEPS = "take shorter steps, or softer stops and springs, so that the ri
 """Remedy where the run with richer bases stops early."""
 
 
+@one_blas_thread()
 def check_run(
     system: System,
     run: Run,

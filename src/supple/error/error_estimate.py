@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from supple.algebra.rotation import rotation_log
+from supple.blas_threads import one_blas_thread
 from supple.body import FullBody, ModalDamping
 from supple.equations.configuration import Configuration
 from supple.equations.consistent_start import consistent_start
@@ -178,6 +179,7 @@ class ErrorEstimator:
             missing, reduced, bases, solution, allowed=allowed, proven=proven, progress=progress
         )
 
+    @one_blas_thread()
     def missing_motion(
         self,
         reduced: System,
@@ -205,6 +207,7 @@ class ErrorEstimator:
         missed = {name: own.at(places) for name, own in at_each.items()}
         return MissingMotion(steps, missed, len(looked), along)
 
+    @one_blas_thread()
     def error_of(
         self,
         missing: MissingMotion,

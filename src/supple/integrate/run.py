@@ -8,6 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from supple.blas_threads import one_blas_thread
 from supple.errors import ConvergenceError
 from supple.integrate.engine import Engine, Progress, Recorder
 from supple.integrate.solution import Solution, Statistics, concatenate
@@ -60,7 +61,8 @@ def run(
     n_times = sum(len(leg) for leg in legs)
     n_done = 0
     for leg_times in legs:
-        leg = engine.march(state, leg_times)
+        with one_blas_thread():
+            leg = engine.march(state, leg_times)
         state = leg.last
         n_done += len(leg_times)
         if leg.n_reached:

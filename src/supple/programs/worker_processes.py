@@ -29,6 +29,7 @@ import jax
 import numpy as np
 
 from supple.algebra.available_memory import available_memory
+from supple.blas_threads import one_blas_thread
 from supple.other_processes import available_cores, python_command, python_environment
 from supple.programs import program_worker
 from supple.programs.program_cache import CachedProgram
@@ -94,7 +95,8 @@ class _ProgramWork:
     def here(self, arguments: tuple[Any, ...]) -> Any:
         """The result of the program."""
         assert self._compiled is not None
-        return jax.device_get(self._compiled(*arguments))
+        with one_blas_thread():
+            return jax.device_get(self._compiled(*arguments))
 
     def greeting(self) -> Any:
         """File of the program, and numbers of input and output leaves."""
@@ -175,7 +177,7 @@ class _Worker:
         self._work, self._greeting = work, greeting
         self._process = subprocess.Popen(
             python_command(work.script),
-            env=python_environment(JAX_ENABLE_X64="1", JAX_PLATFORMS="cpu"),
+            env=python_environment(JAX_ENABLE_X64="1", JAX_PLATFORMS="cpu", OPENBLAS_NUM_THREADS="1"),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,

@@ -62,7 +62,7 @@ class PositionSensor(_AtPlace):
 
     def values(self, system: System, solution: Solution) -> Array:
         """R (t, 3)."""
-        return self.at_points(system, solution).mean(axis=1)
+        return self.place.point(body_named(system, self.body, self.name), solution.bodies[self.body])
 
     @property
     def body(self) -> str:

@@ -150,7 +150,7 @@ def tracked_motion(
     ModelError  a node number outside the body, an interface that it does not have
     """
     place = Place(body.name, at if isinstance(at, str) else tuple(np.asarray(at).tolist()))
-    position = place.points(body, motion).mean(axis=1)
+    position = place.point(body, motion)
     if not body.n_coordinates or not body.has_frame:
         return TrackedMotion(position, "", np.zeros_like(position), is_elastic=False)
     seen_from = seen_from or observer(body, motion)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
-from threadpoolctl import threadpool_limits
-
+from supple.blas_threads import one_blas_thread
 from supple.errors import ResultFileError, SuppleError, SuppleWarning
 from supple.other_processes import one_core
 from supple.storage.sealed_hdf5 import is_whole
@@ -87,11 +87,14 @@ def run_cases(
     """
     plan = read_plan(folder, allow_code=allow_code)
     words: dict[str, None] = {}
-    with one_core(), warnings.catch_warnings(record=True) as caught:
+    number = int(plan.group[cases[0]])
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SuppleWarning)
         try:
             began(cases)
-            group = certified_group(folder, plan, int(plan.group[cases[0]]), level)
+            # The processes of a single group wait for its certificate, those of several groups work.
+            with one_core() if plan.group.any() else nullcontext():
+                group = certified_group(folder, plan, number, level)
             if group.group.asks_for_errors and group.certificate.reason:
                 warnings.warn(
                     f"errors of cases are not estimated: {group.certificate.reason}",
@@ -99,7 +102,7 @@ def run_cases(
                     stacklevel=1,
                 )
             reason = group.certificate.reason or "the error indicator could not be computed"
-            with threadpool_limits(1, user_api="blas"):  # the other processes use the other cores
+            with one_core(), one_blas_thread():  # the other processes use the other cores
                 results = [
                     replace(each, no_estimate=reason) if each.lacks_estimate else each
                     for each in march_cases(group, cases, began)

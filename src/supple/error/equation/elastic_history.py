@@ -18,6 +18,7 @@ from supple.error.equation.products_of_run import (
     weights_of_instants,
 )
 from supple.fem import StrainWorks
+from supple.other_processes import in_threads
 
 __all__ = [
     "PROVEN",
@@ -177,19 +178,22 @@ def tangent_history(
     products = monomials(g)
     chosen = few_instants(products, SMALLEST_MONOMIAL, MOST_SAMPLES)
     at_rest = _projected(body.stiffness, onto)
-    through_strains: list[Array] = []
+    through_strains: dict[int, Array] = {}
 
     def gained(instant: int) -> Array:
         q = motion @ coordinates[instant]
         if not material:
             return _projected(body.assembly.tangent(q), onto) - at_rest
         of_strains, of_stress = (_projected(part, onto) for part in body.assembly.tangent_parts(q))
-        through_strains.append(of_strains - at_rest)
+        through_strains[instant] = of_strains - at_rest
         return of_strains + of_stress - at_rest
 
     whole = _samples(gained, products, chosen, at_rest, proven)
-    weights = weights_of_instants(products, chosen[: len(whole)], products)
-    return TangentHistory(whole, np.reshape(through_strains, (-1, k, k)), weights)
+    sampled = chosen[: len(whole)]
+    strains = [through_strains[instant] for instant in sampled.tolist()] if material else []
+    return TangentHistory(
+        whole, np.reshape(strains, (-1, k, k)), weights_of_instants(products, sampled, products)
+    )
 
 
 def _samples(
@@ -207,7 +211,7 @@ def _samples(
     samples = np.zeros((0, *at_rest.shape))
     for start in range(0, len(chosen), AT_ONCE):
         instants = chosen[start : start + AT_ONCE]
-        more = np.array([matrix_at(int(instant)) for instant in instants])
+        more = np.array(in_threads(matrix_at, instants.tolist()))
         predicted = weights_of_instants(products, chosen[:start], products[instants])
         missed = scaled.T @ (more - np.tensordot(predicted, samples, axes=1)) @ scaled
         samples = np.concatenate([samples, more])

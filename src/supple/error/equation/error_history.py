@@ -11,6 +11,7 @@ import jax
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.blas_threads import one_blas_thread
 from supple.body import in_space
 from supple.equations.build_model import build_model
 from supple.equations.configuration import Configuration, SystemMotion
@@ -113,6 +114,7 @@ class ErrorEquation:
     active : constraint equations of the run, without the redundant ones
     start : StartError      by name, of bodies whose initial state in the run deviates from the true one
     proven : float          allowed error of the tangents along the run (`tangent_history`)
+    fewest_samples : int    smallest number of tangents for which a march is compiled, a power of two
     """
 
     reduced: System
@@ -122,6 +124,7 @@ class ErrorEquation:
     active: tuple[int, ...]
     start: Mapping[str, StartError]
     proven: float = PROVEN
+    fewest_samples: int = FEWEST_SAMPLES
 
     def first(self, tangents: TangentMotion | None = None) -> ErrorState:
         """True motion less the run's motion at every step, to first order; in all columns.
@@ -366,7 +369,8 @@ class ErrorEquation:
         )
         found = [jax.tree.map(lambda leaf: np.asarray(leaf)[None], state)]
         for block, number in blocks_of_run(point.motion, histories):
-            states = jax.device_get(march_error(model, gains, self.coefficients, state, block)[1])
+            with one_blas_thread():
+                states = jax.device_get(march_error(model, gains, self.coefficients, state, block)[1])
             state = jax.tree.map(lambda leaf, last=number - 1: leaf[last], states)
             found.append(jax.tree.map(lambda leaf, n=number: leaf[:n], states))
         return jax.tree.map(lambda *leaves: np.concatenate(leaves), *found)
@@ -393,10 +397,10 @@ class ErrorEquation:
             own = _from_polynomial(assessed, assessed.polynomial, motion, self.proven)
 
         def padded(samples: Array) -> Array:
-            return np.pad(samples, ((0, _more(len(samples))), (0, size - k), (0, size - k)))
+            return np.pad(samples, ((0, self._more(len(samples))), (0, size - k), (0, size - k)))
 
         def filled(weights: Array) -> Array:
-            return np.pad(weights, ((0, 0), (0, _more(weights.shape[1]))))
+            return np.pad(weights, ((0, 0), (0, self._more(weights.shape[1]))))
 
         gain = ElasticGain(
             start,
@@ -411,6 +415,14 @@ class ErrorEquation:
             filled(own.rate_weights),
             np.full(len(own.force), assessed.retardation_time),
         )
+
+    def _more(self, number: int) -> int:
+        """Number of samples to add for a total of 32, 64, 128 .., so that rounds share one program.
+
+        A further sample costs a product of two small matrices per block; a further program costs seconds.
+        """
+        fewest = self.fewest_samples
+        return (fewest << max(0, (number - 1) // fewest).bit_length()) - number if number else 0
 
     def _history(self, name: str, errors: Array) -> ErrorHistory:
         assessed, own = self.bodies[name], self.steps.motion(name, FloatingMotion)
@@ -485,14 +497,6 @@ def _from_polynomial(
         of_strains.weights,
         of_rates.weights,
     )
-
-
-def _more(number: int) -> int:
-    """Number of samples to add for a total of 32, 64, 128 .., so that rounds share one program.
-
-    A further sample costs a product of two small matrices per block; a further program costs seconds.
-    """
-    return (FEWEST_SAMPLES << max(0, (number - 1) // FEWEST_SAMPLES).bit_length()) - number if number else 0
 
 
 def _with_directions(errors: Array, n_motion: int) -> Array:
