@@ -51,7 +51,7 @@ from supple.storage import write_json  # noqa: E402
 from supple_benchmarks.computer import describe_computer  # noqa: E402
 
 STEPS = 1000
-LIMIT = 150
+LIMIT = 400
 """Seconds for one machine."""
 GROUPS = {"places": ("length", "angle"), "rates": ("velocity", "angular velocity")}
 """Kinds of quantities that are compared together; accelerations and forces form the last group."""

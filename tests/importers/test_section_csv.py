@@ -1,6 +1,7 @@
 """Section tables in CSV: written and read, and the messages."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,6 +20,13 @@ def test_a_table_is_read_as_it_was_written(tmp_path):
         assert getattr(read, name) == pytest.approx(getattr(table, name), rel=1e-7, abs=1e-7)
     assert read.axes == pytest.approx(table.axes, abs=1e-3)  # its z is that of a parabola
     assert path.read_text().splitlines()[1] == "# of no source"
+
+
+def test_a_table_without_rotary_inertia_is_read_as_it_was_written(tmp_path):
+    path, table = tmp_path / "beam.csv", helix_table(5)
+    points = replace(table, inertia=table.inertia * (np.arange(6) < 3) * (np.arange(6) < 3)[:, None])
+    write_section_csv(points, path)
+    assert read_section_csv(path).inertia == pytest.approx(points.inertia, rel=1e-7)
 
 
 TEXT = """\

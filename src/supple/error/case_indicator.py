@@ -1,7 +1,7 @@
 """Indicator of the reduction error in many runs of one machine: the error equation in few columns.
 
 The estimate for a single run has about a hundred columns, from factorisations for this run alone. Here about
-thirty columns serve all runs of a group: the columns of their bases, the motion outside the bases found by
+24 columns serve all runs of a group: the columns of their bases, the motion outside the bases found by
 estimates of representative runs, and the lowest modes. The elasticity in these columns is one polynomial
 (`ElasticPolynomial`). Each run therefore needs one additional linear march only, mapped over the cases in one
 compiled program.

@@ -15,6 +15,7 @@ __all__ = ["read_section_csv", "write_section_csv"]
 PLACE = ("x", "y", "z")
 AXIS = ("axis_x", "axis_y", "axis_z")
 PAIRS = [f"{i + 1}{j + 1}" for i, j in zip(*UPPER, strict=True)]
+DIAGONAL = [f"{of}{i}{i}" for of in "km" for i in range(1, 7)]
 
 
 def read_section_csv(path: str | Path) -> SectionTable:
@@ -31,10 +32,9 @@ def read_section_csv(path: str | Path) -> SectionTable:
     ImportFormatError   missing file or columns, words instead of numbers, fewer than two sections
     ModelError          sections that `SectionTable` rejects
     """
-    diagonal = [f"{of}{i}{i}" for of in "km" for i in range(1, 7)]
     known = [f"{of}{pair}" for of in "km" for pair in PAIRS]
     table = read_csv_table(
-        path, required=(*PLACE, *AXIS, *diagonal), optional=[name for name in known if name not in diagonal]
+        path, required=(*PLACE, *AXIS, *DIAGONAL), optional=[name for name in known if name not in DIAGONAL]
     )
     n = len(table.lines)
     if n < 2:
@@ -69,7 +69,7 @@ def read_section_csv(path: str | Path) -> SectionTable:
 
 
 def write_section_csv(table: SectionTable, path: str | Path, *, about: str = "") -> None:
-    """Write a section table that `read_section_csv` reads, to 8 digits, without columns of zeros.
+    """Write a section table that `read_section_csv` reads, to 8 digits, without off-diagonal columns of zeros.
 
     about : text above the table, such as its source
     """
@@ -79,7 +79,7 @@ def write_section_csv(table: SectionTable, path: str | Path, *, about: str = "")
         for pair, i, j in zip(PAIRS, *UPPER, strict=True)
     }
     columns = dict(zip((*PLACE, *AXIS), np.hstack([table.positions, table.axes[:, :, 0]]).T, strict=True))
-    columns |= {name: values for name, values in entries.items() if values.any()}
+    columns |= {name: values for name, values in entries.items() if name in DIAGONAL or values.any()}
     rows = [
         ",".join(columns),
         *(",".join(f"{value:.8g}" for value in row) for row in zip(*columns.values(), strict=True)),
