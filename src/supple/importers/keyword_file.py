@@ -17,7 +17,7 @@ from supple.importers.plain_number import is_plain, plain_integer, plain_number
 class KeywordBlock:
     """One keyword, its options, and the data lines below it; `line` is an index of `KeywordFile.lines`.
 
-    Names of options have no blanks, as both programs compare them (`REF NODE` and `REFNODE` are one).
+    Names of options have no blanks, because both programs ignore them (`REF NODE` and `REFNODE` are equal).
     """
 
     name: str
@@ -27,7 +27,7 @@ class KeywordBlock:
 
     @property
     def key(self) -> str:
-        """The keyword without blanks, as both programs compare it."""
+        """The keyword without blanks, which both programs ignore."""
         return self.name.replace(" ", "")
 
 

@@ -49,9 +49,9 @@ def irons_cube() -> Quadrature:
 def reduced_cube() -> Quadrature:
     """The eight Gauss points on the cube with a share of 3/4, the fourteen of Irons with 1/4.
 
-    Eight points alone leave six zero-energy modes of a HEXA20. In a row of single cells, some of these stay
-    below the bending modes if the share of full integration is too small. A quarter of the excess stiffness
-    of full integration remains.
+    Eight points alone leave six zero-energy modes of a HEXA20. In a row of single cells, some of these modes
+    have lower frequencies than the bending modes if the share of full integration is too small. A quarter of
+    the excess stiffness of full integration remains.
     """
     few, full = gauss_cube(2), irons_cube()
     share = 0.25
