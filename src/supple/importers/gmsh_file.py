@@ -74,7 +74,7 @@ class GmshFile:
 
 
 def read_gmsh_file(path: Path, content: bytes) -> GmshFile:
-    """The nodes and elements of a file with all sections.
+    """The nodes and elements of a file that has all required sections.
 
     Raises
     ------
@@ -199,7 +199,7 @@ class _Section:
 
 
 def _format(path: Path, content: bytes):
-    """The format (2, 4 or 4.0) and the sections in it by name."""
+    """The format (2, 4 or 4.0), and a function that returns a section by its name."""
     header = re.search(
         rb"\$MeshFormat\s*?\n\s*([0-9.]{1,8})\s+([01])\s+(\d{1,2})[ \t]*\r?\n(.{4})", content, re.DOTALL
     )

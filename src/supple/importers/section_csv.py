@@ -69,7 +69,7 @@ def read_section_csv(path: str | Path) -> SectionTable:
 
 
 def write_section_csv(table: SectionTable, path: str | Path, *, about: str = "") -> None:
-    """Write a section table that `read_section_csv` reads, to 8 digits, without columns of zeros.
+    """Write a section table for `read_section_csv`, with 8 digits and without columns of zeros.
 
     about : text above the table, such as its source
     """

@@ -112,10 +112,10 @@ def _linear(points: FloatArray) -> FloatArray:
 def _bends(
     normal: FloatArray, beside: IntArray
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
-    """Whether the normals near each triangle differ (E,), and whether there are only two of them (E,).
+    """Whether the normals near each triangle differ (E,), and whether only two of them are different (E,).
 
-    Near means its neighbours and their neighbours. The third mask (E, 3) is that of the sides across which
-    the normals differ.
+    Near a triangle are its neighbours and their neighbours. The third mask (E, 3) marks the sides across
+    which the normals differ.
     """
     near = np.concatenate([beside, beside[beside].reshape(len(beside), -1)], axis=1)
     # Triangles of opposite orientation have the opposite normal.

@@ -35,7 +35,7 @@ _FLAT = 0.1
 
 @dataclass(frozen=True, eq=False)
 class NodeSection:
-    """A cut of a mesh between its cells.
+    """A section between the cells of a mesh.
 
     position : mean position of its nodes along the axis
     below : computes, for each cell type, whether the cells (E,) are on the lower side

@@ -166,7 +166,7 @@ def circular_section(radius: float, inner: float = 0.0) -> SectionGeometry:
 
 
 def walled_section(walls: Sequence[Wall], *, box: tuple[Loop, Loop] | None = None) -> SectionGeometry:
-    """A section of rectangles; its points are the corners of its convex hull, where bending stress is largest.
+    """A section of rectangles; the points are corners of its convex hull, where bending stress is largest.
 
     box : outer and inner rim of walls that form one closed box, for drawing
     """

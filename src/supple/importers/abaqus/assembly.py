@@ -27,7 +27,7 @@ class Scope:
 
 @dataclass(frozen=True, eq=False)
 class ScopedBlock:
-    """A keyword in scope number `scope` (0: the model), in step `step` (0: none, before the first)."""
+    """A keyword in scope number `scope` (0: the model), in step `step` (0: outside of steps)."""
 
     scope: int
     step: int

@@ -158,7 +158,7 @@ def _nearest(
 
 
 def _projected(corners: FloatArray, targets: FloatArray) -> FloatArray:
-    """Shape functions (P, k) at the nearest points of faces (P, k, 3), by Gauss-Newton, kept inside them."""
+    """Shape functions (P, k) at the points of faces (P, k, 3) nearest to the targets, by Gauss-Newton."""
     k = corners.shape[1]
     if k == 1:
         return np.ones((len(corners), 1))

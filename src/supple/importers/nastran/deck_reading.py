@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 
 Term = tuple[int, float]
 
-# Scalar points are numbered after the last node; the number of nodes is known at the end.
+# Provisional number of the first scalar point; `FreedomSums.terms` replaces it by the number of nodes.
 _SCALARS = 2**40
 
 
@@ -106,7 +106,7 @@ class DeckReading:
         return left_out_by_card(self._left)
 
     def chosen_sets(self, command: str, adder: str, sets: set[int]) -> set[int]:
-        """Sets that case control selects, also by `adder` (SPCADD); without case control, a single set."""
+        """Sets that case control selects, also by `adder` (SPCADD); without case control, the only set."""
         number = self.case.number(command)
         if number is None:
             if self.case.present or len(sets) != 1:

@@ -69,7 +69,7 @@ def read_grids(file: BulkFile) -> GridPoints:
     Raises
     ------
     ImportFormatError   no GRID card; a grid id given twice; coordinate systems that are missing, given twice,
-                        circular or flat; fields that are not numbers
+                        circular, or by points on one line; fields that are not numbers
     """
     cards = _once(file.named("GRID"))
     if not cards and not file.parts:

@@ -23,10 +23,10 @@ Side = tuple[int, str]
 
 
 def read_ties(reading: DeckReading, turning: NDArray[np.bool_]) -> tuple[list[RigidTie], list[WeightedMean]]:
-    """All rigid and averaging elements; those that are no full tie or plain mean become constraints.
+    """All rigid and averaging elements; those other than full ties and plain means become constraints.
 
     turning : (N,) whether anything but supports acts on the rotations of a grid; if not, as on nodes of
-              solids, a tie of its translations is equivalent to one of all six freedoms
+              solids, a tie of its translations is equivalent to a tie of all six freedoms
     """
     rigid: list[RigidTie] = []
     means: list[WeightedMean] = []
