@@ -124,7 +124,7 @@ def numbered_points(file: KeywordFile, block: KeywordBlock) -> NumberedPoints:
 
 
 def numbers(file: KeywordFile, line: int, words: list[str]) -> list[float]:
-    """Words of a data line as numbers; an empty one counts as 0."""
+    """Words of a data line as numbers; an empty word counts as 0."""
     plain = [(word or "0").upper().replace("D", "E") for word in words]
     return _converted(file, plain, np.full(len(plain), line), np.float64).tolist()
 

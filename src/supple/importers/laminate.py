@@ -84,7 +84,7 @@ def laminate(plies: Sequence[Ply], *, bottom: float | None = None, added_mass: f
 
         tau(z) = F(z) [Q_x, Q_y],   H^-1 = int F^T S F dz,   S the shear compliance of the plies.
 
-    H is 5/6 G t for a homogeneous wall. It does not depend on the surface of the nodes.
+    H is 5/6 G t for a homogeneous wall. H does not depend on the position of the surface of the nodes.
 
     Parameters
     ----------

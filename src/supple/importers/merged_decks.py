@@ -67,7 +67,7 @@ def merged_decks(decks: Mapping[str, Deck], common: Sequence[CommonNodes]) -> De
 def _numbers(
     decks: Mapping[str, Deck], common: Sequence[CommonNodes]
 ) -> tuple[dict[str, IntArray], IntArray]:
-    """Node numbers of each deck in the assembly; first place of each node in the nodes of all decks."""
+    """Assembly numbers of each deck's nodes; first place of each assembly node in the nodes of all decks."""
     start = dict(zip(decks, np.cumsum([0, *(len(each.nodes) for each in decks.values())]), strict=False))
     total = sum(len(each.nodes) for each in decks.values())
     none = np.empty(0, dtype=np.int64)

@@ -36,8 +36,8 @@ _NONE = 1e-14
 def moved_deck(deck: Deck, Q: FloatArray, shift: FloatArray) -> Deck:
     """The deck with x -> Q x + shift.
 
-    Displacements become Q u; rotations are axial vectors and become det(Q) Q theta. The node order of a
-    mirrored cell is reversed, so that its normal is the mirrored normal. The second axis of a wall and of a
+    Displacements u become Q u; rotations theta are axial vectors and become det(Q) Q theta. The node order of
+    a mirrored cell is reversed, so that its normal is the mirrored normal. The second axis of a wall and of a
     beam is then opposite to the mirrored axis, and stiffness terms that are odd in this axis change sign.
 
     Parameters
@@ -65,7 +65,7 @@ def moved_deck(deck: Deck, Q: FloatArray, shift: FloatArray) -> Deck:
 
 @dataclass(frozen=True, eq=False)
 class _ChangedAxes:
-    """Rotated or mirrored axes. Freedoms of scalar points, which have no axes, follow n_freedoms of nodes."""
+    """Rotated or mirrored axes of n_freedoms freedoms of nodes; scalar points follow and have no axes."""
 
     Q: FloatArray
     n_freedoms: int

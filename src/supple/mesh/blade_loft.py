@@ -222,7 +222,7 @@ def _interpolate_rows(x: FloatArray, y: FloatArray, at: FloatArray) -> FloatArra
 
 
 def _split_skin(around: IntArray, grid: BladeGrid, n_nodes: int) -> tuple[IntArray, IntArray]:
-    """Skin triangles, and corners (c, 4) of the quadrilaterals with a centre node, numbered from n_nodes."""
+    """Skin triangles, with centre nodes from n_nodes on, and corners (c, 4) of the quadrilaterals there."""
     halves = alternating_triangles(around)
     segment, panel = np.array(grid.centre_splits, dtype=np.int64).reshape(-1, 2).T
     cut = panel * grid.n_segments + segment

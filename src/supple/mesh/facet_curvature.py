@@ -32,9 +32,9 @@ def facet_curvature(nodes: FloatArray, triangles: IntArray, crease: float = CREA
     squares with the weights `1/distance^4`. The fit is exact on a quadratic surface, also at its rim. Among
     equally good fits, the smallest K is used.
 
-    K is zero at creases: no quadratic surface fits the triangle or its neighbour across a folded edge there.
-    K is also zero where a triangle and its surroundings have only two normals: this may be a fold of two
-    planes.
+    K is zero at creases, where a quadratic surface does not fit the triangle, or does not fit its neighbour
+    across a folded edge. K is also zero where a triangle and its surroundings have only two normals: this may
+    be a fold of two planes.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def _linear(points: FloatArray) -> FloatArray:
 def _bends(
     normal: FloatArray, beside: IntArray
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
-    """Whether the normals near each triangle differ (E,), and whether only two of them are different (E,).
+    """Whether the normals near each triangle differ (E,), and whether at most two different ones occur (E,).
 
     Near a triangle are its neighbours and their neighbours. The third mask (E, 3) marks the sides across
     which the normals differ.

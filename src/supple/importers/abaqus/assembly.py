@@ -18,7 +18,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Scope:
-    """Scope of names and ids of one instance, or of a model without parts; x moves to rotation x + shift."""
+    """Scope of names and ids: an instance, or the model outside of them; x moves to rotation x + shift."""
 
     name: str = ""
     rotation: FloatArray = field(default_factory=lambda: np.eye(3))

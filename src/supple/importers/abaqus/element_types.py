@@ -53,7 +53,7 @@ CELL_FAMILIES = (Family.SOLID, Family.SHELL, Family.MEMBRANE, Family.BEAM, Famil
 
 @dataclass(frozen=True)
 class ElementType:
-    """A type of elements; n_nodes : nodes on a data line, 0 for unknown types, which are not read"""
+    """A type of elements. n_nodes : nodes on a data line; 0 for unknown types, which are not read"""
 
     name: str
     family: Family

@@ -172,7 +172,7 @@ class DeckReading:
         return self.node_freedom(node, component - 1)
 
     def node_freedom(self, node: int, component: int) -> list[Term]:
-        """Terms of component 0 to 5 of a grid number, in its axes CD."""
+        """Terms of component 0 to 5, in the axes CD, of a grid given by its number."""
         direction = self.grids.axes[node][:, component % 3]
         first = 6 * node + 3 * (component // 3)
         return [(first + i, float(direction[i])) for i in np.flatnonzero(np.abs(direction) > 1e-14).tolist()]

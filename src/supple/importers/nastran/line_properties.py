@@ -188,7 +188,7 @@ def _values(
     reading: DeckReading,
     added: float,
 ) -> BeamValues:
-    """One station; mass of the section at its neutral axis, non-structural mass at `nsm_at` (M1, M2)."""
+    """Values of a station; section mass is at its neutral axis, non-structural mass at `nsm_at` (M1, M2)."""
     area, I1, I2, I12, J, nsm = given
     own, other = material.density * area, (nsm + added) * reading.mass_factor
     mass = own + other
