@@ -1,4 +1,4 @@
-"""Outer faces of a mesh as triangles oriented by their outward normals."""
+"""Outer faces of a mesh, also as triangles, oriented by their outward normals."""
 
 from __future__ import annotations
 

@@ -189,7 +189,7 @@ def _inside(k: int, xi: FloatArray) -> FloatArray:
 
 
 def _shapes(k: int, xi: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Shape functions (P, k) of an edge (2 nodes), triangle (3, 6) or quadrilateral (4, 8); derivatives."""
+    """Shape functions (P, k) and derivatives: edge (2 nodes), triangle (3, 6) or quadrilateral (4, 8)."""
     r, s = xi.T
     zero, one = np.zeros_like(r), np.ones_like(r)
     if k == 2:

@@ -350,7 +350,8 @@ def _mean_rows(
 
         u_ref = (S^T W S)^-1 S^T W u,   S the rigid motions about the reference, W the weights;
 
-    rotations have the weight L^2, L the mean distance of the grids from the reference, independent of units.
+    rotations have the weight L^2, with L the mean distance of the grids from the reference; the constraints
+    are then independent of units.
     Source: MSC Nastran, Linear Static Analysis User's Guide, "RBE3".
     """
     origin = reading.grids.positions[reference]

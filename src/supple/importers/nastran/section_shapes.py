@@ -36,7 +36,7 @@ class SectionValues:
 
 @dataclass(frozen=True)
 class SectionShape:
-    """Number of dimensions of a shape; its section values from these, None if they are inconsistent."""
+    """sizes : number of dimensions; values : section values from these, None if they are inconsistent"""
 
     sizes: int
     values: Callable[..., SectionValues | None]

@@ -30,7 +30,7 @@ _TOLERANCE = 1e-5
 _EQUAL = 1e-2
 
 _IMAGES = ("MIRROR", "REPEAT", "IDENTICAL")
-# The squares of larger coordinates overflow; the mesh rejects them.
+# The squares of larger coordinates overflow; the mesh rejects such coordinates.
 _FARTHEST = 1e100
 
 _ELSEWHERE = ("EXTERNAL", "EXTOP2", "EXTOP4", "FRFOP2")
