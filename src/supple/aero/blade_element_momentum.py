@@ -65,7 +65,7 @@ def air_loads(rotor: Rotor, operation: Operation, *, radius: ArrayLike, wind: Ar
         C_n = C_l cos phi + C_d sin phi,     C_t = C_l sin phi - C_d cos phi,
         F = 2/pi acos exp(-B/2 (R - r) / (r sin phi)),
         k = s C_n / (4 F sin^2 phi),         k' = s C_t / (4 F sin phi cos phi).
-    Momentum gives 1/(1 - a) = 1 + k and 1/(1 + a') = 1 - k'; above a_c = 0.2 the thrust follows
+    Momentum gives 1/(1 - a) = 1 + k and 1/(1 + a') = 1 - k'. For a > a_c = 0.2 the thrust follows
     4 F (a_c^2 + (1 - 2 a_c) a), that is, 1/(1 - a) = ((b^2 + 4 k d^2)^(1/2) + b) / (2 d^2), b = 1 - 2 a_c,
     d = 1 - a_c. The angle is the root of
         sin phi / (1 - a) omega r - cos phi / (1 + a') V = 0

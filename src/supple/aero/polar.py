@@ -61,7 +61,7 @@ class Polar:
 class BlendedPolars:
     """Coefficients of several sections over common angles: `angle` (m,), `lift` and `drag` (k, m).
 
-    `lowest` and `highest` (k,) bound the angles that the section's own polars cover.
+    `lowest` and `highest` (k,) bound the angles that the polars of each section cover.
     """
 
     angle: FloatArray

@@ -98,7 +98,7 @@ def prescribed_forces(
     span : float array (k,)     m, of the nodes from root to tip, such as those of the leading edge
     hub_radius : float          m
     times : float array (t,)    s
-    ramp : CosineRamp or None   a smooth start; None loads fully from the first time
+    ramp : CosineRamp or None   a smooth start; None: full loads from the first time
     Returns
     -------
     NodalForces   (t, k, 3)

@@ -34,7 +34,8 @@ _SHAPES = (
 # Contact, surface effect, follower, facet and mass elements: they have no volume and no wall.
 _PASSED_OVER = (14, 21, 151, 152, 153, 154, 155, 156, 169, 170, 171, 172, 173, 174, 175, 176, 177, 184, 200)
 _INFORMATION = 10
-# Degenerate bricks: nodes that remain (corners, then middles), number of corners, repeated nodes.
+# Degenerate bricks: linear and quadratic cell, its nodes in the brick (corners, then middles), number of
+# corners, pairs of repeated nodes.
 _DEGENERATE = (
     ("tetra", "tetra10", (0, 1, 2, 4, 8, 9, 11, 16, 17, 18), 4, ((2, 3), (4, 5), (5, 6), (6, 7))),
     ("pyramid", "pyramid13", (0, 1, 2, 3, 4, 8, 9, 10, 11, 16, 17, 18, 19), 5, ((4, 5), (5, 6), (6, 7))),
@@ -53,7 +54,7 @@ def read_ansys(
 
     Parameters
     ----------
-    only : str or None            an element component or material_ID: read its cells and nodes alone
+    only : str or None            an element component or material_ID: read only its cells and nodes
     unused_nodes : UnusedNodes    REFUSE or DROP nodes that no cell uses, such as orientation nodes of beams
     Raises
     ------

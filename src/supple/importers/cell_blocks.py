@@ -30,7 +30,7 @@ _SURFACES = {"quad": 4, "triangle6": 6, "quad8": 8, "quad9": 9}
 
 @dataclass(frozen=True, eq=False)
 class CellBlock:
-    """Cells (n, k) of one type, as meshio names it and in its order of nodes, with their ids.
+    """Cells (n, k) of one type, with meshio's name and order of nodes, and their ids.
 
     sets : {name: (n,) mask of the members}
     """

@@ -39,7 +39,7 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class IsotropicMaterial:
-    """E, Pa; nu; density, kg/m^3, 0 without one; G if it differs from E / (2 (1 + nu))."""
+    """E, Pa; nu; density, kg/m^3, 0 if none is given; G, Pa, None for E / (2 (1 + nu))."""
 
     youngs_modulus: float
     poissons_ratio: float
@@ -157,11 +157,11 @@ class DeckElements:
     name : the type in the file (CQUAD4, C3D20R)
     kind : cell type; a quadrilateral becomes two triangles, a quadratic line two lines
     nodes : (C, k) node numbers, in the order of `kind`
-    ids, lines : (C,) the element of each cell, and its line in the file
+    ids, lines : (C,) element id of each cell, and line of this element in the file
     property : key of `Deck.properties`
     directions : (C, 3) beams: a vector in plane 1; shells: the material's x axis before its projection.
                  (C, 3, 3) solids: the material's axes as columns. None if nothing depends on them
-    offsets : (C, 2, 3) of the ends of beams from their nodes
+    offsets : (C, 2, 3) offsets of beam ends from their nodes
     released : (C, 12) released freedoms of beam ends, in the beam's axes
     reduced : whether HEXA20 cells have reduced integration
     incompatible : whether HEXA8 cells have incompatible modes
@@ -200,7 +200,7 @@ class ScalarTerms:
 
     They are springs, dampers or masses with the energy  1/2 k s^2,  or constraints s = 0.
 
-    rows : (T,) the row of each term;  freedoms : (T,);  factors : (T,);  lines : (rows,) in the file
+    rows : (T,) the row of each term;  freedoms, factors : (T,);  lines : (rows,) line of each row in the file
     values : (rows,) k; empty for constraints
     dependent : (rows,) the freedom that the file eliminates in a constraint, or -1
     """
@@ -217,7 +217,7 @@ class ScalarTerms:
 class RigidTie:
     """Nodes tied rigidly to a reference node in all freedoms (RBE2, RBAR, *RIGID BODY).
 
-    name : rbe2_ID, also of its node set and of an interface
+    name : rbe2_ID; its node set and its interface have this name, too
     """
 
     name: str

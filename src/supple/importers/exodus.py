@@ -47,7 +47,7 @@ _ORDERS = {
     "hexahedron": (*range(12), *range(16, 20), *range(12, 16)),
     "wedge": (*range(9), *range(12, 15), *range(9, 12)),
 }
-# Corners of the sides of solids; surfaces have two faces, then edges.
+# Corners of each side in the order of Exodus; the sides of a surface are its two faces, then its edges.
 _SIDES = {
     "hexahedron": ((0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (0, 4, 7, 3), (0, 3, 2, 1), (4, 5, 6, 7)),
     "tetra": ((0, 1, 3), (1, 2, 3), (0, 3, 2), (0, 2, 1)),
@@ -69,11 +69,11 @@ def read_exodus(
 
     Parameters
     ----------
-    only : str or None            a block: read its cells and nodes alone
+    only : str or None            a block: read only its cells and nodes
     unused_nodes : UnusedNodes    REFUSE or DROP nodes that no cell uses
     Raises
     ------
-    ImportFormatError   missing, cut or foreign file; element types that are not read; sets beyond the mesh
+    ImportFormatError   missing, cut or foreign file; element types that are not read; sets with missing nodes
     MeshError           what the file describes is not a usable mesh
     """
     path = Path(path)
@@ -88,7 +88,7 @@ def read_exodus(
 
 
 def _parts(path: Path) -> Mapping[str, tuple[Any, str]]:
-    """Variables with their element types."""
+    """Values and element type of each variable; the type is empty if the file gives none."""
     content = file_content(path)
     if content.startswith(_HDF5):
         with open_copied(path, ("/",)) as file:

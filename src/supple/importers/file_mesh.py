@@ -43,7 +43,7 @@ class FileMesh:
 
     node_ids : (N,) ids in the file; None without ids
     cell_ids : {CellType: (E,)} element ids in the file; cells of one element share its id
-    cell_origins : the element of each cell of a type, for formats with lines
+    cell_origins : {CellType: (E,)} element and line of each cell, for formats with lines
     """
 
     path: Path

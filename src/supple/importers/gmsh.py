@@ -30,16 +30,16 @@ def read_gmsh(
 ) -> Mesh:
     """Mesh of a Gmsh file: its cells of the highest dimension, and its physical groups as sets.
 
-    Every physical group becomes a node set; those of the highest dimension are cell sets, too. A group
+    Every physical group becomes a node set; a group of the highest dimension becomes a cell set, too. A group
     without a name is named by its dimension and tag, as in 'surface 7'. Quadrilaterals and surfaces of
-    second order become triangles over all their nodes; nodes inside faces and cells of second order (of
-    hexahedra with 27 nodes, say) are left out. A cell that the file repeats, once for each of its groups
+    second order become triangles over all nodes on their edges. Nodes inside faces and cells of second order
+    (such as hexahedra with 27 nodes) are left out. A cell that the file repeats, once for each of its groups
     (format 2), is read once.
 
     Parameters
     ----------
     path : str or Path
-    only : str or None            a physical group: read its cells and nodes alone; None reads everything
+    only : str or None            a physical group: read only its cells and nodes; None reads everything
     unused_nodes : UnusedNodes    REFUSE or DROP nodes that no cell uses, such as the centres of arcs
     Returns
     -------
@@ -129,7 +129,7 @@ def _blocks(path: Path, read: GmshFile, names: dict[tuple[int, int], str]) -> li
 
 
 def _each_once(type_name: str, parts: Sequence[CellBlock]) -> CellBlock:
-    """Cells of one type without repetitions, in the sets of all their repetitions."""
+    """Cells of one type, each once; a cell belongs to the sets of all its repetitions."""
     cells = np.vstack([part.cells for part in parts])
     _, first, same = np.unique(np.sort(cells, axis=1), axis=0, return_index=True, return_inverse=True)
     in_order = np.argsort(first)

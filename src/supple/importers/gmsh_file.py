@@ -74,7 +74,7 @@ class GmshFile:
 
 
 def read_gmsh_file(path: Path, content: bytes) -> GmshFile:
-    """The nodes and elements of a file with all sections.
+    """The nodes and elements of a file that has all required sections.
 
     Raises
     ------
@@ -134,7 +134,7 @@ class _Section:
 
     @property
     def lines(self) -> list[bytes] | None:
-        """Its lines below the first, in text; None in binary."""
+        """Lines below the first that are not blank, in a text file; None in a binary file."""
         return [line for line in self._bytes.splitlines()[1:] if line.strip()] if self._is_text else None
 
     def count_in_text(self) -> int:
@@ -160,7 +160,7 @@ class _Section:
         return self._taken(n, f"{self._order}f8", np.float64)
 
     def table(self, n: int, layout: np.dtype) -> NDArray:
-        """The next `n` rows of that layout, in binary."""
+        """The next `n` rows with this layout, in a binary file."""
         return self._frombuffer(n, layout)
 
     def converted(self, words: list[bytes], dtype: type) -> NDArray:
@@ -199,7 +199,7 @@ class _Section:
 
 
 def _format(path: Path, content: bytes):
-    """The format (2, 4 or 4.0) and the sections in it by name."""
+    """The format (2, 4 or 4.0), and a function that returns a section by its name."""
     header = re.search(
         rb"\$MeshFormat\s*?\n\s*([0-9.]{1,8})\s+([01])\s+(\d{1,2})[ \t]*\r?\n(.{4})", content, re.DOTALL
     )
@@ -252,7 +252,7 @@ def _nodes_of_2(section: _Section) -> tuple[IntArray, FloatArray]:
 
 
 def _elements_of_2(section: _Section) -> Iterator[GmshElements]:
-    """Elements by their type; a group is the first tag of an element."""
+    """Elements by their type; the first tag of an element is its group."""
     n = section.count_in_text()
     lines = section.lines
     if lines is None:

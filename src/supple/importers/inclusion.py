@@ -15,7 +15,7 @@ MOST_INCLUDED_CHARACTERS = 2**30
 
 
 def included_file(name: str, *folders: Path) -> Path:
-    """The file of a name in the first folder that has it, regardless of upper and lower case.
+    """The file with this name in the first folder that has it; if none has, upper and lower case are ignored.
 
     Backslashes also separate folders. A prefix `PLACE:` of more than one letter is a logical name of the
     author's computer and is dropped. If no folder has the file, its path in the first folder is returned.

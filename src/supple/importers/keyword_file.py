@@ -17,7 +17,7 @@ from supple.importers.plain_number import is_plain, plain_integer, plain_number
 class KeywordBlock:
     """One keyword, its options, and the data lines below it; `line` is an index of `KeywordFile.lines`.
 
-    Names of options have no blanks, as both programs compare them (`REF NODE` and `REFNODE` are one).
+    Names of options have no blanks, because both programs ignore them (`REF NODE` and `REFNODE` are equal).
     """
 
     name: str
@@ -27,7 +27,7 @@ class KeywordBlock:
 
     @property
     def key(self) -> str:
-        """The keyword without blanks, as both programs compare it."""
+        """The keyword without blanks, which both programs ignore."""
         return self.name.replace(" ", "")
 
 
@@ -124,7 +124,7 @@ def numbered_points(file: KeywordFile, block: KeywordBlock) -> NumberedPoints:
 
 
 def numbers(file: KeywordFile, line: int, words: list[str]) -> list[float]:
-    """Words of a data line as numbers; an empty one counts as 0."""
+    """Words of a data line as numbers; an empty word counts as 0."""
     plain = [(word or "0").upper().replace("D", "E") for word in words]
     return _converted(file, plain, np.full(len(plain), line), np.float64).tolist()
 

@@ -39,7 +39,7 @@ class Ply:
         # Strains of the wall to strains of the ply.
         T = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
         turned = T.T @ self.plane_stress @ T
-        return 0.5 * (turned + turned.T)  # symmetric also if sums over plies cancel
+        return 0.5 * (turned + turned.T)  # exactly symmetric, also where sums over plies cancel
 
     def turned_shear_compliance(self) -> FloatArray:
         """Transverse shear compliance (2, 2) in the axes of the wall; zero if rigid in shear."""
@@ -84,7 +84,7 @@ def laminate(plies: Sequence[Ply], *, bottom: float | None = None, added_mass: f
 
         tau(z) = F(z) [Q_x, Q_y],   H^-1 = int F^T S F dz,   S the shear compliance of the plies.
 
-    H is 5/6 G t for a homogeneous wall. It does not depend on the surface of the nodes.
+    H is 5/6 G t for a homogeneous wall. H does not depend on the position of the surface of the nodes.
 
     Parameters
     ----------
@@ -133,13 +133,13 @@ def _shear_stiffness(
     """H (2, 2); None if all plies are rigid in shear."""
     if all(ply.shear is None for ply in plies):
         return None
-    # Strain and curvature (6,) of a unit growth of M_x and of M_y along the wall.
+    # Gradients of strain and curvature (6, 2) for a unit gradient of M_x and of M_y along the wall.
     ABD = np.block([[A, B], [B, D]])
     growing = np.linalg.lstsq(ABD, np.eye(6)[:, 3:5], rcond=1e-13)[0]
     strain, curvature = growing[:3], growing[3:]
     flow = np.zeros((2, 2))  # tau at the lower face of a ply, columns Q_x and Q_y
     compliance = np.zeros((2, 2))
-    pick = [0, 1]  # Q_x drives xx, whose growth tau_xz balances; Q_y drives yy and tau_yz
+    pick = [0, 1]  # Q_x changes sigma_xx, which tau_xz balances; Q_y changes sigma_yy, which tau_yz balances
 
     def balanced(k: int, z: FloatArray) -> FloatArray:
         """-int Q (strain + z curvature) dz from the lower face of ply k, (n, 2, 2)."""

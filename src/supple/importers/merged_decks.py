@@ -31,10 +31,11 @@ class CommonNodes:
 
 
 def merged_decks(decks: Mapping[str, Deck], common: Sequence[CommonNodes]) -> Deck:
-    """One deck of all decks, with a node and an element set named after each, and each in `superelements`.
+    """One deck of all decks; each deck gives a node set and an element set of its name.
 
-    Sets, properties and ties are renamed to NAME.SET, except those of the first deck. Common nodes have the
-    position and id of the first deck with this node; an id that is in use is replaced by a free one.
+    `superelements` contains the given decks. Sets, properties and ties are renamed to NAME.SET, except those
+    of the first deck. A common node has the position and id in the first deck that contains it; an id that is
+    in use is replaced by a free one.
     """
     numbers, first = _numbers(decks, common)
     ids = np.concatenate([deck.node_ids for deck in decks.values()])[first]
@@ -66,7 +67,7 @@ def merged_decks(decks: Mapping[str, Deck], common: Sequence[CommonNodes]) -> De
 def _numbers(
     decks: Mapping[str, Deck], common: Sequence[CommonNodes]
 ) -> tuple[dict[str, IntArray], IntArray]:
-    """Node numbers of each deck in the assembly, and for each node of the assembly its first origin."""
+    """Assembly numbers of each deck's nodes; first place of each assembly node in the nodes of all decks."""
     start = dict(zip(decks, np.cumsum([0, *(len(each.nodes) for each in decks.values())]), strict=False))
     total = sum(len(each.nodes) for each in decks.values())
     none = np.empty(0, dtype=np.int64)

@@ -36,9 +36,9 @@ _NONE = 1e-14
 def moved_deck(deck: Deck, Q: FloatArray, shift: FloatArray) -> Deck:
     """The deck with x -> Q x + shift.
 
-    u -> Q u, and rotations, which are axial vectors, theta -> det(Q) Q theta. The node order of a mirrored
-    cell is reversed, so that its normal is the mirrored normal. The second axis of a wall and of a beam is
-    then opposite to the mirrored axis, and stiffness terms that are odd in this axis change sign.
+    Displacements u become Q u; rotations theta are axial vectors and become det(Q) Q theta. The node order of
+    a mirrored cell is reversed, so that its normal is the mirrored normal. The second axis of a wall and of a
+    beam is then opposite to the mirrored axis, and stiffness terms that are odd in this axis change sign.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def moved_deck(deck: Deck, Q: FloatArray, shift: FloatArray) -> Deck:
 
 @dataclass(frozen=True, eq=False)
 class _ChangedAxes:
-    """Rotated or mirrored axes. n_freedoms : of nodes; those of scalar points, without axes, come after."""
+    """Rotated or mirrored axes of n_freedoms freedoms of nodes; scalar points follow and have no axes."""
 
     Q: FloatArray
     n_freedoms: int
@@ -77,7 +77,7 @@ class _ChangedAxes:
 
     @property
     def whole(self) -> FloatArray:
-        """(6, 6) of the six freedoms of a node."""
+        """Transformation (6, 6) of the six freedoms of a node."""
         axial = -self.Q if self.mirrors else self.Q
         return np.block([[self.Q, np.zeros((3, 3))], [np.zeros((3, 3)), axial]])
 
@@ -107,7 +107,7 @@ class _ChangedAxes:
         )
 
     def dependent(self, given: IntArray) -> IntArray:
-        """The freedom that each row eliminates if it is also one in the new axes; else -1."""
+        """The freedom that each row eliminates if it is a single freedom in the new axes, too; else -1."""
         own = np.maximum(given, 0)
         factors = np.abs(self.whole.T[own % 6])
         new = 6 * (own // 6) + factors.argmax(axis=1)
@@ -149,7 +149,7 @@ class _ChangedAxes:
         return given
 
     def keeps(self, components: tuple[bool, ...]) -> bool:
-        """Whether components of a node are also components in the new axes."""
+        """Whether the selected components of a node are also components in the new axes."""
         halves = (components[:3], components[3:])
         return all(len(set(half)) == 1 for half in halves) or bool(
             (np.abs(self.Q).max(axis=0) > 1 - _NONE).all()

@@ -20,7 +20,7 @@ def numbers_of(ids: IntArray, wanted: IntArray) -> tuple[IntArray, NDArray[np.bo
 
 
 def first_repeated(ids: IntArray) -> int | None:
-    """The first position of a repeated id; None if all differ."""
+    """The first position of an id that also occurs before it; None if all ids differ."""
     order = np.argsort(ids, kind="stable")
     again = np.flatnonzero(ids[order][1:] == ids[order][:-1])
     return int(order[1:][again].min()) if again.size else None

@@ -1,6 +1,6 @@
-"""Numbers of files in the digits 0 to 9.
+"""Numbers of files, written in the digits 0 to 9 only.
 
-Python also accepts 1_000, digits of other scripts, nan and infinity, and integers of any length.
+Python also accepts 1_000, digits of other scripts, nan, infinity and integers of any length.
 """
 
 from __future__ import annotations

@@ -27,8 +27,8 @@ def split_quadrilaterals(nodes: NDArray[np.float64], quads: NDArray[np.int64]) -
 def split_quadratic_surfaces(nodes: NDArray[np.float64], surfaces: NDArray[np.int64]) -> NDArray[np.int64]:
     """Triangles over all nodes of six-node triangles (4 each) or eight-node quadrilaterals (6 each).
 
-    Corners come first, then the middle nodes of the edges in order. Each corner is a triangle; the
-    quadrilateral between four middle nodes is split along its shorter diagonal.
+    Corners come first, then the middle nodes of the edges in order. Each corner forms a triangle with the
+    middle nodes beside it. The quadrilateral of four middle nodes is split along its shorter diagonal.
     """
     n = surfaces.shape[1] // 2
     corners = [(i, n + i, n + (i - 1) % n) for i in range(n)]

@@ -25,7 +25,7 @@ def read_section_csv(path: str | Path) -> SectionTable:
     section's x axis (its component along the curve is removed; any length); k11, k12 .. k66 and m11, m12 ..
     m66, the upper triangles of stiffness and inertia with the axes, order and signs of `SectionTable`.
     Missing off-diagonal columns are zero. The z axis of a section is tangent to the curve: at an inner
-    section to the parabola through its neighbours.
+    section, to the parabola through this section and its neighbours.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def read_section_csv(path: str | Path) -> SectionTable:
 
 
 def write_section_csv(table: SectionTable, path: str | Path, *, about: str = "") -> None:
-    """Write a section table that `read_section_csv` reads, to 8 digits, without off-diagonal columns of zeros.
+    """Write a section table for `read_section_csv`, with 8 digits and without off-diagonal columns of zeros.
 
     about : text above the table, such as its source
     """

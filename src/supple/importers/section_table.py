@@ -24,7 +24,7 @@ ASYMMETRY = 1e-6
 SMALLEST_STIFFNESS = 1e-9
 """Smallest eigenvalue of a positive definite stiffness with its diagonal scaled to 1."""
 NO_SECTION = 1e-3
-"""Tolerance of an inertia, relative to the mass, or to the mass times the radius of gyration."""
+"""Relative tolerance of the checks of an inertia."""
 LEAST_COSINE = 0.5
 """Smallest cosine of the angle between the curve and the normal of a section."""
 
@@ -85,7 +85,7 @@ class SectionTable:
 
     @cached_property
     def lengths(self) -> FloatArray:
-        """(n,) from the first section to each, along the chords between them."""
+        """Lengths (n,) from the first section to each section, along the chords between sections."""
         return read_only(np.append(0.0, np.linalg.norm(np.diff(self.positions, axis=0), axis=1).cumsum()))
 
     def at(self, lengths: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -129,7 +129,7 @@ def twisted_axes(tangents: ArrayLike, twist: ArrayLike) -> FloatArray:
 
 
 def check_sections(where: Sequence[str], stiffness: FloatArray, inertia: FloatArray) -> None:
-    """ModelError for a stiffness that is not positive definite or an inertia not of a plane mass.
+    """Raise ModelError unless each stiffness is positive definite and each inertia is that of a plane mass.
 
     where : label of each section in messages, such as its line in a file
     """

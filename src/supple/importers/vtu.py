@@ -68,11 +68,12 @@ def read_vtu(
 ) -> Mesh:
     """Mesh of a VTU file: its cells of the highest dimension; several pieces are one mesh.
 
-    Integers on cells define sets NAME_VALUE (also of nodes). Values 0 and 1 on points define a node set NAME.
+    Each value of an integer array NAME on cells defines a cell set and a node set NAME_VALUE. An array NAME
+    of values 0 and 1 on points defines a node set NAME of the points with 1.
 
     Parameters
     ----------
-    only : str or None            a cell set: read its cells and nodes alone
+    only : str or None            a cell set: read only its cells and nodes
     unused_nodes : UnusedNodes    REFUSE or DROP nodes that no cell uses
     Raises
     ------

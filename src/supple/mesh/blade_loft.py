@@ -50,9 +50,9 @@ class ShearWebs:
 class BladeGrid:
     """Numbers of cells around each side (nose panel, cap, aft panel), over the webs' depth, along the span.
 
-    `centre_splits` lists quadrilaterals that are divided into four triangles about their centre instead of
-    two, as (segment from the root, panel from the trailing edge over the lower side). Each adds one node and
-    two triangles.
+    `centre_splits` lists the quadrilaterals that are divided about their centre into four triangles instead
+    of two. Each is a pair (segment from the root, panel from the trailing edge over the lower side) and adds
+    one node and two triangles.
     """
 
     nose_panel: int = 4
@@ -90,12 +90,12 @@ class BladeGrid:
 
 
 def loft_blade(stations: BladeStations, webs: ShearWebs, grid: BladeGrid = BladeGrid()) -> Mesh:
-    """Mid-surface of skin and two webs, of triangles, open at both ends; normals of the skin point outward.
+    """Triangles on the mid-surfaces of skin and two webs, open at both ends; skin normals point outward.
 
-    Rings of nodes are at equal steps of span from the root to the webs' start, to their end, to the tip.
-    Around a ring nodes are at equal arcs between trailing edge, aft web, fore web and leading edge. The webs
-    are straight between the skins. With `s` segments, `n` nodes around, webs of `w` segments and a depth of
-    `d` cells, and no centre splits, there are
+    Rings of nodes divide three spans into equal steps: root to start of the webs, start to end, end to tip.
+    Around a ring, nodes divide each arc between trailing edge, aft web, fore web and leading edge into equal
+    parts. The webs are straight between the skins. With `s` segments, `n` nodes around, webs of `w` segments
+    and a depth of `d` cells, and no centre splits, there are
         N = n (s + 1) + 2 (w + 1)(d - 1) nodes,   F = 2 n s + 4 w d triangles.
 
     Parameters
@@ -222,7 +222,7 @@ def _interpolate_rows(x: FloatArray, y: FloatArray, at: FloatArray) -> FloatArra
 
 
 def _split_skin(around: IntArray, grid: BladeGrid, n_nodes: int) -> tuple[IntArray, IntArray]:
-    """Skin triangles, and corners (c, 4) of the quadrilaterals cut about new nodes, numbered from n_nodes."""
+    """Skin triangles, with centre nodes from n_nodes on, and corners (c, 4) of the quadrilaterals there."""
     halves = alternating_triangles(around)
     segment, panel = np.array(grid.centre_splits, dtype=np.int64).reshape(-1, 2).T
     cut = panel * grid.n_segments + segment

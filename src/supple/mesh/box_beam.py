@@ -40,7 +40,7 @@ def box_beam(length: float, width: float, height: float, n_length: int, n_width:
 
     grid = np.arange(x.size * around).reshape(x.size, around)
     closed = np.column_stack([grid, grid[:, 0]])
-    # The rim turns from y to z, so its direction crossed with x points outward.
+    # The rim runs from y towards z, so its direction crossed with x points outward.
     triangles = alternating_triangles(closed.T)
     walls = np.repeat(np.arange(4), np.array([n_width, n_height, n_width, n_height]) * 2 * n_length)
     cell_sets = {

@@ -258,7 +258,7 @@ def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray, n
 def _check_connected(
     nodes: FloatArray, cells: Mapping[CellType, IntArray], links: IntArray, names: _Names
 ) -> None:
-    # To connect each node of a cell with the next one is sufficient.
+    # It is sufficient to connect each node of a cell with the next one.
     start = np.concatenate([links[:, 0], *(array[:, :-1].ravel() for array in cells.values())])
     end = np.concatenate([links[:, 1], *(array[:, 1:].ravel() for array in cells.values())])
     graph = coo_array((np.ones(len(start), dtype=bool), (start, end)), shape=(len(nodes), len(nodes)))

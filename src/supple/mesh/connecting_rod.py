@@ -59,7 +59,7 @@ class Eye:
 
     @property
     def segment(self) -> float:
-        """Area of the disc beyond the chord, m^2, which ring and shank would both contain."""
+        """Area of the disc beyond the chord, m^2, contained in both the ring and the shank's trapezoid."""
         angle = self.shank_angle
         return self.rim**2 * (angle - float(np.sin(angle) * np.cos(angle)))
 
@@ -184,6 +184,6 @@ def _ring(eye: Eye, cells: RodCells, *, toward: float) -> tuple[FloatArray, IntA
 
 
 def _move_to_circle(nodes: FloatArray, members: IntArray, centre: float, radius: float) -> None:
-    """Move nodes in their x-y plane, away from the axis at x = centre, to a radius."""
+    """Move nodes radially in the x-y plane to a distance `radius` from (centre, 0)."""
     arm = nodes[members, :2] - [centre, 0.0]
     nodes[members, :2] = [centre, 0.0] + radius * arm / np.linalg.norm(arm, axis=1, keepdims=True)

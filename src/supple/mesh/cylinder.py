@@ -15,7 +15,7 @@ from supple.mesh.structured_grid import grid_perimeter, grid_quads
 
 __all__ = ["cylinder"]
 
-# Half the side of the square core, over the radius: core and ring cells then have similar size and shape.
+# Half the side of the square core divided by the radius, such that core and ring cells are of similar shape.
 CORE = 0.45
 
 
@@ -27,7 +27,7 @@ def cylinder(
     Parameters
     ----------
     radius, length : float       m
-    n_core : int                 hexahedra along a side of the core, a quarter of those around
+    n_core : int                 hexahedra along a side of the core; 4 n_core lie around the cylinder
     n_ring : int                 layers of hexahedra around the core
     n_length : int               hexahedra along x; six tetrahedra to a hexahedron
     cell_type : CellType         TETRA4, TETRA10, HEXA8 or HEXA20; mid-edge nodes lie on the true surface

@@ -38,7 +38,7 @@ def cylinder_shell(
     Mesh   node sets x_min, x_max and, on a sector, start, end (its straight edges, along x)
     Raises
     ------
-    MeshError   sizes not positive; counts below one, or three around a tube; end not in (start, start + 2 pi]
+    MeshError   sizes not positive; counts below one (around a tube, three); end not in (start, start + 2 pi]
     """
     check_sizes(radius=radius, length=length)
     turn = end_angle - start_angle

@@ -47,7 +47,7 @@ class Division(Protocol):
 class AlongAxis:
     """Parts of about equal length along an axis, each cut at the nearest section of nodes of the mesh.
 
-    No cut passes through cells, as a tie would make a whole row of them rigid.
+    No cut passes through cells: a tie there would make a whole row of cells rigid.
 
     count : number of parts, at least 2
     axis  : (3,) direction in the mesh axes; by default the longest principal direction of the nodes
@@ -104,7 +104,7 @@ class AlongAxis:
 class ByCellSets:
     """One part per cell set; together the sets contain every cell once.
 
-    names : of the cell sets, in the order of the parts
+    names : cell sets, in the order of the parts
     """
 
     names: Sequence[str]
@@ -136,7 +136,7 @@ class Cut:
 
     first, second : numbers of the parts, the first lower
     nodes : int array (k,)      numbers, in the whole mesh, of the common nodes
-    name : of these nodes in both parts; cuts with the same name have the same nodes
+    name : name of these nodes in both parts; cuts with the same name have the same nodes
     """
 
     first: int
@@ -152,9 +152,9 @@ class Cut:
 class DividedMesh:
     """A mesh in parts.
 
-    parts : of the mesh; a node set belongs to the part that contains all its nodes. Without such a part, each
-        node of the set belongs to the first part that contains the node
-    cuts : between the parts; two parts with several common sections have several cuts
+    parts : a node set belongs to the first part that contains all its nodes. Without such a part, each node
+        of the set belongs to the first part that contains the node
+    cuts : two parts with several common sections have several cuts
     """
 
     whole: Mesh
@@ -167,7 +167,7 @@ class DividedMesh:
 
     @property
     def ties(self) -> Mapping[str, Cut]:
-        """The cuts by unique names: the name of their nodes, with the parts if several cuts have it."""
+        """The cuts by unique names: the cut's name, followed by its parts if several cuts have this name."""
         count = Counter(cut.name for cut in self.cuts)
         return {
             cut.name if count[cut.name] == 1 else f"{cut.name} {cut.first + 1}-{cut.second + 1}": cut
@@ -209,7 +209,7 @@ def cuts_at_sections(
 
 
 def cuts_at_nodes(mesh: Mesh, _cells: Sequence[CellNumbers], members: Sequence[IntArray]) -> tuple[Cut, ...]:
-    """Cuts at each shared node, from the first part that contains it to each other one; named node-ID."""
+    """At each shared node, cuts between the first part that contains it and each other; named node-ID."""
     nodes, count = np.unique(np.concatenate(members), return_counts=True)
     shared = nodes[count > 1]
     inside = np.array([np.isin(shared, own) for own in members])
@@ -253,10 +253,10 @@ def _nodes(mesh: Mesh, cells: CellNumbers) -> IntArray:
 
 
 def _loose_nodes(mesh: Mesh, members: Sequence[IntArray]) -> list[IntArray]:
-    """Nodes without cells of each part, linked to its nodes by springs, masses or ties.
+    """For each part, the nodes without cells that springs, masses or ties link to its nodes.
 
-    Nodes that are linked to each other belong to one part: the first that contains all nodes they are linked
-    to.
+    Linked nodes without cells belong to the first part that contains all nodes of cells to which they are
+    linked.
     """
     loose = np.ones(mesh.n_nodes, dtype=bool)
     loose[np.concatenate(members)] = False

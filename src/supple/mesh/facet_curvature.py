@@ -27,14 +27,14 @@ SYMMETRIC = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0,
 def facet_curvature(nodes: FloatArray, triangles: IntArray, crease: float = CREASE) -> FloatArray:
     """Curvature tensors of the surface through triangles and their neighbours, in global axes.
 
-    Over the plane of each triangle the height `z = 1/2 x^T K x + linear` that vanishes at its corners is
-    fitted to the corners of its neighbours across smooth edges, and of their neighbours, by least squares
-    with the weights `1/distance^4`: exact on a quadratic surface, also at its rim. Among equally good fits,
-    the smallest K is used.
+    The height over the plane of each triangle is `z = 1/2 x^T K x + linear`, zero at the triangle's corners.
+    It is fitted to the corners of the neighbours across smooth edges, and of their neighbours, by least
+    squares with the weights `1/distance^4`. The fit is exact on a quadratic surface, also at its rim. Among
+    equally good fits, the smallest K is used.
 
-    K is zero at creases, where no quadratic surface fits the triangle or its neighbour across a folded edge.
-    K is also zero where a triangle and its surroundings have only two normals: this may be a fold of two
-    planes.
+    K is zero at creases, where a quadratic surface does not fit the triangle, or does not fit its neighbour
+    across a folded edge. K is also zero where a triangle and its surroundings have only two normals: this may
+    be a fold of two planes.
 
     Parameters
     ----------
@@ -112,10 +112,10 @@ def _linear(points: FloatArray) -> FloatArray:
 def _bends(
     normal: FloatArray, beside: IntArray
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
-    """Whether the normals near each triangle differ (E,), and whether there are only two of them (E,).
+    """Whether the normals near each triangle differ (E,), and whether at most two different ones occur (E,).
 
-    Near means its neighbours and their neighbours. The third mask (E, 3) is that of the sides across which
-    the normals differ.
+    Near a triangle are its neighbours and their neighbours. The third mask (E, 3) marks the sides across
+    which the normals differ.
     """
     near = np.concatenate([beside, beside[beside].reshape(len(beside), -1)], axis=1)
     # Triangles of opposite orientation have the opposite normal.
@@ -147,7 +147,8 @@ def _fitted(
 def _smallest_fit(rows: FloatArray, wanted: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Least-squares values (E, c) of `rows . values - wanted`, and the explained share (E,).
 
-    The smallest of all equally good fits; the share is that of the squares of `wanted`.
+    The values are the smallest of all equally good fits. The share is that of the weighted squares of
+    `wanted`.
     """
     weighted = (rows * weight[..., None]).swapaxes(1, 2)
     eigenvalues, vectors = np.linalg.eigh(weighted @ rows)

@@ -43,8 +43,8 @@ def silhouette_edges(
 class _Sides(NamedTuple):
     """The distinct edges of triangles, and the three sides of every triangle, each on one of these edges.
 
-    edges : (e, 2);  count : (e,) triangles there
-    edge, owner : (3 T,) the edge and the triangle of a side;  sense : 1 from its lower node to the higher one
+    edges : (e, 2);  count : (e,) number of triangles at each edge
+    edge, owner, sense : (3 T,) edge and triangle of each side; 1 if it runs to the higher node number, or -1
     """
 
     edges: IntArray

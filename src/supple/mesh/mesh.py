@@ -22,19 +22,20 @@ FloatArray = NDArray[np.float64]
 
 
 def no_links() -> IntArray:
-    """Links of a mesh whose nodes all belong to cells."""
+    """Default links: none."""
     return np.zeros((0, 2), dtype=np.int64)
 
 
 def no_ids() -> IntArray:
-    """Default ids, for nodes labelled by their numbers."""
+    """Default ids: none, so that nodes are labelled by their numbers."""
     return np.zeros(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Mesh(Summarized):
-    """Nodes, cells by type and named sets; connected, free of unused nodes and of inverted or flat cells.
+    """Nodes, cells by type and named sets.
 
+    A mesh is connected and has no unused nodes, no inverted cells and no flat cells.
     All arrays are copied and read-only.
 
     Parameters
@@ -45,8 +46,8 @@ class Mesh(Summarized):
     cell_sets : {name: {CellType: int array}}   cell numbers within their type
     node_ids : int array (N,)           unique node labels, the ids of the source file; by default the numbers
 
-    cell_ids : {CellType: int array (E,)}   cell labels, likewise; cells may share an id, as the two triangles
-            of a quadrilateral
+    cell_ids : {CellType: int array (E,)}   cell labels; by default the numbers. Cells may share an id, as do
+            the two triangles of a quadrilateral
     links : int array (L, 2)            pairs of nodes connected by springs, masses or ties: such nodes need
             no cell
 
@@ -153,7 +154,7 @@ class Mesh(Summarized):
 
     @property
     def has_own_ids(self) -> bool:
-        """Whether its nodes have labels other than their numbers."""
+        """Whether the nodes have labels other than their numbers."""
         return not np.array_equal(self.node_ids, np.arange(self.n_nodes))
 
     def cells_of(self, name: str) -> Mapping[CellType, IntArray]:

@@ -18,11 +18,11 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class MeshPart:
-    """Some cells of a mesh, and their origin.
+    """Some cells of a whole mesh as a mesh, with their numbers in the whole mesh.
 
     mesh  : Mesh                            the part; its nodes and cells are in the order of the whole
-    nodes : int array (N,)                  number, in the whole mesh, of each of its nodes, ascending
-    cells : {CellType: int array (E,)}      likewise for its cells, within their type
+    nodes : int array (N,)                  number, in the whole mesh, of each node of the part, ascending
+    cells : {CellType: int array (E,)}      number, in the whole mesh, of each cell, within its type
     """
 
     mesh: Mesh
@@ -30,7 +30,7 @@ class MeshPart:
     cells: Mapping[CellType, IntArray]
 
     def numbers(self, nodes: IntArray) -> IntArray:
-        """Numbers in the part of nodes of the whole mesh; the part must contain all of them."""
+        """Convert node numbers of the whole mesh to those of the part, which must contain all the nodes."""
         return np.searchsorted(self.nodes, nodes)
 
 
@@ -48,7 +48,7 @@ def mesh_part(
     Parameters
     ----------
     cells : {CellType: int array (E,)}          numbers of the cells, within their type
-    node_sets : {name: int array}               of nodes of the part, numbered as in the whole mesh
+    node_sets : {name: int array}               nodes of the part, numbered as in the whole mesh
     loose : int array                           further nodes of the part, without cells
 
     Raises

@@ -5,7 +5,7 @@ nodes is flat, and every cell is on one side of it. There are two families:
 
 planes   normal to an axis, through nodes, that no cell crosses
 layers   nodes at an equal number of steps, from cell to cell, from one end of the mesh, if these nodes are
-   in a plane: the rows of a mesh swept along a curve
+   in a plane; a mesh swept along a curve has such layers
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ _FLAT = 0.1
 
 @dataclass(frozen=True, eq=False)
 class NodeSection:
-    """A cut of a mesh between its cells.
+    """A section between the cells of a mesh.
 
-    position : of its nodes along the axis
+    position : mean position of its nodes along the axis
     below : computes, for each cell type, whether the cells (E,) are on the lower side
-    is_plane : whether it is normal to the axis; otherwise its nodes may not be in a plane
+    is_plane : whether it is normal to the axis; otherwise its nodes are not always in a plane
     """
 
     position: float
@@ -56,7 +56,7 @@ class NodeSection:
 
 
 def sections_along(mesh: Mesh, direction: FloatArray) -> list[NodeSection]:
-    """Planes normal to a direction, then layers from either end; layers may not be flat (`flat_section`)."""
+    """Planes normal to a direction, then layers from either end; not every layer is flat (`flat_section`)."""
     along = mesh.nodes @ direction
     return [
         *_planes(mesh, along),
@@ -68,7 +68,7 @@ def sections_along(mesh: Mesh, direction: FloatArray) -> list[NodeSection]:
 def flat_section(mesh: Mesh, section: NodeSection) -> bool:
     """Whether the nodes on a section are in a plane, or in one plane for each of its pieces.
 
-    They may deviate from it by a tenth of the normal extent of their cells.
+    The nodes may deviate from the plane by a tenth of the mean extent of their cells along its normal.
     """
     if section.is_plane:
         return True

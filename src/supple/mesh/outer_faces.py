@@ -1,4 +1,4 @@
-"""Outer faces of a mesh as triangles oriented by their outward normals."""
+"""Outer faces of a mesh, also as triangles, oriented by their outward normals."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ FACE_TRIANGLES = {
     for kind in CellType
     if kind.faces
 }
-"""Corners of the triangles that make the faces of a cell."""
+"""Local corner numbers of the triangles into which the faces of each cell type are divided."""
 
 
 def outer_faces(mesh: Mesh, *, middles: bool = False) -> list[IntArray]:
-    """Outer faces (F, k) of all cells, by their number of nodes, each oriented by its outward normal.
+    """Outer faces of all cells: arrays (F, k) of faces with k nodes, each oriented by its outward normal.
 
     Faces shared by two solid cells, of one type or two, are interior and left out. The faces of a shell are
     its triangles.

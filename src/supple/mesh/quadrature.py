@@ -49,9 +49,9 @@ def irons_cube() -> Quadrature:
 def reduced_cube() -> Quadrature:
     """The eight Gauss points on the cube with a share of 3/4, the fourteen of Irons with 1/4.
 
-    Eight points alone leave six zero-energy modes of a HEXA20. In a row of single cells, some of these stay
-    below the bending modes if the share of full integration is too small. A quarter of the excess stiffness
-    of full integration remains.
+    Eight points alone leave six zero-energy modes of a HEXA20. In a row of single cells, some of these modes
+    have lower frequencies than the bending modes if the share of full integration is too small. A quarter of
+    the excess stiffness of full integration remains.
     """
     few, full = gauss_cube(2), irons_cube()
     share = 0.25
@@ -79,7 +79,7 @@ def conical_tetrahedron(n: int) -> Quadrature:
 
     Source: A. H. Stroud, Approximate Calculation of Multiple Integrals (1971), section 2.5.
     """
-    # Gauss-Jacobi in each collapsed direction takes up the Jacobian (1 - t)^2 (1 - u).
+    # The Gauss-Jacobi weights in the collapsed directions include the Jacobian (1 - t)^2 (1 - u).
     (r, wr), (s, ws), (t, wt) = (roots_jacobi(n, power, 0) for power in (2, 1, 0))
     r, s, t = ((1 + x) / 2 for x in (r, s, t))
     wr, ws, wt = wr / 8, ws / 4, wt / 2
@@ -89,7 +89,7 @@ def conical_tetrahedron(n: int) -> Quadrature:
 
 
 def conical_wedge(n: int) -> Quadrature:
-    """Product rule of n^3 points on the wedge: a collapsed triangle, exact to degree 2n - 1, over a line."""
+    """Product rule of n^3 points on the wedge: a collapsed triangle times a line, exact to degree 2n - 1."""
     (r, wr), (s, ws) = roots_jacobi(n, 1, 0), roots_legendre(n)
     R, S = np.meshgrid((1 + r) / 2, (1 + s) / 2, indexing="ij")
     triangle = np.stack([R, (1 - R) * S], axis=-1).reshape(-1, 2)
@@ -97,7 +97,7 @@ def conical_wedge(n: int) -> Quadrature:
 
 
 def three_point_wedge(n: int) -> Quadrature:
-    """Three points in the triangle, exact to degree 2, over n along the wedge."""
+    """Product rule on the wedge: three points in the triangle, exact to degree 2, times n points along it."""
     triangle = np.array([(1, 1), (4, 1), (1, 4)]) / 6
     return _prism(triangle, np.full(3, 1 / 6), n)
 

@@ -18,7 +18,7 @@ _CORNERS = {
         (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1),
     ),
 }  # fmt: skip
-"""Corners of the parents of tetrahedron, pyramid, wedge and hexahedron, by their number."""
+"""Corners of the parents of tetrahedron, pyramid, wedge and hexahedron, by number of corners."""
 
 
 @cache

@@ -16,7 +16,7 @@ Point = tuple[float, float]
 Loop = tuple[Point, ...]
 
 ROUND_POINTS = 8
-"""Points on a circle; the bending stress between two of them is at most 8 % above the larger of the two."""
+"""Points on a circle; between two of them the bending stress is at most 8 % above the larger stress there."""
 ROUND_CORNERS = 16
 """Corners of the polygon that represents a circle."""
 SAME_PLACE = 1e-9
@@ -27,7 +27,7 @@ SAME_PLACE = 1e-9
 class SectionGeometry:
     """Positions (y, z) in the axes of the section, from the beam's axis (its shear centre), m.
 
-    points : of stress recovery
+    points : points of stress recovery
     torsion_shear : (y, z) components of the shear stress at each point per unit torsional moment, m^-3;
         empty where it is unknown, which counts as zero
     loops : convex polygons that form the section; empty where its shape is unknown
@@ -123,7 +123,7 @@ class Wall:
 
     @property
     def shear_stress(self) -> Point:
-        """(y, z) components of the shear stress that act about x."""
+        """(y, z) components of the shear stress that a unit torsional moment about x causes, m^-3."""
         if self.height > self.width:
             return (-self.shear if self.z > 0 else self.shear, 0.0)
         return (0.0, self.shear if self.y >= 0 else -self.shear)
@@ -132,12 +132,12 @@ class Wall:
 def rectangular_section(height: float, width: float) -> SectionGeometry:
     """A solid rectangle with a height along y and a width along z: its corners and mid-sides.
 
-    The torsional shear vanishes at corners. At the middle of the longer sides a, and of the shorter b, with n
-    odd
+    The torsional shear vanishes at corners. With a the longer side, b the shorter, n odd and
+    c_n = n pi a / 2b, at the middle of the longer and of the shorter sides, in this order,
 
         tau / M = b / J (1 - 8/pi^2 sum 1 / (n^2 cosh c_n)),   b / J 8/pi^2 sum (-1)^((n-1)/2) tanh c_n / n^2
 
-    and c_n = n pi a / 2b. [Timoshenko & Goodier, Theory of Elasticity, 3rd ed., section 109]
+    [Timoshenko & Goodier, Theory of Elasticity, 3rd ed., section 109]
     """
     long, short = max(height, width), min(height, width)
     odd = range(1, 200, 2)
@@ -166,13 +166,13 @@ def circular_section(radius: float, inner: float = 0.0) -> SectionGeometry:
 
 
 def walled_section(walls: Sequence[Wall], *, box: tuple[Loop, Loop] | None = None) -> SectionGeometry:
-    """A section of rectangles: the corners of its convex hull, where the bending stress is largest.
+    """A section of rectangles; the points are corners of its convex hull, where bending stress is largest.
 
     box : outer and inner rim of walls that form one closed box, for drawing
     """
     owners = [(corner, wall) for wall in walls if min(wall.height, wall.width) > 0 for corner in wall.corners]
     hull = np.array(_convex_hull([corner for corner, _ in owners]))
-    # From the upper right, towards -y: as C, D, E, F of Nastran's shapes.
+    # The points start at the upper right and go towards -y, as C, D, E, F of Nastran's shapes.
     first = int(np.argmax((hull / np.ptp(hull, axis=0)).sum(axis=1).round(9)))
     hull = np.roll(hull, -first, axis=0)
     size = float(np.ptp(hull, axis=0).max())

@@ -20,7 +20,7 @@ def check_sizes(**sizes: float) -> None:
 
 
 def check_counts(least: int = 1, **counts: int) -> None:
-    """Raise MeshError unless every cell count is whole, at least `least`, and the total allowed."""
+    """Raise MeshError unless counts are whole, at least `least`, and their product at most MOST_CELLS."""
     for name, count in counts.items():
         check_number(name, count)
         if not math.isfinite(count) or count != int(count) or count < least:

@@ -15,7 +15,7 @@ __all__ = ["Skin", "skin_of"]
 
 IntArray = NDArray[np.int64]
 
-# A face as its nodes around the rim (corner, mid-edge, corner, ...), divided into triangles.
+# Triangles of a face, by its number of nodes; these are numbered around the rim (corner, mid-edge, ...).
 _CUTS = {
     3: ((0, 1, 2),),
     4: ((0, 1, 2), (0, 2, 3)),

@@ -1,1 +1,1 @@
-"""Abaqus and CalculiX input files (.inp), read as a Deck, or as a mesh alone."""
+"""Abaqus and CalculiX input files (.inp), read as a Deck or as a Mesh."""

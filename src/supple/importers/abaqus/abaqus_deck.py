@@ -81,7 +81,7 @@ def read_abaqus_deck(path: str | Path) -> Deck:
 
 
 def _account_for_the_rest(model: AbaqusModel) -> None:
-    """Count keywords that were not read: ignored ones, and omitted or unknown ones as left out."""
+    """Count the keywords that were not read: ignored ones as passed over, all others as left out."""
     report = model.report
     for placed in model.blocks:
         block = placed.block

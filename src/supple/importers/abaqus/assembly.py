@@ -18,7 +18,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Scope:
-    """Scope of names and ids of one instance, or of a model without parts; x moves to rotation x + shift."""
+    """Scope of names and ids: an instance, or the model outside of them; x moves to rotation x + shift."""
 
     name: str = ""
     rotation: FloatArray = field(default_factory=lambda: np.eye(3))
@@ -27,7 +27,7 @@ class Scope:
 
 @dataclass(frozen=True, eq=False)
 class ScopedBlock:
-    """A keyword in scope number `scope` (0: the model), in step `step` (0: none, before the first)."""
+    """A keyword in scope number `scope` (0: the model), in step `step` (0: outside of steps)."""
 
     scope: int
     step: int

@@ -25,7 +25,10 @@ _OF_SECTIONS = ("CENTROID", "SHEARCENTER", "SECTIONPOINTS")
 
 @dataclass(frozen=True, eq=False)
 class SectionOfBeams:
-    """n1 : (3,) approximate first axis;  shift : (y, z) of the shape's own origin from the node, m"""
+    """A section of beams.
+
+    n1 : (3,) approximate first axis;  shift : (y, z) of the shape's own origin from the node, m
+    """
 
     material: IsotropicMaterial
     shape: BeamShape

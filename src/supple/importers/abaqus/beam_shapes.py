@@ -108,10 +108,10 @@ def _pipe(r: float, t: float) -> BeamShape:
 
 
 def _box(a: float, b: float, t1: float, t2: float, t3: float, t4: float) -> BeamShape:
-    """Walls at +y, +z, -y, -z; torsion by Bredt's formula along the middle lines, and of the walls alone.
+    """Walls at +y, +z, -y, -z; J is that of the closed cell (Bredt) plus that of the walls, cut open.
 
-    J = 4 A^2 / sum(s / t) + sum(s t^3) / 3  (Megson, Aircraft Structures, sections 18.1 and 18.2): the second
-    term matters for a profile that is almost open.
+    J = 4 A^2 / sum(s / t) + sum(s t^3) / 3  (Megson, Aircraft Structures, sections 18.1 and 18.2), along the
+    middle lines. The second term matters for a profile that is almost open.
     """
     t2, t3, t4 = t2 or t1, t3 or t1, t4 or t1
     inner_y, inner_z = (t3 - a / 2, a / 2 - t1), (t4 - b / 2, b / 2 - t2)

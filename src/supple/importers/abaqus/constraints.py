@@ -278,7 +278,7 @@ def _coupling(
 
 
 def _range_of_components(model: AbaqusModel, placed: ScopedBlock) -> tuple[int, ...]:
-    """Freedoms of the lines `first, last`; all without lines."""
+    """Freedoms of the lines `first, last`; all freedoms if there are no lines."""
     found: set[int] = set()
     for line, text in placed.block.data:
         words = [word for word in fields(text) if word]

@@ -27,9 +27,10 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class DeckSurface:
-    """faces : (F, k) node numbers, corners first, one array for each k; edges have k = 2, nodes k = 1
+    """A named surface.
 
-    nodes : of all faces, each once
+    faces : (F, k) node numbers, corners first, one array for each k; edges have k = 2, nodes k = 1
+    nodes : nodes of all faces, each once
     """
 
     name: str
@@ -81,7 +82,7 @@ class AbaqusModel:
         )
 
     def positions_of_elements(self, numbers: IntArray) -> Iterator[tuple[ElementBlock, IntArray]]:
-        """The blocks of these elements, and the positions of the elements in each."""
+        """The blocks that contain these elements, and the indices of the elements in each block."""
         for block in self.elements:
             places = numbers[(numbers >= block.first) & (numbers < block.first + len(block.ids))]
             if places.size:
@@ -221,7 +222,7 @@ def _read_elements(model: AbaqusModel) -> None:
 
 
 def _listed_elements(model: AbaqusModel, copied: ScopedBlock) -> IntArray:
-    """Ids of the old set of *ELCOPY in the *ELSETs above it, before elements are numbered."""
+    """Ids that the *ELSETs above an *ELCOPY list for its old set; the elements have no numbers yet."""
     name = copied.block.options.get("OLDSET", "").upper()
     found = [np.empty(0, dtype=np.int64)]
     for placed in model.blocks:

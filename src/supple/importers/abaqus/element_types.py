@@ -53,7 +53,7 @@ CELL_FAMILIES = (Family.SOLID, Family.SHELL, Family.MEMBRANE, Family.BEAM, Famil
 
 @dataclass(frozen=True)
 class ElementType:
-    """n_nodes : on a data line; 0 for unknown types, which are not read"""
+    """A type of elements. n_nodes : nodes on a data line; 0 for unknown types, which are not read"""
 
     name: str
     family: Family
@@ -217,7 +217,7 @@ def _solid_face(kind: ElementType, corners: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def free_faces(kind: ElementType) -> tuple[tuple[int, ...], ...]:
-    """`face_nodes` of all faces of an element; a face shared by two elements is not free."""
+    """`face_nodes` of all faces of an element, whether or not another element shares them."""
     n = len(_FACES[_solid_corners(kind)]) if kind.family is Family.SOLID else 1
     labels = [f"S{i + 1}" for i in range(n)] if kind.family is Family.SOLID else [""]
     return tuple(face_nodes(kind, label) for label in labels)

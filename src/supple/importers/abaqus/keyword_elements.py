@@ -38,7 +38,7 @@ class ElementBlock:
 
 @dataclass(frozen=True, eq=False)
 class Labels:
-    """Numbers of items with ids within scopes."""
+    """Scopes and ids of items; ids are unique within a scope."""
 
     scopes: IntArray
     ids: IntArray

@@ -39,13 +39,13 @@ def read_abaqus(
     """Mesh of an Abaqus or CalculiX input file; its materials, sections, supports and steps are ignored.
 
     Reads nodes, solid, shell and membrane elements, sets and instances as `read_abaqus_deck` does. A
-    four-node shell becomes two triangles, a quadratic shell triangles over all its nodes. Set names are
-    compared regardless of case and keep their first spelling.
+    four-node shell becomes two triangles; a quadratic shell becomes triangles over the nodes on its edges.
+    Set names are compared regardless of case and keep their first spelling.
 
     Parameters
     ----------
     path : str or Path
-    only : str or None            a cell set: read it and its nodes alone; None reads everything
+    only : str or None            a cell set: read only its cells and nodes; None reads everything
     unused_nodes : UnusedNodes    REFUSE or DROP nodes that no element uses
     Returns
     -------

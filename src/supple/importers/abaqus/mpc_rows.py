@@ -60,7 +60,7 @@ def _shares(place: FloatArray, nodes: FloatArray) -> list[float]:
     first, last = (i for i in range(3) if i != middle)
     chord = nodes[last] - nodes[first]
     t, at = ((x - nodes[first]) @ chord / (chord @ chord) for x in (nodes[middle], place))
-    # t(s) = s^2 (2 - 4 t) + s (4 t - 1), of the middle node t
+    # The position of s along the chord is s^2 (2 - 4 t) + s (4 t - 1), with that of the middle node, t.
     b = 4 * t - 1
     s = float(2 * at / (b + np.sqrt(max(b**2 + 4 * (2 - 4 * t) * at, 0.0))))
     shares = [0.0, 0.0, 0.0]

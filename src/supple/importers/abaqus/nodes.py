@@ -28,7 +28,7 @@ _MOST_GENERATED = 10**7
 class NodesFound:
     """Scope, id, position and line of each node in the order of the file, and their sets.
 
-    named : (scope, name, ids)
+    named : (scope, name, ids) of each set
     """
 
     scopes: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
@@ -115,7 +115,7 @@ def _written(
 
 
 def _system(file: KeywordFile, block: KeywordBlock) -> tuple[FloatArray, FloatArray]:
-    """Axes as columns, and origin, by three points: origin, on the first axis, in the first plane."""
+    """Axes as columns, and origin, by three points: origin, on the first axis, in the plane of axes 1, 2."""
     values = [value for line, text in block.data for value in numbers(file, line, fields(text))]
     if not values:
         return np.eye(3), np.zeros(3)
@@ -216,9 +216,7 @@ def _copied(
 ) -> tuple[IntArray, FloatArray, IntArray, IntArray]:
     """Nodes of *NCOPY: those of a set, shifted and rotated (MULTIPLE times), or reflected.
 
-    Returns as `_generated`.
-
-    With a POLE p, a node or a position, x becomes 2 x - p.
+    With a POLE p (a node or a position), x becomes 2 x - p. Returns as `_generated`, without end nodes.
     """
     options, line = block.options, block.line
     old = sets.get(options.get("OLDSET", "").upper(), np.empty(0, dtype=np.int64))

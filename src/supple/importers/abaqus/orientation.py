@@ -23,8 +23,9 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Orientation:
-    """system : R, C, S or Z;  a, b, c : (3,) points;  axis (1 to 3), angle : rotation about a local axis
+    """Axes of a material.
 
+    system : R, C, S or Z;  a, b, c : (3,) points;  axis (1 to 3), angle : rotation about a local axis
     distributed : element numbers with their own orientation (*DISTRIBUTION); later ones override earlier ones
     """
 

@@ -22,7 +22,8 @@ _ENDS = {"S1": 0, "S2": 6}
 def read_releases(model: AbaqusModel) -> BoolArray | None:
     """Released freedoms (E, 12) of the ends of all elements of a file; None without releases.
 
-    A line names an element or set, an end (S1, S2) and a code (M1, M2, T, M1-M2, .., ALLM); or both ends.
+    A line names an element or set, then one or both ends (S1, S2), each with a code (M1, M2, T, M1-M2, ..,
+    ALLM).
     """
     found = np.zeros((len(model.element_labels.ids), 12), dtype=bool)
     beams = np.zeros(len(found), dtype=bool)
@@ -47,7 +48,7 @@ def read_releases(model: AbaqusModel) -> BoolArray | None:
 
 
 def released_ends(releases: BoolArray | None, elements: IntArray) -> BoolArray | None:
-    """Released freedoms (C, 12) of the cells of elements (C,), in consecutive order; or None.
+    """Released freedoms (C, 12) of the cells of elements (C,), in consecutive order; None without releases.
 
     The first cell of a quadratic beam has the first end, the last cell the second.
     """

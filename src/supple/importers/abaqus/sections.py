@@ -67,7 +67,7 @@ def read_elements(
 ) -> tuple[tuple[DeckElements, ...], dict[str, Property]]:
     """All elements with a section and a material, and their properties.
 
-    Other elements are left out. Those without section on faces and edges of solids only define sets. If
+    Other elements are left out. Elements without a section on faces and edges of solids only define sets. If
     sections overlap, the last one is used.
 
     Raises

@@ -158,7 +158,7 @@ def _nearest(
 
 
 def _projected(corners: FloatArray, targets: FloatArray) -> FloatArray:
-    """Shape functions (P, k) at the nearest points of faces (P, k, 3), by Gauss-Newton, kept inside them."""
+    """Shape functions (P, k) at the points of faces (P, k, 3) nearest to the targets, by Gauss-Newton."""
     k = corners.shape[1]
     if k == 1:
         return np.ones((len(corners), 1))
@@ -189,7 +189,7 @@ def _inside(k: int, xi: FloatArray) -> FloatArray:
 
 
 def _shapes(k: int, xi: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Shape functions (P, k) of an edge (2 nodes), triangle (3, 6) or quadrilateral (4, 8); derivatives."""
+    """Shape functions (P, k) and derivatives: edge (2 nodes), triangle (3, 6) or quadrilateral (4, 8)."""
     r, s = xi.T
     zero, one = np.zeros_like(r), np.ones_like(r)
     if k == 2:

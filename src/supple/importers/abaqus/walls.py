@@ -28,8 +28,9 @@ _ALONG_NORMAL = np.cos(np.radians(0.1))
 
 @dataclass(frozen=True, eq=False)
 class SectionOfShells:
-    """plies : from the bottom up, relative thickness;  given : a wall by its stiffness, instead of plies
+    """A section of shells or membranes.
 
+    plies : from the bottom up, of relative thickness;  given : a wall by its stiffness, instead of plies
     offset : of the nodes from the middle along the normal, as a fraction of the thickness
     nodal_thickness : (N,) of every node; None if the section gives the thickness
     """

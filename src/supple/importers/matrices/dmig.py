@@ -30,7 +30,7 @@ def read_dmig(path: str | Path, role: MatrixRole, *, name: str | None = None) ->
     Raises
     ------
     ImportFormatError   missing or cut file; no such matrix, or several; complex or rectangular matrices;
-                        entries that are not numbers or repeated
+                        entries that are repeated or not numbers
     """
     file = read_bulk_data(path)
     chosen = _chosen_name(file, role, name)

@@ -52,8 +52,8 @@ def read_labelled_matrix(
 
     Parameters
     ----------
-    nodes : NodeTable     of the model; OUTPUT4 files depend on its order
-    name : str or None    of the matrix, for formats with several (DMIG, OUTPUT4)
+    nodes : NodeTable     nodes of the model; they define the rows of OUTPUT4 and Abaqus COORDINATE files
+    name : str or None    name of the matrix, for formats with several (DMIG, OUTPUT4)
     Raises
     ------
     ImportFormatError   a suffix without a reader; errors of the reader

@@ -48,7 +48,7 @@ class _Header:
 
 
 def read_matrix(path: str | Path) -> csc_array:
-    """Real matrix of a Matrix Market file, coordinate or array format, symmetric storage filled in.
+    """Real matrix of a Matrix Market file, coordinate or array format; symmetric storage is expanded.
 
     Parameters
     ----------

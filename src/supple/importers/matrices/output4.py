@@ -111,10 +111,10 @@ def _load(path: Path) -> dict[str, tuple[Any, int]]:
 
 
 def _check_records(path: Path, content: bytes) -> None:
-    """ImportFormatError if the records of a binary file do not fill it, or are inconsistent.
+    """Raise ImportFormatError if the records of a binary file do not fill the file, or are inconsistent.
 
-    The library allocates the memory that a column states. A record is enclosed by two copies of its length in
-    bytes; a matrix is a record of its size, then one for each column: number, row, words, and these words.
+    The library allocates as much memory as a column states. A record is enclosed by two copies of its length
+    in bytes. A matrix is a record of its size, then one for each column: number, row, words, and these words.
     """
     order = "<" if content[:4] in _HEADERS[:2] else ">"
     key = 4 if struct.unpack(f"{order}i", content[:4])[0] == _HEADER_BYTES else 8
@@ -144,7 +144,7 @@ def _check_records(path: Path, content: bytes) -> None:
 
 
 def _resolution(path: Path, kind: int) -> float:
-    """Relative error of an entry: of its type, or of the digits that a text file prints (as in 1P,5E16.9)."""
+    """Relative error of an entry, by its type or the number of printed digits (as in 1P,5E16.9)."""
     with path.open("rb") as file:
         printed = _TEXT_FORMAT.search(file.readline(200))
     digits = 0.0 if printed is None else 5.0 * 10.0 ** -(int(printed[1]) + 1)

@@ -101,7 +101,7 @@ def _of_output4(path: Path, nodes: NodeTable, name: str) -> RecoveryMatrix:
 
 
 def in_order(recovery: RecoveryMatrix, freedoms: IntArray) -> RecoveryMatrix:
-    """The recovery matrix with columns in the order of freedoms (m, 2); those without a column get zeros.
+    """The recovery matrix with a column for each of the freedoms (m, 2), in order; missing columns are zero.
 
     Raises
     ------

@@ -38,7 +38,7 @@ RawLine = tuple[Path, int, str]
 
 
 class BulkCard(NamedTuple):
-    """A card with its data fields as written: `fields[0]` is Nastran's field 2, eight in a row.
+    """A card with its data fields as written: `fields[0]` is Nastran's field 2; a row has eight data fields.
 
     A blank field is an empty string; fields beyond the last written one count as blank.
     """
@@ -191,7 +191,7 @@ def read_bulk_data(path: str | Path, absent: list[BulkCard] | None = None) -> Bu
     replication (=, ==, *(x), =n) are supported. A continuation directly follows its line, or has the label
     of its line and stands anywhere.
 
-    absent : collects INCLUDE lines of missing files; without it they are errors
+    absent : collects INCLUDE lines of missing files; if None, missing files are errors
 
     Raises
     ------
@@ -211,7 +211,7 @@ def read_bulk_data(path: str | Path, absent: list[BulkCard] | None = None) -> Bu
 
 @dataclass(eq=False)
 class _Piece:
-    """A card, or rows that continue the card of a `label`; `announces` : label of the rows to follow."""
+    """A card, or rows that continue another one by their `label`; `announces` : label of the next rows."""
 
     name: str
     fields: list[str]

@@ -27,7 +27,7 @@ FloatArray = NDArray[np.float64]
 class _Solid:
     """Number of corners of a solid, its linear and quadratic cell, and the card's field of each node.
 
-    edges : the two corners of each middle node, in the order of the card
+    edges : the two corners beside each middle node, in the order of the card
     """
 
     corners: int
@@ -77,7 +77,7 @@ SOLID_PROPERTY_CARDS = ("PSOLID", "PCOMPS")
 
 @dataclass(frozen=True)
 class _Shell:
-    """Corners of a shell card, whether it has middle nodes, and its fields for angle, offset, thickness."""
+    """Corners of a shell, whether it has middle nodes, and its fields for angle, offset, flag, thickness."""
 
     corners: int
     middles: bool
@@ -264,7 +264,7 @@ def _material_axes(
     reading: DeckReading,
     cards: Sequence[BulkCard],
 ) -> FloatArray | None:
-    """Axes (C, 3, 3) of an anisotropic solid, those of CORDM at its middle; None if isotropic."""
+    """Axes (C, 3, 3) of anisotropic solids, those of CORDM at their middles; None if isotropic or basic."""
     if not isinstance(made, SolidProperty) or isinstance(made.material, IsotropicMaterial) or system == 0:
         return None
     if system < 0:
@@ -403,7 +403,7 @@ def _shell_cells(
 
 
 def _mass_share(positions: FloatArray, corners: IntArray) -> FloatArray:
-    """Ratio (k,) of the mean-plane area of quadrilaterals, used for mass, to that of their triangles."""
+    """Ratio (k,) of the mean-plane area of quadrilaterals, used for mass, to the area of their triangles."""
     halves = positions[split_quadrilaterals(positions, corners)].reshape(-1, 2, 3, 3)
     normals = np.cross(halves[:, :, 1] - halves[:, :, 0], halves[:, :, 2] - halves[:, :, 0])
     own = np.linalg.norm(normals, axis=2).sum(axis=1)
@@ -442,7 +442,7 @@ def _triangles_with_middles(
 
 
 def _ring_triangles(ring: list[int], middles: list[int], positions: FloatArray) -> list[list[int]]:
-    """Triangles of a polygon: a quadrilateral is split along its diagonal, others from a middle node."""
+    """Triangles of a polygon: of a quadrilateral by its shorter diagonal, of others from a middle node."""
     if len(ring) == 4 and len(middles) != 1:
         return split_quadrilaterals(positions, np.array([ring])).tolist()
     first = ring.index(middles[0]) if middles else 0

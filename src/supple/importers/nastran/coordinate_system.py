@@ -35,7 +35,7 @@ class CoordinateSystem:
     axes: FloatArray
 
     def basic(self, points: ArrayLike) -> FloatArray:
-        """Points (k, 3), given in this system's coordinates, in basic ones."""
+        """Basic coordinates (k, 3) of points given in the coordinates of this system."""
         first, second, third = np.moveaxis(np.asarray(points, dtype=np.float64), -1, 0)
         match self.coordinates:
             case CoordinateKind.RECTANGULAR:

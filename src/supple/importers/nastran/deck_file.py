@@ -1,4 +1,4 @@
-"""Nastran bulk data (.bdf, .dat, .nas, .blk, .pch) as a Deck: cards that define a body, and others."""
+"""Nastran bulk data (.bdf, .dat, .nas, .blk, .pch) as a Deck."""
 
 from __future__ import annotations
 
@@ -120,8 +120,8 @@ def read_nastran_deck(path: str | Path) -> Deck:
 
     Raises
     ------
-    ImportFormatError   missing or binary file; circular inclusions; no supported card; an element with a
-                        grid that the complete file lacks; ids with two definitions; fields
+    ImportFormatError   missing or binary file; circular inclusions; no supported card; an element on an
+                        undefined grid, if no included file is missing; ids with two definitions; fields
                         that are not numbers
     """
     absences: list[BulkCard] = []
@@ -161,7 +161,7 @@ def _with_absences(deck: Deck, absences: Sequence[BulkCard]) -> Deck:
 
 
 def _deck_without_grids(file: BulkFile, error: ImportFormatError) -> Deck:
-    """A deck of the counted cards if grids are missing; the error if no card is supported."""
+    """A deck with the counts of cards, without grids; raises `error` if no card is supported."""
     read, passed_over = _counted(file)
     if not read and not passed_over:
         raise error
@@ -179,7 +179,7 @@ def _deck_without_grids(file: BulkFile, error: ImportFormatError) -> Deck:
 
 
 def _not_read(file: BulkFile) -> Iterator[tuple[BulkCard, str]]:
-    """Cards that are not read and their meaning; without unused properties."""
+    """Cards that are not read, with their meaning; unused properties are omitted."""
     unread = {n: own for n, own in file.by_name.items() if n not in _READ and not has_no_effect(n)}
     used = _used_properties(file) if _PROPERTIES.intersection(unread) else set()
     for name, cards in unread.items():
@@ -189,7 +189,7 @@ def _not_read(file: BulkFile) -> Iterator[tuple[BulkCard, str]]:
 
 
 def _used_properties(file: BulkFile) -> set[str]:
-    """Ids of properties in use; a blank property is that of the element's number."""
+    """Ids of properties in use; a blank property field stands for the id of the element."""
     elements = (n for n in file.by_name if n.startswith("C") and not n.startswith("CORD"))
     return {card.word(1) or card.word(0) for card in file.named(*elements)}
 

@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 
 Term = tuple[int, float]
 
-# Scalar points are numbered after the last node; the number of nodes is known at the end.
+# Provisional number of the first scalar point; `FreedomSums.terms` replaces it by the number of nodes.
 _SCALARS = 2**40
 
 
@@ -106,7 +106,7 @@ class DeckReading:
         return left_out_by_card(self._left)
 
     def chosen_sets(self, command: str, adder: str, sets: set[int]) -> set[int]:
-        """Sets that case control selects, also by `adder` (SPCADD); without case control, a single set."""
+        """Sets that case control selects, also by `adder` (SPCADD); without case control, the only set."""
         number = self.case.number(command)
         if number is None:
             if self.case.present or len(sets) != 1:
@@ -172,7 +172,7 @@ class DeckReading:
         return self.node_freedom(node, component - 1)
 
     def node_freedom(self, node: int, component: int) -> list[Term]:
-        """Terms of component 0 to 5 of a grid number, in its axes CD."""
+        """Terms of component 0 to 5, in the axes CD, of a grid given by its number."""
         direction = self.grids.axes[node][:, component % 3]
         first = 6 * node + 3 * (component // 3)
         return [(first + i, float(direction[i])) for i in np.flatnonzero(np.abs(direction) > 1e-14).tolist()]

@@ -69,7 +69,7 @@ def read_grids(file: BulkFile) -> GridPoints:
     Raises
     ------
     ImportFormatError   no GRID card; a grid id given twice; coordinate systems that are missing, given twice,
-                        circular or flat; fields that are not numbers
+                        circular, or by points on one line; fields that are not numbers
     """
     cards = _once(file.named("GRID"))
     if not cards and not file.parts:
@@ -123,7 +123,7 @@ def _once(cards: list[BulkCard]) -> list[BulkCard]:
 def _resolve(
     file: BulkFile, ids: IntArray, given_in: IntArray, local: FloatArray
 ) -> tuple[dict[int, CoordinateSystem], FloatArray]:
-    """Coordinate systems resolved to the basic one, and grid positions, in the order of their references."""
+    """Coordinate systems resolved to the basic one, and grid positions; references are resolved first."""
     systems = {0: BASIC}
     positions = np.full(local.shape, np.nan)
     waiting = _definitions(file)
@@ -150,7 +150,7 @@ def _resolve(
 
 
 def _definitions(file: BulkFile) -> dict[int, tuple[BulkCard, int]]:
-    """The card of each coordinate system, and the field it starts at: a CORD1 card may hold two."""
+    """The card of each coordinate system, and its first field: a CORD1 card may define two systems."""
     found: dict[int, tuple[BulkCard, int]] = {}
     for card in file.named(*COORDINATE_CARDS):
         places = [0, 4] if card.name.startswith("CORD1") and card.word(4) else [0]

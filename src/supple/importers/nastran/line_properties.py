@@ -25,7 +25,7 @@ _POINTS = ("C1", "C2", "D1", "D2", "E1", "E2", "F1", "F2")
 # Largest deviation of a section from the line between the ends, relative to the larger end.
 _OFF_THE_LINE = 0.01
 
-# Rows of a station of a PBEAM: its section, and after YES its stress points.
+# Number of rows of a station of a PBEAM: one for its section, and after YES one for its stress points.
 _STATIONS = {"YES": 2, "YESA": 1, "NO": 1}
 
 
@@ -188,7 +188,7 @@ def _values(
     reading: DeckReading,
     added: float,
 ) -> BeamValues:
-    """One station; mass of the section at its neutral axis, non-structural mass at `nsm_at` (M1, M2)."""
+    """Values of a station; section mass is at its neutral axis, non-structural mass at `nsm_at` (M1, M2)."""
     area, I1, I2, I12, J, nsm = given
     own, other = material.density * area, (nsm + added) * reading.mass_factor
     mass = own + other

@@ -162,8 +162,8 @@ def _filled(card: BulkCard, default: BulkCard | None) -> BulkCard:
 def _orientation(card: BulkCard, ends: list[int], reading: DeckReading) -> tuple[FloatArray, FloatArray]:
     """A vector in plane 1 and the offsets (2, 3) of the ends, in basic axes.
 
-    The flag OFFT states their axes: G those of the grids, B (of the vector) the basic ones,
-    O or E (of an offset) those of the element.
+    The flag OFFT selects the axes: G for those of the grids; for the vector, B for the basic axes; for an
+    offset, O or E for those of the element.
     """
     flag = card.word(7)
     if len(flag) != 3 or not set(flag) <= set("GBOE"):

@@ -39,8 +39,8 @@ def read_nastran(
 
     Parameters
     ----------
-    only : str or None          a cell set: read it and its nodes alone; None reads everything
-    unused_nodes : UnusedNodes  REFUSE or DROP grids that neither an element nor a tie uses
+    only : str or None          a cell set: read only its cells and nodes; None reads everything
+    unused_nodes : UnusedNodes  REFUSE or DROP grids that no cell uses; reference grids of ties are dropped
     Raises
     ------
     ImportFormatError   as for `read_nastran_deck`; no elements, or some that are not read
@@ -92,8 +92,8 @@ def read_nastran(
 def read_nastran_nodes(path: str | Path) -> NodeTable:
     """Grids, supports and ties of a Nastran file, for matrices that replace its elements.
 
-    Elements and other cards may be of any kind, since the matrices contain them. Ties of some components
-    only are ignored.
+    Elements and other cards may be of any kind, since the matrices contain them. Ties in only some components
+    are ignored.
 
     Raises
     ------

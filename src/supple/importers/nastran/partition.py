@@ -23,9 +23,9 @@ PARTITION_CARDS = ("SESET", "SEELT")
 def partitioned(deck: Deck, reading: DeckReading) -> Deck:
     """The deck with an element set and a node set for each superelement, and each in `superelements`.
 
-    An element, matrix, term or tie belongs to the superelement of its interior grids, or to the lowest number
-    of several; without interior grids, to the residual structure. SEELT overrides this for elements. A deck
-    without superelements is unchanged.
+    An element, matrix, term or tie belongs to the superelement of its interior grids; if there are several,
+    to that of the lowest number. Without interior grids it belongs to the residual structure. SEELT overrides
+    this for elements. A deck without superelements is unchanged.
     """
     interior = _interior(deck, reading)
     numbers = [n for n in np.unique(interior).tolist() if n]

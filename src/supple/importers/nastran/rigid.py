@@ -23,10 +23,10 @@ Side = tuple[int, str]
 
 
 def read_ties(reading: DeckReading, turning: NDArray[np.bool_]) -> tuple[list[RigidTie], list[WeightedMean]]:
-    """All rigid and averaging elements; those that are no full tie or plain mean become constraints.
+    """All rigid and averaging elements; those other than full ties and plain means become constraints.
 
     turning : (N,) whether anything but supports acts on the rotations of a grid; if not, as on nodes of
-              solids, a tie of its translations is equivalent to one of all six freedoms
+              solids, a tie of its translations is equivalent to a tie of all six freedoms
     """
     rigid: list[RigidTie] = []
     means: list[WeightedMean] = []
@@ -350,7 +350,8 @@ def _mean_rows(
 
         u_ref = (S^T W S)^-1 S^T W u,   S the rigid motions about the reference, W the weights;
 
-    rotations have the weight L^2, L the mean distance of the grids from the reference, independent of units.
+    rotations have the weight L^2, with L the mean distance of the grids from the reference; the constraints
+    are then independent of units.
     Source: MSC Nastran, Linear Static Analysis User's Guide, "RBE3".
     """
     origin = reading.grids.positions[reference]

@@ -36,7 +36,7 @@ class SectionValues:
 
 @dataclass(frozen=True)
 class SectionShape:
-    """Number of dimensions of a shape, and its section values; None if they are inconsistent."""
+    """sizes : number of dimensions; values : section values from these, None if they are inconsistent"""
 
     sizes: int
     values: Callable[..., SectionValues | None]
@@ -48,7 +48,7 @@ def _built(
     """Values of rectangles that do not overlap; `shear_centre` is in the axes of the rectangles.
 
     Vertical walls carry shear along y, horizontal ones along z: K is their share of the area. Walls
-    without a shear stress by torsion have that of open sections, thickness / J.
+    without a given torsional shear stress get that of open sections, thickness / J.
     """
     if min(min(b.height, b.width) for b in boxes) < 0 or J <= 0:
         return None
@@ -293,7 +293,7 @@ def _dbox(
     wl, wr = middle_at - left - middle / 2, width - middle_at - right - middle / 2
     if min(wl, wr, left, middle, right, top_left, bottom_left, top_right, bottom_right) <= 0:
         return None
-    # Shear flows q of unit twist: sum over the walls of a cell of q s / t, less the neighbour's, is 2 A.
+    # Shear flows q of unit twist: sum of (q - neighbour's q) s / t over the walls of each cell is 2 A.
     spans = (wl + (left + middle) / 2, wr + (right + middle) / 2)
     depths = (height - (top_left + bottom_left) / 2, height - (top_right + bottom_right) / 2)
     areas = np.array([w * h for w, h in zip(spans, depths, strict=True)])

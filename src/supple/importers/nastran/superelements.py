@@ -1,4 +1,4 @@
-"""Superelements of a Nastran file: parts after BEGIN SUPER, placed and joined; SESET within one part."""
+"""Superelements of a Nastran file: parts after BEGIN SUPER, placed and joined."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ SUPERELEMENT_CARDS = ("SEBULK", "SELOC", "SEMPLN", "SECONCT", "SEBNDRY", "SEEXCL
 
 # Nastran's tolerance for common grids of two superelements, in the unit of the file.
 _TOLERANCE = 1e-5
-# Tolerance of the three grids that place a superelement, relative to their size; Nastran requires equality.
+# Tolerance of the three grids that place a superelement, relative to their extent; Nastran requires equality.
 _EQUAL = 1e-2
 
 _IMAGES = ("MIRROR", "REPEAT", "IDENTICAL")
-# The squares of larger coordinates overflow; the mesh rejects them.
+# The squares of larger coordinates overflow; the mesh rejects such coordinates.
 _FARTHEST = 1e100
 
 _ELSEWHERE = ("EXTERNAL", "EXTOP2", "EXTOP4", "FRFOP2")
@@ -79,7 +79,7 @@ def repeated_parts(file: BulkFile) -> set[int]:
 
 
 def _images(parts: Mapping[int, Deck], file: BulkFile, left: list[LeftOut]) -> dict[int, Deck]:
-    """The parts, with copies of others for repetitions and mirror images (SEBULK), not yet mirrored."""
+    """The parts; repetitions and mirror images (SEBULK) are copies of other parts, not yet mirrored."""
     found = dict(parts)
     for card in file.named("SEBULK"):
         number, kind = card.integer(0, "the superelement"), card.word(1)

@@ -1,4 +1,4 @@
-"""Walls of a Nastran deck: PSHELL, PCOMP and PCOMPG as shells and walls."""
+"""Walls of a Nastran deck: PSHELL, PCOMP and PCOMPG as `ShellProperty` or `WallProperty`."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def _pcomp(
 
 
 def _with_option(wall: WallProperty, option: str) -> WallProperty:
-    """The wall with smeared plies (SMEAR), with membrane stiffness alone (MEM) or bending alone (BEND)."""
+    """The wall with smeared plies (SMEAR), with only its membrane (MEM) or bending (BEND) stiffness."""
     none = np.zeros((3, 3))
     if option == "SMEAR":
         return replace(wall, coupling=none, bending=wall.membrane * wall.thickness**2 / 12)

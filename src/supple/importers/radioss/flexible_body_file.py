@@ -1,6 +1,6 @@
 """Radioss' flexible-body file (.fxb): modes, mass and stiffness of a sub-domain on a four-point frame.
 
-Blocks, in order; integers take 8 columns, other numbers 16, which leaves nine digits:
+Blocks, in order; integers take 8 columns, other numbers 16, which leaves nine decimals of the mantissa:
 
     modes, static modes, nodes, rotations?, damping?, blocked?, data on disk?      7I8
     node ids                                                                        10I8
@@ -85,7 +85,7 @@ class FlexibleBodyFile:
 
 
 def write_flexible_body_file(path: Path | str, body: FlexibleBodyFile) -> Path:
-    """Write the file; nine digits of every number are kept."""
+    """Write the file; every number has nine decimals of the mantissa."""
     f = 0 if body.frame_modes is None else len(body.frame_modes)
     k, s = len(body.modes), body.n_static
     head = [k, s, len(body.node_ids), int(f == 15), int(body.damping is not None), int(f == 0), 0]

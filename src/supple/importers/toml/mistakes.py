@@ -119,7 +119,7 @@ def _shown(seen: Any) -> str:
 
 
 def _follow(root: _Schema, location: tuple[int | str, ...]) -> tuple[KeyPath, _Schema]:
-    """The key path in the file, and the JSON schema there, of an error's location.
+    """Key path in the file and JSON schema at the location of an error.
 
     A location also holds the tags of the alternatives that were tried (`reduction`, `rubin`, `modes`),
     which are no keys of the file.

@@ -29,7 +29,7 @@ def read_beamdyn_sections(path: str | Path) -> SectionTable:
 
     The curve is that of BeamDyn: for each member, a natural cubic spline of x, y and twist over z through its
     key points. Blade axes are x to the suction side, y to the trailing edge, z from the root to the tip; the
-    twist is about -z. Stations of the blade file are at shares of the length of the curve, with matrices
+    twist is about -z. The blade file gives stations by fractions of the length of the curve; matrices are
     linear in between. The damping coefficients (mu) are not read: a body has its own damping.
 
     Raises

@@ -1,4 +1,4 @@
-"""Positions along a blade, so fine that straight pieces represent its curve, and matrices there."""
+"""Positions along a blade, so close that straight pieces represent its curve; matrices at these positions."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ WU2019_GRID = BladeGrid(centre_splits=((20, 3), (23, 3), (26, 3), (29, 3), (32, 
 """3989 nodes and 8394 triangles, the size of the blade of [Wu2019].
 
 A plain grid of 28 nodes around and 124 segments has 3984 and 8384; five quadrilaterals near the largest
-chord, cut about their centres, add the rest.
+chord, divided about their centres, add five nodes and ten triangles.
 """
 
 

@@ -27,7 +27,7 @@ INERTIA = ("grid", "mass", "cm_x", "cm_y", "i_edge", "i_flap", "i_plr", "i_cp")
 def read_windio_sections(path: str | Path) -> SectionTable:
     """Section table of the blade of a turbine file, such as those of the IEA 15 and 22 MW reference turbines.
 
-    The reference axis and the twist are monotone cubics (PCHIP) over the position 0 .. 1, matrices linear.
+    Over the position 0 .. 1, the reference axis and the twist are monotone cubics (PCHIP), matrices linear.
     Section axes are x to the suction side, y to the trailing edge, z along the axis; the twist is about -z.
     Public files of both versions use these axes, although the text of schema 2 exchanges x and y. A file of
     version 2 with x and y exchanged is rejected.
