@@ -71,9 +71,9 @@ def measured(
 ) -> Contraction:
     """The contraction after an accepted step.
 
-    sizes : (2,)    residuals before and after its last correction
+    sizes : (2,)    residuals before and after the last correction of the step
     corrections : number of corrections in the step; after more than one there is no prediction
-    evaluated : whether the residual at its end was evaluated
+    evaluated : whether the residual at the end of the step was evaluated
     """
     anew = Contraction(sizes[0], sizes[1], step, known.phase)
     kept = jax.tree.map(

@@ -1,7 +1,7 @@
 """Solution and inverse of small dense systems in a compiled program, by LAPACK or by compiled loops.
 
-LAPACK is an external library. XLA executes a loop that calls it as a list of hundreds of operations, each a
-fraction of a microsecond. Without such calls, the time integration is one function of machine code
+LAPACK is an external library. XLA splits a loop with LAPACK calls into hundreds of separate operations, each
+a fraction of a microsecond. Without such calls, the time integration is one function of machine code
 (`algebra/jax_settings.py`): a step takes a third to a sixth of the time, compilation twice the time.
 """
 

@@ -219,7 +219,7 @@ class CompiledEngine:
 
 
 def tangents_made(state: State) -> int:
-    """Number of tangents so far; equal to the number of corrections where no tangent is frozen."""
+    """Number of tangents computed in the run; where none is frozen, the number of corrections."""
     return int(state.iterations if state.kept is None else state.kept.made)
 
 
