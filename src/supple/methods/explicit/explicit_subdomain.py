@@ -139,7 +139,7 @@ def explicit_subdomain(
     material : J2Plasticity(..), NeoHookean(..) or StVenantKirchhoff(..); default StVenantKirchhoff with the
         constants of the model
     name, hourglass, deletion, damping : see `ExplicitSubdomain`
-    bulk_viscosity : BulkViscosity      default the usual coefficients; BulkViscosity(0, 0): none
+    bulk_viscosity : BulkViscosity      default BulkViscosity(); BulkViscosity(0, 0): none
     Raises ModelError for other cells, and for a model of several materials.
     """
     own = {section.property for section in model.sections}

@@ -54,7 +54,7 @@ class FrameState(NamedTuple):
 
 
 class StepLengths(NamedTuple):
-    """The lengths of the step before t_n, zero at the start, and of the one after, s."""
+    """Lengths of the steps before t_n (zero at the start) and after t_n, s."""
 
     before: Array | float
     after: Array | float

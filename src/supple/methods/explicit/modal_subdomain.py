@@ -255,8 +255,8 @@ def modal_subdomain(
         V^T M V = I,   R^T M V = 0,   V^T K V = diag(omega^2)
 
     The columns of any basis are made M-orthogonal to the six rigid motions and diagonalised; modes with
-    frequencies above `highest` are omitted. The highest retained frequency limits the step, so constraint
-    modes of many interface freedoms do not shorten it.
+    frequencies above `highest` are omitted. The highest retained frequency limits the step: with `highest`,
+    constraint modes of many interface freedoms do not shorten it.
 
     body : FlexibleBody     only `stiffening` uses the quadratic strains of its elements
     basis : NormalModes(..), CraigBampton(..), ErrorControlled(..) or any other recipe

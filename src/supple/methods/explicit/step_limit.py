@@ -7,7 +7,7 @@ reduces their effective mass; then the limit is that of the true pencil
 
     K_L y = omega^2 (M_V - M_C R (R^T M_E R)^-1 R^T M_C^T) y,   R the six rigid motions of the points.
 
-It does not depend on the rotation, so it is computed once. [Radioss] (26)-(27), corrected.
+The limit does not depend on the rotation, so it is computed once. Source: [Radioss] (26)-(27), corrected.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ FEWEST_SEGMENTS = 6
 class CondensationError:
     """Lowest elastic frequencies of a body on its support, rad/s.
 
-    condensed, exact : (k,)     with stations, and with all freedoms of the elements
+    condensed, exact : (k,)     of the line of stations, and of the elements with all freedoms
     """
 
     condensed: Array

@@ -1,7 +1,7 @@
 """Equations of motion of lines and floating bodies connected by joints.
 
 The pose of a station follows from the strains and the root. Its velocities are linear in the line's
-amplitudes q_1, V_s = T(q) q_1, and T^T maps forces of joints and force elements to amplitudes:
+amplitudes q_1, V_s = T(q) q_1, and T^T maps forces of force elements, Q, and of joints to amplitudes:
 
     line            q_1' = .. + T^T (Q - G^T lambda),     (q_2, root)' = S(q) (q_1 + T^T G^T mu)
     floating body   M V' + c + f - Q + G^T lambda = 0,    q' = V + M^-1 G^T mu
@@ -139,7 +139,7 @@ def joint_equations(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array
 
 
 def moved(arrays: JoinedArrays, now: JoinedInstant, change: JoinedRates, time: Any) -> JoinedInstant:
-    """The instant after `time`, moved by the increment `change`, which is rates multiplied by time."""
+    """The instant later by `time`, with the increment `change`: rates multiplied by this time."""
     increment = jnp.concatenate([change.frames, jnp.zeros(6 * arrays.n_coupled)])
     lines = jax.tree.map(jnp.add, now.lines, change.lines)
     floating = advance(arrays.model, now.floating, increment)
@@ -173,8 +173,8 @@ def motion_residuals(
     """Residuals of the equations of motion at given rates.
 
     multipliers : (m,) lambda,  closing : (m,) mu
-    softness : M^-1, on forces (n,) of the floating bodies
-    control : of the machine's controllers; None without any
+    softness : function that multiplies forces (n,) on the floating bodies by M^-1
+    control : step of the machine's controllers; None without controllers
     """
     model, n = arrays.model, arrays.n_floating
     balanced = balance(model, seen_motion(arrays, now, rates, multipliers, control))

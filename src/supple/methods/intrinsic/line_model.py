@@ -87,8 +87,8 @@ class LineState:
 def line_model(modes: IntrinsicModes, damping: Damping | None = None) -> LineModel:
     """Arrays of the equations of motion for some modes of a line.
 
-    damping : None, ModalDamping of the elastic modes, or RayleighDamping; modal ratios and beta act on strain
-        rates, for any rotation; alpha acts on the velocities of the elastic modes
+    damping : None, ModalDamping of the elastic modes, or RayleighDamping. Modal ratios and beta act on strain
+        rates, at any rotation. Alpha acts on the velocities of the elastic modes.
     Raises ModelError for damping defined in a floating frame.
     """
     line, m = modes.line, modes.n_modes

@@ -50,7 +50,7 @@ class LoadPath:
     mass, so the stations of a curved body follow its curve. Root and tip are the interfaces themselves.
 
     root, tip : str     names of interfaces
-    n_stations : int    with both ends, at least 2
+    n_stations : int    including both ends, at least 2
     """
 
     root: str
@@ -246,7 +246,7 @@ def _in_cells(body: FlexibleBody) -> NDArray[np.bool_]:
 
 
 def _element_masses(body: FlexibleBody) -> Array:
-    """Mass (N,) of the nodes without concentrated masses, which would shift the mean of a section."""
+    """Mass (N,) of the elements at the nodes; concentrated masses would shift the mean of a section."""
     beside = None if body.model is None else body.model.attached.mass
     mass = body.nodal_mass if beside is None else body.nodal_mass - beside
     return np.asarray(mass.diagonal()[:: body.dofs_per_node], dtype=np.float64)

@@ -71,7 +71,7 @@ def _together(
     times: jax.Array,
     _: Any,
 ) -> LineMarchState:
-    """Runge-Kutta integration, cases last; they share the lines, and the initial time."""
+    """Runge-Kutta integration of cases, the last axis; all cases share the lines and the initial time."""
     lines = jax.tree.unflatten(structure, leaves).lines
     of_roots = jax.vmap(partial(_roots, structure), in_axes=(list(axes), None, -1), out_axes=-1)
     of_loads = jax.vmap(partial(_wrenches, structure), in_axes=(list(axes), None, -1), out_axes=-1)

@@ -73,7 +73,7 @@ def at_rest_rates(kept: tuple[int, ...], system: LineSystem, rates: States) -> S
 
 
 def _resting(system: LineSystem, kept: tuple[int, ...]) -> LineSystem:
-    """The system with high modes at rest, without viscous forces of their own."""
+    """The system without viscous forces of the high modes, whose rates are zero."""
     lines = tuple(
         replace(
             model,

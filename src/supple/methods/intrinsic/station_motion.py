@@ -59,8 +59,8 @@ def station_motion(model: LineModel, root: Array, q2: Array, motion: IntrinsicMo
     The velocities are thus derivatives of the reported positions. The modal velocities, whose energy and
     momentum the time integration conserves, differ by terms of second order in the segment length.
 
-    root : (3,)     of the root in the body's axes, undeformed
-    q2 : (t, e)     of the motion
+    root : (3,)     position of the root in the body's axes
+    q2 : (t, e)     amplitudes of the strains in the motion
     """
     unknown = np.isnan(motion.accelerations).any()
     if unknown:  # velocities do not depend on accelerations

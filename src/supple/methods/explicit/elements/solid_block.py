@@ -110,7 +110,7 @@ def block_force(
 ) -> BlockForce:
     """Forces at positions x (3, N), reached by the increment dx in a step h.
 
-    ratios : (g, E) det F before;   alive : (E,) 1, or 0 for deleted elements
+    ratios : (g, E) det F before the step;   alive : (E,) 1, or 0 for deleted elements
     beta : stiffness damping, s; None omits its operations
     """
     g, gamma = block.gradients, block.gamma

@@ -140,7 +140,7 @@ def build_frames(system: System, method: Explicit, nodes: MarchNodes, time: floa
 
 
 def _floating(system: System, names: Sequence[str]) -> System | None:
-    """The bodies on frames with their joints and forces; None without any."""
+    """The bodies on frames with their joints and forces; None without frames."""
 
     def acts(load: Any) -> bool:
         if isinstance(load, ForceElement):
@@ -162,7 +162,7 @@ def _floating(system: System, names: Sequence[str]) -> System | None:
 def _joined_start(
     floating: System, frames: dict[str, ModalFrame], states: list[FrameState], time: float
 ) -> tuple[Model, StartChange | None, list[FrameState]]:
-    """The frames as floating bodies without redundant joints, and their states, which satisfy the joints."""
+    """The frames as floating bodies without redundant joint equations, and states that satisfy the joints."""
     model, change = build_model(floating), None
     if floating.joints:
         start = consistent_start(CompiledMachine(floating, model), time)

@@ -38,7 +38,8 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _REDUNDANT = 1e-8
-"""Smallest mobility of a constraint with all constraints before it closed, relative to that without them."""
+"""Mobility of a constraint with the previous ones closed, relative to that without them, below which the
+constraint is redundant."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +49,7 @@ class JoinedFrames:
     ties, tied : ties with their independent multipliers, and the numbers of the two frames of each
     machine : the frames as floating bodies, with independent equations of joints
     numbers : frames with multipliers;   driven : (m,) 1 for equations with a law, else 0
-    limited, step_limit : frames with ties, joints or force elements, and the step limit of all of them, s
+    limited, step_limit : frames with ties, joints or force elements, and their common step limit, s
     """
 
     ties: tuple[ModalTie, ...]

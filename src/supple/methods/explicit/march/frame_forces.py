@@ -38,7 +38,7 @@ class FrameForces(NamedTuple):
     """Forces on each frame.
 
     given : of loads, controllers, and force elements without stored energy
-    stored, dragged : of force elements with stored energy: at rest, and the change by their rates
+    stored, dragged : of force elements with stored energy: at zero rates, and the change due to rates
     """
 
     given: tuple[Generalized, ...]

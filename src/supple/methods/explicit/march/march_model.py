@@ -121,7 +121,7 @@ class Energies(NamedTuple):
 
     kinetic + internal + plastic + hourglass + contact + damping + interface - external   is constant
 
-    internal : work of stresses that is neither plastic nor viscous, and of springs
+    internal : work of stresses that is neither plastic nor viscous, and energy of springs
     hourglass : work of the hourglass control
     contact : stored in penalties; interface : lost between parts with different steps, and by frames that
         rotate by a finite angle in a step
@@ -156,7 +156,7 @@ class MarchState(NamedTuple):
     obstacle_forces : (o, 3) from explicit nodes, at t_n;   initial : energy at the start, J
     ratio_bound : largest number of element steps in one frame step, limited by the interface loss
     control : state of the controllers; None without controllers
-    ratio_wait : output times before a larger ratio is tried;   ratio_patience : next wait after a failure
+    ratio_wait : output times before a larger ratio is tried;   ratio_patience : wait after a repetition
     """
 
     time: Array

@@ -25,7 +25,7 @@ class FullState(NamedTuple):
     multipliers: np.ndarray
     frame_multipliers: tuple[np.ndarray, ...]
     control: ControlStep | None = None
-    """Controllers in the step that ends here; `FullSystem.ended` sets its length to 0. None if there are none"""
+    """Controllers in the step that ends here (length 0 after `FullSystem.ended`); None without controllers"""
 
 
 Targets = tuple[np.ndarray, tuple[np.ndarray, ...]]
