@@ -135,7 +135,7 @@ def explicit_subdomain(
 ) -> ExplicitSubdomain:
     """Nonlinear finite elements for explicit time integration.
 
-    model : of TETRA4, TETRA10 or HEXA8 cells; the hexahedra get one strain point with hourglass control
+    model : model of TETRA4, TETRA10 or HEXA8 cells; hexahedra have one strain point and hourglass control
     material : J2Plasticity(..), NeoHookean(..) or StVenantKirchhoff(..); default StVenantKirchhoff with the
         constants of the model
     name, hourglass, deletion, damping : see `ExplicitSubdomain`

@@ -1,4 +1,4 @@
-"""Momentum error of a free body with few modes: drift of its mass centre from the motion due to its loads."""
+"""Momentum error of a free body with few modes: drift of its centre of mass from the motion by its loads."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ def condensation_error(body: FlexibleBody, condensed: IntrinsicBody, n_frequenci
     Parameters
     ----------
     body : the body before condensation
-    n_frequencies : at most the number of elastic modes of the condensed body
+    n_frequencies : number of frequencies, at most that of elastic modes of the condensed body
 
     Raises ModelError for more frequencies than there are modes.
     """

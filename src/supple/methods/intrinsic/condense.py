@@ -37,9 +37,9 @@ def condense(
 
     The elements are condensed statically on the stations (Guyan), by one sparse factorisation. The inertia is
     lumped on the stations, with exact mass, first and second moments. The modes of this line on the support
-    of the root are the coordinates of the body.
+    of the root are the coordinates of the body. With B the rows of the stations' motions,
 
-        K Psi + B^T mu = 0,   B Psi = 1,   K_a = Psi^T K Psi,   B q motions of the stations
+        K Psi + B^T mu = 0,   B Psi = 1,   K_a = Psi^T K Psi
 
     Parameters
     ----------

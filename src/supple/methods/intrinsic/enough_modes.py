@@ -22,7 +22,7 @@ FEWEST = 6
 class EnoughModes(NamedTuple):
     """A machine whose bodies have enough modes, its run, and its truncation error.
 
-    errors : by body name; empty where all modes are retained, without truncation
+    errors : truncation error by body name; empty where all modes are retained
     """
 
     system: System

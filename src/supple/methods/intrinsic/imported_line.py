@@ -54,7 +54,7 @@ def read_condensed_line(
     paths : grid ids from the root outwards; each later path begins at a grid of an earlier one. None: all
         grids of the matrices in the order of their cards, in one chain
     stiffness_name, mass_name : names of the matrices in files with several (DMIG, OUTPUT4)
-    root_mass : (6, 6)  of a first grid that is not in the matrices, because it was clamped; default zero
+    root_mass : (6, 6)  mass of a first grid that was clamped and is not in the matrices; default zero
 
     Raises
     ------

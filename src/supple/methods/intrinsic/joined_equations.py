@@ -56,8 +56,8 @@ __all__ = [
 class JoinedInstant(NamedTuple):
     """Positions and velocities of the machine.
 
-    floating : Configuration    of all bodies of the model
-    velocity : (n,)             of the floating bodies
+    floating : Configuration    configuration of all bodies of the model, including stations
+    velocity : (n,)             velocities of the floating bodies
     """
 
     time: Any
@@ -70,7 +70,7 @@ class JoinedRates(NamedTuple):
     """Rates of an instant.
 
     lines : q_1', q_2' and the root's rates, of each line
-    acceleration : (n,)     of the floating bodies
+    acceleration : (n,)     accelerations of the floating bodies
     frames : (n,)           velocities of the floating bodies' configuration, with M^-1 G^T mu
     """
 
@@ -110,7 +110,7 @@ def coupled_forces(arrays: JoinedArrays, states: States, wrenches: jax.Array) ->
 def coupled_wrenches(arrays: JoinedArrays, now: JoinedInstant, multipliers: jax.Array) -> jax.Array:
     """Forces (global) and moments (own axes) of joints and force elements on coupled stations, (6 s,).
 
-    now : with its stations placed,  multipliers : (m,) of the active equations
+    now : instant with its stations placed,  multipliers : (m,) of the active equations
     """
     still = jnp.zeros(arrays.model.n_velocities)
     seen = SystemMotion(now.time, now.floating, all_velocities(arrays, now), still, multipliers)

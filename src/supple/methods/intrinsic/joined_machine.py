@@ -97,7 +97,7 @@ class JoinedMachine(NamedTuple):
 
     seen : System       floating bodies, and a body for every coupled station
     lines : the placed intrinsic bodies
-    states : of the lines, as they are placed
+    states : initial states of the lines, as placed
     """
 
     system: System

@@ -30,8 +30,8 @@ __all__ = ["JoinedState", "joined_step"]
 class JoinedState(NamedTuple):
     """State of a time integration.
 
-    multipliers : (m,)      of the last step
-    control : ControlState | None       of the machine's controllers
+    multipliers : (m,)      multipliers of the last step
+    control : ControlState | None       state of the machine's controllers
     worst : ()              largest relative residual of a step since the start
     iterations : ()         since the start
     """

@@ -73,9 +73,9 @@ class LineState:
     """State of a line at an instant.
 
     q1 : (m,)           amplitudes of the velocities
-    q2 : (e,)           of the internal forces and strains
-    quaternion : (4,)   of the root's rotation, material to global; its length has no effect
-    position : (3,)     of the root, global
+    q2 : (e,)           amplitudes of the internal forces and strains
+    quaternion : (4,)   rotation of the root, material to global; its length has no effect
+    position : (3,)     position of the root, global
     """
 
     q1: Any

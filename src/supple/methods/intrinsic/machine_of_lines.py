@@ -48,7 +48,7 @@ class MachineOfLines:
 
     system : System
     lines : LineSystem
-    start : States              of the bodies as placed
+    start : States              initial states of the bodies as placed
     roots : support of each root
     """
 

@@ -39,7 +39,7 @@ def slaved(
     that carry the axial force of a bent body.
 
     kept : number of dynamic modes of each line, with the rigid ones
-    inverse : from `inverse_of_high` at a nearby state; default computed here
+    inverse : result of `inverse_of_high` at a nearby state; by default computed here
     Returns the states, and the ratio of the changes in the last two sweeps; 0 if the last is negligible.
     Source: [Wang2015] (37).
     """

@@ -34,7 +34,7 @@ def section_line(name: str, table: SectionTable, n_stations: int) -> CondensedLi
 
     Parameters
     ----------
-    table : SectionTable    from its root to its tip
+    table : SectionTable    sections from the root to the tip
     n_stations : int        including both ends, at least 2
 
     Raises

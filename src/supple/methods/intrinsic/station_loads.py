@@ -95,7 +95,7 @@ class End:
     """An end of a force element: a station of a line, or a point of the ground (line -1).
 
     axes : (3, 3)   axes of the element, in station axes; on the ground, in global axes
-    point : (3,)    of the ground
+    point : (3,)    position of the ground point
     """
 
     axes: Any

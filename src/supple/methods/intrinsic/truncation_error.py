@@ -34,7 +34,7 @@ class TruncationError:
     times : (t,)            sampled output times
     places : (t,)           RMS change of station positions, m; infinite where `complete_motion` fails
     forces, velocities : (t,)   norms of the change of these amplitudes, relative to the largest norm
-    drift : float           of the centre of mass of a free body, from the motion due to its loads, m
+    drift : float           drift of a free body's centre of mass from the motion due to its loads, m
     deflection : float      largest displacement of a station relative to the root, m
     length : float          extent of the undeformed body, m
     """

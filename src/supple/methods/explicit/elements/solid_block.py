@@ -40,9 +40,9 @@ class SolidBlock(NamedTuple):
 class BlockForce(NamedTuple):
     """Forces and works of a block in a step.
 
-    force : (3, N)          on the nodes (minus the internal force), without hourglass
-    hourglass : (3, N)
-    state : of the law;   ratios : (g, E) det F
+    force : (3, N)          negative internal force on the nodes, without hourglass forces
+    hourglass : (3, N)      hourglass forces
+    state : state of the law;   ratios : (g, E) det F
     plastic, viscous : work of the step, J
     smallest : det F of the worst point
     """

@@ -62,7 +62,7 @@ class Framed:
     """Frames of the model.
 
     frames : parts and bodies in the order of the model, with their integrated modes
-    arrays, states : of each frame at the start;   obstacles : numbers of the obstacles of each frame
+    arrays, states : arrays and initial state of each frame;   obstacles : numbers of its obstacles
     surfaces : contacts between parts;   contact_rate : their largest stiffness over nodal mass, 1/s^2
     joined : ties, joints and step limits
     machine : the frames as a system of floating bodies with their joints and forces, or None

@@ -73,7 +73,7 @@ def joined_frames(
 ) -> JoinedFrames:
     """Ties, joints and forces between the frames of a system.
 
-    states : of the frames at the start;   penalties : contact stiffness (6 + k, 6 + k) of each, or None
+    states : initial states of the frames;   penalties : contact stiffness (6 + k, 6 + k) of each, or None
     Raises ModelError for a scheme other than ProjectedDifference, and for parts that do not match.
     """
     ties, pairs = modal_ties(system, frames)

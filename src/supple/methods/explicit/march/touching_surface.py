@@ -41,7 +41,7 @@ class TouchingSurface(NamedTuple):
     """Nodes, and the faces that they must not penetrate.
 
     nodes : (n,);   stiffness : (n,) N/m
-    corners : (T, 3) of the faces, counter-clockwise about the outward normals
+    corners : (T, 3) corners of the faces, counter-clockwise about the outward normals
     masters : (M,) nodes of the faces;   about : (M, r) faces near each of them, padded by repetition
     reach : largest penetration that counts as contact, m
     """
