@@ -28,9 +28,9 @@ class FrameModel(NamedTuple):
 
     moments : Moments
     stiffness : (k, k)          K_L, 1/s^2
-    squared_lengths : (6,)      of the links, m^2
+    squared_lengths : (6,)      squared lengths of the links, m^2
     mass_damping, stiffness_damping : alpha (1/s) and beta (s) of the modes; the frame is undamped
-    spin_stiffness : (6, k, k)  per product of two angular velocities (`PAIRS`), or None
+    spin_stiffness : (6, k, k)  stiffness per product of two angular velocities (`PAIRS`), or None
     """
 
     moments: Moments

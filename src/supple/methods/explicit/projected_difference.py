@@ -167,7 +167,7 @@ class _Frozen(NamedTuple):
 
     unit : a mass, for scale;   factor : scales the rows of the links to masses
     spun : (6, k) impulse of the centrifugal stiffness per product of angular velocities after t_n, or None
-    after : h, s
+    after : step h, s
     """
 
     model: FrameModel

@@ -66,9 +66,9 @@ def complete_motion(system: System, solution: Solution, rows: NDArray[np.intp]) 
         0 = W q + N(q) q + eta + T^T f - A (q' of the run)
 
     The first three terms are `line_rates` of all modes with their loads eta, and A maps amplitudes of the run
-    to all modes. Root motion, rigid motion, and the forces f of joints
-    and force elements on stations are those of the run. The omitted modes follow the motion statically, as in
-    [Wang2015] (37), and the retained modes are corrected for the coupling with the omitted ones.
+    to all modes. Root motion, rigid motion, and the forces f of joints and force elements on stations are
+    those of the run. The omitted modes follow the motion statically, as in [Wang2015] (37), and the retained
+    modes are corrected for the coupling with the omitted ones.
 
     Parameters
     ----------

@@ -38,6 +38,7 @@ def condense(
     The elements are condensed statically on the stations (Guyan), by one sparse factorisation. The inertia is
     lumped on the stations, with exact mass, first and second moments. The modes of this line on the support
     of the root are the coordinates of the body. With B the rows of the stations' motions,
+    static shapes Psi and condensed stiffness K_a follow from
 
         K Psi + B^T mu = 0,   B Psi = 1,   K_a = Psi^T K Psi
 

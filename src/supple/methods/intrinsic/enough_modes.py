@@ -46,7 +46,7 @@ def enough_modes(
     Parameters
     ----------
     system : a machine with intrinsic bodies; their present number of modes has no effect
-    run : function that simulates a machine, as `lambda system: simulate(system, Run(..))`
+    run : function that simulates a machine, such as `lambda system: simulate(system, Run(..))`
     tolerance : largest error of station positions relative to the deflection
     first : initial number of elastic modes
     bodies : names of the bodies in the search; default all

@@ -40,7 +40,7 @@ def first_order_coefficients(rho_inf: float) -> FirstOrderCoefficients:
 class Tangent(NamedTuple):
     """Inverse of a step's tangent, reused over steps while Newton's method converges with it.
 
-    inverse : (n, n)    inverse of alpha_m - alpha_f gamma h slope; its product is faster than a solution
+    inverse : (n, n)    inverse of alpha_m - alpha_f gamma h slope; multiplication is faster than solution
     step : h of this tangent; negative before the first
     rounding : size of the terms of the rates relative to the states, the scale of rounding errors
     """

@@ -60,8 +60,8 @@ def read_condensed_line(
     ------
     ImportFormatError   files that cannot be read, matrices that are not symmetric
     ModelError          a grid of the matrices on no path; a grid of a path in no matrix, except a clamped
-                        root; a grid with fewer than six freedoms;
-                        paths that are not connected; and as `condensed_line`
+                        root; a grid with fewer than six freedoms; paths that are not connected; and as
+                        `condensed_line`
     Source: [Wang2015] (20); [Guyan1965].
     """
     table = read_nodes(nodes)

@@ -278,7 +278,7 @@ class IntrinsicBody(FormDefaults, Summarized):
         return InterfaceMotion(position, rotation, velocity, there(known.accelerations)[0], angular)
 
     def freedoms(self, q2: Array) -> LineFreedoms:
-        """Its small motions about strains q_2 (e,)."""
+        """Small motions of the line about strains q_2 (e,)."""
         return line_freedoms(self.model, self.support, self.line.tree.points[0], q2)
 
     def motion_near(

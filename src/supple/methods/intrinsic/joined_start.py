@@ -1,4 +1,4 @@
-"""Consistent start of joined lines and floating bodies: velocities on the joints, rates, joint forces."""
+"""Consistent start of joined lines and floating bodies: corrected velocities, rates, joint forces."""
 
 from __future__ import annotations
 

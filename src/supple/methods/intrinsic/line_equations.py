@@ -73,7 +73,7 @@ def line_rates(
     """Rates (m,) and (e,) of the amplitudes, or (m, k) and (e, k) of k cases.
 
     wrenches : (n, 6)   forces and moments on the stations, along material axes; (n, 6, k) of k cases
-    root : RootTwist    where the root's motion is prescribed
+    root : RootTwist    prescribed motion of the root; None without one
     """
     k = model.n_rigid
     x1 = station_velocities(model, q1, root)

@@ -122,7 +122,7 @@ def _march_by(
 
 
 march_by = CachedProgram(_march_by)
-"""`march_lines` by a program stored for later processes."""
+"""`march_lines` as a compiled program that later processes reuse."""
 
 
 Step = Callable[[LineMarchState, Any, Any], tuple[LineMarchState, Any]]

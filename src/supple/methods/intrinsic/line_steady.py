@@ -57,7 +57,7 @@ __all__ = ["SmallMotions", "Unbalanced", "moved_by", "small_motions", "steady", 
 class Unbalanced(NamedTuple):
     """Residual of a steady motion, and its terms.
 
-    residual : (N,)         of floating bodies, then of the lines' amplitudes
+    residual : (N,)         entries of floating bodies, then of the lines' amplitudes
     terms : (N, 4)          inertia, internal, applied and joint forces, which add up to the residual
     gaps : (m,)             residuals of the joints
     """

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 ON_THE_CUT = 1e-6
-"""Distance up to which a node lies on a cut, relative to the distance of two stations."""
+"""Distance up to which a node lies on a cut, relative to the distance between two stations."""
 
 
 class BodyStations(NamedTuple):
@@ -238,7 +238,7 @@ def _averaged(body: FlexibleBody, interfaces: Sequence[AveragingInterface]) -> t
 
 
 def _in_cells(body: FlexibleBody) -> NDArray[np.bool_]:
-    """Whether each node (N,) is in a cell; nodes of springs, masses and ties alone are in no section."""
+    """Whether each node (N,) is in a cell; nodes that only springs, masses or ties use are in no section."""
     found = np.full(len(body.nodes), body.model is None)
     for cells in () if body.model is None else body.model.mesh.cells.values():
         found[cells] = True

@@ -147,7 +147,7 @@ class SpreadLoad:
 
     stations : (k, 2)   the two stations that a point follows rigidly
     weights : (k, 2)    weights of the two stations
-    arms : (k, 2, 3)    from station to point at rest
+    arms : (k, 2, 3)    vectors from station to point at rest
     facets : (f, p)     points of every facet
     """
 

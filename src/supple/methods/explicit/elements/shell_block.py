@@ -2,7 +2,7 @@
 
     U = 1/2 d^T K d,    d = [T (x - x_c) - (X - X_c);  log(T R)],    T = A_0^T A
 
-with the axes of the triangle at rest A_0 and at present A (along its first side, across, normal), nodal
+with the axes of the triangle at rest, A_0, and at present, A (along its first side, across, normal), nodal
 triads R (the identity at rest), and the stiffness K of the undeformed element. Strains are small, rotations
 of any size. Force and moment are the exact gradient of U. U is invariant under rigid motion, so momentum is
 conserved. log uses the arcsine series; its error is 1e-5 rad for 0.3 rad between a node and its element.
@@ -67,7 +67,7 @@ class ShellBlock(NamedTuple):
     """Constant arrays of E triangles, elements last.
 
     nodes, spins : (3, E)       numbers of nodes and of triads
-    rest : (3, 3, E)            corners about their centre (component, corner);   axes : (3, 3, E) A_0 by rows
+    rest : (3, 3, E)            corners about their centre (component, corner);   axes : (3, 3, E) A_0 in rows
     stiffness : (18, 18, E)     ux uy uz rx ry rz of each node, axes of the mesh
     to_stress : (l, 6, 18, E)   stress in l layers from d, Pa
     node_table, spin_table      the corners at each node and triad

@@ -68,7 +68,7 @@ def solid_block(
     """The arrays of a block.
 
     numbers : (N_part,) numbers of the part's nodes among the n_nodes of the model
-    gradients : (E, g, 3, k) of the points, in the axes of space
+    gradients : (E, g, 3, k) gradients at the points, in the axes of space
     hourglass : stiffness of an hourglass mode relative to that of the stretching mode
     """
     nodes = numbers[points.nodes.T]

@@ -69,7 +69,7 @@ class MarchModel(NamedTuple):
     ties : ties between frames
     surfaces : contacts between parts
     contact_rate : largest stiffness over mass of a node in contact, 1/s^2
-    base_accelerations : laws, (3,) m/s^2
+    base_accelerations : laws of base accelerations, (3,) m/s^2
     machine : the frames as floating bodies with their joints and forces; None without frames
     driven : (m,)   1 for equations of joints with laws, else 0
     """
@@ -123,8 +123,8 @@ class Energies(NamedTuple):
 
     internal : work of stresses that is neither plastic nor viscous, and energy of springs
     hourglass : work of the hourglass control
-    contact : stored in penalties; interface : lost between parts with different steps, and by frames that
-        rotate by a finite angle in a step
+    contact : energy stored in penalties; interface : energy lost between parts with different steps, and by
+        frames that rotate by a finite angle in a step
     external : work of loads, gravity, driven obstacles and joints, and of force elements without stored
         energy
     """

@@ -40,7 +40,7 @@ class Contraction(NamedTuple):
     """The last measured correction, stored as numbers in a recorded run."""
 
     before: Any
-    """Residual relative to the tolerance; 0 before the first measurement"""
+    """Residual before the correction, relative to the tolerance; 0 before the first measurement"""
     after: Any
     step: Any
     """Size of the step, s"""

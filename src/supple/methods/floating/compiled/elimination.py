@@ -76,8 +76,8 @@ def solve_bordering_column(augmented: jax.Array) -> jax.Array:
 def _factored(augmented: jax.Array) -> jax.Array:
     """`A^-1 B` (n, m) of `(A | B)`, (n, n + m), by LAPACK.
 
-    The factors of the wide matrix `P (A | B) = L (U | Y)` hold `Y = L^-1 P B`, so that one triangular solve
-    is left and no row exchange has to be applied afterwards.
+    The factors of the wide matrix `P (A | B) = L (U | Y)` contain `Y = L^-1 P B`, so that one triangular
+    solve suffices, without row exchanges afterwards.
     """
     n = len(augmented)
     factors, _, _ = jax.lax.linalg.lu(augmented)

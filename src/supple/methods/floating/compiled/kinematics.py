@@ -79,7 +79,7 @@ class _ConstrainedMachine(CompiledMachine):
 
 
 def check_held(system: System, run: Run) -> None:
-    """Raise for options that a kinematic run cannot use; warn about bodies that are treated as rigid."""
+    """Raise ModelError for what a kinematic run does not support; warn about bodies treated as rigid."""
     if system.controllers:
         raise ModelError(
             "the machine has controllers, but in a kinematic run the joints alone prescribe the motion: "

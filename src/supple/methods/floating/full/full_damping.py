@@ -22,7 +22,7 @@ class FullDamping:
     """D(q) = C + W S W^T + beta K_mat(q) of one full body, for motion relative to its frame.
 
     constant : C, sparse (n, n)
-    columns : W (n, m), of the damped modes, or of the interface that alpha (by mass) is relative to
+    columns : W (n, m), of damped modes, or of mass-proportional damping relative to an interface
     signs : diagonal of S, (m,), each 1 or -1
     retardation_time : beta, s; 0 without damping by strain rate
     """
