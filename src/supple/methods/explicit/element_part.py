@@ -131,5 +131,5 @@ class ElementPart(FormDefaults):
         return np.inf
 
     def lowest_frequency(self) -> float:
-        """Infinite: it is not computed, as nothing depends on it."""
+        """Infinite: the frequency is not computed, because nothing depends on it."""
         return np.inf

@@ -187,7 +187,7 @@ def explicit_shell(
 ) -> ExplicitShell:
     """Shells for explicit time integration: small strains, any rotation; elastic, or plastic by a law.
 
-    model : of TRIANGLE3 cells with HomogeneousSection(..)
+    model : model of TRIANGLE3 cells with HomogeneousSection(..)
     name, law, layers, deletion, damping : see `ExplicitShell`
     Raises ModelError for other cells and sections, a law of other constants, fewer than 2 layers, and
     strain-rate damping.

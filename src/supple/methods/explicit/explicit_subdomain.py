@@ -135,11 +135,11 @@ def explicit_subdomain(
 ) -> ExplicitSubdomain:
     """Nonlinear finite elements for explicit time integration.
 
-    model : of TETRA4, TETRA10 or HEXA8 cells; the hexahedra get one strain point with hourglass control
+    model : model of TETRA4, TETRA10 or HEXA8 cells; hexahedra have one strain point and hourglass control
     material : J2Plasticity(..), NeoHookean(..) or StVenantKirchhoff(..); default StVenantKirchhoff with the
         constants of the model
     name, hourglass, deletion, damping : see `ExplicitSubdomain`
-    bulk_viscosity : BulkViscosity      default the usual coefficients; BulkViscosity(0, 0): none
+    bulk_viscosity : BulkViscosity      default BulkViscosity(); BulkViscosity(0, 0): none
     Raises ModelError for other cells, and for a model of several materials.
     """
     own = {section.property for section in model.sections}

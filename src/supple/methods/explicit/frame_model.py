@@ -28,9 +28,9 @@ class FrameModel(NamedTuple):
 
     moments : Moments
     stiffness : (k, k)          K_L, 1/s^2
-    squared_lengths : (6,)      of the links, m^2
+    squared_lengths : (6,)      squared lengths of the links, m^2
     mass_damping, stiffness_damping : alpha (1/s) and beta (s) of the modes; the frame is undamped
-    spin_stiffness : (6, k, k)  per product of two angular velocities (`PAIRS`), or None
+    spin_stiffness : (6, k, k)  stiffness per product of two angular velocities (`PAIRS`), or None
     """
 
     moments: Moments
@@ -54,7 +54,7 @@ class FrameState(NamedTuple):
 
 
 class StepLengths(NamedTuple):
-    """The lengths of the step before t_n, zero at the start, and of the one after, s."""
+    """Lengths of the steps before t_n (zero at the start) and after t_n, s."""
 
     before: Array | float
     after: Array | float

@@ -1,9 +1,9 @@
 """A stage of a compiled step whose results are stored in memory before the next stage reads them.
 
 Otherwise the compiler fuses all operations into one loop for each component of the result, and recomputes
-shared terms in each: for a plastic hexahedron, ten times the arithmetic. A barrier
-(`lax.optimization_barrier`) is removed before that decision. Operations within a branch are never fused with
-those outside, so a stage is the branch of a condition that is always true.
+shared terms in each: for a plastic hexahedron, ten times the arithmetic. The compiler removes a
+`lax.optimization_barrier` before it fuses. Operations within a branch are never fused with those outside, so
+a stage is the branch of a condition that is always true.
 """
 
 from __future__ import annotations

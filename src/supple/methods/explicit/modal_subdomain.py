@@ -43,7 +43,8 @@ class ModalSubdomain(FloatingForm):
     frequencies : (k,)      rad/s, ascending
     mass_damping, stiffness_damping : alpha, 1/s, and beta, s, of the modes
     spin_stiffness : (6, k, k) of `CentrifugalStiffness`, or None
-    yield_stress : Pa, above which a run warns; None: the lowest of explicit parts of its material, if any
+    yield_stress : stress, Pa, above which a run warns; None: the lowest yield stress of explicit parts of its
+        material, if any
     Raises ModelError for vectors that contain rigid motion: the step limit would be wrong.
     """
 
@@ -166,7 +167,7 @@ class ModalSubdomain(FloatingForm):
 
     @property
     def has_linear_strains(self) -> bool:
-        """True."""
+        """True: strains are linear in the coordinates."""
         return True
 
     @cached_property
@@ -255,8 +256,8 @@ def modal_subdomain(
         V^T M V = I,   R^T M V = 0,   V^T K V = diag(omega^2)
 
     The columns of any basis are made M-orthogonal to the six rigid motions and diagonalised; modes with
-    frequencies above `highest` are omitted. The highest retained frequency limits the step, so constraint
-    modes of many interface freedoms do not shorten it.
+    frequencies above `highest` are omitted. The highest retained frequency limits the step: with `highest`,
+    constraint modes of many interface freedoms do not shorten it.
 
     body : FlexibleBody     only `stiffening` uses the quadratic strains of its elements
     basis : NormalModes(..), CraigBampton(..), ErrorControlled(..) or any other recipe
@@ -264,8 +265,8 @@ def modal_subdomain(
     damping : LinearRayleighDamping(..)     of the modes; the frame is undamped
     stiffening : CentrifugalStiffness()     for bodies that rotate freely at more than about 3 % of their
         lowest frequency; None: the stiffness does not depend on the angular velocity
-    yield_stress : float    Pa, above which a run warns, because modes stay elastic; None: the lowest of the
-        explicit parts of the same material
+    yield_stress : float    stress, Pa, above which a run warns, because modes stay elastic; None: the lowest
+        yield stress of the explicit parts of the same material
     Raises ModelError if no mode is below `highest`, or the body has modal coordinates or a damping matrix;
         and the errors of the recipe.
     Source: [Radioss]; docs/theory/explicit.md for the orthogonality.

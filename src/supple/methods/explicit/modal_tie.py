@@ -2,9 +2,10 @@
 
     g_r = 1/l sum_c L_rc . P_2^T (x_1(X_c) - x_2(X_c)) = 0
 
-at points X_c of both interfaces, with combinations L in the axes of the second frame. g is invariant under a
-rigid motion of both parts, so its multipliers conserve linear and angular momentum. Like all sums over nodes,
-g is a polynomial in the coordinates: L is contracted with weights and shapes in advance.
+at points X_c of both interfaces, with combinations L in the axes of the second frame, its arms P_2 and their
+length l. g is invariant under a rigid motion of both parts, so its multipliers conserve linear and angular
+momentum. Like all sums over nodes, g is a polynomial in the coordinates: L is contracted with weights and
+shapes in advance.
 """
 
 from __future__ import annotations

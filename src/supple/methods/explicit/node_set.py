@@ -23,7 +23,7 @@ class NodeSet(UntiedInterface):
     """Node set as an interface: it moves as the mean of its nodes, which share its force equally.
 
     part : the body of these nodes
-    nodes : (n,) their numbers;   position : (3,) their mean, undeformed, in the mesh axes
+    nodes : (n,) numbers of the nodes;   position : (3,) their mean position, undeformed, in the mesh axes
     rows : (6, r)       displacement and rotation per coordinate of the part; None: the mean of the nodes
     """
 

@@ -74,7 +74,7 @@ class ProjectedDifference:
         """Tied or joined frames after the step; multipliers of links (6,), and of ties and joints (R,).
 
         rows : for each frame at t_n, (R, 4, 3) on the points and (R, k) on the modes; () without ties
-        gaps : constraint residuals (R,) of the states at t_n+1, made zero
+        gaps : constraint residuals (R,) of the states at t_n+1, which the step makes zero
         """
         h, mean = steps.after, steps.mean
         frozen, guesses = [], []
@@ -111,12 +111,12 @@ class ProjectedDifference:
     ) -> Array:
         """Work of links and bilinear motion in a step, due to its finite rotation, J.
 
-        With nodal velocities v = B d +- b, b = h P' Phi y', half a step after and before t_n the kinetic
-        energy grows by <M (v+ - v-), (v+ + v-) / 2>. Forces contribute B^T f . d; the remainder is
+        With nodal velocities v = B d +- b half a step after and before t_n (d = (p', y'), b = h P' Phi y'),
+        the kinetic energy grows by <M (v+ - v-), (v+ + v-) / 2>. Forces contribute B^T f . d; there remains
 
             lambda . G d + 1/2 [(d+ - d-) . B^T M (b+ - b-) + <b+, M b+> - <b-, M b->]
 
-        It vanishes with the step, does not accumulate (the scheme is variational), and is known exactly.
+        This vanishes with the step, does not accumulate (the scheme is variational), and is known exactly.
         """
         t = _tangent(model, old.p, old.y)
         before, after = _bilinear(model, t, old.vp, old.vy), _bilinear(model, t, new.vp, new.vy)
@@ -167,7 +167,7 @@ class _Frozen(NamedTuple):
 
     unit : a mass, for scale;   factor : scales the rows of the links to masses
     spun : (6, k) impulse of the centrifugal stiffness per product of angular velocities after t_n, or None
-    after : h, s
+    after : step h, s
     """
 
     model: FrameModel

@@ -4,7 +4,7 @@
 
 The scheme neglects u_L relative to X: the error of momentum is O(u_L / l). The links of the open
 implementation act along the *predicted* link d + h v, from one linear solution, and reduce the angular
-velocity by the fraction 2 pi Omega h per revolution. Both errors remain to reproduce published results;
+velocity by the fraction 2 pi Omega h per revolution. Both errors are kept to reproduce published results;
 `ProjectedDifference` has neither.
 
 Source: [Radioss] (9)-(25), and its routine FXLINK for `PredictedLinks`.

@@ -78,8 +78,8 @@ def spin_products(p: Array, rates: Array) -> Array:
 def largest_of_unit_spin(matrices: FloatArray, mass: FloatArray) -> float:
     """Bound of the eigenvalues of K_G y = lambda M y, at 1 rad/s about any axis.
 
-    With c the six components of Omega Omega^T (those off the diagonal times sqrt 2), |c| = 1, so
-    |K_G| = |sum c_i K_i| <= sqrt(sum |K_i|^2).
+    With c the six components of Omega Omega^T (those off the diagonal times sqrt 2, their K_i divided by
+    it), |c| = 1, so |K_G| = |sum c_i K_i| <= sqrt(sum |K_i|^2).
     """
     factor = np.linalg.inv(np.linalg.cholesky(mass))
     sizes = np.linalg.norm(factor @ matrices @ factor.T, ord=2, axis=(1, 2))

@@ -2,12 +2,12 @@
 
     (27)   dt <= 2 / omega_max,   K_L y = omega^2 M_V y
 
-holds for modes that are M-orthogonal to rigid motion. Other bases move the frame's points in vibration, which
-reduces their effective mass; then the limit is that of the true pencil
+holds for modes that are M-orthogonal to rigid motion. With other bases the frame's points move in vibration,
+which reduces the effective mass of the modes; then the limit is that of the true pencil
 
     K_L y = omega^2 (M_V - M_C R (R^T M_E R)^-1 R^T M_C^T) y,   R the six rigid motions of the points.
 
-It does not depend on the rotation, so it is computed once. [Radioss] (26)-(27), corrected.
+The limit does not depend on the rotation, so it is computed once. Source: [Radioss] (26)-(27), corrected.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def damped_limit(limit: float, stiffness_factor: float) -> float:
 
 
 def local_mass(moments: Moments, arm: float) -> FloatArray:
-    """M_V (k, k), kg."""
+    """Modal mass M_V (k, k)."""
     return arm**2 * np.einsum("iikl->kl", np.asarray(moments.C))
 
 

@@ -28,13 +28,13 @@ FEWEST = 5
 
 
 def centre_drift(system: System, solution: Solution, name: str) -> float:
-    """Largest distance of a free body's centre of mass from its motion by the impulse of its loads, m.
+    """Largest distance of a free body's centre of mass from the motion due to the impulse of its loads, m.
 
         c(t) - c(0) - c'(0) t - 1/m int int F dt dt
 
     The momentum of a truncated free line is that of its rigid modes only. The forces are a spline through
-    their values at the output times. The error of the spline, its difference to one through every second
-    value, is subtracted.
+    their values at the output times. The error of the spline is subtracted: its difference from a spline
+    through every second value.
 
     Returns 0 for a supported body, in a machine with joints, and for fewer than five output times.
     """

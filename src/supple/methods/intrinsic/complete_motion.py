@@ -1,4 +1,4 @@
-"""Motion of all modes of the bodies at some instants of a run with few modes."""
+"""Motion in all modes of the bodies at some instants of a run with few modes."""
 
 from __future__ import annotations
 
@@ -65,9 +65,10 @@ def complete_motion(system: System, solution: Solution, rows: NDArray[np.intp]) 
 
         0 = W q + N(q) q + eta + T^T f - A (q' of the run)
 
-    A maps amplitudes of the run to those of all modes. Root motion, rigid motion, and the forces f of joints
-    and force elements on stations are those of the run. The omitted modes follow the motion statically, as in
-    [Wang2015] (37), and the retained modes are corrected for the coupling with the omitted ones.
+    The first three terms are `line_rates` of all modes with their loads eta, and A maps amplitudes of the run
+    to all modes. Root motion, rigid motion, and the forces f of joints and force elements on stations are
+    those of the run. The omitted modes follow the motion statically, as in [Wang2015] (37), and the retained
+    modes are corrected for the coupling with the omitted ones.
 
     Parameters
     ----------
@@ -172,7 +173,7 @@ def _maps(own: IntrinsicModes, whole: IntrinsicModes) -> tuple[Array, Array]:
 
 
 def with_modes(placed: Placed, number: int | None) -> Placed:
-    """The body with a number of its lowest modes, or all, placed with the same strains and velocities.
+    """The body with `number` lowest modes (None: all), placed with the same strains and velocities.
 
     For a released body these are the lowest modes on its support.
     """

@@ -28,7 +28,7 @@ FEWEST_SEGMENTS = 6
 class CondensationError:
     """Lowest elastic frequencies of a body on its support, rad/s.
 
-    condensed, exact : (k,)     with stations, and with all freedoms of the elements
+    condensed, exact : (k,)     of the line of stations, and of the elements with all freedoms
     """
 
     condensed: Array
@@ -58,7 +58,7 @@ def condensation_error(body: FlexibleBody, condensed: IntrinsicBody, n_frequenci
     Parameters
     ----------
     body : the body before condensation
-    n_frequencies : at most the number of elastic modes of the condensed body
+    n_frequencies : number of frequencies, at most that of elastic modes of the condensed body
 
     Raises ModelError for more frequencies than there are modes.
     """

@@ -36,8 +36,9 @@ def condense(
     """Slender body in its intrinsic modes, for arbitrary rotations, from the linear model alone.
 
     The elements are condensed statically on the stations (Guyan), by one sparse factorisation. The inertia is
-    lumped there, with exact mass, first and second moments. The modes of this line on the support of the root
-    are the coordinates of the body.
+    lumped on the stations, with exact mass, first and second moments. The modes of this line on the support
+    of the root are the coordinates of the body. With B the rows of the stations' motions,
+    static shapes Psi and condensed stiffness K_a follow from
 
         K Psi + B^T mu = 0,   B Psi = 1,   K_a = Psi^T K Psi
 

@@ -138,7 +138,7 @@ def clamped_line(
     ----------
     points : (n, 3)                     all stations, the clamped root first
     stiffness, mass : (6 n - 6, 6 n - 6)    without the root
-    root_mass : (6, 6)                  of the root station, if the root moves; default zero
+    root_mass : (6, 6)                  mass of the root station, if the root moves; default zero
 
     Raises ModelError as `condensed_line`.
     """

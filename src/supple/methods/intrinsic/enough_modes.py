@@ -22,7 +22,7 @@ FEWEST = 6
 class EnoughModes(NamedTuple):
     """A machine whose bodies have enough modes, its run, and its truncation error.
 
-    errors : by body name; empty where all modes are retained, without truncation
+    errors : truncation error by body name; empty where all modes are retained
     """
 
     system: System
@@ -40,13 +40,13 @@ def enough_modes(
 ) -> EnoughModes:
     """The machine with enough modes for the truncation error of its run to be within a tolerance.
 
-    The number of modes, equal in all these bodies, doubles until `truncation_error` is within the tolerance
-    or all modes are retained.
+    The number of modes, equal in all bodies of the search, doubles until `truncation_error` is within the
+    tolerance or all modes are retained.
 
     Parameters
     ----------
     system : a machine with intrinsic bodies; their present number of modes has no effect
-    run : its simulation, such as `lambda system: simulate(system, Run(..))`
+    run : function that simulates a machine, such as `lambda system: simulate(system, Run(..))`
     tolerance : largest error of station positions relative to the deflection
     first : initial number of elastic modes
     bodies : names of the bodies in the search; default all

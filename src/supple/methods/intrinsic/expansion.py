@@ -27,7 +27,7 @@ class Expansion:
     gamma are the elastic amplitudes. D gamma is the static shape of the condensation minus rigid motion:
     warping of sections, and the curve of a coarse segment.
 
-    nodes : (N, 3)              at rest, m
+    nodes : (N, 3)              positions at rest, m
     stations, weights : (N, 2)  two stations for each node; weights add up to one
     modes : (N, d, e)           displacement of the nodal freedoms by elastic amplitude, d = 3 or 6; its first
                                 three components minus the rigid part are D

@@ -40,7 +40,7 @@ def first_order_coefficients(rho_inf: float) -> FirstOrderCoefficients:
 class Tangent(NamedTuple):
     """Inverse of a step's tangent, reused over steps while Newton's method converges with it.
 
-    inverse : (n, n)    of alpha_m - alpha_f gamma h slope; a product with it is faster than two solutions
+    inverse : (n, n)    inverse of alpha_m - alpha_f gamma h slope; multiplication is faster than solution
     step : h of this tangent; negative before the first
     rounding : size of the terms of the rates relative to the states, the scale of rounding errors
     """
@@ -88,8 +88,8 @@ def implicit_step(
 
     rates, slope : f (n,) and its derivatives (n, n) by the state
     before : (n,)       y'_0
-    tangent : of an earlier step
-    tolerance : of the residual, relative to the rates at both ends of the step
+    tangent : tangent of an earlier step
+    tolerance : largest residual at the end, relative to the rates at both ends of the step
     most : largest number of iterations; the residual of the result shows whether they converged
     """
     alpha_m, alpha_f, gamma = coefficients

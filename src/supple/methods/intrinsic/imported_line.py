@@ -53,14 +53,15 @@ def read_condensed_line(
     stiffness, mass : DMIG .pch, OUTPUT4 .op4, HDF5, Abaqus .mtx, CalculiX .sti and .mas
     paths : grid ids from the root outwards; each later path begins at a grid of an earlier one. None: all
         grids of the matrices in the order of their cards, in one chain
-    stiffness_name, mass_name : where a file holds several matrices (DMIG, OUTPUT4)
-    root_mass : (6, 6)  of a first grid that is not in the matrices, because it was clamped; default zero
+    stiffness_name, mass_name : names of the matrices in files with several (DMIG, OUTPUT4)
+    root_mass : (6, 6)  mass of a first grid that was clamped and is not in the matrices; default zero
 
     Raises
     ------
     ImportFormatError   files that cannot be read, matrices that are not symmetric
-    ModelError          grids of the matrices on no path, or the reverse; a grid with fewer than six freedoms;
-                        paths that are not connected; and as `condensed_line`
+    ModelError          a grid of the matrices on no path; a grid of a path in no matrix, except a clamped
+                        root; a grid with fewer than six freedoms; paths that are not connected; and as
+                        `condensed_line`
     Source: [Wang2015] (20); [Guyan1965].
     """
     table = read_nodes(nodes)

@@ -73,7 +73,7 @@ class IntrinsicBody(FormDefaults, Summarized):
     stations : name -> number       interfaces
     damping : Damping | None        ModalDamping or RayleighDamping
     complete : IntrinsicBody | None     the same body with all its modes; None if this body has all
-    supported : IntrinsicBody | None    for a released body: the same modes on the support of its root
+    supported : IntrinsicBody | None    for a released body: the body before release, on its root support
     """
 
     modes: IntrinsicModes
@@ -170,9 +170,9 @@ class IntrinsicBody(FormDefaults, Summarized):
         return self.expansion.modes.reshape(-1, self.n_coordinates)[freedoms] @ coordinates.T, None
 
     def truncated(self, n_modes: int) -> IntrinsicBody:
-        """The same body with its lowest elastic modes, and their second-order modes.
+        """The same body with its `n_modes` lowest elastic modes, and their second-order modes.
 
-        Raises ModelError for more modes than it has.
+        Raises ModelError for more modes than the body has.
         """
         whole = self.complete or self
         if not 0 < n_modes <= whole.n_coordinates:
@@ -278,7 +278,7 @@ class IntrinsicBody(FormDefaults, Summarized):
         return InterfaceMotion(position, rotation, velocity, there(known.accelerations)[0], angular)
 
     def freedoms(self, q2: Array) -> LineFreedoms:
-        """Its small motions about strains q_2 (e,)."""
+        """Small motions of the line about strains q_2 (e,)."""
         return line_freedoms(self.model, self.support, self.line.tree.points[0], q2)
 
     def motion_near(
@@ -299,7 +299,7 @@ class IntrinsicBody(FormDefaults, Summarized):
     def section_loads(self, motion: Motion) -> Array:
         """Internal forces and moments (t, n - 1, 6) at the middles of segments, along material axes.
 
-        With RayleighDamping, only the elastic part.
+        They are the elastic part alone, without damping forces.
         """
         q2 = self.forces_of(motion.of_type(IntrinsicMotion).coordinates)
         return np.asarray(jax.vmap(lambda q: section_forces(self.model, q))(jnp.asarray(q2)))

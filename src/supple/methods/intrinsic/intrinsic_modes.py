@@ -37,8 +37,8 @@ class IntrinsicModes:
                 [F; M] = w_j^2 M_a Phi_a
         C Phi_2 = 1/w_j (-Delta Phi_1 / Delta s + E^T mean Phi_1),    E^T [v; w] = [-t x w; 0]
 
-    at the middles of segments. Rigid modes have w = 0 and no Phi_2. The Gram matrices are unit matrices:
-    Phi_1^T M Phi_1 = 1, Phi_2^T (C Phi_2) ds = 1.
+    with Phi_2 and C Phi_2 at the middles of segments. Rigid modes have w = 0 and no Phi_2. The Gram matrices
+    are unit matrices: Phi_1^T M Phi_1 = 1, Phi_2^T (C Phi_2) ds = 1.
 
     line : CondensedLine
     support : RootSupport
@@ -89,7 +89,7 @@ class IntrinsicModes:
         return _defect(first), _defect(second)
 
     def truncated(self, n_modes: int) -> IntrinsicModes:
-        """The lowest modes only; ModelError for fewer than the rigid modes, or more than exist."""
+        """The lowest modes only; ModelError for fewer modes than the rigid ones, or more than exist."""
         if not self.n_rigid <= n_modes <= self.n_modes or n_modes == 0:
             raise ModelError(
                 f"line '{self.line.name}': {n_modes} modes requested; it has {self.n_modes}, of which "

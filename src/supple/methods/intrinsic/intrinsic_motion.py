@@ -15,15 +15,15 @@ __all__ = ["IntrinsicMotion"]
 
 
 UNKNOWN = np.empty(0)
-"""Accelerations missing in files of earlier versions; they are set to nan."""
+"""Marks accelerations that files of earlier versions lack; they are set to nan."""
 
 
 @register_motion
 @dataclass(frozen=True, repr=False)
 class IntrinsicMotion(FramedMotion):
-    """Root, strains and velocities of an intrinsic body; `position` and `rotation` are those of its root.
+    """Pose, strains and velocities of an intrinsic body; its axes (`position`, `rotation`) follow its root.
 
-    coordinates : (t, e)     amplitudes of the elastic modes with these strains and forces, -q_2 / w
+    coordinates : (t, e)     amplitudes -q_2 / w of the elastic modes, for strains and forces
     """
 
     kind: ClassVar[str] = "intrinsic"

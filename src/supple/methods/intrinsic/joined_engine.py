@@ -38,7 +38,7 @@ ITERATED = 1e-4
 class JoinedStepping(NamedTuple):
     """Step rule and tolerances.
 
-    tolerance : of the residual of a step,  limit : residual above which it has not converged
+    tolerance : residual at which a step ends,  limit : residual above which a step has not converged
     """
 
     coefficients: FirstOrderCoefficients

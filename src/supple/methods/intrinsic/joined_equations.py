@@ -1,7 +1,7 @@
 """Equations of motion of lines and floating bodies connected by joints.
 
 The pose of a station follows from the strains and the root. Its velocities are linear in the line's
-amplitudes q_1, V_s = T(q) q_1, and T^T maps forces of joints and force elements to amplitudes:
+amplitudes q_1, V_s = T(q) q_1, and T^T maps forces of force elements, Q, and of joints to amplitudes:
 
     line            q_1' = .. + T^T (Q - G^T lambda),     (q_2, root)' = S(q) (q_1 + T^T G^T mu)
     floating body   M V' + c + f - Q + G^T lambda = 0,    q' = V + M^-1 G^T mu
@@ -56,8 +56,8 @@ __all__ = [
 class JoinedInstant(NamedTuple):
     """Positions and velocities of the machine.
 
-    floating : Configuration    of all bodies of the model
-    velocity : (n,)             of the floating bodies
+    floating : Configuration    configuration of all bodies of the model, including stations
+    velocity : (n,)             velocities of the floating bodies
     """
 
     time: Any
@@ -70,7 +70,7 @@ class JoinedRates(NamedTuple):
     """Rates of an instant.
 
     lines : q_1', q_2' and the root's rates, of each line
-    acceleration : (n,)     of the floating bodies
+    acceleration : (n,)     accelerations of the floating bodies
     frames : (n,)           velocities of the floating bodies' configuration, with M^-1 G^T mu
     """
 
@@ -110,7 +110,7 @@ def coupled_forces(arrays: JoinedArrays, states: States, wrenches: jax.Array) ->
 def coupled_wrenches(arrays: JoinedArrays, now: JoinedInstant, multipliers: jax.Array) -> jax.Array:
     """Forces (global) and moments (own axes) of joints and force elements on coupled stations, (6 s,).
 
-    now : with its stations placed,  multipliers : (m,) of the active equations
+    now : instant with its stations placed,  multipliers : (m,) of the active equations
     """
     still = jnp.zeros(arrays.model.n_velocities)
     seen = SystemMotion(now.time, now.floating, all_velocities(arrays, now), still, multipliers)
@@ -139,7 +139,7 @@ def joint_equations(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array
 
 
 def moved(arrays: JoinedArrays, now: JoinedInstant, change: JoinedRates, time: Any) -> JoinedInstant:
-    """The instant after `time`, moved by the increment `change`, which is rates multiplied by time."""
+    """The instant later by `time`, with the increment `change`: rates multiplied by this time."""
     increment = jnp.concatenate([change.frames, jnp.zeros(6 * arrays.n_coupled)])
     lines = jax.tree.map(jnp.add, now.lines, change.lines)
     floating = advance(arrays.model, now.floating, increment)
@@ -173,8 +173,8 @@ def motion_residuals(
     """Residuals of the equations of motion at given rates.
 
     multipliers : (m,) lambda,  closing : (m,) mu
-    softness : M^-1, on forces (n,) of the floating bodies
-    control : of the machine's controllers; None without any
+    softness : function that multiplies forces (n,) on the floating bodies by M^-1
+    control : step of the machine's controllers; None without controllers
     """
     model, n = arrays.model, arrays.n_floating
     balanced = balance(model, seen_motion(arrays, now, rates, multipliers, control))

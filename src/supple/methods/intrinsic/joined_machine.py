@@ -65,7 +65,7 @@ class JoinedArrays:
 
     lines : equations of the intrinsic bodies
     drives : prescribed motions of the roots of these bodies, or None
-    loads : on their stations; with the force elements if only ground joints support the lines
+    loads : loads on the stations, including force elements if only ground joints support the lines
     model : floating bodies, joints and forces; the coupled stations are massless bodies
     coupled : numbers of the coupled stations, line by line
     """
@@ -97,7 +97,7 @@ class JoinedMachine(NamedTuple):
 
     seen : System       floating bodies, and a body for every coupled station
     lines : the placed intrinsic bodies
-    states : of the lines, as they are placed
+    states : initial states of the lines, as placed
     """
 
     system: System

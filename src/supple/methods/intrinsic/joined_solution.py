@@ -28,7 +28,7 @@ def joined_solution(
 ) -> Solution:
     """Stacked instants (leading axis: time) as a solution, with joint forces.
 
-    velocities : (t, n)     of all bodies of the model, with the stations
+    velocities : (t, n)     velocities of all bodies of the model, including stations
     """
     arrays, seen, times = machine.arrays, machine.seen, np.asarray(now.time)
     model, still = arrays.model, np.zeros((len(times), 6 * arrays.n_coupled))

@@ -1,4 +1,4 @@
-"""Consistent start of joined lines and floating bodies: velocities on the joints, rates, joint forces."""
+"""Consistent start of joined lines and floating bodies: corrected velocities, rates, joint forces."""
 
 from __future__ import annotations
 
@@ -53,11 +53,11 @@ __all__ = [
 OPEN = 1e-6
 """Largest residual of a joint as placed: lengths relative to the machine's size, angles in rad."""
 MOST_REACTIONS, CONVERGED = 100, 1e-12
-"""Most iterations for joint forces with friction, and relative change of these forces at which they end."""
+"""Most iterations for joint forces with friction, and relative change of the solution at which they end."""
 
 
 class JoinedStart(NamedTuple):
-    """The machine without redundant equations, and its initial instant on the joints."""
+    """The machine without redundant equations, and its initial instant, which satisfies the joints."""
 
     arrays: JoinedArrays
     now: JoinedInstant
@@ -237,8 +237,8 @@ def instant_rates(
 ) -> tuple[JoinedRates, jax.Array]:
     """Rates at an instant that satisfies its joints, and the multipliers.
 
-    Equations of motion and d2g/dt2 = 0:  M a + J^T lambda = -b,  J a = -c,  with b and c at a = 0. Iterated
-    where friction in b depends on lambda.
+    Equations of motion and d2g/dt2 = 0:  M a + J^T lambda = -b,  J a = -c,  with b and c at a = 0. The
+    solution is iterated where friction in b depends on lambda.
     """
     m, n = len(arrays.model.active), arrays.n_floating
     lines = tuple(

@@ -30,10 +30,10 @@ __all__ = ["JoinedState", "joined_step"]
 class JoinedState(NamedTuple):
     """State of a time integration.
 
-    multipliers : (m,)      of the last step
-    control : ControlState | None       of the machine's controllers
+    multipliers : (m,)      multipliers of the last step
+    control : ControlState | None       state of the machine's controllers
     worst : ()              largest relative residual of a step since the start
-    iterations : ()         since the start
+    iterations : ()         iterations since the start
     """
 
     now: JoinedInstant
@@ -98,7 +98,7 @@ def joined_step(
         left = missing(unknown)
         return left, left
 
-    # Value and derivative in one: the program is half as long, and compiles in half the time.
+    # Value and derivative in one pass: the program is half as long, and compiles in half the time.
     tangent = jax.jacfwd(twice, has_aux=True)
 
     def goes_on(carry: Any) -> jax.Array:

@@ -71,7 +71,7 @@ class LineInFrame:
     placed: Placed
     arrays: FrameLine
     names: tuple[str, ...]
-    """Names of its stations as bodies"""
+    """Names of the bodies that represent its coupled stations"""
 
     @property
     def n_stations(self) -> int:
@@ -184,7 +184,7 @@ def _frame_rates_at(line: FrameLine, coordinates: jax.Array, q1: jax.Array) -> j
 
 
 def _along_axes(rotation: jax.Array, u: jax.Array) -> jax.Array:
-    """Velocities u (6 + e,) with its first three components along the body's axes."""
+    """Velocities u (6 + e,) with the first three components along the body's axes."""
     return jnp.concatenate([u[:3] @ rotation, u[3:]])
 
 

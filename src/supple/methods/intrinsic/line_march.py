@@ -34,9 +34,9 @@ LineRule = RungeKutta4 | ResidualRungeKutta4 | GeneralizedAlpha
 class LineMarchState(NamedTuple):
     """State of a time integration of lines.
 
-    rates : (N,)        of all states in one vector, for the implicit rule; empty for other rules
+    rates : (N,)        rates of all states in one vector, for the implicit rule; empty for other rules
     worst : ()          largest contraction of residual modes, or residual of a step, since the start
-    iterations : ()     of implicit steps since the start
+    iterations : ()     iterations of implicit steps since the start
     """
 
     time: Any
@@ -122,7 +122,7 @@ def _march_by(
 
 
 march_by = CachedProgram(_march_by)
-"""`march_lines` by a program stored for later processes."""
+"""`march_lines` as a compiled program that later processes reuse."""
 
 
 Step = Callable[[LineMarchState, Any, Any], tuple[LineMarchState, Any]]

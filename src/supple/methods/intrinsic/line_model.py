@@ -73,9 +73,9 @@ class LineState:
     """State of a line at an instant.
 
     q1 : (m,)           amplitudes of the velocities
-    q2 : (e,)           of the internal forces and strains
-    quaternion : (4,)   of the root's rotation, material to global; its length has no effect
-    position : (3,)     of the root, global
+    q2 : (e,)           amplitudes of the internal forces and strains
+    quaternion : (4,)   rotation of the root, material to global; its length has no effect
+    position : (3,)     position of the root, global
     """
 
     q1: Any
@@ -87,8 +87,8 @@ class LineState:
 def line_model(modes: IntrinsicModes, damping: Damping | None = None) -> LineModel:
     """Arrays of the equations of motion for some modes of a line.
 
-    damping : None, ModalDamping of the elastic modes, or RayleighDamping; modal ratios and beta act on strain
-        rates, for any rotation; alpha acts on the velocities of the elastic modes
+    damping : None, ModalDamping of the elastic modes, or RayleighDamping. Modal ratios and beta act on strain
+        rates, at any rotation. Alpha acts on the velocities of the elastic modes.
     Raises ModelError for damping defined in a floating frame.
     """
     line, m = modes.line, modes.n_modes

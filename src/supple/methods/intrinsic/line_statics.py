@@ -49,7 +49,7 @@ SAME_AXIS = 1e-9
 class LineStatics(SteadyEquations):
     """`Equations` of intrinsic bodies, from the residuals of the time integration and their derivatives.
 
-    Vectors (N,) are of floating bodies, then of the lines' amplitudes of velocities.
+    Vectors (N,) have the entries of floating bodies, then of the lines' velocity amplitudes.
     """
 
     machine: JoinedMachine
@@ -80,7 +80,7 @@ class LineStatics(SteadyEquations):
         return self.unbalance(state, time).terms
 
     def unbalance(self, state: StaticState, time: float) -> EquilibriumResidual:  # noqa: ARG002 - drives are fixed
-        """The residuals at rest."""
+        """The residuals at rest or in steady rotation."""
         found = jax.device_get(unbalanced_at(*self._terms, state.configuration, state.multipliers))
         residual = found.residual - self.held
         works = self.position_scale[:, None] * np.column_stack([residual, found.terms])
@@ -130,8 +130,8 @@ class LineStatics(SteadyEquations):
     def linear_equations(self, state: StaticState, time: float) -> LinearEquations:  # noqa: ARG002
         """Equations of motion linearised about a state, for motions p of bodies in their order.
 
-        p is the translation and rotation of each body's axes, along them, and its elastic amplitudes. The
-        motions fixed by the support of a root are among the joints' equations.
+        p is the translation and rotation of each body's axes, along these axes, and its elastic amplitudes.
+        The motions fixed by the support of a root are among the joints' equations.
         """
         linear, arrays = self._small_motions(state), self.machine.arrays
         nb = len(arrays.model.sizes) - arrays.n_coupled
@@ -250,7 +250,7 @@ class LineStatics(SteadyEquations):
 
     @property
     def _kinds(self) -> np.ndarray:
-        """(3, N) whether a row is a force, a moment or a deformation, as the amplitudes of lines are."""
+        """(3, N) 1 where a row is a force, a moment or a deformation; the rows of lines are deformations."""
         arrays = self.machine.arrays
         lines = sum(np.shape(model.velocities)[1] for model in arrays.lines)
         of_lines = np.repeat([[0.0], [0.0], [1.0]], lines, axis=1)

@@ -6,7 +6,8 @@ the line's steady rotation at zero strain rate,
 
     q_1 = q_R(q) + y',     q_1' = dq_R/dt + y'',     dq = S(q) y
 
-and for frames, with displacements x of the origins along global axes and rotations psi along own axes,
+and for frames that rotate at w about a point p, with displacements x of the origins r along global axes and
+rotations psi along own axes,
 
     v = w x (r - p) + x',             v' = w x (w x (r - p)) + 2 w x x' + x''
     w_own = A^T w + psi',             w_own' = A^T w x psi' + psi''
@@ -56,7 +57,7 @@ __all__ = ["SmallMotions", "Unbalanced", "moved_by", "small_motions", "steady", 
 class Unbalanced(NamedTuple):
     """Residual of a steady motion, and its terms.
 
-    residual : (N,)         of floating bodies, then of the lines' amplitudes
+    residual : (N,)         entries of floating bodies, then of the lines' amplitudes
     terms : (N, 4)          inertia, internal, applied and joint forces, which add up to the residual
     gaps : (m,)             residuals of the joints
     """

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 ON_THE_CUT = 1e-6
-"""Distance up to which a node lies on a cut, relative to the distance of two stations."""
+"""Distance up to which a node lies on a cut, relative to the distance between two stations."""
 
 
 class BodyStations(NamedTuple):
@@ -50,7 +50,7 @@ class LoadPath:
     mass, so the stations of a curved body follow its curve. Root and tip are the interfaces themselves.
 
     root, tip : str     names of interfaces
-    n_stations : int    with both ends, at least 2
+    n_stations : int    including both ends, at least 2
     """
 
     root: str
@@ -238,7 +238,7 @@ def _averaged(body: FlexibleBody, interfaces: Sequence[AveragingInterface]) -> t
 
 
 def _in_cells(body: FlexibleBody) -> NDArray[np.bool_]:
-    """Whether each node (N,) is in a cell; nodes of springs, masses and ties alone are in no section."""
+    """Whether each node (N,) is in a cell; nodes that only springs, masses or ties use are in no section."""
     found = np.full(len(body.nodes), body.model is None)
     for cells in () if body.model is None else body.model.mesh.cells.values():
         found[cells] = True
@@ -246,7 +246,7 @@ def _in_cells(body: FlexibleBody) -> NDArray[np.bool_]:
 
 
 def _element_masses(body: FlexibleBody) -> Array:
-    """Mass (N,) of the nodes without concentrated masses, which would shift the mean of a section."""
+    """Mass (N,) of the elements at the nodes; concentrated masses would shift the mean of a section."""
     beside = None if body.model is None else body.model.attached.mass
     mass = body.nodal_mass if beside is None else body.nodal_mass - beside
     return np.asarray(mass.diagonal()[:: body.dofs_per_node], dtype=np.float64)

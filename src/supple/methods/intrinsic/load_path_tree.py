@@ -31,7 +31,7 @@ class LoadPathTree:
 
     Segment i ends at station i + 1 and begins at its parent.
 
-    points : (n, 3)     at rest, m
+    points : (n, 3)     positions at rest, m
     parents : (n,)      parent of each station, a lower number; `ROOT` for the first
     """
 
@@ -92,7 +92,7 @@ def load_path_tree(points: ArrayLike, parents: ArrayLike | None = None) -> LoadP
 
     Parameters
     ----------
-    points : (n, 3)         of the stations, the root first, m
+    points : (n, 3)         positions of the stations, the root first, m
     parents : (n,) or None  parent of each station, a lower number, -1 for the root; by default each station
                             follows the one before
     Raises

@@ -20,7 +20,7 @@ def lumped_inertia(tree: LoadPathTree, model: FiniteElementModel) -> Array:
     """Mass (n, 6, 6) of each station, for velocity and angular velocity there.
 
     Every cell is rigidly attached to the two nearest stations, with weights that are linear along the
-    segment. Each block is the rigid inertia of real matter, so none is negative. Their sum equals the
+    segment. Each block is the inertia of a rigid mass, so none is negative. Their sum equals the
     consistent mass of the elements in any rigid motion.
 
         M_i = sum_e w_ie R_ie^T M_e R_ie

@@ -60,7 +60,7 @@ def machine_loads(system: System) -> tuple[StationLoad, ...]:
 
 
 def _translating_mass(body: IntrinsicBody) -> np.ndarray:
-    """(n, 6, 3), or (6 n, 3 n) where stations share mass: momenta of their translations."""
+    """Momenta of stations in unit translations: (n, 6, 3), or (6 n, 3 n) where stations share mass."""
     masses = body.line.station_masses
     if masses is not None:
         return masses[:, :, :3]

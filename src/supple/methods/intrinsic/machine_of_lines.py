@@ -48,7 +48,7 @@ class MachineOfLines:
 
     system : System
     lines : LineSystem
-    start : States              of the bodies as placed
+    start : States              initial states of the bodies as placed
     roots : support of each root
     """
 
@@ -72,7 +72,7 @@ class MachineOfLines:
         }
 
     def joint_forces(self, reactions: Array, motions: Mapping[str, IntrinsicMotion]) -> Mapping[str, Array]:
-        """Force and moment (t, 6) of each joint on its second end, along the joint axes on its first.
+        """Force and moment (t, 6) of each joint on its second end, along the joint axes at its first end.
 
         Components along free directions are set to zero; in the balance they are errors of discretisation.
         """
@@ -139,9 +139,9 @@ def line_start(placed: Placed, drive: RootDrive | None, time: float) -> LineStat
 
 
 def _root_twist(placed: Placed, driven: Array) -> Array:
-    """Velocity and angular velocity (6,) of the root, along its axes; ModelError if its support excludes it.
+    """Twist (6,) of the root, along its axes; ModelError if its support excludes it.
 
-    driven : (6,)   velocity of its drive
+    driven : (6,)   twist of its drive
     """
     given = np.array([placed.velocity is not None, placed.angular_velocity is not None])
     if not given.any():
@@ -151,7 +151,7 @@ def _root_twist(placed: Placed, driven: Array) -> Array:
     twist = from_frame @ placed.twist
     allowed = body.modes.velocities[0, :, : body.modes.n_rigid]
     left_out = from_frame[:, np.repeat(~given, 3)]
-    # Velocities that are not given are zero, unless the root cannot have them.
+    # Velocities that are not given are zero, if the root support allows this.
     for ways in (allowed, np.hstack([allowed, left_out])):
         found = np.linalg.lstsq(ways, twist - driven, rcond=None)[0] if ways.size else np.zeros(0)
         missed = twist - driven - ways @ found

@@ -35,7 +35,7 @@ def march_of_cases(
 ) -> Callable[..., LineMarchState]:
     """Compiled time integration of k cases for one pattern of shared data.
 
-    structure : tree structure of a `LineSystem`;  axes : of its leaves
+    structure : tree structure of a `LineSystem`;  axes : batch axes of its leaves
 
     The result is a function of those leaves, starts (k, ...), output times (t,) and the tolerance of implicit
     steps. It returns states (k, t, ...).
@@ -71,7 +71,7 @@ def _together(
     times: jax.Array,
     _: Any,
 ) -> LineMarchState:
-    """Runge-Kutta integration, cases last; they share the lines, and the initial time."""
+    """Runge-Kutta integration with cases on the last axis; all share the lines and the initial time."""
     lines = jax.tree.unflatten(structure, leaves).lines
     of_roots = jax.vmap(partial(_roots, structure), in_axes=(list(axes), None, -1), out_axes=-1)
     of_loads = jax.vmap(partial(_wrenches, structure), in_axes=(list(axes), None, -1), out_axes=-1)

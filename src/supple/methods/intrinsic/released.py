@@ -75,7 +75,7 @@ def released(body: IntrinsicBody) -> IntrinsicBody:
 
 
 def _released_or_none(whole: IntrinsicBody) -> IntrinsicBody | None:
-    """All modes released; None for a root without mass, whose elastic modes include its rigid motion."""
+    """The released body with all modes; None if these include rigid motion because the root has no mass."""
     try:
         return released(whole)
     except ModelError:

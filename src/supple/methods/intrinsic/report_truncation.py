@@ -40,7 +40,7 @@ def report_truncation(system: System, run: Run, solution: Solution) -> Solution:
 
 
 def report_truncation_of_cases(cases: Sequence[System], run: Run, solutions: Sequence[Solution]) -> None:
-    """`report_truncation` for a batch, each body in the case with its largest strain; warns of the worst."""
+    """Warn about the largest truncation error of a batch; each body is assessed in its most strained case."""
     finished = [number for number, solution in enumerate(solutions) if solution.stopped is None]
     if not finished:
         return

@@ -34,12 +34,12 @@ def slaved(
 
         0 = w_H q_2H + n_1H(q),     0 = -w_H q_1H + n_2H(q)
 
-    with n the couplings and loads on a high mode. Solved by Newton's method with one tangent. The fixed-point
-    iteration of the paper, with n from the last values, diverges for strongly coupled modes, such as those
-    that carry the axial force of a bent body.
+    with n the couplings and loads on a high mode. Newton's method with one tangent solves this. The
+    fixed-point iteration of the paper, with n from the last values, diverges for strongly coupled modes, such
+    as those that carry the axial force of a bent body.
 
     kept : number of dynamic modes of each line, with the rigid ones
-    inverse : from `inverse_of_high` at a nearby state; default computed here
+    inverse : result of `inverse_of_high` at a nearby state; by default computed here
     Returns the states, and the ratio of the changes in the last two sweeps; 0 if the last is negligible.
     Source: [Wang2015] (37).
     """
@@ -73,7 +73,7 @@ def at_rest_rates(kept: tuple[int, ...], system: LineSystem, rates: States) -> S
 
 
 def _resting(system: LineSystem, kept: tuple[int, ...]) -> LineSystem:
-    """The system with high modes at rest, without viscous forces of their own."""
+    """The system without viscous forces of the high modes, whose rates are zero."""
     lines = tuple(
         replace(
             model,

@@ -36,7 +36,7 @@ def rigid_motion(body: IntrinsicBody, q2: Array) -> Array:
 
 
 def amplitudes_of(body: IntrinsicBody, velocities: Array) -> Array:
-    """Amplitudes q_1 (m, ...) of velocities (6 n, ...): `Phi_1^T M x_1`, the nearest in kinetic energy."""
+    """Amplitudes q_1 (m, ...) of velocities (6 n, ...): `Phi_1^T M x_1`, nearest in kinetic energy."""
     return body.modes.velocities.reshape(len(velocities), -1).T @ (body.line.mass @ velocities)
 
 

@@ -17,11 +17,11 @@ __all__ = ["RootDrive"]
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class RootDrive:
-    """Motion of the root by screw * law(time) from its initial position.
+    """Motion of the root by screw * law(time) from its pose where the law is zero.
 
     screw : (6,)        a unit translation, then a unit rotation, along the root's axes; one of them zero
     law : TimeLaw       distance or angle; its two derivatives are found by differentiation
-    rotation, position : (3, 3), (3,)   of the root where the law is zero
+    rotation, position : (3, 3), (3,)   pose of the root where the law is zero
     """
 
     screw: Any

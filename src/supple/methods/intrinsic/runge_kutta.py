@@ -28,10 +28,10 @@ def runge_kutta_step(rates: Rates, time: Any, state: Any, h: Any) -> Any:
 
 
 def growth(omega: np.ndarray, decay: np.ndarray, retardation: np.ndarray, h: float) -> np.ndarray:
-    """Factor by which a step multiplies each linear mode, at most 1 where it is stable.
+    """Factor by which a step multiplies each linear mode, at most 1 for a stable step.
 
     |1 + z + z^2/2 + z^3/6 + z^4/24| for z = h times the eigenvalues of the mode,
-    s^2 + (d + beta w^2) s + w^2 = 0. Without damping it exceeds 1 where w h > 2 sqrt 2.
+    s^2 + (d + beta w^2) s + w^2 = 0. Without damping the factor exceeds 1 where w h > 2 sqrt 2.
     """
     half = 0.5 * (decay + retardation * omega**2)
     root = np.sqrt((half**2 - omega**2).astype(complex))

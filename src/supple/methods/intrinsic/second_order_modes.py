@@ -1,7 +1,7 @@
 """Second-order modes: axial, shear and rigid motion of a bent line, in addition to its lowest modes.
 
 The lowest modes of a slender line bend and twist it. In the bent line they also shorten its projection,
-rotate its velocities and carry force along its tangent, through modes whose frequencies are above those of
+rotate its velocities and cause axial force. Linear modes with this motion have frequencies above those of
 dozens of others. These motions are quadratic in the lowest modes, so they are known without a run: they are
 the velocities at constant strain, from the kinematic couplings of the lowest modes and rigid motion.
 """
@@ -58,11 +58,11 @@ def completed_modes(whole: IntrinsicModes, shapes: Array, n_lowest: int) -> Intr
 def second_order_shapes(whole: IntrinsicModes, n_lowest: int) -> Array:
     """Amplitudes U (e, n + j), orthonormal, of the n lowest elastic modes and of j second-order ones.
 
-    Strain b is constant under velocities a if the omitted modes move at
+    The strain of mode b is constant under velocities a if the omitted modes move at
 
         q_1 = <Phi_2, L_1(Phi_1a)^T C Phi_2b> / w
 
-    for velocities a of the lowest modes and of rigid motion. Each of these pairs is weighted by the response
+    for velocities a of the lowest modes and of rigid motion. Each pair (a, b) is weighted by the response
     of the two modes to a unit force. The leading directions, by displacements and by rotations times the
     length, are retained as Ritz vectors.
 

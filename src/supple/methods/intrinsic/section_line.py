@@ -34,8 +34,8 @@ def section_line(name: str, table: SectionTable, n_stations: int) -> CondensedLi
 
     Parameters
     ----------
-    table : SectionTable    from its root to its tip
-    n_stations : int        with both ends, at least 2
+    table : SectionTable    sections from the root to the tip
+    n_stations : int        including both ends, at least 2
 
     Raises
     ------

@@ -95,7 +95,7 @@ class End:
     """An end of a force element: a station of a line, or a point of the ground (line -1).
 
     axes : (3, 3)   axes of the element, in station axes; on the ground, in global axes
-    point : (3,)    of the ground
+    point : (3,)    position of the ground point
     """
 
     axes: Any
@@ -147,7 +147,7 @@ class SpreadLoad:
 
     stations : (k, 2)   the two stations that a point follows rigidly
     weights : (k, 2)    weights of the two stations
-    arms : (k, 2, 3)    from station to point at rest
+    arms : (k, 2, 3)    vectors from station to point at rest
     facets : (f, p)     points of every facet
     """
 

@@ -27,7 +27,7 @@ class StationMotion(NamedTuple):
     """Stations over time, and their first and second derivatives.
 
     places, velocities, accelerations : rotations (t, n, 3, 3) and positions (t, n, 3), and their derivatives
-    strain_rates, strain_accelerations : (t, e)     of the amplitudes q_2
+    strain_rates, strain_accelerations : (t, e)     first and second derivatives of the amplitudes q_2
     """
 
     places: StationPlaces
@@ -54,13 +54,13 @@ class _Now(NamedTuple):
 
 
 def station_motion(model: LineModel, root: Array, q2: Array, motion: IntrinsicMotion) -> StationMotion:
-    """Positions of the stations, from the strains, and their derivatives, with q_2' from the velocities.
+    """Positions of the stations from the strains, and time derivatives; q_2' follows from the velocities.
 
     The velocities are thus derivatives of the reported positions. The modal velocities, whose energy and
     momentum the time integration conserves, differ by terms of second order in the segment length.
 
-    root : (3,)     of the root in the body's axes, undeformed
-    q2 : (t, e)     of the motion
+    root : (3,)     position of the root in the body's axes
+    q2 : (t, e)     amplitudes of the strains in the motion
     """
     unknown = np.isnan(motion.accelerations).any()
     if unknown:  # velocities do not depend on accelerations

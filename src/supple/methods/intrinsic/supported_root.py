@@ -39,7 +39,7 @@ class SupportedRoot(NamedTuple):
 
 
 def is_joined(system: System) -> bool:
-    """Whether a machine has more than intrinsic bodies that are free, or have roots joined to the ground.
+    """Whether a machine is more than intrinsic bodies, each free or with its root joined to the ground.
 
     True for other kinds of bodies, joints between bodies or at a body with a free root, controllers, and
     friction that depends on a joint force.
@@ -64,7 +64,7 @@ def supported_root(system: System, placed: Placed) -> SupportedRoot:
     """Support of the root of a body; ModelError for joints that intrinsic bodies do not support.
 
     An intrinsic body supports one joint, between its root and the ground. Its modes must have been computed
-    with the support by this joint.
+    for the support by this joint.
     """
     body = body_of(placed)
     joints = joints_of(system, body.name)

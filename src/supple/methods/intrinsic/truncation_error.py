@@ -31,10 +31,10 @@ STIFF = 1e-3
 class TruncationError:
     """Change of a motion by the omitted modes.
 
-    times : (t,)            sampled
-    places : (t,)           RMS distance of the stations, m; infinite where `complete_motion` did not converge
+    times : (t,)            sampled output times
+    places : (t,)           RMS change of station positions, m; infinite where `complete_motion` fails
     forces, velocities : (t,)   norms of the change of these amplitudes, relative to the largest norm
-    drift : float           of the centre of mass of a free body, from its motion by the loads, m
+    drift : float           drift of a free body's centre of mass from the motion due to its loads, m
     deflection : float      largest displacement of a station relative to the root, m
     length : float          extent of the undeformed body, m
     """

@@ -6,11 +6,11 @@ with the speed c_d of dilatational waves and the length L = c_d dt_e of the elem
 rest. It is a pressure in compression; the linear part is a tension in expansion. It is zero in rigid motion.
 Without it, central differences oscillate behind a front, up to 25 % beyond d'Alembert's solution.
 
-It damps the fastest dilatation of an element by the fraction xi = b s of critical damping, with b = b_1 +
-b_2^2 dt_e |tr D| and s = omega_d^2 / omega_max^2, from the frequencies of the fastest dilatation and the
+q damps the fastest dilatation of an element by the fraction xi = b s of critical damping, with b = b_1 +
+b_2^2 dt_e |tr D| and s = omega_d^2 / omega_max^2, for the frequencies of the fastest dilatation and the
 fastest mode. The rates are those of the half step before, which shortens the stable step to dt_e (sqrt(1 +
-xi^2) - xi). Steps are chosen at output times. Where a front arrives in between, b is limited to the value for
-which the step is stable.
+xi^2) - xi). Steps are chosen at output times. Where a front arrives between them, b is limited to the value
+for which the step is stable.
 
 Source: [vonNeumann1950] for the quadratic part, [Landshoff1955] for the linear one.
 """
@@ -41,7 +41,7 @@ class BulkViscosity:
     """Coefficients of the bulk viscosity; both zero: none.
 
     linear : b_1, fraction of critical damping of a plane wave as long as two elements
-    quadratic : b_2, which spreads a shock over about b_2 elements, for any strength
+    quadratic : b_2, which spreads a shock of any strength over about b_2 elements
     """
 
     linear: float = 0.06

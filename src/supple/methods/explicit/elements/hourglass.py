@@ -2,8 +2,9 @@
 
     gamma_a = h_a - sum_i (h_a . X_i) b_i,      a = xi eta, eta zeta, zeta xi, xi eta zeta
 
-with the corner pattern h_a and the mean gradient b. They are zero for every affine motion. So the amplitudes
-gamma_a . x rotate with the element, and their energy 1/2 kappa |gamma_a . x|^2 is invariant under rotations.
+with the corner pattern h_a and the mean gradient b. gamma_a is orthogonal to every affine motion. So the
+amplitudes gamma_a . x rotate with the element, and their energy 1/2 kappa |gamma_a . x|^2 is invariant under
+rotations.
 
 Source: D. P. Flanagan, T. Belytschko, "A uniform strain hexahedron and quadrilateral with orthogonal
 hourglass control", Int. J. Numer. Methods Eng. 17 (1981) 679-706.

@@ -1,6 +1,6 @@
 """Shape gradients at the strain points of explicit solid elements, from the quadratic-strain arrays.
 
-Tetrahedra keep the points of these arrays. The hexahedron has one point, with the gradient averaged over its
+Tetrahedra use the points of these arrays. The hexahedron has one point, with the gradient averaged over its
 volume: its volume change is then exact (Flanagan and Belytschko 1981). Hourglass control resists the
 remaining modes.
 """

@@ -2,7 +2,7 @@
 
     U = 1/2 d^T K d,    d = [T (x - x_c) - (X - X_c);  log(T R)],    T = A_0^T A
 
-with the axes of the triangle at rest A_0 and at present A (along its first side, across, normal), nodal
+with the axes of the triangle at rest, A_0, and at present, A (along its first side, across, normal), nodal
 triads R (the identity at rest), and the stiffness K of the undeformed element. Strains are small, rotations
 of any size. Force and moment are the exact gradient of U. U is invariant under rigid motion, so momentum is
 conserved. log uses the arcsine series; its error is 1e-5 rad for 0.3 rad between a node and its element.
@@ -12,8 +12,8 @@ B_m d, the curvature B_b d at the three mid-sides p, and the layers z_l of weigh
 
     f_d = sum_pl A/3 w_l (B_m + z_l B_b)^T sigma_pl + K_h d,     sigma_pl in plane stress
 
-with the elastic stiffness K_h of the drilling rotations. Force and moment follow as above, from f_d .
-delta d. The strain is the total strain from the triangle at rest: it must stay small, also plastic strain.
+with the elastic stiffness K_h of the drilling rotations. Force and moment follow as above, from the work
+f_d . delta d. The total strain from the triangle at rest, including plastic strain, must stay small.
 
 Source of the corotational form: T. Belytschko, B. J. Hsieh, Int. J. Numer. Methods Eng. 7 (1973) 255-271.
 """
@@ -67,8 +67,8 @@ class ShellBlock(NamedTuple):
     """Constant arrays of E triangles, elements last.
 
     nodes, spins : (3, E)       numbers of nodes and of triads
-    rest : (3, 3, E)            corners about their centre (component, corner);   axes : (3, 3, E) A_0 by rows
-    stiffness : (18, 18, E)     ux uy uz rx ry rz a node, axes of the mesh
+    rest : (3, 3, E)            corners about their centre (component, corner);   axes : (3, 3, E) A_0 in rows
+    stiffness : (18, 18, E)     ux uy uz rx ry rz of each node, axes of the mesh
     to_stress : (l, 6, 18, E)   stress in l layers from d, Pa
     node_table, spin_table      the corners at each node and triad
     layers : LayerArrays        None for a block that does not yield
@@ -86,7 +86,7 @@ class ShellBlock(NamedTuple):
 
 
 class ShellForce(NamedTuple):
-    """Force (3, N) on the nodes and moment (3, r) on the triads, minus the internal ones."""
+    """Force (3, N) on the nodes and moment (3, r) on the triads: the negative internal force and moment."""
 
     force: Array
     moment: Array
@@ -199,7 +199,7 @@ def shell_von_mises(block: ShellBlock, x: Array, triads: Array) -> Array:
 
 
 def _axes(corners: Array) -> Array:
-    """Axes (3, 3, E) by rows of triangles (3, 3, E): first side, across, normal."""
+    """Axes (3, 3, E), in rows, of triangles (3, 3, E): first side, across, normal."""
     side, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     first = side / jnp.sqrt((side * side).sum(axis=0))
     normal = jnp.cross(side, other, axis=0)

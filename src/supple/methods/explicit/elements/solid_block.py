@@ -40,9 +40,9 @@ class SolidBlock(NamedTuple):
 class BlockForce(NamedTuple):
     """Forces and works of a block in a step.
 
-    force : (3, N)          on the nodes (minus the internal force), without hourglass
-    hourglass : (3, N)
-    state : of the law;   ratios : (g, E) det F
+    force : (3, N)          negative internal force on the nodes, without hourglass forces
+    hourglass : (3, N)      hourglass forces
+    state : state of the law;   ratios : (g, E) det F
     plastic, viscous : work of the step, J
     smallest : det F of the worst point
     """
@@ -68,7 +68,7 @@ def solid_block(
     """The arrays of a block.
 
     numbers : (N_part,) numbers of the part's nodes among the n_nodes of the model
-    gradients : (E, g, 3, k) of the points, in the axes of space
+    gradients : (E, g, 3, k) gradients at the points, in the axes of space
     hourglass : stiffness of an hourglass mode relative to that of the stretching mode
     """
     nodes = numbers[points.nodes.T]
@@ -110,7 +110,7 @@ def block_force(
 ) -> BlockForce:
     """Forces at positions x (3, N), reached by the increment dx in a step h.
 
-    ratios : (g, E) det F before;   alive : (E,) 1, or 0 for deleted elements
+    ratios : (g, E) det F before the step;   alive : (E,) 1, or 0 for deleted elements
     beta : stiffness damping, s; None omits its operations
     """
     g, gamma = block.gradients, block.gamma

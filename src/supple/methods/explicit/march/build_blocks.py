@@ -19,9 +19,9 @@ __all__ = ["Blocks", "explicit_blocks"]
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """Blocks of elements, one list entry each, and their nodes.
+    """Blocks of elements, one list entry each, and masses of the nodes.
 
-    rules : law and deletion of each
+    rules : law and deletion of each block
     spans : blocks of each part, by its name;   mass : (N,) kg;   damped : (N,) alpha m, kg/s
     """
 

@@ -62,7 +62,7 @@ class Framed:
     """Frames of the model.
 
     frames : parts and bodies in the order of the model, with their integrated modes
-    arrays, states : of each frame at the start;   obstacles : numbers of the obstacles of each frame
+    arrays, states : arrays and initial state of each frame;   obstacles : numbers of its obstacles
     surfaces : contacts between parts;   contact_rate : their largest stiffness over nodal mass, 1/s^2
     joined : ties, joints and step limits
     machine : the frames as a system of floating bodies with their joints and forces, or None
@@ -140,7 +140,7 @@ def build_frames(system: System, method: Explicit, nodes: MarchNodes, time: floa
 
 
 def _floating(system: System, names: Sequence[str]) -> System | None:
-    """The bodies on frames with their joints and forces; None without any."""
+    """The bodies on frames with their joints and forces; None without frames."""
 
     def acts(load: Any) -> bool:
         if isinstance(load, ForceElement):
@@ -162,7 +162,7 @@ def _floating(system: System, names: Sequence[str]) -> System | None:
 def _joined_start(
     floating: System, frames: dict[str, ModalFrame], states: list[FrameState], time: float
 ) -> tuple[Model, StartChange | None, list[FrameState]]:
-    """The frames as floating bodies without redundant joints, and their states, which satisfy the joints."""
+    """The frames as floating bodies without redundant joint equations, and states that satisfy the joints."""
     model, change = build_model(floating), None
     if floating.joints:
         start = consistent_start(CompiledMachine(floating, model), time)

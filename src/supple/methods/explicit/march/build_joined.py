@@ -38,7 +38,8 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _REDUNDANT = 1e-8
-"""Smallest mobility of a constraint with all constraints before it closed, relative to that without them."""
+"""Mobility of a constraint with the previous ones closed, relative to that without them, below which the
+constraint is redundant."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +49,7 @@ class JoinedFrames:
     ties, tied : ties with their independent multipliers, and the numbers of the two frames of each
     machine : the frames as floating bodies, with independent equations of joints
     numbers : frames with multipliers;   driven : (m,) 1 for equations with a law, else 0
-    limited, step_limit : frames with ties, joints or force elements, and the step limit of all of them, s
+    limited, step_limit : frames with ties, joints or force elements, and their common step limit, s
     """
 
     ties: tuple[ModalTie, ...]
@@ -72,7 +73,7 @@ def joined_frames(
 ) -> JoinedFrames:
     """Ties, joints and forces between the frames of a system.
 
-    states : of the frames at the start;   penalties : contact stiffness (6 + k, 6 + k) of each, or None
+    states : initial states of the frames;   penalties : contact stiffness (6 + k, 6 + k) of each, or None
     Raises ModelError for a scheme other than ProjectedDifference, and for parts that do not match.
     """
     ties, pairs = modal_ties(system, frames)

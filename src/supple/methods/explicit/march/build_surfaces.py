@@ -75,7 +75,7 @@ def touching_surfaces(
 ) -> tuple[tuple[TouchingSurface, ...], float, dict[str, FloatArray]]:
     """Contacts between parts, and their effect on the step limits with all of them closed.
 
-    numbers : of the nodes of each explicit part;   short : step limit of the explicit nodes, s
+    numbers : node numbers of each explicit part;   short : step limit of the explicit nodes, s
     Returns the surfaces; the largest stiffness over mass of explicit nodes without ties, 1/s^2; and for each
     frame the stiffness (6 + k, 6 + k) of its penalties.
     """

@@ -75,7 +75,7 @@ class Forces(NamedTuple):
 
 
 class SolidArrays(NamedTuple):
-    """Solids: stable steps (E,) at rest, s, and stiffness damping, s, or None."""
+    """Solids, their stable steps (E,) at rest, s, and their stiffness damping, s, or None."""
 
     block: SolidBlock
     limit: Array
@@ -93,7 +93,7 @@ class SolidArrays(NamedTuple):
 
 
 class TriangleArrays(NamedTuple):
-    """Triangles of a shell: their step limit, s."""
+    """Triangles of a shell, and their step limit, s."""
 
     block: ShellBlock
     limit: Array
@@ -138,7 +138,7 @@ class Solids:
         return BlockState(self.law.initial(shape), jnp.ones(shape), jnp.ones(shape[1]))
 
     def force(self, own: SolidArrays, at: ElementInstant, state: BlockState) -> Forces:
-        """Stress, damping, hourglass control; elements beyond the deletion strain are deleted afterwards."""
+        """Stress, damping and hourglass forces; elements above the deletion strain are deleted afterwards."""
         out = block_force(
             self.law, own.block, at.x, at.dx, state.material, state.ratios, state.alive, own.beta, at.h
         )
@@ -168,7 +168,7 @@ class Triangles:
         return BlockState(layers, None, jnp.ones(own.block.nodes.shape[1]))
 
     def force(self, own: TriangleArrays, at: ElementInstant, state: BlockState) -> Forces:
-        """Force and moment; elements beyond the deletion strain are deleted afterwards."""
+        """Force and moment; elements above the deletion strain are deleted afterwards."""
         if self.law is None:
             pull = shell_force(own.block, at.x, at.triads)
             return Forces(pull.force, None, pull.moment, state, None, None, None)

@@ -37,8 +37,8 @@ __all__ = [
 class FrameForces(NamedTuple):
     """Forces on each frame.
 
-    given : of loads, controllers, and force elements without stored energy
-    stored, dragged : of force elements with stored energy: at rest, and the change by their rates
+    given : forces of loads, controllers, and force elements without stored energy
+    stored, dragged : forces of elements with stored energy: at zero rates, and the change due to rates
     """
 
     given: tuple[Generalized, ...]

@@ -48,7 +48,7 @@ class FrameArrays(NamedTuple):
     nodes : (n,)            explicit nodes tied to it, at weights (n, 4) and shapes (n, 3, k)
     touching : tuple of NodesTouching       contacts of its own points
     chart : the floating frame of its points
-    step_limit : at rest, s;   spin_bound : increase of squared frequencies at 1 rad/s, or None
+    step_limit : step limit at rest, s;   spin_bound : increase of squared frequencies at 1 rad/s, or None
     """
 
     model: FrameModel
@@ -64,12 +64,12 @@ class FrameArrays(NamedTuple):
 class MarchModel(NamedTuple):
     """Arrays of the model.
 
-    blocks : of explicit elements
+    blocks : blocks of explicit elements
     mass, alpha : (N,) of the nodes, kg and 1/s;   movable : (3, N) 1, or 0 for fixed ones
-    ties : of frames to each other
+    ties : ties between frames
     surfaces : contacts between parts
     contact_rate : largest stiffness over mass of a node in contact, 1/s^2
-    base_accelerations : laws, (3,) m/s^2
+    base_accelerations : laws of base accelerations, (3,) m/s^2
     machine : the frames as floating bodies with their joints and forces; None without frames
     driven : (m,)   1 for equations of joints with laws, else 0
     """
@@ -97,13 +97,13 @@ class MarchModel(NamedTuple):
 class Methods:
     """Static arguments of the compiled time integration.
 
-    blocks : law and deletion of each
-    obstacles : of the rigid contacts, in their order;   frame_obstacles : numbers per frame
+    blocks : law and deletion of each block
+    obstacles : obstacles of the rigid contacts, in their order;   frame_obstacles : their numbers, per frame
     obstacle_of : number of the obstacle of each contact of explicit nodes
     tied : numbers of the two frames of each tie
     joined : numbers of the frames with ties or joints, ascending
     stores : for each group of force elements on frames, whether it stores energy
-    explicit : Explicit     of the run
+    explicit : Explicit     options of the run
     """
 
     blocks: tuple[BlockRule, ...]
@@ -121,10 +121,10 @@ class Energies(NamedTuple):
 
     kinetic + internal + plastic + hourglass + contact + damping + interface - external   is constant
 
-    internal : work of stresses that is neither plastic nor viscous, and of springs
+    internal : work of stresses that is neither plastic nor viscous, and energy of springs
     hourglass : work of the hourglass control
-    contact : stored in penalties; interface : lost between parts with different steps, and by frames that
-        rotate by a finite angle in a step
+    contact : energy stored in penalties; interface : energy lost between parts with different steps, and by
+        frames that rotate by a finite angle in a step
     external : work of loads, gravity, driven obstacles and joints, and of force elements without stored
         energy
     """
@@ -151,12 +151,12 @@ class MarchState(NamedTuple):
 
     before, frame_before : the last step of the explicit nodes and of the frames, s; zero at the start
     x, v : (3, N);   forces : (4, 3, N) internal, hourglass, contact, external, at t_n
-    blocks : state of each
+    blocks : state of each block
     smallest : smallest det F of all points since the start
-    obstacle_forces : (o, 3) from explicit nodes, at t_n;   initial : energy at the start, J
+    obstacle_forces : (o, 3) forces of explicit nodes, at t_n;   initial : energy at the start, J
     ratio_bound : largest number of element steps in one frame step, limited by the interface loss
     control : state of the controllers; None without controllers
-    ratio_wait : output times before a larger ratio is tried;   ratio_patience : next wait after a failure
+    ratio_wait : output times before a larger ratio is tried;   ratio_patience : wait after a repetition
     """
 
     time: Array

@@ -19,7 +19,7 @@ __all__ = ["AssembledForces", "nodal_forces", "penalty"]
 class AssembledForces(NamedTuple):
     """Forces at t_n.
 
-    forces : (4, 3, N) internal, hourglass, contact, external;   blocks : state of each
+    forces : (4, 3, N) internal, hourglass, contact, external;   blocks : state of each block
     on_obstacles : (o, 3) forces on the obstacles;   moments : (3, r) on the triads of shells
     plastic, viscous : work of the step that led here, J;   smallest : smallest det F of all points
     """

@@ -4,7 +4,7 @@
 
 with the area coordinates w of the node's projection and the face's normal n. The corner forces add up to f
 and act at the projection of the node, so linear and angular momentum are conserved exactly. Each step
-searches again: the nearest node of the surface, then the faces around it and around its neighbours.
+searches for the nearest node of the surface, then among the faces around it and around its neighbours.
 
 (u_node - sum w u)^2 <= 2 u_node^2 + 2 sum w u^2, so with all contacts closed the largest squared frequency
 grows by no more than twice the largest of k / m of a node and sum_nodes k w_i / m_i of a corner (Gershgorin).
@@ -41,7 +41,7 @@ class TouchingSurface(NamedTuple):
     """Nodes, and the faces that they must not penetrate.
 
     nodes : (n,);   stiffness : (n,) N/m
-    corners : (T, 3) of the faces, counter-clockwise about the outward normals
+    corners : (T, 3) corners of the faces, counter-clockwise about the outward normals
     masters : (M,) nodes of the faces;   about : (M, r) faces near each of them, padded by repetition
     reach : largest penetration that counts as contact, m
     """

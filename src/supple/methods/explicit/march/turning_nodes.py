@@ -24,8 +24,8 @@ class Spins(NamedTuple):
 class TriadState(NamedTuple):
     """State of r triads.
 
-    triads : (3, 3, r) from the mesh to space, at t_n;   rates : (3, r) in space over the step before, rad/s
-    moments : (3, r) at t_n, N m
+    triads : (3, 3, r) rotations from the mesh to space, at t_n
+    rates : (3, r) angular velocities in space over the step before, rad/s;   moments : (3, r) at t_n, N m
     """
 
     triads: Array

@@ -1,4 +1,4 @@
-"""Isotropic hardening: yield stress over equivalent plastic strain."""
+"""Isotropic hardening: yield stress as a function of equivalent plastic strain."""
 
 from __future__ import annotations
 

@@ -71,7 +71,7 @@ def linear_stress(material: Isotropic, strain: Tensor) -> Tensor:
 
 
 def viscous_stress(material: Isotropic, beta: Array, F: Tensor, dF: Tensor, h: Array) -> tuple[Tensor, Array]:
-    """First Piola-Kirchhoff stress P = F S of S = beta C : E', and its work per volume in the step.
+    """First Piola-Kirchhoff stress P = F S with S = beta C : E', and its work per volume in the step.
 
     Rotation does not cause this stress. About the undeformed state it is Rayleigh damping with beta K.
     """

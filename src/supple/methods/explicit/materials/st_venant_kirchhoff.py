@@ -15,7 +15,7 @@ __all__ = ["StVenantKirchhoff"]
 
 @dataclass(frozen=True)
 class StVenantKirchhoff:
-    """P = F (lambda tr(E) I + 2 mu E), E = (F^T F - I) / 2. Softens in compression: for small strains."""
+    """P = F (lambda tr(E) I + 2 mu E), E = (F^T F - I) / 2. It softens in compression: for small strains."""
 
     elastic: Isotropic
 

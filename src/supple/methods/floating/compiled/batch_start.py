@@ -29,7 +29,7 @@ from supple.programs.program_cache import CachedProgram
 __all__ = ["Axes", "BatchStart", "batch_start", "differing", "stacked"]
 
 _AT_ONCE = 64
-"""Cases whose forces are evaluated together; a shorter last set is padded, so that one program serves all."""
+"""Number of cases whose forces are evaluated together; a shorter last set is padded to this number."""
 
 
 Axes: TypeAlias = tuple[int | None, ...]
@@ -43,7 +43,7 @@ def differing(trees: Sequence[Any]) -> Axes:
 
 
 def stacked(trees: Sequence[Any], axes: Axes) -> list[Any]:
-    """Leaves of all pytrees together: a shared leaf once, any other with a new first axis."""
+    """The leaves of all pytrees: shared leaves once, those that differ stacked along a new first axis."""
     columns = zip(*(jax.tree.leaves(tree) for tree in trees), strict=True)
     return [
         np.asarray(column[0]) if axis is None else np.stack([np.asarray(leaf) for leaf in column])
@@ -77,7 +77,7 @@ def batch_start(cases: Sequence[System], run: Run) -> BatchStart:
     for number, system in enumerate(cases[1:], 1):
         own = build_model(system, model.active, (first, model))
         if _starts_alike(first, model, system, own):
-            # The arrays of the first case, so that nothing is stored or compared twice.
+            # Share the arrays of the first case, so that nothing is stored or compared twice.
             own, begun = replace(own, groups=model.groups, joints=model.joints), state
             alike.append(number)
         else:
@@ -96,7 +96,7 @@ def batch_start(cases: Sequence[System], run: Run) -> BatchStart:
 
 
 def _initial_state(system: System, run: Run) -> tuple[Model, State]:
-    """Initial state of one case; without a frozen tangent on devices other than CPUs, which map the cases."""
+    """Initial state of one case, with a frozen tangent on CPUs only: other devices map the cases."""
     model, state = initial_state(system, run.times[0], run.step_control.first, run.validity)
     return model, state if jax.default_backend() == "cpu" else state._replace(kept=None)
 
@@ -124,7 +124,7 @@ def _starts_alike(first: System, model: Model, system: System, own: Model) -> bo
 
 
 def _accelerations(machine: CompiledMachine, state: State, models: list[Model]) -> list[tuple[Any, Any]]:
-    """Accelerations and multipliers of models that differ in their forces."""
+    """Initial accelerations and multipliers of models that differ in their forces alone."""
     velocity = np.asarray(state.velocity)
     terms = machine.joint_terms(float(state.time), state.configuration, velocity)
     mass = machine.metric(state.configuration)

@@ -40,7 +40,7 @@ class Contraction(NamedTuple):
     """The last measured correction, stored as numbers in a recorded run."""
 
     before: Any
-    """Residual relative to the tolerance; 0 before the first measurement"""
+    """Residual before the correction, relative to the tolerance; 0 before the first measurement"""
     after: Any
     step: Any
     """Size of the step, s"""
@@ -71,9 +71,9 @@ def measured(
 ) -> Contraction:
     """The contraction after an accepted step.
 
-    sizes : (2,)    residuals before and after its last correction
+    sizes : (2,)    residuals before and after the last correction of the step
     corrections : number of corrections in the step; after more than one there is no prediction
-    evaluated : whether the residual at its end was evaluated
+    evaluated : whether the residual at the end of the step was evaluated
     """
     anew = Contraction(sizes[0], sizes[1], step, known.phase)
     kept = jax.tree.map(

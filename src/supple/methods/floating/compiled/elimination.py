@@ -1,7 +1,7 @@
 """Solution and inverse of small dense systems in a compiled program, by LAPACK or by compiled loops.
 
-LAPACK is an external library. XLA executes a loop that calls it as a list of hundreds of operations, each a
-fraction of a microsecond. Without such calls, the time integration is one function of machine code
+LAPACK is an external library. XLA splits a loop with LAPACK calls into hundreds of separate operations, each
+a fraction of a microsecond. Without such calls, the time integration is one function of machine code
 (`algebra/jax_settings.py`): a step takes a third to a sixth of the time, compilation twice the time.
 """
 
@@ -76,8 +76,8 @@ def solve_bordering_column(augmented: jax.Array) -> jax.Array:
 def _factored(augmented: jax.Array) -> jax.Array:
     """`A^-1 B` (n, m) of `(A | B)`, (n, n + m), by LAPACK.
 
-    The factors of the wide matrix `P (A | B) = L (U | Y)` hold `Y = L^-1 P B`, so that one triangular solve
-    is left and no row exchange has to be applied afterwards.
+    The factors of the wide matrix `P (A | B) = L (U | Y)` contain `Y = L^-1 P B`, so that one triangular
+    solve suffices, without row exchanges afterwards.
     """
     n = len(augmented)
     factors, _, _ = jax.lax.linalg.lu(augmented)

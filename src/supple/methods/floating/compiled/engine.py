@@ -58,7 +58,7 @@ def controls(run: Run) -> Controls:
 def initial_state(
     system: System, time: float, first_step: float, validity: Validity = WARNING
 ) -> tuple[Model, State]:
-    """The compiled model (redundant constraints left out) and the consistent state at the initial time.
+    """The compiled model, without redundant constraints, and the consistent state at the initial time.
 
     Warns StartWarning (ValidityError when strict) about positions or velocities that violate the joints.
     """
@@ -219,7 +219,7 @@ class CompiledEngine:
 
 
 def tangents_made(state: State) -> int:
-    """Number of tangents so far; equal to the number of corrections where no tangent is frozen."""
+    """Number of tangents computed in the run; where none is frozen, the number of corrections."""
     return int(state.iterations if state.kept is None else state.kept.made)
 
 

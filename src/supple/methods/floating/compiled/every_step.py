@@ -29,7 +29,7 @@ _FEWEST_STOPS = 128
 
 
 class EveryStep(NamedTuple):
-    """A run at the end of each step, the initial time first."""
+    """The motion of a run at the initial time and at the end of each step."""
 
     solution: Solution
     outputs: np.ndarray
@@ -42,7 +42,7 @@ def as_outputs(solution: Solution) -> EveryStep:
 
 
 def every_step(system: System, run: Run, solution: Solution) -> EveryStep:
-    """All steps of a finished run: the run itself with one step per output, otherwise a second run."""
+    """All steps of a finished run: the run itself if it has one step per output, otherwise a second run."""
     if solution.statistics.steps == len(solution.times) - 1:
         return as_outputs(solution)
     with warnings.catch_warnings():  # the first run has issued them

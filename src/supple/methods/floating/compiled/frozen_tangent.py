@@ -10,13 +10,14 @@ it. The rows of the joints change with rotations, cost little, and are evaluated
 error of a frozen tangent comes from later changes of deformations and angular velocities.
 
 A step with a frozen tangent may also end without a last evaluation (`contraction`). With the residuals `s_0`,
-`s_1` before and after a correction by the same tangent when it was `n` steps old,
+`s_1` before and after a correction by the same tangent at the age of `n` steps,
 
     s_1' <= s_1 max(1, s_0' / s_0)^2 n' / n
 
-is predicted: the error of a tangent grows with its age. Where ten times that is below the tolerance, the
-corrected iterate is accepted. A tangent whose measured contraction does not allow this is renewed in the next
-step. If that already holds at age one, each of the next steps computes its own tangent.
+is predicted at the age `n'`: the error of a tangent grows with its age. If ten times the predicted residual
+is below the tolerance, the corrected iterate is accepted. A tangent whose measured contraction does not allow
+this is renewed in the next step. If it already fails at age one, each of the next steps computes its own
+tangent.
 
 The iteration starts from the accelerations of the last step, or from their linear extrapolation over the last
 two steps if that was closer to the end of the last step. The smaller the first residual, the older a tangent
@@ -58,10 +59,10 @@ SHARE = 0.1
 MARGIN = 10.0
 """The predicted residual must be below the tolerance by this factor."""
 PAUSE = 16.0
-"""Steps without a frozen tangent after a tangent that served no second step: where motions are not resolved,
-freezing a tangent does not pay."""
+"""Steps without a frozen tangent after a tangent that failed in its second step: where the steps do not
+resolve the motion, freezing a tangent saves no time."""
 _FEWEST = 10
-"""Number of coordinates of a body with nonlinear stiffness from which its tangent is expensive."""
+"""Number of coordinates from which the tangent of a body with nonlinear stiffness is expensive."""
 
 
 class FrozenInverse(NamedTuple):
@@ -70,7 +71,7 @@ class FrozenInverse(NamedTuple):
     inverse: AnyArray
     """(n, n) inverse of the tangent without joints, translations in body axes"""
     step: AnyArray
-    """Size of the step of the inverse, s; 0 where there is none yet, or where it must be renewed"""
+    """Size of the step that computed the inverse, s; 0 if there is no inverse, or if it must be renewed"""
     age: AnyArray
     """Steps since the inverse was computed"""
     before: AnyArray
@@ -81,7 +82,7 @@ class FrozenInverse(NamedTuple):
     phase: AnyArray
     """Steps since a measurement was due"""
     made: AnyArray
-    """Number of tangents so far"""
+    """Number of tangents computed in the run"""
     pause: AnyArray
     """Number of coming steps that compute their own tangent"""
     acceleration: AnyArray
@@ -136,11 +137,11 @@ def used(
 ) -> FrozenInverse:
     """The frozen inverse and its measurements after an accepted step.
 
-    kept : with the inverse at the end of the step
+    kept : measurements before the step, with the inverse after it
     accelerations : (n,) before and after the step; scale : (n,) their scale
     made : number of tangents in the step
-    sizes : (2,) relative residuals at its last two evaluations
-    evaluated : whether the residual at its end was evaluated
+    sizes : (2,) residuals at the last two evaluations of the step, relative to the tolerance
+    evaluated : whether the residual at the end of the step was evaluated
     """
     new = made > 0
     age = kept.age + 1

@@ -36,7 +36,8 @@ MOST_ITERATIONS = 20
 _REACTIONS, _CONVERGED = 60, 1e-9
 """Iterations for friction that depends on joint forces; relative change of these forces at convergence."""
 DEAD_POINT = 1e-9
-"""Smallest over largest singular value of the joints' Jacobian, with rotations times the machine's size."""
+"""Ratio of smallest to largest singular value of the joints' Jacobian (rotations times the machine's size)
+up to which the machine is at a dead point."""
 
 
 class Instant(NamedTuple):
@@ -50,11 +51,11 @@ class Instant(NamedTuple):
     multipliers: AnyArray
     """(m,)"""
     iterations: AnyArray
-    """Iterations of Newton's method so far"""
+    """Number of Newton iterations up to this instant"""
     largest_turn: AnyArray
-    """Largest rotation of a body between two instants so far, rad"""
+    """Largest rotation of a body between two successive instants up to this one, rad"""
     failed: AnyArray
-    """True once the joints could not be closed: the state stays that of the last closed instant"""
+    """True once the joints cannot be closed; the state remains that of the last instant with closed joints"""
 
 
 def of_frames(terms: JointTerms, parts: Sequence[slice]) -> JointTerms:
@@ -78,7 +79,7 @@ class _ConstrainedMachine(CompiledMachine):
 
 
 def check_held(system: System, run: Run) -> None:
-    """Raise for options that a kinematic run cannot use; warn about bodies that are treated as rigid."""
+    """Raise ModelError for what a kinematic run does not support; warn about bodies treated as rigid."""
     if system.controllers:
         raise ModelError(
             "the machine has controllers, but in a kinematic run the joints alone prescribe the motion: "

@@ -112,7 +112,7 @@ def used_in_step(
 ) -> tuple[Contraction, FrozenInverse]:
     """The frozen tangent and its measurements after an accepted step.
 
-    contraction : as measured by the last correction, if that used a new tangent
+    contraction : contraction measured by the last correction, if that used a new tangent
     """
     assert end.modified is not None
     assert start.kept is not None

@@ -124,4 +124,4 @@ def _correction_sequential(
 
 
 _FEWEST_SEQUENTIAL = 16
-"""Fewest velocities of a system whose cases of a batch are corrected one after the other, not mapped."""
+"""Number of velocities from which the cases of a batch are corrected one after the other, not mapped."""

@@ -1,8 +1,8 @@
 """Compiled time integration: runs of one machine that differ in numbers alone share a program.
 
 There are two programs. The quick one compiles in a third of the time, but its steps take ten times as long;
-it serves runs that end before the other one would be compiled. The two differ in the last bits, so the length
-of the run alone selects the program, not the history of the process: the same run has the same bits in every
+it serves runs that end before the other one would be compiled. The results of the two programs differ in the
+last bits. The length of the run alone selects the program, so that a run gives the same bits in every
 process. A resumed run uses the program that it was started with.
 """
 
@@ -39,7 +39,8 @@ STOPS_AT_ONCE = 128
 """Output times of a call; fewer are padded with the last one at no cost, more take several calls."""
 
 _QUICK = 500_000
-"""Steps times velocities of a run, at which a quick program loses three seconds of the four that it saves."""
+"""Steps times velocities of a run up to which the quick program is used: its slower steps then cost three of
+the four seconds that its compilation saves."""
 
 
 def march_for(model: Model, steps: float) -> CachedProgram:

@@ -7,7 +7,7 @@ model, a step solves `F(x, y, p) = 0` and returns `y_1 = Y(x, y, p)`. Along a di
 
 by the implicit function theorem, at the solution. These are derivatives of the discrete motion, independent
 of the iteration. The products are exact (forward mode). `F_x` is inverted once for all directions in the form
-used by Newton's iteration, and corrections continue until the residual of the products is rounding error.
+used by Newton's iteration; corrections are repeated until the last one is small (`_EXACT`, `_ROUNDING`).
 Source: staggered direct method [CaracotsiosStewart1985].
 """
 
@@ -147,7 +147,7 @@ class _Correcting(NamedTuple):
 
     found: _Solved
     carried: Carried
-    """After the step, at the iterate before the last correction, which was small"""
+    """Derivatives at the end of the step, for the iterate before the last correction"""
     unsolved: Any
     corrections: Any
 

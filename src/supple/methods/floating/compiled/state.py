@@ -25,7 +25,7 @@ class Controls(NamedTuple):
 
 
 class State(NamedTuple):
-    """All numbers needed to continue from an instant."""
+    """All numbers needed to continue a run from an instant."""
 
     time: AnyArray
     step: AnyArray
@@ -45,9 +45,9 @@ class State(NamedTuple):
     """Relative residual at the last evaluation, by kind: force, moment, deformation, constraint."""
     contraction: Contraction
     largest_error: AnyArray
-    """Largest local error of an accepted step so far."""
+    """Largest local error of the accepted steps."""
     largest_turn: AnyArray
-    """Largest rotation of a body within an accepted step so far, rad."""
+    """Largest rotation of a body within an accepted step, rad."""
     control: ControlState | None = None
     """None where there are no controllers"""
     kept: FrozenInverse | None = None

@@ -66,7 +66,7 @@ class CompiledStatics(SteadyEquations):
         return np.asarray(terms.residual)
 
     def unbalance(self, state: StaticState, time: float) -> EquilibriumResidual:
-        """The residuals at rest."""
+        """The residuals at rest or in steady rotation."""
         model, motion = self.machine.model, self._motion(state, time)
         terms, control = balanced(model, motion), control_at_rest(model, motion)
         terms = terms._replace(applied=terms.applied - self.held)

@@ -8,7 +8,7 @@ equations are divided by `k`, so that every row of
 
 has the size of a force or an acceleration for every step: for h to 0 the index-3 equations stay as well
 conditioned as the mass matrix (Bottasso, Bauchau & Cardona 2007). Small machines are solved as one dense
-matrix, others along their tree; a tree solution with more than rounding error is replaced by a dense one.
+matrix, others along their tree; a tree solution that refinement leaves inexact is replaced by a dense one.
 """
 
 from __future__ import annotations
@@ -50,8 +50,8 @@ faster as one matrix (32 us a step, 42 along the tree), eight along the tree (70
 
 _ROUNDING = 1e-13
 """Residual due to rounding alone, relative to the terms of the equations, by kind of row. A tree solution
-with a larger residual is refined [ArioliDemmelDuff1989] until it holds in two passes: small multipliers
-beside large ones are accurate one pass after the residual is small."""
+with a larger residual is refined [ArioliDemmelDuff1989] until two passes stay below this limit: small
+multipliers beside large ones are accurate one pass after the residual is small."""
 _REFINEMENTS = 4
 _INEXACT = 1e-11
 """Residual after refinement above which the whole matrix is eliminated with row exchanges instead."""
@@ -105,7 +105,7 @@ def _load(
 def step_inverse(
     elimination: DenseElimination, model: Model, step: LinearizedStep
 ) -> Callable[[jax.Array, jax.Array], jax.Array]:
-    """A function equal to `correction`, factored once for many residuals (n,) and (m,), not refined."""
+    """A function equal to `correction`, factored once for many residuals (n,) and (m,); no refinement."""
     layout, n = tree_layout(model), model.n_velocities
     if layout is None:
         inverse = elimination.inverse(step_matrix(model, step))

@@ -33,7 +33,7 @@ __all__ = ["TreeFactor", "TreeLayout"]
 
 
 class TreeFactor(NamedTuple):
-    """Factors of one matrix, for any load."""
+    """Factors of one matrix, for any load; N and Q are the numbers of unknowns `o` and `q` of a front."""
 
     inverses: jax.Array
     """(nb, N, N)"""

@@ -5,7 +5,7 @@ multipliers, and six multipliers of frame conditions per full body. The interior
 
     x = particular + responses [c, y, mu]
 
-with `c` the generalised interface forces, equal to the border's rows of the interface motions, `y` the
+with `c` the generalised interface forces (the border's equations for the interface motions), `y` the
 accelerations of its frame and `mu` the multipliers of its frame conditions.
 """
 
@@ -39,10 +39,10 @@ class Border(NamedTuple):
 
 
 class EliminatedInterior(NamedTuple):
-    """One full body, eliminated."""
+    """The eliminated interior of one full body."""
 
     part: slice
-    """Numbers of its frame and interface motions in the border"""
+    """Numbers of the body's frame and interface motions in the border"""
     out: LoadedElimination
     frame_residual: np.ndarray
     """(6,)"""

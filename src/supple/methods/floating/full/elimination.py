@@ -5,9 +5,9 @@ accelerations of the frame and frame multipliers,
 
     x = - S^-1 r + Z u,       Z = - S^-1 [B^T, F, D^T]
 
-and the coupling of the interior to the machine is `L x`, with `L = [E; B; D]`: its part in the equations of
-the frame, the motion of the interfaces, and the frame conditions. Vectors of the frame have body components
-here, so that an elimination stays valid when the body has rotated.
+with `F` the loads per acceleration of the frame. The interior acts on the machine by `L x`, `L = [E; B; D]`:
+the forces on the frame, the motion of the interfaces, and the frame conditions. Vectors of the frame have
+body components here, so that an elimination stays valid when the body has rotated.
 """
 
 from __future__ import annotations

@@ -41,7 +41,7 @@ __all__ = ["FullEngine"]
 
 
 class March(NamedTuple):
-    """A state, the size of the next step to try, and the counts so far."""
+    """A state, the size of the next step to try, and the counts since the start."""
 
     state: FullState
     step: float

@@ -22,7 +22,7 @@ class FullDamping:
     """D(q) = C + W S W^T + beta K_mat(q) of one full body, for motion relative to its frame.
 
     constant : C, sparse (n, n)
-    columns : W (n, m), of the damped modes, or of the interface relative to which alpha acts
+    columns : W (n, m), of damped modes, or of mass-proportional damping relative to an interface
     signs : diagonal of S, (m,), each 1 or -1
     retardation_time : beta, s; 0 without damping by strain rate
     """
@@ -34,7 +34,7 @@ class FullDamping:
     retardation_time: float
 
     def force(self, rates: Array) -> Array:
-        """(C + W S W^T) q_dot, (n,); the elastic force includes the part by strain rate."""
+        """(C + W S W^T) q_dot, (n,); the elastic force includes the damping by strain rate."""
         return self.constant @ rates + self.columns @ (self.signs * (self.columns.T @ rates))
 
     def with_modes(self, factor: SparseFactor, by_velocity: float) -> SparseFactor | LowRankUpdate:

@@ -244,7 +244,7 @@ class FullInterior:
         columns, rows, corner = self.inertia.border(motion, factors)
         turn = factors.by_position * np.asarray(_right_jacobian(increment))
         frame_force = self.inertia.terms(motion).frame[:3]
-        # a = A^T (Rddot - g) changes with the frame's rotation, da = a x dpsi, and so does the force A p.
+        # With the frame's rotation dpsi, a = A^T (Rddot - g) changes by a x dpsi, and the force A p rotates.
         swing = cross_matrix(motion.frame_acceleration) @ turn
         columns, rows, corner = columns.copy(), rows.copy(), corner.copy()
         columns[:, 3:] += columns[:, :3] @ swing

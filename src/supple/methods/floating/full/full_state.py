@@ -15,7 +15,7 @@ __all__ = ["Evaluation", "FullState", "LineEvaluation", "Targets"]
 
 
 class FullState(NamedTuple):
-    """State of the system; velocities and accelerations per body are `(frame (6,), coordinates)`, joined."""
+    """State of the system; velocities and accelerations join `(frame (6,), coordinates)` of every body."""
 
     time: float
     configuration: Configuration
@@ -25,7 +25,7 @@ class FullState(NamedTuple):
     multipliers: np.ndarray
     frame_multipliers: tuple[np.ndarray, ...]
     control: ControlStep | None = None
-    """Controllers in the step that ends here, of zero length after `FullSystem.ended`; None without any"""
+    """Controllers in the step that ends here (length 0 after `FullSystem.ended`); None without controllers"""
 
 
 Targets = tuple[np.ndarray, tuple[np.ndarray, ...]]
@@ -55,13 +55,13 @@ class Evaluation(NamedTuple):
     frame_residuals: tuple[np.ndarray, ...]
     relative_residual: np.ndarray
     largest_terms: np.ndarray
-    """Norms of forces, moments and deformation forces, (3,), the references of their residuals"""
+    """Reference norms for the residuals of force, moment and deformation, (3,)"""
     rotations: np.ndarray
     """Rotations of the system's bodies, (nb, 3, 3)"""
     lines: tuple[LineEvaluation, ...] = ()
 
     def closing(self, by_position: float) -> Targets:
-        """Values of constraint rows and frame conditions, as accelerations, that close their residuals."""
+        """Accelerations of constraint rows and frame conditions that cancel their residuals."""
         frames = tuple(-residual / by_position for residual in self.frame_residuals)
         return -self.constraint_residual / by_position, frames
 

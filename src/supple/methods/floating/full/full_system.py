@@ -203,7 +203,7 @@ class FullSystem:
         )
 
     def _by_line(self, stations: tuple[Stations, ...]) -> np.ndarray:
-        """P, from velocities in `joint_slices` to those of the border."""
+        """The map P from velocities in `joint_slices` to those of the border."""
         found = np.zeros((self.model.n_velocities, max(part.stop for part in self.joint_slices)))
         for index in self._others:
             part = self.border_slices[index]
@@ -579,7 +579,7 @@ class FullSystem:
         return change
 
     def joint_masses(self, configuration: Configuration, terms: JointTerms) -> np.ndarray:
-        """The multipliers of `least_change` for a unit of each equation."""
+        """The multipliers of `least_change` for a unit residual of each equation."""
         none = tuple(np.zeros(6) for _ in self.interiors)
         units = -np.eye(len(terms.residual))
         return np.array([own for _, own in self._pushed(configuration, [(unit, none) for unit in units])])

@@ -1,6 +1,6 @@
 """Tangent of a full body's own equations: its entries on one sparse pattern, and its factors.
 
-With the step's factors `b'` by position and `g'` by velocity,
+With the step's factors `b'` by position and `g'` by velocity, the angular velocity `w` and its rate `dw`,
 
     S = M + g' (C + beta K_mat(q)) + b' K(q) + g' w_i G_i + b' (dw_i E_i - w_i w_j Z_ij)
 
@@ -56,7 +56,7 @@ class Factored(NamedTuple):
 class _FactorCache:
     """The last factored tangent of a linear body.
 
-    It depends on the step, the angular velocity and its rate alone, so one factor serves many instants.
+    The tangent depends on the step, the angular velocity and its rate alone: one factor serves many instants.
     """
 
     _point: TangentPoint | None = field(default=None, init=False)

@@ -39,11 +39,11 @@ class Iterate(NamedTuple):
     increments: np.ndarray
     evaluation: Evaluation
     reached: bool
-    """Whether the residual is below the stated tolerance"""
+    """Whether the residual is below the tolerance, or cannot decrease because of rounding"""
     converged: bool
-    """Whether the residual is below the `share` of the tolerance"""
+    """As `reached`, for the `share` of the tolerance at which the iteration ends"""
     distance: float
-    """Largest relative residual over that share"""
+    """Largest relative residual divided by that share of the tolerance"""
     moved: float
     """Size of the last correction relative to the machine; infinite at the first iterate"""
 

@@ -2,7 +2,7 @@
 
     g(q, t) = 0,      G v = -g_t,      G vdot = -d2g/dt2 at constant v,      G^T lambda = -r
 
-for the motions of the frames alone, with r the residual of their equations.
+for the motions of the frames alone; r is the residual of their equations without joint forces.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ __all__ = ["FullKinematicEngine"]
 
 
 class KinematicInstant(NamedTuple):
-    """Configuration of a machine, iterations so far, and largest rotation of a body between two instants."""
+    """State of a machine; iterations and largest rotation of a body between instants since the start."""
 
     state: FullState
     iterations: int = 0

@@ -38,7 +38,7 @@ class SparseEquations(NamedTuple):
     constraint: Any
     """Sparse (m, n): constraints of joints, and of frames of full bodies"""
     interior: np.ndarray
-    """Numbers of freedoms whose matrices are sparse, and regular by themselves"""
+    """Numbers of the freedoms whose submatrices are sparse, and regular by themselves"""
     control: LinearControl
     """States z of controllers"""
 

@@ -31,7 +31,7 @@ class FullStatics(SteadyEquations):
     """`Equations` by sparse bordered steps.
 
     The tangent is that of `full_linear_equations`, which includes the derivative of the frames' velocities by
-    their positions. Without this derivative, equilibria above the first natural frequency would not converge.
+    their positions. Without it, the iteration would not converge above the first natural frequency.
     """
 
     machine: FullSystem
@@ -54,7 +54,7 @@ class FullStatics(SteadyEquations):
         return self.machine.residual_of(terms)
 
     def unbalance(self, state: StaticState, time: float) -> EquilibriumResidual:
-        """The residuals at rest."""
+        """The residuals at rest or in steady rotation."""
         terms = self.machine.evaluate(self._still(state, time), 0.0)
         if isinstance(self.held, np.ndarray):
             terms = self.machine.without(terms, self.held)
