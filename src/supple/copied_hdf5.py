@@ -25,7 +25,7 @@ from supple.other_processes import python_command, python_environment
 SECONDS = 15.0
 _BYTES_PER_SECOND = 50e6
 _WAITING = 4
-"""Factor on the elapsed time, for a busy computer."""
+"""Limit of the elapsed time, relative to that of the processor time, for a busy computer."""
 MEMORY = 2 * 2**30
 _TIMES_ITS_SIZE = 20
 

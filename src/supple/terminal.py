@@ -38,7 +38,7 @@ FAULT = 1
 """Exit code of a command with an internal error of supple."""
 
 WIDTH_OF_FILES = 140
-"""Columns of output that is not on a terminal: the widest table of a report."""
+"""Width, in characters, of output that is not on a terminal; the widest table of a report fits."""
 
 
 def _console(*, stderr: bool = False) -> Console:

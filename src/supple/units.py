@@ -107,7 +107,7 @@ class UnitSystem:
     def stated(cls, units: Mapping[str, str]) -> UnitSystem:
         """The system for given names of units: length, mass, time, force, stress; all must agree.
 
-        By default the mass follows from the force: in, lbf and s have the mass lbf s2/in.
+        By default the mass follows from length, time and force: lbf s2/in from in, s and lbf.
 
         Raises
         ------

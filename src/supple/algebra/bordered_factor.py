@@ -44,7 +44,7 @@ class BorderedFactor:
     border: NDArray[np.intp]
     factor: SparseFactor
     responses: Array
-    """Responses of the interior to unit values of the border, negative, (n_interior, n_border)"""
+    """Negative responses of the interior to unit values of the border, (n_interior, n_border)"""
     rows: Any
     """Coupling of the border to the interior, sparse"""
     remainder: tuple[Any, Any]

@@ -105,7 +105,7 @@ class GrowingModes:
         Raises
         ------
         ModelError      more modes than there are
-        AccuracyError   a motion without mass, or with negative mass; a motion too soft for the round-off
+        AccuracyError   a motion without mass, or with negative mass; a motion softer than the round-off
         """
         if n_modes > self.available:
             raise ModelError(f"{n_modes} modes requested of a structure with {self.available} freedoms")

@@ -154,7 +154,7 @@ def release_programs() -> None:
     for forget in _FORGET:
         forget()
     gc.collect()
-    # The C library of Linux keeps what is freed: a gigabyte after a thousand programs.
+    # The C library of Linux keeps freed memory: a gigabyte after a thousand programs.
     if _MAPS.exists() and (trim := getattr(ctypes.CDLL(None), "malloc_trim", None)):
         trim(0)
 

@@ -22,7 +22,7 @@ def section_beams(table: SectionTable, n_elements: int | None = None) -> FiniteE
 
     Parameters
     ----------
-    n_elements : int    of equal lengths; by default one between each two sections of the table
+    n_elements : int    elements of equal lengths; by default one between adjacent sections of the table
 
     Returns
     -------

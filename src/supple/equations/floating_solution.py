@@ -98,7 +98,7 @@ def joint_multipliers(
 
 
 class StationMotions(NamedTuple):
-    """Motions of bodies with stations, and of the stations, by name; the system has stations as bodies."""
+    """Motions of bodies with stations, and of the stations, by name; in `system`, stations are bodies."""
 
     system: System
     bodies: Mapping[str, Motion]

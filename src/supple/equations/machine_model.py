@@ -133,7 +133,7 @@ class ForceGroup:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class NodalLoadArrays:
-    """A load on the nodes of one reduced body, or at a point of a rigid one."""
+    """A load on nodes of a reduced body, or at an interface of any body."""
 
     body: int = field(metadata=STATIC)
     velocities: Places = field(metadata=STATIC)
@@ -166,7 +166,7 @@ class Actuator:
     shape: tuple[int, ...] = field(metadata=STATIC)
     """Shape of the output"""
     force: ForceGroup
-    """Parameters of one element"""
+    """The element, as a group of one"""
 
 
 @jax.tree_util.register_dataclass

@@ -1,4 +1,4 @@
-"""Check whether a constraint equation is redundant everywhere, or in the initial configuration alone.
+"""Check whether a constraint equation is redundant everywhere, or only in the initial configuration.
 
 In a singular position (a flat parallelogram, a folded slider-crank, a taut chain between two pins) constraint
 equations of a mechanism depend on each other; in other positions they do not. If such an equation is left out
@@ -19,7 +19,7 @@ from supple.errors import ConvergenceError, ModelError
 __all__ = ["check_redundant_nearby", "neighbours"]
 
 MOVED_BY = 1e-3
-"""Relative to the system's size, or in rad; a residual quadratic in the motion is then 1e-6."""
+"""Size of the motion, over the system's size or in rad; a residual quadratic in it is then 1e-6."""
 OPENED_BY = 1e-8
 """Largest residual of a truly redundant equation: a thousand times that of the closed joints."""
 DIRECTIONS = 3

@@ -38,9 +38,9 @@ __all__ = [
 ]
 
 _RANK = 1e-9
-"""Relative effect of a motion on the joints, after projection on others, below which it is ignored."""
+"""Relative effect on the joints below which a motion depends on others and is ignored."""
 _MET = 1e-9
-"""Relative to the rates due to all velocities: a smaller remainder is rounding."""
+"""Remaining rate that counts as rounding, over the rates due to all velocities."""
 
 
 class RigidFit(NamedTuple):

@@ -78,7 +78,7 @@ class StaticSearch:
     """Convergence criteria and step limits of an equilibrium search.
 
     residual        : unbalanced force, moment and deformation, over the largest term in balance
-    largest_move    : of any point in an iteration, over the size of the system; rotations in rad
+    largest_move    : largest motion of a point in an iteration, over the size of the system; rotations in rad
     max_iterations  : limit before ConvergenceError
     """
 
@@ -355,7 +355,7 @@ def moved_state(machine: Equations, state: StaticState, change: StaticStep) -> S
 
 
 def carried_state(machine: Equations, time: float) -> tuple[StaticState, float]:
-    """The state with bodies as placed and balancing joint forces; share of the loads left unbalanced."""
+    """The state with bodies as placed and balancing joint forces, and the largest relative unbalance."""
     state, weights = machine.start(), machine.position_scale
     found = machine.unbalance(state, time)
     unbalanced = weights * machine.residual(state, time)

@@ -1,8 +1,8 @@
 """A body in a floating frame, of any form, with joints and forces at stations.
 
-Its velocities u are those of its frame and the rates of its r coordinates, as for a reduced body; its mass
-and strains are internal. For joints and forces each station is a rigid body without mass. Its velocities are
-J(q) u, and forces f on it act as J^T f:
+Its velocities u are those of its frame and the rates of its r coordinates, as for a reduced body. For
+joints and forces, each station is a rigid body without mass. Its velocities are J(q) u, and forces f_s on it
+act on the body as J^T f_s:
 
     M(q) u' + c(q, u) + f(q) - Q + J^T f_s = 0
 """
@@ -86,7 +86,7 @@ class StationBody(Protocol):
         ...
 
     def station_motions(self, motion: Motion) -> Mapping[str, FloatingMotion]:
-        """Poses of its stations over time, by their names as bodies."""
+        """Motions of its stations over time, by their names as bodies."""
         ...
 
 

@@ -26,7 +26,7 @@ class Motion(Summarized):
     kind: ClassVar[str]
     """Written to result files; `register_motion` makes a kind readable."""
     dimensions: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
-    """Axes of a field after the time; ("axis",) for fields not listed."""
+    """Names of the axes of a field that follow the time axis; ("axis",) for fields not listed."""
 
     def summary(self) -> Summary:
         """Shape and largest absolute value of every array."""

@@ -60,12 +60,12 @@ class Statistics:
 
 
 LARGEST = ("largest_error", "largest_turn")
-"""Statistics whose largest value over the parts of a run is kept; the others add up."""
+"""Statistics of which parts of a run are joined by the maximum; all other statistics are summed."""
 
 
 @dataclass(frozen=True, repr=False)
 class Solution(Summarized):
-    """A finished (part of a) simulation."""
+    """Results of a simulation, or of a completed part of it."""
 
     times: np.ndarray
     """(t,) output times."""
@@ -81,8 +81,8 @@ class Solution(Summarized):
     """State of the engine beyond the motion, for an exact resume from the last output time; empty if
     unknown."""
     multipliers: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
-    """Joint name to (t, m) Lagrange multipliers of its constraint equations, in their order, with their signs
-    and units, as the engine solves for them. Empty for an engine without multipliers."""
+    """Joint name to (t, m) Lagrange multipliers of its constraint equations, with the order, signs and units
+    of the engine. Empty for an engine without multipliers."""
     series: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
     """Name to (t, c) quantities of the whole machine, such as its energies, depending on the method."""
     errors: Mapping[str, ErrorStatement] = field(default_factory=lambda: MappingProxyType({}))

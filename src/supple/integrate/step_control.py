@@ -36,7 +36,7 @@ class FixedStep:
 
     size: float
     smallest: float | None = None
-    """Smallest step; the run ends below it; default a millionth of the size."""
+    """Smallest step, below which the run ends; default a millionth of the size."""
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -76,7 +76,7 @@ class AdaptiveStep:
     largest: float = 1e-2
     tolerance: float = 1e-6
     smallest: float | None = None
-    """Smallest step; the run ends below it; default a millionth of the first."""
+    """Smallest step, below which the run ends; default a millionth of the first."""
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -64,8 +64,8 @@ class SurfaceContact:
 class Support:
     """Fixed nodes of finite elements.
 
-    nodes : At(part, node set);   axes : fixed directions x, y, z, 0 to 2; for shells also rotations about
-        them, 3 to 5
+    nodes : At(part, node set);   axes : fixed directions, 0 to 2 for x, y, z; for shells also 3 to 5, the
+        rotations about x, y, z
     """
 
     nodes: At

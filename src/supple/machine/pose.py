@@ -1,4 +1,4 @@
-"""Pose of a marker and wrench on it, the data of joints and forces for a body of any form."""
+"""Pose of a marker and wrench on it, which joints and forces use for a body of any form."""
 
 from __future__ import annotations
 
@@ -34,4 +34,4 @@ class Wrench(NamedTuple):
 
 
 Wrenches = tuple[Wrench, Wrench]
-"""On the first end and on the second."""
+"""Wrenches on the first and on the second end."""

@@ -18,7 +18,7 @@ __all__ = ["Spin"]
 
 @dataclass(frozen=True, eq=False)
 class Spin:
-    """A steady rotation about an axis fixed in space.
+    """A steady rotation about an axis fixed in space; velocity of a point R of a rotating body:
 
         dR/dt = w x (R - p),        w = rate * axis
 

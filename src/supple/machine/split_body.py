@@ -125,8 +125,8 @@ def split_body(
     division   : AlongAxis | ByCellSets     cells of each part
     interfaces : of the whole body; each belongs to the part that has all of its nodes
     tie        : RigidInterface (sections keep their shape) | AveragingInterface (sections may warp)
-    cuts       : cuts_at_sections | cuts_at_nodes, which ties each shared node: exact for nodes with
-        rotations, six constraints a node
+    cuts       : cuts_at_sections | cuts_at_nodes, which ties each shared node by six constraints; this is
+        exact for nodes with rotations
 
     Raises
     ------

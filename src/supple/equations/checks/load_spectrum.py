@@ -34,7 +34,7 @@ __all__ = ["BandCoverage", "LoadSpectrum", "band_coverage", "load_spectra", "war
 SHARE = 0.999
 """Share of a load's mean square within its band."""
 SAME = 1.05
-"""Largest ratio of a frequency of the reduced body to one of the full body for the same mode."""
+"""Largest ratio of the frequencies of one mode in the reduced and in the full body."""
 MOST_MODES = 200
 MOST_SAMPLES = 20_000
 FEW, SAMPLES = 33, 257

@@ -40,7 +40,7 @@ NEAR = 1e-6
 
 @dataclass(frozen=True)
 class UnresolvedShare:
-    """Largest interpolation error of a quantity within a step, over its largest value, and its time."""
+    """Largest interpolation error within a step, over the largest value, and the time of the step."""
 
     share: float
     time: float

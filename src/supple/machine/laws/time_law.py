@@ -1,6 +1,6 @@
 """Quantities given as functions of time: prescribed motions, forces, torques.
 
-A law is a JAX pytree whose numbers are leaves: systems that differ in these numbers alone, such as the cases
+A law is a JAX pytree whose numbers are leaves: systems that differ only in these numbers, such as the cases
 of a batch, share one compiled program.
 """
 
@@ -101,7 +101,7 @@ class _LawStructure:
 
 
 def _value_of(law: TimeLaw) -> jax.ShapeDtypeStruct:
-    """Shape and type of a law's values; the laws of a thousand cases are traced once."""
+    """Shape and type of a law's values; laws of the same structure are traced once."""
     leaves, structure = jax.tree.flatten(law)
     own = _LawStructure(structure, tuple(map(np.shape, leaves)), law)
     if all(isinstance(leaf, float) or _is_array(leaf) for leaf in leaves):
