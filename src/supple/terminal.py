@@ -163,7 +163,7 @@ class ProgressBars:
         self._bars.update(self._task(step, 1.0), completed=fraction)
 
     def finish(self) -> None:
-        """End of the step with a spinner."""
+        """Finish the step with a spinner."""
         if self._spinning is not None:
             self._bars.update(self._spinning, total=1.0, completed=1.0)
 

@@ -38,7 +38,7 @@ class BorderedFactor:
     """The factored system; built by `bordered_factor`."""
 
     matrix: Any
-    """Matrix of the whole system, sparse (n + m + k, ..)"""
+    """Matrix of the whole system, sparse (n + m + w, ..)"""
     n: int
     interior: NDArray[np.intp]
     border: NDArray[np.intp]
@@ -48,9 +48,9 @@ class BorderedFactor:
     rows: Any
     """Coupling of the border to the interior, sparse"""
     remainder: tuple[Any, Any]
-    """L U factor of the Schur complement, scaled"""
+    """L U factor of the scaled Schur complement"""
     scales: tuple[Array, Array]
-    """Scales of its rows and columns"""
+    """Scales of the rows and columns of the Schur complement"""
     symmetric: bool
     """Whether the interior is symmetric"""
 

@@ -168,7 +168,7 @@ def constrained_factor(
         x = K_g^-1 (b - D^T mu) - R a,     R^T (b - D^T mu) = 0,     D x = c
 
     leaves a dense symmetric system of m + d unknowns (mu, a): the springs carry no force, so they are removed
-    exactly. D = R^T M gives inertia relief (mean-axis frame); the motion of an interface, used as D, clamps it.
+    exactly. D = R^T M gives inertia relief (mean-axis frame); an interface is clamped by its motion as D.
 
     Parameters
     ----------

@@ -116,7 +116,7 @@ _LOOK_EVERY = 64
 """Programs between two counts: a count takes milliseconds, and no program takes a hundred maps."""
 
 _WORTH_RELEASING = 1000
-"""Fewest programs, of 1 to 2 MB each: fewer do not fill a memory, and take a minute to compile again."""
+"""Fewest programs, of 1 to 2 MB each: fewer do not fill the memory, and take a minute to compile again."""
 
 
 def bound_programs() -> bool:

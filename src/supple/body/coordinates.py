@@ -43,7 +43,7 @@ _LARGEST_TIE = 2e7
 class Coordinates:
     """Coordinates q of a body, and their expansion to its nodes.
 
-    whole : csc (n_nodal, n0)   u = whole @ q0; q0 has triples of free nodes and rigid pieces, then modes
+    whole : csc (n_nodal, n0)   u = whole @ q0; q0: triples of nodes and rigid pieces, then modal coordinates
     rest : csc (n0, n)          q0 = rest @ q; None where q0 = q, as with rigid pieces only
     rigid_modes : (n, 6);  stiffness, mass : csc (n, n), T^T A T
     freedoms : (n,) nodal freedom of each coordinate, for messages; modal coordinates follow the nodal ones

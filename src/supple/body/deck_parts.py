@@ -81,7 +81,7 @@ def _without(given: ScalarTerms, refused: NDArray[np.bool_]) -> ScalarTerms:
 
 
 def named_part(deck: Deck, name: str | None) -> Deck:
-    """The part or superelement of a deck with a name; the only part where `name` is None.
+    """The part or superelement of that name in a deck; the only part if `name` is None.
 
     Raises
     ------

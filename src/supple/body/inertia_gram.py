@@ -21,7 +21,7 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
 
         z = (v, w, gamma_1 w, ..., gamma_r w, gamma'),    T = 1/2 z^T G z
 
-    With nodal point masses alone it is the Gram matrix W^T M W of the fields
+    With only nodal point masses it is the Gram matrix W^T M W of the fields
     W = [Phi_t | Phi_w0 | Phi_1 ... Phi_r | V]: unit translations, unit rotations, e_i x V_k (three columns
     each) and the basis. Rotary inertia adds to its blocks, to second order in the rotations
     (`InertiaPolynomial`).

@@ -31,7 +31,7 @@ __all__ = ["Finding", "ModelCheck", "Verdict", "check_elements", "check_model", 
 FloatArray = NDArray[np.float64]
 
 LOWEST_FREQUENCIES = "lowest free frequencies"
-"""Name of the finding that lists them, in cycles per unit of time."""
+"""Name of the finding that lists these frequencies, in cycles per unit of time."""
 
 # Eigenvalues below this share of the highest computed one are zero. Rigid modes reach some 1e-9 of that one,
 # the slowest elastic modes of slender parts some 1e-4.
@@ -114,7 +114,7 @@ def check_model(
     ----------
     nodes           : (N, 3)
     stiffness, mass : sparse (n, n), n >= N * dofs_per_node, node by node, then modal coordinates
-    n_frequencies   : number of elastic modes to compute; 0 skips the modes, which is cheap
+    n_frequencies   : number of elastic modes to compute; 0 for a cheap check without modes
     node_ids        : (N,) labels for messages; by default node numbers from 0
     mesh_mass       : expected mass, from the mesh
     rigid_tolerance : largest |K R| relative to the forces that cancel in it

@@ -296,7 +296,7 @@ def _end(system: System, end: At, axes: np.ndarray, ground_point: np.ndarray) ->
 
 
 def initial_points(system: System, element: Joint | ForceElement) -> tuple[np.ndarray, np.ndarray]:
-    """Global positions of both ends at the start; an end on the ground is by default at the other end."""
+    """Global positions of both ends at assembly; an end on the ground is by default at the other end."""
     own = [None if end == GROUND else system.initial_point(end) for end in (element.first, element.second)]
     given = element.ground_point if isinstance(element, ForceElement) else None
     on_ground = given if given is not None else next(point for point in own if point is not None)
@@ -445,7 +445,7 @@ def row_scales(system: System, length: float | None = None) -> np.ndarray:
 
 
 def system_length(system: System) -> float:
-    """Size of the system: diagonal of the box around all nodes and frame origins at the start.
+    """Size of the system: diagonal of the box around all nodes and frame origins at assembly.
 
     For a system with a single point, the largest radius of gyration of its rigid bodies, or 1 without any.
     """

@@ -42,7 +42,7 @@ class EliminationTree:
 
     bodies: tuple[int, ...]
     parents: tuple[int, ...]
-    """Position of each body's parent in this order; for a root, the number of these bodies"""
+    """Position of each body's parent in this order; for a root, the length of the order"""
     rows: tuple[tuple[Places, ...], ...]
     """Constraint equations eliminated together with each body"""
     border_bodies: tuple[int, ...]

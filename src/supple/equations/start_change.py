@@ -25,11 +25,11 @@ __all__ = [
 ]
 
 OPEN = 1e-6
-"""Residual of a closed joint, over the machine's size or in rad; placements with six digits satisfy it."""
+"""Largest residual of a closed joint, over the machine's size or in rad; six-digit placements satisfy it."""
 SLOWED = 1e-5
-"""Change that is not reported, over the kinetic energy; velocities given with three digits satisfy it."""
+"""Largest change not reported, over the kinetic energy; velocities given with three digits satisfy it."""
 UNMET = 1e-3
-"""Remaining rate that is not reported, over the largest rate; placements with three digits satisfy it."""
+"""Largest remaining rate not reported, over the largest rate; three-digit placements satisfy it."""
 NAMED = 0.1
 """Smallest reported change of a body or joint, over the largest change."""
 ROUNDING = 1e-9

@@ -51,9 +51,9 @@ _LOST = 30.0
 _FAR = 0.3
 """Residual below which a search is not stopped."""
 _WORSE = 10.0
-"""Largest growth of the residual in a step that would otherwise be rejected, in continuation."""
+"""Largest growth of the residual in an accepted step of the continuation."""
 _SHORTEST = 1e-4
-"""Relative to the first step: shorter steps are not rejected."""
+"""Length, over the first step, below which steps are not rejected."""
 _AFTER_REVOLUTION = 20
 """Iterations in addition to those of a full revolution by the largest moves (a beam rolled up by a moment). A
 direct search that needs more is stopped, and load and rotation are increased in steps instead."""

@@ -48,7 +48,7 @@ class Statistics:
 
     @property
     def contraction(self) -> float | None:
-        """Geometric mean of the factor on the residual per iteration; None where it is unknown."""
+        """Mean factor (geometric) of an iteration on the residual; None where it is unknown."""
         return 10 ** (-self.decades / self.iterations) if self.iterations and self.decades else None
 
     def __add__(self, other: Statistics) -> Statistics:
@@ -60,7 +60,7 @@ class Statistics:
 
 
 LARGEST = ("largest_error", "largest_turn")
-"""Statistics of which parts of a run are joined by the maximum; all other statistics are summed."""
+"""Statistics whose maximum over the parts of a run is taken; all other statistics are summed."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -68,8 +68,8 @@ class FixedStep:
 class AdaptiveStep:
     """Steps chosen so that the local error stays below `tolerance`.
 
-    The error is measured per step: translations and coordinates of full bodies relative to the size of the
-    system, rotations in radians, reduced coordinates relative to that size times the root of the body's mass.
+    The error is measured per step. Translations, and coordinates of full bodies, are relative to the size of
+    the system; reduced coordinates to that size times the root of the body's mass. Rotations are in radians.
     """
 
     first: float = 1e-6

@@ -21,7 +21,7 @@ class Pose(NamedTuple):
     axes: jax.Array
     """(3, 3), as columns: the axes of the joint or force, which rotate with the interface"""
     velocity: jax.Array
-    """(3,) of the point; zero for joints, whose equations depend on positions alone"""
+    """(3,) of the point; zero for joints, whose equations depend only on positions"""
     angular_velocity: jax.Array
     """(3,) of the axes; zero for joints"""
 

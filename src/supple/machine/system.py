@@ -161,7 +161,7 @@ class Placed(Summarized):
     def moved_to(self, position: np.ndarray, rotation: np.ndarray) -> Placed:
         """The body in another pose, with its joints and forces at the same points and axes.
 
-        rotation : (3, 3); the rounding errors of many rotations are removed
+        rotation : (3, 3); its rounding errors after many rotations are removed
         """
         left, _, right = np.linalg.svd(rotation)
         return replace(self, position=position, rotation=left @ right, assembled=self.assembly)
