@@ -158,7 +158,7 @@ class BodyForm(Protocol):
 
     @property
     def missing_centrifugal_stiffness(self) -> np.ndarray:
-        """Missing fraction of the stiffness per squared angular velocity about each axis, (3,), (rad/s)^-2."""
+        """Fraction of stiffness missing per squared angular velocity about each axis, (3,), (rad/s)^-2."""
         ...
 
     @property

@@ -212,7 +212,7 @@ class Model:
     n_equations: int = field(metadata=STATIC)
     """Number of constraint equations, redundant ones included"""
     active: tuple[int, ...] = field(metadata=STATIC)
-    """The constraint equations kept: all but the redundant ones."""
+    """The constraint equations in use: all but the redundant ones."""
     controllers: tuple[ControlLaw, ...] = ()
 
     @property

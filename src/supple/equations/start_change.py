@@ -27,7 +27,7 @@ __all__ = [
 OPEN = 1e-6
 """Largest residual of a closed joint, over the machine's size or in rad; six-digit placements satisfy it."""
 SLOWED = 1e-5
-"""Largest change not reported, over the kinetic energy; velocities given with three digits satisfy it."""
+"""Largest energy of an unreported change, over the kinetic energy; three-digit velocities satisfy it."""
 UNMET = 1e-3
 """Largest remaining rate not reported, over the largest rate; three-digit placements satisfy it."""
 NAMED = 0.1

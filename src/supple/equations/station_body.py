@@ -38,7 +38,7 @@ class Stations(NamedTuple):
 
     positions : (s, 3)
     rotations : (s, 3, 3)
-    motion : J (6 s, 6 + r)     map of u to their velocities (global) and angular velocities (own axes)
+    motion : J (6 s, 6 + r)     map of u to their velocities (global) and angular velocities (station axes)
     bias : (6 s,)               rates of these velocities at constant u
     """
 
@@ -74,7 +74,7 @@ class StationBody(Protocol):
         ...
 
     def forces(self, state: BodyState) -> StationBodyForces:
-        """The forces of its own equations."""
+        """The forces in the equations of the body."""
         ...
 
     def tangent(self, state: BodyState, station_forces: np.ndarray) -> tuple[np.ndarray, ...]:

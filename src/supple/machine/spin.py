@@ -18,9 +18,9 @@ __all__ = ["Spin"]
 
 @dataclass(frozen=True, eq=False)
 class Spin:
-    """A steady rotation about an axis fixed in space; velocity of a point R of a rotating body:
+    """A steady rotation about an axis fixed in space.
 
-        dR/dt = w x (R - p),        w = rate * axis
+        dR/dt = w x (R - p),        w = rate * axis,        for a point R of a rotating body
 
     Parameters
     ----------

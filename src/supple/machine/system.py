@@ -40,7 +40,7 @@ _ACROSS = 1e-3
 # Members that every form of body needs in a machine.
 _BODY = ("name", "kind", "n_coordinates", "interfaces")
 _EXPLICIT = ("modal", "explicit")
-"""Kinds of bodies for explicit runs only: modal parts on four-point frames, and parts of elements."""
+"""Kinds of bodies for explicit runs only: modal parts on four-point frames, finite-element parts."""
 _OF_PARTS = {
     "ties": ((Tie,), "ties such as Tie(At(part, node set), on=part)"),
     "contacts": (
