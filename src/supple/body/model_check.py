@@ -1,6 +1,6 @@
 """Model check: whether an imported stiffness and mass are those of one free elastic body.
 
-Findings have numbers and remedies.
+Each finding contains numbers and, if needed, a remedy.
 """
 
 from __future__ import annotations

@@ -196,7 +196,7 @@ class Model:
     """The whole system."""
 
     groups: tuple[BodyGroup, ...]
-    """The bodies with inertia here; the inertia of a full body is outside the compiled equations"""
+    """The bodies whose inertia is in the compiled equations; that of a full body is not"""
     joints: tuple[JointGroup, ...]
     forces: tuple[ForceGroup, ...]
     nodal_loads: tuple[NodalLoadArrays, ...]

@@ -37,7 +37,7 @@ class ControllerSampling:
 
     system: System
     instants: Mapping[int, np.ndarray]
-    """By number of the controller, ascending"""
+    """Call times by number of the controller, ascending"""
 
     @property
     def every(self) -> np.ndarray:

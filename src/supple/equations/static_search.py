@@ -146,7 +146,7 @@ class Equations(Protocol):
 
     @property
     def slices(self) -> tuple[slice, ...]:
-        """Positions of the motions of each body in its linear equations."""
+        """Positions of the motions of each body in the linear equations."""
         ...
 
     @property

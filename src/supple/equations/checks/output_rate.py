@@ -40,7 +40,7 @@ FEWEST = 10
 
 @dataclass(frozen=True)
 class Hidden:
-    """A vibration that output times do not resolve: rad/s, and its share of the whole motion."""
+    """A vibration that output times do not resolve: frequency, rad/s, and share of the whole motion."""
 
     frequency: float
     share: float

@@ -90,7 +90,7 @@ class _Limits:
 
 @dataclass(frozen=True, eq=False)
 class Watch:
-    """The limits of a system's bodies, and their observation."""
+    """The limits of a system's bodies, and the check of a run against them."""
 
     validity: Validity
     limits: tuple[_Limits, ...]

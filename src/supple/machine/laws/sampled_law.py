@@ -21,7 +21,7 @@ from supple.programs.program_cache import CachedProgram
 __all__ = ["Jumps", "jumps", "sampled", "sampled_instants"]
 
 BLOCK = 64 * 33
-"""Times that are evaluated together: the subdivisions of all jumps in one round."""
+"""Number of times that are evaluated together: the subdivisions of all jumps in one round."""
 N_SAMPLES = 8 * BLOCK - 1
 MOST_NUMBERS = 4_000_000
 """Largest number of values in all samples, which limits the memory for a load on many nodes."""
@@ -29,7 +29,7 @@ MOST_JUMPS = 64
 DIVISIONS, ROUNDS = 32, 5
 """Parts of an interval, and rounds of subdivision: a jump is located to 32^-5 of the distance of samples."""
 JUMPS = 1e-4
-"""Smallest change in the last bracket that counts as a jump, relative to the range of the function."""
+"""Smallest change in the last interval that counts as a jump, relative to the range of the function."""
 TURNS = 1e-3
 """Smallest difference in value of adjacent turning points, relative to the range; less is ripple."""
 MOST_TURNS = 512

@@ -27,7 +27,7 @@ _EXPECTED = "a number, an array, a law such as Ramp(1.0, 2.0), or a function of 
 
 @runtime_checkable
 class TimeLaw(Protocol):
-    """A value, or an array of them, over time: `law(time)`, defined from `law.begin` to `law.end`.
+    """A value, or an array of values, over time: `law(time)`, defined from `law.begin` to `law.end`.
 
     A user-defined law is a dataclass with `__call__`, `begin` and `end`, registered by
     `jax.tree_util.register_dataclass`.
@@ -48,7 +48,7 @@ class TimeLaw(Protocol):
 
 
 def as_time_law(value: Any) -> TimeLaw:
-    """The law from a law, a function of time, a number or an array."""
+    """The law of a quantity that is given as a law, a function of time, a number or an array."""
     if isinstance(value, type):  # a class has the members of its objects
         raise ArgumentError(f"a quantity over time: expected {_EXPECTED}, got {given(value)}")
     if isinstance(value, TimeLaw):

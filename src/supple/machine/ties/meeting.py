@@ -36,7 +36,7 @@ def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[
         ]
     )
     corners = mesh.nodes[triangles]
-    # Only faces near a point can be under it; centres are searched within the largest face size.
+    # A face under a point has its centre within the largest face size; only such faces are tested.
     centres, reach = corners.mean(axis=1), np.linalg.norm(np.ptp(corners, axis=1), axis=1).max()
     tree = KDTree(centres)
     found, weights = np.empty((len(points), 3), dtype=np.int64), np.empty((len(points), 3))
