@@ -2,8 +2,8 @@
 
 Steps of reduced machines, and estimates of their errors, work with many matrices of ten to two hundred
 columns. The threads of BLAS then wait for each other longer than they compute: a step with 73 unknowns took
-5.6 ms with two threads and 3.0 ms with one. The estimate for a blade took as long with one thread as with
-two, which used 1.6 times the processor time.
+5.6 ms with two threads and 3.0 ms with one. The error estimate for a blade took as long with one thread as
+with two; two threads used 1.6 times the processor time.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """HDF5 files of unknown origin, copied by a separate process before they are read.
 
 On a damaged file the HDF5 library may hang, take all memory, or crash the process. Here only the copying
-process is affected; the caller reads the new file. Files with a seal are read directly.
+process is affected; the caller reads the new file. Files with a seal (`file_seal`) are read directly.
 
 Limits of the copying process: 15 s of processor time plus 1 s per 50 MB of the file, and 2 GiB of memory or
 twenty times the size of the file, if that is more. No array may be larger than twenty times the file.
@@ -25,7 +25,7 @@ from supple.other_processes import python_command, python_environment
 SECONDS = 15.0
 _BYTES_PER_SECOND = 50e6
 _WAITING = 4
-"""Factor on the elapsed time, for a busy computer."""
+"""Limit of the elapsed time, relative to that of the processor time, for a busy computer."""
 MEMORY = 2 * 2**30
 _TIMES_ITS_SIZE = 20
 

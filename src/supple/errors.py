@@ -86,7 +86,7 @@ class LockingWarning(SuppleWarning):
 
 
 class BasisWarning(SuppleWarning):
-    """A reduced body whose basis lacks a significant part of its deformation at rest, or of a mode."""
+    """A reduced body whose basis lacks a significant part of its deformation, or of a mode."""
 
 
 class LoadSpectrumWarning(SuppleWarning):

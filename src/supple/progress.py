@@ -86,7 +86,7 @@ def with_progress_bar(
 
 @contextmanager
 def progress_bar(title: str) -> Iterator[Share | None]:
-    """Context with a bar; yields its reporter, or None without a bar, as inside work that has one."""
+    """Context with a bar; yields its `Share`, or None if no bar is shown, as within work that shows one."""
     if not (_switch["on"] and _outermost.get() and _is_watched()):
         yield None
         return
@@ -103,7 +103,7 @@ def _is_watched() -> bool:
 
 
 def _is_notebook() -> bool:
-    """Whether this process is a notebook kernel: a terminal program may import IPython as well."""
+    """Whether this process is a notebook kernel; an imported IPython alone does not show this."""
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     return hasattr(shell, "kernel")
 

@@ -13,11 +13,11 @@ __all__ = ["Row", "Summarized", "Summary", "listed", "point"]
 Row = tuple[str, str]
 
 N_LINES = 10
-"""Lines of a printed object, with its title."""
+"""Largest number of lines of a printed object, with its title."""
 N_LISTED = 6
-"""Names in one row of a list."""
+"""Largest number of names in one row."""
 WIDTH = 140
-"""Characters of a line."""
+"""Largest number of characters in a line."""
 
 
 @dataclass(frozen=True)

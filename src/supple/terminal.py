@@ -38,7 +38,7 @@ FAULT = 1
 """Exit code of a command with an internal error of supple."""
 
 WIDTH_OF_FILES = 140
-"""Columns of output that is not on a terminal: the widest table of a report."""
+"""Width, in characters, of output that is not on a terminal; the widest table of a report fits."""
 
 
 def _console(*, stderr: bool = False) -> Console:
@@ -163,7 +163,7 @@ class ProgressBars:
         self._bars.update(self._task(step, 1.0), completed=fraction)
 
     def finish(self) -> None:
-        """End of the step with a spinner."""
+        """Finish the step with a spinner."""
         if self._spinning is not None:
             self._bars.update(self._spinning, total=1.0, completed=1.0)
 

@@ -107,7 +107,7 @@ class UnitSystem:
     def stated(cls, units: Mapping[str, str]) -> UnitSystem:
         """The system for given names of units: length, mass, time, force, stress; all must agree.
 
-        By default the mass follows from the force: in, lbf and s have the mass lbf s2/in.
+        By default the mass follows from length, time and force: lbf s2/in from in, s and lbf.
 
         Raises
         ------
@@ -138,7 +138,7 @@ class UnitSystem:
         return ", ".join(f"{f.name} {getattr(self, f.name)}" for f in fields(self) if getattr(self, f.name))
 
     def in_si(self, *, mass: int = 0, length: int = 0, time: int = 0) -> float | None:
-        """One unit of mass^a length^b time^c in SI units; None if one of them has no name."""
+        """The unit of these powers of mass, length and time in SI units; None if one of them has no name."""
         powers = {"mass": mass, "length": length, "time": time}
         used = {name: power for name, power in powers.items() if power}
         if not all(getattr(self, name) for name in used):

@@ -38,19 +38,19 @@ class BorderedFactor:
     """The factored system; built by `bordered_factor`."""
 
     matrix: Any
-    """Matrix of the whole system, sparse (n + m + k, ..)"""
+    """Matrix of the whole system, sparse (n + m + w, ..)"""
     n: int
     interior: NDArray[np.intp]
     border: NDArray[np.intp]
     factor: SparseFactor
     responses: Array
-    """Responses of the interior to unit values of the border, negative, (n_interior, n_border)"""
+    """Negative responses of the interior to unit values of the border, (n_interior, n_border)"""
     rows: Any
     """Coupling of the border to the interior, sparse"""
     remainder: tuple[Any, Any]
-    """L U factor of the Schur complement, scaled"""
+    """L U factor of the scaled Schur complement"""
     scales: tuple[Array, Array]
-    """Scales of its rows and columns"""
+    """Scales of the rows and columns of the Schur complement"""
     symmetric: bool
     """Whether the interior is symmetric"""
 

@@ -18,8 +18,8 @@ __all__ = ["ConstrainedFactor", "GroundedFactor", "constrained_factor", "grounde
 LARGEST_RESIDUAL = 1e-8
 SMALLEST_RECIPROCAL_CONDITION = 1e-14
 
-# Entries, and fewest columns, of the solutions computed at once: several copies of all columns of a large
-# body would take gigabytes.
+# Most entries, and fewest columns, of the solutions computed at once: several copies of all columns of a
+# large body would take gigabytes.
 NUMBERS_AT_ONCE = 2**22
 FEWEST_AT_ONCE = 16
 
@@ -168,7 +168,7 @@ def constrained_factor(
         x = K_g^-1 (b - D^T mu) - R a,     R^T (b - D^T mu) = 0,     D x = c
 
     leaves a dense symmetric system of m + d unknowns (mu, a): the springs carry no force, so they are removed
-    exactly. D = R^T M gives inertia relief (mean-axis frame); the motion of an interface as D clamps it.
+    exactly. D = R^T M gives inertia relief (mean-axis frame); an interface is clamped by its motion as D.
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ def constrained_factor(
 
 
 def _border_factor(border: NDArray[np.float64], m: int) -> tuple[Any, NDArray[np.float64]]:
-    """Equilibrate the border (multipliers carry forces and moments) and factor it."""
+    """Scale the border, as its multipliers have the units of forces and moments, and factor it."""
     if border.shape[0] == 0:
         return (border, np.zeros(0, dtype=np.intp)), np.zeros(0)
     scale = np.ones(border.shape[0])

@@ -1,4 +1,4 @@
-"""Linear constraints D x = c as dense rows, few and common to all factors."""
+"""A few linear constraints D x = c as dense rows, in the form that all factors use."""
 
 from __future__ import annotations
 

@@ -179,7 +179,7 @@ def _lowest_by_inverse(
 
 
 def _first_shift(stiffness: sparse.csc_array, mass: sparse.csc_array) -> float:
-    """A shift far below the elastic eigenvalues of most bodies, far above rounding errors of zero ones."""
+    """A shift far below the elastic eigenvalues of most bodies, far above rounded zero eigenvalues."""
     return 1e-9 * float(np.max(np.divide(stiffness.diagonal(), mass.diagonal())))
 
 

@@ -27,7 +27,7 @@ CLOSE = 1e-5
 # Residual of a mode in its equation: the error of its eigenvalue is of the order of the squared residual.
 LARGEST_RESIDUAL = 1e-7
 
-# Krylov vectors per requested mode that usually suffice, and the growth otherwise.
+# Krylov vectors that usually suffice: some blocks, plus some per requested mode; and the growth otherwise.
 FIRST_BLOCKS = 9
 VECTORS_PER_MODE = 2.65
 SMALLEST_GROWTH = 1.05
@@ -105,7 +105,7 @@ class GrowingModes:
         Raises
         ------
         ModelError      more modes than there are
-        AccuracyError   a motion without mass, or with negative mass; a motion too soft for the round-off
+        AccuracyError   a motion without mass, or with negative mass; a motion softer than the round-off
         """
         if n_modes > self.available:
             raise ModelError(f"{n_modes} modes requested of a structure with {self.available} freedoms")

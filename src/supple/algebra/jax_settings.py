@@ -116,7 +116,7 @@ _LOOK_EVERY = 64
 """Programs between two counts: a count takes milliseconds, and no program takes a hundred maps."""
 
 _WORTH_RELEASING = 1000
-"""Fewest programs, of 1 to 2 MB each: fewer do not fill a memory, and take a minute to compile again."""
+"""Fewest programs, of 1 to 2 MB each: fewer do not fill the memory, and take a minute to compile again."""
 
 
 def bound_programs() -> bool:
@@ -154,7 +154,7 @@ def release_programs() -> None:
     for forget in _FORGET:
         forget()
     gc.collect()
-    # The C library of Linux keeps what is freed: a gigabyte after a thousand programs.
+    # The C library of Linux keeps freed memory: a gigabyte after a thousand programs.
     if _MAPS.exists() and (trim := getattr(ctypes.CDLL(None), "malloc_trim", None)):
         trim(0)
 

@@ -22,8 +22,8 @@ def largest_vector(rows: Any, coordinates: Array) -> tuple[float, int]:
 
         f(q) = max_p |R_p q|,    f(q) <= f(q_k) + sum_j |q - q_k|_j f(e_j)
 
-    because f is a norm. A time between evaluated times is evaluated only if its bound from the nearest of
-    these exceeds the largest known value; a vibration needs a tenth of the times. Vectors that are shorter
+    because f is a norm. A time is evaluated only if its bounds from the nearest evaluated times exceed the
+    largest known value; for a vibration, a tenth of the times are evaluated. Vectors that are shorter
     than this value at all times, |R_p q| <= sum_j |R_p e_j| max_t |q_j|, are left out.
 
     rows : (3 P, r) R; with a sparse R, as for the thousands of coordinates of a full body, the bound excludes

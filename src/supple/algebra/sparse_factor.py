@@ -35,7 +35,7 @@ BLOCK_COLUMNS = 64
 # order one for a singular matrix, whose factors are only round-off along its null vectors.
 LARGEST_REFINEMENT = 1e-3
 
-# Above this size, factors of three-dimensional meshes by SuperLU are too large (10 minutes and more).
+# Above this size, SuperLU takes too long for three-dimensional meshes (10 minutes and more).
 LARGEST_COMFORTABLE_SUPERLU = 50_000
 
 

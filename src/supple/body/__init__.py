@@ -1,4 +1,4 @@
-"""Flexible bodies: a finite-element model with interfaces, a floating frame and its inertia Gram matrix."""
+"""Flexible bodies: finite-element models with interfaces and floating frames, and their inertia."""
 
 from supple.body.body_form import *
 from supple.body.body_source import *
@@ -24,5 +24,5 @@ from supple.body.section_beams import *
 from supple.body.superelement import *
 
 # isort: split
-# Last, as the function has the name of a module above.
+# Last, because the function `flexible_body` has the name of a module above.
 from supple.body.finite_element_body import *

@@ -33,9 +33,10 @@ DEFLECTION_ERROR = 6.0
 
 
 def section_softness(body: FlexibleBody, interface: BodyInterface) -> Array:
-    """Softness c / C (3,) of an averaging interface about the axes of the body; zeros for a rigid section.
+    """Softness c / C (3,) of an averaging interface about the axes of the body.
 
-    C : rotation per moment, with another interface fixed, or balanced by inertia where there is no other
+    Zeros for other interfaces, and in a linear body.
+    C : rotation per moment; another interface is fixed, or inertia balances the moment if there is no other
     """
     # cubic_turn > 0 marks interfaces that average displacements: their motion is sin(phi).
     if body.is_linear or interface.cubic_turn <= 0:

@@ -99,7 +99,7 @@ class BodyForm(Protocol):
         rates: np.ndarray,
         /,
     ) -> FramedMotion:
-        """The motion displaced by small p = (A^T dR, psi, dq) from a pose and coordinates.
+        """The motion at small displacements p = (A^T dR, psi, dq) from a pose and coordinates.
 
         Raises ModelError for a form without a frame.
         displacement : p (t, 6 + r)
@@ -129,7 +129,7 @@ class BodyForm(Protocol):
     def nodal_fields(
         self, coordinates: np.ndarray, freedoms: NDArray[np.intp] | slice = ..., /
     ) -> tuple[np.ndarray, np.ndarray | None]:
-        """Nodal freedoms (n, t) for coordinates (t, r), from which strains follow; all or some freedoms.
+        """All or some nodal freedoms (n, t) for coordinates (t, r); strains follow from them.
 
         The second array is the condensed part, which enters only linear strains; None without condensation.
         """
@@ -158,7 +158,7 @@ class BodyForm(Protocol):
 
     @property
     def missing_centrifugal_stiffness(self) -> np.ndarray:
-        """Share of the stiffness missing per squared angular velocity about each axis, (3,), (rad/s)^-2."""
+        """Fraction of stiffness missing per squared angular velocity about each axis, (3,), (rad/s)^-2."""
         ...
 
     @property

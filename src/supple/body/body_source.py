@@ -45,10 +45,10 @@ IntArray = NDArray[np.int64]
 class BodySource:
     """Source of an elastic body; each part is read or assembled once, on first use.
 
-    check : check of the nodal matrices without interfaces, for a number of elastic modes
-    body : the body with a name and interfaces; ModelError for errors of the model
-    connections : RBE2 and RBE3 elements that can be interfaces
-    numbers : node numbers for the node ids of its file
+    check : function that checks the nodal matrices without interfaces, with a number of elastic modes
+    body : function for the body with a name and interfaces; ModelError for errors of the model
+    connections : function for the RBE2 and RBE3 elements that can be interfaces
+    numbers : function from node ids of its file to node numbers
     mesh, model : mesh and elements, also for a linear body; None for matrices
     ties_itself : whether rigid connections are constraints even if no interface uses them
     """
@@ -65,7 +65,7 @@ class BodySource:
 def elements_source(
     mesh: Mesh, assemble: Callable[[], FiniteElementModel], connections: Sequence[Connection] = ()
 ) -> BodySource:
-    """The body of a mesh; `assemble` makes its elements."""
+    """The body of a mesh; `assemble` returns its finite-element model."""
     model = cache(assemble)
     return BodySource(
         lambda n_frequencies: check_elements(model(), n_frequencies=n_frequencies),

@@ -1,8 +1,8 @@
 """Constraints between the freedoms of a body, eliminated: C q = 0 becomes q = T q_kept.
 
-Each row eliminates one freedom: the one named in its file if possible, another otherwise. Rows whose freedom
-occurs in no other row are solved separately, so that thousands of ties of nodes to surfaces stay sparse.
-Rows that share freedoms are solved together.
+Each row eliminates one freedom: the one named in its file if possible, another otherwise. Rows whose named
+freedom occurs in no other row are solved separately, so that thousands of ties of nodes to surfaces stay
+sparse. Rows that share freedoms are solved together.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ IntArray = NDArray[np.int64]
 
 # Entries below this share of a row's largest are rounding.
 _NOTHING = 1e-12
-# A pivot below this share of the largest one, of rows scaled to one, marks a dependent row.
+# A pivot below this share of the largest pivot marks a dependent row; rows are scaled to one.
 _REDUNDANT = 1e-9
 # Preference for elimination: first the freedom named in the file, last the freedoms of an interface.
 _NAMED, _LAST = 1e3, 1e-4

@@ -43,8 +43,8 @@ _LARGEST_TIE = 2e7
 class Coordinates:
     """Coordinates q of a body, and their expansion to its nodes.
 
-    whole : csc (n_nodal, n0)   u = whole @ q0; q0 : triples of free nodes, of rigid pieces, modal coordinates
-    rest : csc (n0, n)          q0 = rest @ q; None where q0 = q, as with rigid pieces alone
+    whole : csc (n_nodal, n0)   u = whole @ q0; q0: triples of nodes and rigid pieces, then modal coordinates
+    rest : csc (n0, n)          q0 = rest @ q; None where q0 = q, as with rigid pieces only
     rigid_modes : (n, 6);  stiffness, mass : csc (n, n), T^T A T
     freedoms : (n,) nodal freedom of each coordinate, for messages; modal coordinates follow the nodal ones
     sets : the rigid pieces
@@ -90,7 +90,7 @@ class Coordinates:
 
     @property
     def _rows(self) -> sparse.csr_array:
-        """q0 from q."""
+        """Map (n0, n) from q to q0."""
         if self.rest is not None:
             return sparse.csr_array(self.rest)
         return sparse.csr_array(sparse.eye_array(self.whole.indptr.size - 1))

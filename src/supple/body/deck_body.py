@@ -414,7 +414,7 @@ def _nodal_matrix(
 
 
 def _matrix(terms: ScalarTerms, n_nodes: int, d: int) -> sparse.csr_array:
-    """The sums as rows (rows, n) of the nodal freedoms, without rotations that no node has."""
+    """Scalar terms as rows over the n nodal freedoms, without rotations that the nodes do not have."""
     there = terms.freedoms % 6 < d
     places = terms.rows[there], _at(terms.freedoms[there], d)
     return sparse.csr_array(
@@ -423,7 +423,7 @@ def _matrix(terms: ScalarTerms, n_nodes: int, d: int) -> sparse.csr_array:
 
 
 def _zero_sums(given: Sequence[ScalarTerms], n_nodes: int, d: int, path: object) -> Constraints | None:
-    """Sums that are constrained to zero, as rows."""
+    """Scalar terms that are constrained to zero, as rows."""
     given = [each for each in given if len(each.lines)]
     if not given:
         return None

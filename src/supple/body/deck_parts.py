@@ -57,7 +57,7 @@ def without_scalar_points(deck: Deck) -> Deck:
 
 
 def with_scalar_points(deck: Deck) -> Deck:
-    """A deck at its own supports, with scalar points as nodes that move along x alone."""
+    """A deck at its own supports, with scalar points as nodes that move only along x."""
     n, k = len(deck.node_ids), len(deck.scalar_points)
     if not k:
         return deck
@@ -81,7 +81,7 @@ def _without(given: ScalarTerms, refused: NDArray[np.bool_]) -> ScalarTerms:
 
 
 def named_part(deck: Deck, name: str | None) -> Deck:
-    """One part of a deck, by its name, or a superelement; the only one where `name` is None.
+    """The part or superelement of that name in a deck; the only part if `name` is None.
 
     Raises
     ------
@@ -109,8 +109,8 @@ def named_part(deck: Deck, name: str | None) -> Deck:
 def deck_links(deck: Deck) -> IntArray:
     """Pairs (L, 2) of nodes connected by something other than cells.
 
-    The first node of each connection is paired with all its nodes, itself included; ties and means start with
-    their reference node.
+    The first node of a connection is paired with each node of the connection, itself included. The first node
+    of ties and means is their reference node.
     """
     stars = [np.array(nodes, dtype=np.int64) for nodes in _stars(deck)]
     pairs = [np.column_stack([np.full(len(nodes), nodes[0]), nodes]) for nodes in stars]

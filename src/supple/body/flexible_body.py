@@ -44,7 +44,7 @@ class FlexibleBody(Summarized):
     rotation_operator : csc (3 P, n_nodal), rotation vectors at P points; None where rotations are unknown
     rotation_limit    : rad, largest rotation relative to the body's frame for which its kinematics hold
     threes : the map `rest` (n0, n) to coordinates in triples q0 = rest @ q, of free nodes and rigid pieces,
-        and their mass (n0, n0); None where q0 = q, as with rigid interfaces alone
+        and their mass (n0, n0); None where q0 = q, as with rigid interfaces only
     damping       : csc (n, n), N s/m, from its files, or None. Options of a reduction add to it
     linearized_from : the same body with quadratic strains, if it was linearised; None otherwise
     n_modal : number of modal coordinates in q, of a condensed model. They belong to no node, and their mass
@@ -101,7 +101,7 @@ class FlexibleBody(Summarized):
 
     @property
     def is_linear(self) -> bool:
-        """Whether the internal force is K q alone."""
+        """Whether the internal force is K q, without nonlinear terms."""
         return self.force.is_linear
 
     def linearized(self) -> FlexibleBody:

@@ -116,7 +116,7 @@ class FullBody(FloatingForm):
 
     @property
     def is_linear(self) -> bool:
-        """Whether the internal force is K q alone."""
+        """Whether the internal force is K q, without nonlinear terms."""
         return self.body.is_linear
 
     def lowest_frequency(self) -> float:

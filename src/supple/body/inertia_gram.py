@@ -21,7 +21,7 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
 
         z = (v, w, gamma_1 w, ..., gamma_r w, gamma'),    T = 1/2 z^T G z
 
-    With nodal point masses alone it is the Gram matrix W^T M W of the fields
+    With only nodal point masses it is the Gram matrix W^T M W of the fields
     W = [Phi_t | Phi_w0 | Phi_1 ... Phi_r | V]: unit translations, unit rotations, e_i x V_k (three columns
     each) and the basis. Rotary inertia adds to its blocks, to second order in the rotations
     (`InertiaPolynomial`).
@@ -54,7 +54,7 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
         among[:, :, some] = np.tensordot(V, energy.spin_products(fields), axes=(0, 2)).swapaxes(2, 3)
     rigid, turned = R.T @ (body.mass @ R), turned.reshape(6, 3 * r)
     among, rates = among.reshape(3 * r, 3 * r), rates.reshape(3 * r, r)
-    # From the nodal mass, which lacks modal coordinates, so that a disagreement of the two masses shows.
+    # The nodal mass shows a disagreement of the two masses; it lacks modal coordinates, which need the other.
     nodal = V if body.n_modal else body.expansion @ V
     own = nodal.T @ ((body.mass if body.n_modal else body.nodal_mass) @ nodal)
     gram = np.block([[rigid, turned, by_basis], [turned.T, among, rates], [by_basis.T, rates.T, own]])

@@ -49,7 +49,7 @@ class InertiaPolynomial:
 
     where `P_i` are the columns of M R for rotations. All follow from the 3 x 3 blocks of the mass matrix.
     Blocks m I between two translations, those of points, have B_i = - m e_i x and Z_ij = - m e_i x e_j x;
-    their products need one product with M only.
+    products with all of these need only one product with M.
     """
 
     body: FlexibleBody
@@ -72,7 +72,7 @@ class InertiaPolynomial:
         return matrix if self._rest is None else csr_array(self._rest.T @ matrix @ self._rest)
 
     def _gathered(self, fields: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
-        """Forces on coordinates in triples, along one axis, transformed to the body's."""
+        """Forces whose `axis` counts coordinates in triples, transformed to the body's coordinates."""
         if self._rest is None:
             return fields
         ahead = np.moveaxis(fields, axis, 0)

@@ -199,8 +199,8 @@ def nodal_matrices(
 
     Raises
     ------
-    ModelError   freedoms of nodes that the mesh file lacks; nodes with some of their translations only; modal
-                 coordinates alone, from a model with a clamped boundary
+    ModelError   freedoms of nodes that the mesh file lacks; nodes with some of their translations only; only
+                 modal coordinates, from a model with a clamped boundary
     ImportFormatError   a recovery matrix for other freedoms
     """
     given = [stiffness, mass, *([] if damping is None else [damping])]

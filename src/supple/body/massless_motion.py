@@ -26,7 +26,7 @@ __all__ = ["StaticallyTied", "massless_motions", "tie_statically"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# An energy below this share of the energy of freedoms that move alone is zero.
+# An energy below this share of that of the freedoms moved one at a time is zero.
 _REGULAR = 1e-9
 # Entries of a tie below this share of the largest are rounding.
 _NO_TIE = 1e-11
@@ -81,7 +81,7 @@ def tie_statically(
     """
     n, k = motions.shape
     forces = motions.T @ stiffness
-    # Energies relative to those of freedoms that move alone: zero for a motion without stiffness.
+    # Energies relative to those of the freedoms moved one at a time: zero for a motion without stiffness.
     alone = motions.T @ (stiffness.diagonal()[:, None] * motions)
     soft = int((linalg.eigvalsh(forces @ motions, alone) <= _REGULAR).sum())
     if soft:

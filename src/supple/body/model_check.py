@@ -1,6 +1,6 @@
 """Model check: whether an imported stiffness and mass are those of one free elastic body.
 
-Findings have numbers and remedies.
+Each finding contains numbers and, if needed, a remedy.
 """
 
 from __future__ import annotations
@@ -31,16 +31,16 @@ __all__ = ["Finding", "ModelCheck", "Verdict", "check_elements", "check_model", 
 FloatArray = NDArray[np.float64]
 
 LOWEST_FREQUENCIES = "lowest free frequencies"
-"""Name of the finding that lists them, in cycles per unit of time."""
+"""Name of the finding that lists these frequencies, in cycles per unit of time."""
 
 # Eigenvalues below this share of the highest computed one are zero. Rigid modes reach some 1e-9 of that one,
 # the slowest elastic modes of slender parts some 1e-4.
 ZERO_MODE = 1e-6
-# Difference of the mass matrix from the mass of the mesh: far above the quadrature error on curved cells.
+# Allowed difference of the mass matrix from the mesh: far above the quadrature error on curved cells.
 MASS_AGREEMENT = 0.02
-# Difference between the three masses of R^T M R: rounding of entries printed with few digits.
+# Allowed difference between the three masses of R^T M R: rounding of entries printed with few digits.
 SAME_MASS = 1e-4
-# Node spacing times sqrt(K_ii / M_ii) is 2 to 6 times the speed of sound: 30 m/s (rubber) to 2e4 m/s.
+# Node spacing times sqrt(K_ii / M_ii), 2 to 6 times the speed of sound, is 30 m/s (rubber) to 2e4 m/s.
 # In mm the numbers are a thousand times as large. Outside the narrow range units are doubtful (as in mm with
 # ms), outside the wide one wrong.
 USUAL_SPEEDS = (30.0, 3e8)
@@ -114,7 +114,7 @@ def check_model(
     ----------
     nodes           : (N, 3)
     stiffness, mass : sparse (n, n), n >= N * dofs_per_node, node by node, then modal coordinates
-    n_frequencies   : number of elastic modes to compute; 0 skips the modes, which is cheap
+    n_frequencies   : number of elastic modes to compute; 0 for a cheap check without modes
     node_ids        : (N,) labels for messages; by default node numbers from 0
     mesh_mass       : expected mass, from the mesh
     rigid_tolerance : largest |K R| relative to the forces that cancel in it
@@ -340,7 +340,7 @@ def _coordinates(
     labels: NDArray[np.int64],
     tolerance: float,
 ) -> tuple[Coordinates | None, list[Finding]]:
-    """The coordinates after ties, and the findings on the way."""
+    """The coordinates after ties, and the findings about mass and ties."""
     beside = Attached() if attached is None else attached
     try:
         sets = rigid_sets("model", len(nodes), (), beside)

@@ -164,7 +164,7 @@ def _angular_velocity(cubic_turn: float, theta: Array, rate: Array) -> Array:
 def _of_frame(
     body: Deforming, q: Array, dq: Array, ddq: Array, nodes: NDArray[np.intp]
 ) -> tuple[Array, Array, Array]:
-    """Displacements (t, k, 3) of some nodes in the frame, and their first and second rates.
+    """Displacements (t, k, 3) of some nodes in the frame, and their first and second derivatives.
 
     Displacements are quadratic, u = V q + Z(q, q): expand_rates is V dq + 2 Z(q, dq), so that
     ddu = V ddq + 2 Z(q, ddq) + 2 Z(dq, dq).

@@ -2,9 +2,9 @@
 
     u_points = T [u_boundary; eta],      T R = R_points
 
-Masses on these points and on the nodes add information that the matrices lack: in which direction modal
-coordinates move the mass. These masses are fitted to the mass matrix M of the body, scaled by its diagonal.
-T_a, Theta_a are the translations and rotations of point or node a by the freedoms:
+The matrices lack the direction in which modal coordinates move the mass. Masses on these points and on the
+nodes supply it. They are fitted to the mass matrix M of the body, scaled by its diagonal. With the
+translations T_a and rotations Theta_a of point or node a per unit of the freedoms:
 
     M  ~  sum_a m_a T_a^T T_a + sum_a J_a Theta_a^T Theta_a,      m_a, J_a >= 0
 """

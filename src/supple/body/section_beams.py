@@ -18,11 +18,11 @@ Array = NDArray[np.float64]
 
 @checked_arguments
 def section_beams(table: SectionTable, n_elements: int | None = None) -> FiniteElementModel:
-    """A chain of straight beam elements with the sections of a table, coupled and tapering.
+    """A chain of straight, tapering beam elements with the coupled sections of a table.
 
     Parameters
     ----------
-    n_elements : int    of equal lengths; by default one between each two sections of the table
+    n_elements : int    elements of equal lengths; by default one between adjacent sections of the table
 
     Returns
     -------

@@ -25,7 +25,7 @@ ROUNDING = 1e-9
 """Points nearer to the plane than this share of the size of the body count as on it."""
 
 ROOM = 2**22
-"""Numbers of forces in memory at a time."""
+"""Largest number of force values in memory at a time."""
 
 
 @dataclass(frozen=True)

@@ -67,9 +67,9 @@ def build_model(
 
     like : a system and its model, whose arrays are reused where the bodies and joints are the same objects
 
-    A full body is represented by the motions of its interfaces alone, six coordinates each, on which joints
+    A full body is represented only by the motions of its interfaces, six coordinates each, on which joints
     and forces depend. Its inertia, elasticity and nodal loads belong to the sparse method.
-    Raises ModelError for a part of an explicit march.
+    Raises ModelError for explicit finite elements.
     """
     system.check_has_frames()
     sizes = tuple(_size(placed) for placed in system.bodies)
@@ -203,7 +203,7 @@ def rigid_gram(body: RigidBody) -> np.ndarray:
 
 
 ONE_POINT = 1e-12
-"""Relative to the radius of gyration of the rigid bodies: a smaller system size is a single point."""
+"""Size of a system that counts as a single point, relative to the radius of gyration of rigid bodies."""
 
 _ELASTIC = ("stiffness", "damping")
 _TENSORS = ("cubic", "quartic", "damping_cubic", "damping_quartic")
@@ -296,7 +296,7 @@ def _end(system: System, end: At, axes: np.ndarray, ground_point: np.ndarray) ->
 
 
 def initial_points(system: System, element: Joint | ForceElement) -> tuple[np.ndarray, np.ndarray]:
-    """Global positions of both ends at the start; an end on the ground is by default at the other end."""
+    """Global positions of both ends at assembly; an end on the ground is by default at the other end."""
     own = [None if end == GROUND else system.initial_point(end) for end in (element.first, element.second)]
     given = element.ground_point if isinstance(element, ForceElement) else None
     on_ground = given if given is not None else next(point for point in own if point is not None)
@@ -359,7 +359,7 @@ def _force_groups(
 
 
 def _reaction_rows(system: System, loads: Sequence[ForceElement]) -> Places | None:
-    """The first two equations of the joints with friction: their force normal to the axis."""
+    """The first two equations of joints with friction; their multipliers are the force normal to the axis."""
     if not isinstance(loads[0], JointFriction):
         return None
     rows = system.constraint_slices
@@ -445,7 +445,7 @@ def row_scales(system: System, length: float | None = None) -> np.ndarray:
 
 
 def system_length(system: System) -> float:
-    """Size of the system: diagonal of the box around all nodes and frame origins at the start.
+    """Size of the system: diagonal of the box around all nodes and frame origins at assembly.
 
     For a system with a single point, the largest radius of gyration of its rigid bodies, or 1 without any.
     """

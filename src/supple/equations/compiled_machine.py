@@ -84,7 +84,7 @@ class CompiledMachine:
         return bordered_solve(mass, terms.jacobian, np.zeros(len(mass)), -joint_residual)[: len(mass)]
 
     def joint_masses(self, configuration: Configuration, terms: JointTerms) -> np.ndarray:
-        """The multipliers of `least_change` for a unit of each equation."""
+        """The multipliers of `least_change` for a unit residual of each equation."""
         mass, m = self.metric(configuration), len(terms.residual)
         return bordered_solve(mass, terms.jacobian, np.zeros((len(mass), m)), -np.eye(m))[len(mass) :]
 
@@ -163,7 +163,7 @@ _forces = CachedProgram(forces_without_acceleration, STARTING)
 
 
 def bordered_solve(mass: np.ndarray, jacobian: np.ndarray, top: np.ndarray, bottom: np.ndarray) -> np.ndarray:
-    """`x` over `y` (n + m, ...) of `M x + G^T y = top`, `G x = bottom`; one or several right-hand sides."""
+    """`x`, then `y` (n + m, ...) of `M x + G^T y = top`, `G x = bottom`; one or several right-hand sides."""
     m = len(jacobian)
     scale = np.trace(mass) / len(mass)
     matrix = np.block([[mass, scale * jacobian.T], [scale * jacobian, np.zeros((m, m))]])

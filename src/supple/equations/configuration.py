@@ -41,7 +41,7 @@ class ControlState(NamedTuple):
     """State of all controllers at one time, one entry each."""
 
     states: tuple[AnyArray, ...]
-    """(k,), followed by the angles of the joints read, with whole revolutions"""
+    """(k,) states, followed by the angles of the joints that are read, with whole revolutions"""
     rates: tuple[AnyArray, ...]
     """Rates of the states, (k,)"""
     held: tuple[dict[str, AnyArray], ...]

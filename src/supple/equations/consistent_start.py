@@ -106,7 +106,7 @@ def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
 def _check_nearby(
     every: M, machine: M, time: float, configuration: Configuration, velocity: np.ndarray
 ) -> None:
-    """ModelError where the equations left out are redundant in the initial configuration alone."""
+    """ModelError where the equations left out are redundant only in the initial configuration."""
 
     def closed(motion: np.ndarray) -> Configuration:
         increment = np.zeros_like(velocity)
@@ -190,8 +190,8 @@ def _check_redundant_closed(system: System, active: tuple[int, ...], residuals: 
 def independent_constraints(system: System, jacobian: np.ndarray, metric: np.ndarray) -> tuple[int, ...]:
     """Indices of a largest set of independent constraint equations; a warning lists the redundant ones.
 
-    Joints are processed in order, so that a closed loop loses rows of the joint that closes it. (The best
-    conditioned rows of several joints may become dependent as soon as the mechanism moves.)
+    Joints are processed in order, so that a closed loop loses rows of the joint that closes it. The best
+    conditioned rows of all joints could become dependent as soon as the mechanism moves.
     """
     if not len(jacobian):
         return ()

@@ -4,7 +4,7 @@ The states of a controller obey the trapezoidal rule over the step,
 
     z_1 = z_0 + h/2 ( f(t_0, y_0, z_0) + f(t_1, y_1, z_1) ),
 
-solved for z_1 at each evaluation of the equations: outputs then depend on the motion y_1 alone, and the
+solved for z_1 at each evaluation of the equations: outputs then depend only on the motion y_1, and the
 tangent includes the derivatives of the outputs.
 """
 
@@ -89,7 +89,7 @@ def tangent(
 
 
 def stepped(model: Model, motion: SystemMotion) -> ControlState | None:
-    """The controllers at the end of a step; for a step of zero length, their rates and angles."""
+    """The controllers at the end of a step; a step of zero length changes only their rates and angles."""
     if not model.controllers:
         return None
     step = _step(motion)

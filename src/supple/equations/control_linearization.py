@@ -67,7 +67,7 @@ class RestingControl(NamedTuple):
 
 
 def control_at_rest(model: Model, motion: SystemMotion) -> RestingControl:
-    """Linear controllers at a motion with `resting_control`, for the model's increments and velocities."""
+    """Linearised controllers at a motion with `resting_control`, by the model's increments and velocities."""
     n, k = model.n_velocities, len(first_states(model))
     if not k:
         none = np.zeros((n, 0))

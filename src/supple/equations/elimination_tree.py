@@ -42,7 +42,7 @@ class EliminationTree:
 
     bodies: tuple[int, ...]
     parents: tuple[int, ...]
-    """Position of each body's parent in this order; for a root, the number of bodies here"""
+    """Position of each body's parent in this order; for a root, the length of the order"""
     rows: tuple[tuple[Places, ...], ...]
     """Constraint equations eliminated together with each body"""
     border_bodies: tuple[int, ...]
@@ -63,7 +63,7 @@ def elimination_tree(model: Model) -> EliminationTree:
     place = {body: i for i, body in enumerate(order)} | {NONE: len(order)}
     own: dict[int, list[Places]] = {body: [] for body in order}
     border_rows = []
-    # Of several joints to one parent, the body gets that of most equations: all may overconstrain the body.
+    # Of several joints to one parent, a body gets the one with most equations: all could overconstrain it.
     taken: set[int] = set()
     for joint in sorted(joints, key=lambda joint: -joint.size):
         rows = Places((joint.row,), joint.size)
@@ -131,7 +131,7 @@ def _children_first(trees: dict[int, set[int]], grounded: dict[int, int]) -> tup
         if root in parent_of:
             continue
         parent_of[root], reached = NONE, [root]
-        for body in reached:  # grows as it goes
+        for body in reached:  # the list grows in the loop
             children = sorted(trees[body] - parent_of.keys())
             parent_of.update(dict.fromkeys(children, body))
             reached += children

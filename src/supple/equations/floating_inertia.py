@@ -82,7 +82,7 @@ class InertiaTerms(NamedTuple):
     weights: jax.Array
     """`(1, g)` and `(0, gdot)`, (2, 1 + r)"""
     spinning: jax.Array
-    """Rows of the rotation in the deformed body and their rates, (6, 6 + 4r)"""
+    """Rows of G for the rotation of the deformed body, and their rates, (6, 6 + 4r)"""
     momentum: jax.Array
     """`h_t`, (3,)"""
     angular: jax.Array

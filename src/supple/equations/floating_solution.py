@@ -37,7 +37,7 @@ def floating_solution(
     """Stacked states (leading axis: time) as a solution, with the forces of the joints.
 
     slices : positions of the velocities of each body
-    active : constraint equations that were kept, in the order of the multipliers
+    active : constraint equations in use, in the order of the multipliers
     engine_state : further numbers for an exact resume
     seen : motions of bodies represented by stations; None without such bodies
     """
@@ -98,7 +98,7 @@ def joint_multipliers(
 
 
 class StationMotions(NamedTuple):
-    """Motions of bodies with stations, and of the stations, by name; the system has stations as bodies."""
+    """Motions of bodies with stations, and of the stations, by name; in `system`, stations are bodies."""
 
     system: System
     bodies: Mapping[str, Motion]

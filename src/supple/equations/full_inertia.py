@@ -208,7 +208,7 @@ class FullInertia:
     def first_moment(self, coordinates: np.ndarray) -> np.ndarray:
         """`sum m (x + u)` in body components, (3, t), for coordinates (n, t).
 
-        The sum of the vector of `Phi_t^T M Phi_w(0) = -(m c)~` and of `Phi_t^T M q`.
+        The sum of `m c`, from `Phi_t^T M Phi_w(0) = -(m c)~`, and of `Phi_t^T M q`.
         """
         turning = self._rigid[:3, 3:]
         rest = np.array([turning[1, 2], turning[2, 0], turning[0, 1]])

@@ -14,10 +14,10 @@ from supple.machine import System
 __all__ = ["joints_assembled", "joints_closed", "row_labels"]
 
 _LARGEST_TURN = 0.3
-"""rad, largest rotation of a body in an iteration; translations are limited by this part of the size."""
+"""rad, largest rotation of a body in an iteration; also the largest translation, over the machine's size."""
 _MOST_ITERATIONS = 200
 _UNCLOSED = 1e-10
-"""Relative to the machine's size, or in rad: residual above which joints cannot be closed."""
+"""Residual of joints that count as closed, relative to the machine's size, or in rad."""
 
 
 def joints_closed(
@@ -57,7 +57,7 @@ def _rigid_change(
 def _least_rigid_change(
     machine: StartingMachine, configuration: Configuration, terms: JointTerms
 ) -> tuple[np.ndarray, float]:
-    """The least rigid motion (nb, 6) in the mass norm that best closes the joints; the remaining residual."""
+    """The least rigid motion (nb, 6) in the mass norm that best closes the joints; the residual's norm."""
     frames = [slice(part.start, part.start + 6) for part in machine.joint_slices]
     whitening = [np.linalg.inv(np.linalg.cholesky(own)).T for own in machine.frame_masses(configuration)]
     jacobian = np.hstack([terms.jacobian[:, part] @ own for part, own in zip(frames, whitening, strict=True)])

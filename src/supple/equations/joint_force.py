@@ -49,7 +49,7 @@ class LinearizedJoints(NamedTuple):
     coefficients: Any
     """`L` of each joint, (k, m, 12), where it varies with a law; None where it is the same for the group"""
     at: JointLinearization
-    """Stacked"""
+    """Linearisations of the joints, stacked"""
 
 
 def _values(joints: JointGroup, time: Any) -> Any:

@@ -133,7 +133,7 @@ class ForceGroup:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class NodalLoadArrays:
-    """A load on the nodes of one reduced body, or at a point of a rigid one."""
+    """A load on nodes of a reduced body, or at an interface of any body."""
 
     body: int = field(metadata=STATIC)
     velocities: Places = field(metadata=STATIC)
@@ -166,7 +166,7 @@ class Actuator:
     shape: tuple[int, ...] = field(metadata=STATIC)
     """Shape of the output"""
     force: ForceGroup
-    """Parameters of one element"""
+    """The element, as a group of one"""
 
 
 @jax.tree_util.register_dataclass
@@ -196,7 +196,7 @@ class Model:
     """The whole system."""
 
     groups: tuple[BodyGroup, ...]
-    """The bodies with inertia here; the inertia of a full body is outside the compiled equations"""
+    """The bodies whose inertia is in the compiled equations; that of a full body is not"""
     joints: tuple[JointGroup, ...]
     forces: tuple[ForceGroup, ...]
     nodal_loads: tuple[NodalLoadArrays, ...]
@@ -212,7 +212,7 @@ class Model:
     n_equations: int = field(metadata=STATIC)
     """Number of constraint equations, redundant ones included"""
     active: tuple[int, ...] = field(metadata=STATIC)
-    """The constraint equations kept: all but the redundant ones."""
+    """The constraint equations in use: all but the redundant ones."""
     controllers: tuple[ControlLaw, ...] = ()
 
     @property

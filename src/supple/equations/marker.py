@@ -133,13 +133,13 @@ def pose(marker: Marker) -> Pose:
 
 @jax.jit
 def pose_at_rest(marker: Marker) -> Pose:
-    """The pose of the marker, for joints."""
+    """The pose of the marker, with zero velocities, for joints."""
     return Pose(point(marker), orientation(marker), jnp.zeros(3), jnp.zeros(3))
 
 
 @jax.jit
 def generalized_force(marker: Marker, wrench: Wrench) -> jax.Array:
-    """Work-conjugate of the twelve local freedoms for a wrench on the marker, (12,).
+    """Generalised forces (12,), conjugate to the local freedoms, of a wrench on the marker.
 
     Q_R = F,   Q_psi = (x + u) x A^T F + A^T M,   Q_u = A^T F,
     Q_theta = (T(phi) dphi/dtheta)^T exp(phi)^T A^T M

@@ -37,7 +37,7 @@ class ControllerSampling:
 
     system: System
     instants: Mapping[int, np.ndarray]
-    """By number of the controller, ascending"""
+    """Call times by number of the controller, ascending"""
 
     @property
     def every(self) -> np.ndarray:
@@ -45,7 +45,7 @@ class ControllerSampling:
         return np.unique(np.concatenate(list(self.instants.values())))
 
     def called(self, model: Model, motion: SystemMotion, control: ControlState) -> ControlState | None:
-        """The controllers after the due calls; None when none is due."""
+        """The controllers after the due calls; None if no call is due."""
         time = float(motion.time)
         due = [number for number, instants in self.instants.items() if time in instants]
         if not due:

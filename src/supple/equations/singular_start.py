@@ -1,9 +1,10 @@
-"""Check whether a constraint equation is redundant everywhere, or in the initial configuration alone.
+"""Check whether a constraint equation is redundant everywhere, or only in the initial configuration.
 
 In a singular position (a flat parallelogram, a folded slider-crank, a taut chain between two pins) constraint
 equations of a mechanism depend on each other; in other positions they do not. If such an equation is left out
 of the run, its joint opens as soon as the mechanism moves. The test moves the mechanism a little along the
-free motions of the kept joints and closes these joints again; a truly redundant equation is still satisfied.
+motions that the remaining equations allow, and solves these equations again; a truly redundant equation is
+then still satisfied.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from supple.errors import ConvergenceError, ModelError
 __all__ = ["check_redundant_nearby", "neighbours"]
 
 MOVED_BY = 1e-3
-"""Relative to the system's size, or in rad; a residual quadratic in the motion is then 1e-6."""
+"""Size of the motion, over the system's size or in rad; a residual quadratic in it is then 1e-6."""
 OPENED_BY = 1e-8
 """Largest residual of a truly redundant equation: a thousand times that of the closed joints."""
 DIRECTIONS = 3
@@ -31,7 +32,7 @@ def neighbours(length: float, parts: Sequence[slice], jacobian: np.ndarray) -> n
 
     length : size of the system
     parts : positions of the velocities of each body in the columns of the jacobian, its frame's six first
-    jacobian : (m, n)   of the constraint equations that are kept
+    jacobian : (m, n)   of the remaining constraint equations
     """
     scale = np.tile(np.concatenate([np.full(3, length), np.ones(3)]), len(parts))
     columns = [jacobian[:, part.start : part.start + 6] for part in parts]
@@ -56,14 +57,14 @@ def check_redundant_nearby(
     labels : labels of all equations
     left_out : numbers of the equations that depend on others in the initial configuration
     nearby : motions of the frames
-    closed : function for the configuration after such a motion, with the kept joints closed
+    closed : function for the configuration after such a motion that satisfies the remaining equations
     relative_residual : function for the residuals of all equations, positions relative to the system's size
     """
     for motion in nearby:
         try:
             opened = np.abs(relative_residual(closed(motion)))[list(left_out)]
         except ConvergenceError:
-            continue  # the kept joints do not allow this configuration
+            continue  # the remaining equations do not allow this configuration
         worst = int(np.argmax(opened))
         if opened[worst] > OPENED_BY:
             names = ", ".join(labels[index] for index in left_out)

@@ -25,15 +25,15 @@ __all__ = [
 ]
 
 OPEN = 1e-6
-"""Relative to the machine's size, or in rad: placements given with six digits are within this limit."""
+"""Largest residual of a closed joint, over the machine's size or in rad; six-digit placements satisfy it."""
 SLOWED = 1e-5
-"""Relative to the kinetic energy: velocities given with three digits are within this limit."""
+"""Largest energy of an unreported change, over the kinetic energy; three-digit velocities satisfy it."""
 UNMET = 1e-3
-"""Relative to the largest rate of the joints' equations: the limit for placements given with three digits."""
+"""Largest remaining rate not reported, over the largest rate; three-digit placements satisfy it."""
 NAMED = 0.1
-"""Relative to the largest change: bodies and joints with smaller changes are not reported."""
+"""Smallest reported change of a body or joint, over the largest change."""
 ROUNDING = 1e-9
-"""Relative to the largest velocity."""
+"""Velocity that counts as rounding, over the largest velocity."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ class StartChange:
     ) -> StartChange:
         """Compare the given state with the corrected one.
 
-        residual : (m,)             of all constraint equations as given
+        residual : (m,)             of all constraint equations in the given state
         rates : (m,)                of these equations at the given velocities
         closed : Configuration      with the joints closed
         unmet : (m,)                rates that no rigid motion satisfies
@@ -199,7 +199,7 @@ def _open(system: System, gaps: np.ndarray, which: np.ndarray) -> tuple[Constrai
 
 
 def _moved(system: System, closed: Configuration) -> tuple[PositionCorrection, ...]:
-    """Bodies moved by a tenth of the largest motion or more; angles count times the machine's size."""
+    """Bodies moved by a tenth of the largest motion or more; angles are multiplied by the machine's size."""
     distances = np.linalg.norm(
         np.asarray(closed.origins) - [placed.position for placed in system.bodies], axis=1
     )

@@ -5,7 +5,7 @@ bodies,
 
     G R w = - r,        least  w^T (R^T M R) w / 2
 
-A given velocity is kept as long as the velocities not given can satisfy the joints. There are three levels:
+A given velocity is changed only if the velocities not given cannot satisfy the joints. Three levels exist:
 bodies without any given velocity; the missing velocity, or angular velocity, of other bodies; given values.
 Each level changes, with the least kinetic energy, only to cancel the rates that earlier levels cannot cancel.
 The rates that no rigid motion cancels are cancelled by the motion `x` of least kinetic energy, which is added
@@ -38,9 +38,9 @@ __all__ = [
 ]
 
 _RANK = 1e-9
-"""Relative effect of a motion on the joints, after projection on others, below which it is ignored."""
+"""Relative effect on the joints below which a motion depends on others and is ignored."""
 _MET = 1e-9
-"""Relative to the rates due to all velocities: a smaller remainder is rounding."""
+"""Remaining rate that counts as rounding, over the rates due to all velocities."""
 
 
 class RigidFit(NamedTuple):

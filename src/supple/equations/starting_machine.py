@@ -75,7 +75,7 @@ class StartingMachine(Protocol):
         ...
 
     def metric(self, configuration: Configuration) -> np.ndarray:
-        """Positive definite matrix whose inverse is the norm for rows of the Jacobian."""
+        """Positive definite matrix whose inverse defines the norm of rows of the Jacobian."""
         ...
 
     @property

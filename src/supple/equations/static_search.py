@@ -51,9 +51,9 @@ _LOST = 30.0
 _FAR = 0.3
 """Residual below which a search is not stopped."""
 _WORSE = 10.0
-"""Largest growth of the residual in a step that would otherwise be rejected, in continuation."""
+"""Largest growth of the residual in an accepted step of the continuation."""
 _SHORTEST = 1e-4
-"""Relative to the first step: shorter steps are not rejected."""
+"""Length, over the first step, below which steps are not rejected."""
 _AFTER_REVOLUTION = 20
 """Iterations in addition to those of a full revolution by the largest moves (a beam rolled up by a moment). A
 direct search that needs more is stopped, and load and rotation are increased in steps instead."""
@@ -78,7 +78,7 @@ class StaticSearch:
     """Convergence criteria and step limits of an equilibrium search.
 
     residual        : unbalanced force, moment and deformation, over the largest term in balance
-    largest_move    : of any point in an iteration, over the size of the system; rotations in rad
+    largest_move    : largest motion of a point in an iteration, over the size of the system; rotations in rad
     max_iterations  : limit before ConvergenceError
     """
 
@@ -146,7 +146,7 @@ class Equations(Protocol):
 
     @property
     def slices(self) -> tuple[slice, ...]:
-        """Positions of the motions of each body in its linear equations."""
+        """Positions of the motions of each body in the linear equations."""
         ...
 
     @property
@@ -355,7 +355,7 @@ def moved_state(machine: Equations, state: StaticState, change: StaticStep) -> S
 
 
 def carried_state(machine: Equations, time: float) -> tuple[StaticState, float]:
-    """The state with bodies as placed and balancing joint forces; share of the loads left unbalanced."""
+    """The state with bodies as placed and balancing joint forces, and the largest relative unbalance."""
     state, weights = machine.start(), machine.position_scale
     found = machine.unbalance(state, time)
     unbalanced = weights * machine.residual(state, time)

@@ -1,8 +1,8 @@
 """A body in a floating frame, of any form, with joints and forces at stations.
 
-Its velocities u are those of its frame and the rates of its r coordinates, as for a reduced body; its mass
-and strains are internal. For joints and forces each station is a rigid body without mass. Its velocities are
-J(q) u, and forces f on it act as J^T f:
+Its velocities u are those of its frame and the rates of its r coordinates, as for a reduced body. For
+joints and forces, each station is a rigid body without mass. Its velocities are J(q) u, and forces f_s on it
+act on the body as J^T f_s:
 
     M(q) u' + c(q, u) + f(q) - Q + J^T f_s = 0
 """
@@ -38,7 +38,7 @@ class Stations(NamedTuple):
 
     positions : (s, 3)
     rotations : (s, 3, 3)
-    motion : J (6 s, 6 + r)     map of u to their velocities (global) and angular velocities (own axes)
+    motion : J (6 s, 6 + r)     map of u to their velocities (global) and angular velocities (station axes)
     bias : (6 s,)               rates of these velocities at constant u
     """
 
@@ -74,7 +74,7 @@ class StationBody(Protocol):
         ...
 
     def forces(self, state: BodyState) -> StationBodyForces:
-        """The forces of its own equations."""
+        """The forces in the equations of the body."""
         ...
 
     def tangent(self, state: BodyState, station_forces: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -86,7 +86,7 @@ class StationBody(Protocol):
         ...
 
     def station_motions(self, motion: Motion) -> Mapping[str, FloatingMotion]:
-        """Poses of its stations over time, by their names as bodies."""
+        """Motions of its stations over time, by their names as bodies."""
         ...
 
 

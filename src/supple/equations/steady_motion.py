@@ -5,7 +5,7 @@ are measured in these axes: `p = (A^T dR, psi, e)`, with the velocities and acce
 
     V = dp/dt + S p,        a = dV/dt + S_R V,
 
-with `S` the operator `w x` for the translation and rotation of each frame, `S_R` for translation alone; `w`
+with `S` the operator `w x` for the translation and rotation of each frame, `S_R` for translation only; `w`
 in the body's axes. Linear equations `M a + C V + K p` then have constant coefficients,
 
     M p'' + [ C + M (S + S_R) ] p' + [ K + C S + M S_R S ] p.

@@ -56,7 +56,7 @@ class Stops:
     instants: np.ndarray
 
     def on_the_way(self, reached: float, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Stops between a time and some output times, and which of the stops are output times."""
+        """Stops between a time and some output times, and the indices of the output times among the stops."""
         between = self.instants[(self.instants > reached) & (self.instants < times[-1])]
         if not between.size:
             return times, np.arange(len(times))

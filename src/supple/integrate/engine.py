@@ -17,9 +17,9 @@ S = TypeVar("S")
 Progress = Callable[[float], None]
 """Called with the completed fraction of a run, 0 to 1."""
 StepProgress = Callable[[str, float], None]
-"""Called with the name of the current step of the work, and the completed fraction of it, 0 to 1."""
+"""Called with the name of the current step of the work and the completed fraction of this step, 0 to 1."""
 Recorder = Callable[[Solution], None]
-"""Called with each completed leg of a run; the first begins with the initial state."""
+"""Called with the solution of each completed leg; the first leg of a new run is the initial state."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Leg(Generic[S]):
     """A part of a run: the states at its reached output times.
 
     states : the states reached, stacked or listed as the engine needs
-    n_reached : int         their number
+    n_reached : int         number of these states
     last : S                the state from which to continue
     statistics : Statistics
     stopped : str | None    cause of an end before its last output time

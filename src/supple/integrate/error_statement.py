@@ -35,9 +35,9 @@ class ErrorStatement(Summarized):
 
     of : str            the quantity and the norm
     size : float        largest value of the quantity, in its unit: the reference of a relative error
-    basis : ErrorPart   motion outside the columns of reduced bodies
+    basis : ErrorPart   of the motion outside the bases of reduced bodies
     step : ErrorPart    of the time integration
-    newton : ErrorPart  of the residuals; never below the rounding error of the integration
+    newton : ErrorPart  of the Newton tolerance; at least the rounding error of the integration
     model : ErrorPart   of the kinematics: strains caused by rotations relative to the frame, ties included
     allowed : float     tolerance of the sum; None without one
 
@@ -75,12 +75,12 @@ class ErrorStatement(Summarized):
 
     @property
     def at_least(self) -> float:
-        """Sum of the estimated parts, for errors of equal sign."""
+        """Sum of the estimated parts, as if all had the same sign."""
         return sum((part.value for part in self.parts.values()), 0.0)
 
     @property
     def total(self) -> float | None:
-        """Sum of all four parts; None if one was not estimated: `at_least` is then a lower bound."""
+        """Sum of all four parts; None if one was not estimated, because `at_least` is then a lower bound."""
         return None if self.missing else self.at_least
 
     @property

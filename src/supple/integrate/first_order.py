@@ -20,7 +20,7 @@ class ResidualRungeKutta4:
 
     n_kept : int            number of dynamic modes, rigid ones included
     sweeps : int            iterations for the higher modes at each of the rule's four stages
-    largest_contraction : float     largest ratio of successive iterations; above it the run ends
+    largest_contraction : float     largest ratio of successive corrections; above it the run ends
     """
 
     n_kept: int

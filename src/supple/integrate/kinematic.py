@@ -1,4 +1,4 @@
-"""Option for motions that joints and their laws determine alone."""
+"""Option for motions that joints and their laws determine completely."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ class Kinematic:
 
         g(q, t) = 0,      G v = -g_t,      G vdot = -d2g/dt2 at constant v
 
-    and the joint forces follow from the motion (inverse dynamics). Each instant is solved separately to the
-    accuracy of the closed joints. The run's step is the largest interval between two instants: if several
+    and the joint forces follow from the motion (inverse dynamics). Each instant is solved separately, until
+    the joints are closed. The run's step is the largest interval between two instants: if several
     configurations satisfy the joints, the one nearest to the previous instant is found. Bodies keep their
     shape.
 

@@ -24,9 +24,9 @@ class Motion(Summarized):
     """A motion of a body of any form: all fields are arrays with one row per output time."""
 
     kind: ClassVar[str]
-    """Written to result files; `register_motion` makes a kind readable."""
+    """Name in result files; `register_motion` makes motions of this kind readable."""
     dimensions: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
-    """Axes of a field after the time; ("axis",) for fields not listed."""
+    """Names of the axes of a field that follow the time axis; ("axis",) for fields not listed."""
 
     def summary(self) -> Summary:
         """Shape and largest absolute value of every array."""
@@ -111,7 +111,7 @@ class FramedMotion(Motion):
 @register_motion
 @dataclass(frozen=True, repr=False)
 class FloatingMotion(FramedMotion):
-    """Motion of one body's floating frame and of its deformation coordinates: reduced, or nodal, or none."""
+    """Motion of a body's floating frame and of its deformation coordinates (reduced, nodal or none)."""
 
     kind: ClassVar[str] = "floating"
     dimensions: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(

@@ -25,7 +25,7 @@ MOST_OUTPUT_TIMES = 10_000_000
 class Validity:
     """Limits of validity of a run: of the kinematics, the initial state, and the steps.
 
-    strict : exceeding a limit is an error, raised when it is detected, instead of a warning
+    strict : raise an error instead of a warning as soon as a limit is exceeded
     spin_ratio : largest ratio of the angular velocity to the lowest frequency, for linear bodies and for
         reduced bodies whose condensed motion has no inertia; at 0.3 the missing centrifugal stiffness is
         already about 10 % of the elastic stiffness
@@ -47,9 +47,9 @@ class Run(Summarized):
     duration, output_step : float   unit of time; the duration is a multiple of the output step
     step : FixedStep | AdaptiveStep     default a fixed step equal to the output step; for machines with
         intrinsic bodies one from the periods of their modes, for explicit parts the stable step
-    method : GeneralizedAlpha (rho_inf = 0.8) | Newmark | HilberHughesTaylor; for machines of intrinsic bodies
-        alone also RungeKutta4 | ResidualRungeKutta4; Kinematic for zero degrees of freedom; for explicit
-        parts supple.methods.explicit.Explicit, which is also their default
+    method : GeneralizedAlpha (rho_inf = 0.8) | Newmark | HilberHughesTaylor; for machines of only
+        intrinsic bodies also RungeKutta4 | ResidualRungeKutta4; Kinematic for zero degrees of freedom; for
+        explicit parts supple.methods.explicit.Explicit, which is also their default
     tolerances : Tolerances
     validity : Validity     warn about a motion beyond the limits of the kinematics, or stop
     start : float           time of the initial state
@@ -119,7 +119,7 @@ class Run(Summarized):
 
     @property
     def second_order_method(self) -> TimeIntegrator:
-        """The implicit step rule of second order; ValueError if the method is another one."""
+        """The implicit step rule of second order; ValueError for any other method."""
         if isinstance(self.method, ExplicitRule):
             raise ValueError(
                 f"{type(self.method).__name__} supports modal and finite-element parts of an explicit run "

@@ -48,7 +48,7 @@ class Statistics:
 
     @property
     def contraction(self) -> float | None:
-        """Geometric mean of the factor on the residual per iteration; None where it is unknown."""
+        """Mean factor (geometric) of an iteration on the residual; None where it is unknown."""
         return 10 ** (-self.decades / self.iterations) if self.iterations and self.decades else None
 
     def __add__(self, other: Statistics) -> Statistics:
@@ -60,12 +60,12 @@ class Statistics:
 
 
 LARGEST = ("largest_error", "largest_turn")
-"""Statistics whose largest value over the parts of a run is kept; the others add up."""
+"""Statistics whose maximum over the parts of a run is taken; all other statistics are summed."""
 
 
 @dataclass(frozen=True, repr=False)
 class Solution(Summarized):
-    """A finished (part of a) simulation."""
+    """Results of a simulation, or of a completed part of it."""
 
     times: np.ndarray
     """(t,) output times."""
@@ -81,8 +81,8 @@ class Solution(Summarized):
     """State of the engine beyond the motion, for an exact resume from the last output time; empty if
     unknown."""
     multipliers: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
-    """Joint name to (t, m) Lagrange multipliers of its constraint equations, in their order, with their signs
-    and units, as the engine solves for them. Empty for an engine without multipliers."""
+    """Joint name to (t, m) Lagrange multipliers of its constraint equations, with the order, signs and units
+    of the engine. Empty for an engine without multipliers."""
     series: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
     """Name to (t, c) quantities of the whole machine, such as its energies, depending on the method."""
     errors: Mapping[str, ErrorStatement] = field(default_factory=lambda: MappingProxyType({}))

@@ -36,7 +36,7 @@ class FixedStep:
 
     size: float
     smallest: float | None = None
-    """Smallest step; the run ends below it; default a millionth of the size."""
+    """Smallest step, below which the run ends; default a millionth of the size."""
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -68,15 +68,15 @@ class FixedStep:
 class AdaptiveStep:
     """Steps chosen so that the local error stays below `tolerance`.
 
-    The error is measured per step: translations and coordinates of full bodies relative to the size of the
-    system, rotations in radians, reduced coordinates relative to that size times the root of the body's mass.
+    The error is measured per step. Translations, and coordinates of full bodies, are relative to the size of
+    the system; reduced coordinates to that size times the root of the body's mass. Rotations are in radians.
     """
 
     first: float = 1e-6
     largest: float = 1e-2
     tolerance: float = 1e-6
     smallest: float | None = None
-    """Smallest step; the run ends below it; default a millionth of the first."""
+    """Smallest step, below which the run ends; default a millionth of the first."""
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -14,7 +14,7 @@ __all__ = ["Contact", "Support", "SurfaceContact"]
 
 @dataclass(frozen=True)
 class Contact:
-    """Nodes that must not penetrate a rigid obstacle, by penalty: force = stiffness * depth, at each node.
+    """Penalty contact of nodes with a rigid obstacle: force = stiffness * depth at each node.
 
     nodes : At(part, node set)
     obstacle : RigidPlane(..), RigidCylinder(..) or RigidSphere(..)
@@ -35,7 +35,7 @@ class Contact:
 
 @dataclass(frozen=True)
 class SurfaceContact:
-    """Nodes of a part that must not penetrate the faces of another: penalty force stiffness * depth at each.
+    """Penalty contact of nodes with the faces of another part: force = stiffness * depth at each node.
 
     nodes : At(part, node set)
     surface : At(part, node set)    outer faces with all corners in the set; choose the coarser, or
@@ -64,8 +64,8 @@ class SurfaceContact:
 class Support:
     """Fixed nodes of finite elements.
 
-    nodes : At(part, node set);   axes : fixed directions x, y, z, 0 to 2; for shells also rotations about
-        them, 3 to 5
+    nodes : At(part, node set);   axes : fixed directions, 0 to 2 for x, y, z; for shells also 3 to 5, the
+        rotations about x, y, z
     """
 
     nodes: At

@@ -21,7 +21,7 @@ class At(NamedTuple):
 
 
 GROUND = At("ground", "")
-"""The fixed end."""
+"""The ground, an end fixed in space."""
 
 
 def as_end(value: Any) -> At:

@@ -207,7 +207,7 @@ class _Reader:
         *,
         limits: bool,
     ) -> None:
-        """The joint between a body and its parent, and its springs, dampers and stops."""
+        """Add the joint between a body and its parent, and the springs, dampers and stops in it."""
         model, data = self.model, self.data
         kinds = [int(model.jnt_type[j]) for j in own]
         if kinds == [_FREE]:
@@ -303,7 +303,7 @@ class _Reader:
         return Penalty(stiffness=inertia * rate)
 
     def close_loops(self, groups: dict[int, _Group], joints: list[Joint]) -> None:
-        """Joints of the file's connect and weld constraints."""
+        """Add joints for the connect and weld constraints of the file."""
         model, data = self.model, self.data
         for number in range(model.neq):
             kind = int(model.eq_type[number])

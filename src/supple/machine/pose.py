@@ -1,4 +1,4 @@
-"""Pose of a marker and wrench on it, the data of joints and forces for a body of any form."""
+"""Pose of a marker and wrench on it, which joints and forces use for a body of any form."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Pose(NamedTuple):
     axes: jax.Array
     """(3, 3), as columns: the axes of the joint or force, which rotate with the interface"""
     velocity: jax.Array
-    """(3,) of the point; zero for joints, whose equations depend on positions alone"""
+    """(3,) of the point; zero for joints, whose equations depend only on positions"""
     angular_velocity: jax.Array
     """(3,) of the axes; zero for joints"""
 
@@ -34,4 +34,4 @@ class Wrench(NamedTuple):
 
 
 Wrenches = tuple[Wrench, Wrench]
-"""On the first end and on the second."""
+"""Wrenches on the first and on the second end."""

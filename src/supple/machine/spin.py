@@ -20,7 +20,7 @@ __all__ = ["Spin"]
 class Spin:
     """A steady rotation about an axis fixed in space.
 
-        dR/dt = w x (R - p),        w = rate * axis
+        dR/dt = w x (R - p),        w = rate * axis,        for a point R of a rotating body
 
     Parameters
     ----------

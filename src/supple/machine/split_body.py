@@ -34,7 +34,7 @@ class SplitBody:
     name  : of the whole body
     mesh  : DividedMesh    nodes and cells of each part
     parts : FlexibleBody   named NAME-1, NAME-2, ..., all in the axes of the whole mesh
-    base  : At             the first interface of the whole body, on its part; None without interfaces
+    base  : At             the first interface of the whole body, on the part with it; None without one
     """
 
     name: str
@@ -56,7 +56,7 @@ class SplitBody:
 
     @property
     def bases(self) -> Mapping[str, At]:
-        """Reference interface of deflections, by name of the part: the first interface of the whole body."""
+        """Reference interface of the deflections of each part: the first interface of the whole body."""
         return {} if self.base is None else {part.name: self.base for part in self.parts}
 
     def frequencies(self, count: int) -> NDArray[np.float64]:
@@ -125,8 +125,8 @@ def split_body(
     division   : AlongAxis | ByCellSets     cells of each part
     interfaces : of the whole body; each belongs to the part that has all of its nodes
     tie        : RigidInterface (sections keep their shape) | AveragingInterface (sections may warp)
-    cuts       : cuts_at_sections | cuts_at_nodes, which ties each shared node: exact for nodes with
-        rotations, six constraints a node
+    cuts       : cuts_at_sections | cuts_at_nodes, which ties each shared node by six constraints; this is
+        exact for nodes with rotations
 
     Raises
     ------

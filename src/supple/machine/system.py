@@ -36,11 +36,11 @@ _Form = TypeVar("_Form")
 
 
 _ACROSS = 1e-3
-"""Smallest free part of a servo's unit axis; with less, a joint prevents its motion."""
-# Members of every form of body that a machine uses.
+"""Smallest component of a servo's unit axis along the free directions of a joint; less is an error."""
+# Members that every form of body needs in a machine.
 _BODY = ("name", "kind", "n_coordinates", "interfaces")
 _EXPLICIT = ("modal", "explicit")
-"""Kinds of bodies in explicit runs only: modal parts on four-point frames, parts of finite elements."""
+"""Kinds of bodies for explicit runs only: modal parts on four-point frames, finite-element parts."""
 _OF_PARTS = {
     "ties": ((Tie,), "ties such as Tie(At(part, node set), on=part)"),
     "contacts": (
@@ -49,7 +49,7 @@ _OF_PARTS = {
     ),
     "supports": ((Support,), "supports such as Support(At(part, node set), axes)"),
 }
-"""Lists of a system for explicit parts only."""
+"""Fields of `System` for explicit parts only, with the types of their members and a description."""
 
 
 class AssembledPose(NamedTuple):
@@ -161,13 +161,13 @@ class Placed(Summarized):
     def moved_to(self, position: np.ndarray, rotation: np.ndarray) -> Placed:
         """The body in another pose, with its joints and forces at the same points and axes.
 
-        rotation : (3, 3); the rounding errors of many rotations are removed
+        rotation : (3, 3); its rounding errors after many rotations are removed
         """
         left, _, right = np.linalg.svd(rotation)
         return replace(self, position=position, rotation=left @ right, assembled=self.assembly)
 
     def positions(self, nodes: ArrayLike | slice = slice(None)) -> np.ndarray:
-        """Positions `R + A (x + u)` (k, 3) in space of some or all nodes, in the initial deformation."""
+        """Global positions `R + A (x + u)` (k, 3) of some or all nodes, with the initial deformation."""
         own = nodes if isinstance(nodes, slice) else np.asarray(nodes)
         local = self.body.nodes[own] + self.body.expand(self.coordinates, own)
         return self.position + local @ self.rotation.T
@@ -181,14 +181,14 @@ Load = ForceElement | NodalLoad | BaseAcceleration
 class System(Summarized):
     """Bodies, joints, loads and gravity; checked when built.
 
-    bodies : Placed, one per body, names unique; a body that is not placed is at the origin, at rest
+    bodies : Placed, one per body, names unique; a body given without `Placed` is at the origin, unrotated
     joints : Joint, names unique
     loads : ForceElement | NodalLoad | BaseAcceleration
     gravity : (3,) global, e.g. (0, 0, -9.81)
     controllers : Controller | SampledController, names unique
     ties, contacts, supports : Tie, Contact | SurfaceContact, Support: for explicit parts
     Raises ModelError: no body, a name used twice, a joint or load on a body or interface that does not exist,
-        a quantity over time of the wrong shape, a controller with a reading of a joint that does not exist.
+        a law with values of the wrong shape, a controller with a reading of a joint that does not exist.
     """
 
     bodies: Sequence[Placed | Any]
@@ -251,7 +251,7 @@ class System(Summarized):
         named |= {item: [each.nodes for each in getattr(self, item)] for item in _OF_PARTS}
         rest = [(item, listed(names)) for item, names in named.items() if names]
         rest += [("gravity", point(self.gravity))] if self.gravity.any() else []
-        # In long chains the loads are listed before the last joints.
+        # Bodies and joints of long chains are truncated, so that the loads are shown.
         most = N_LINES - 2 - len(rest)
         if len(rows) > most:
             rows = [*rows[:most], ("...", f"{len(rows) - most} bodies and joints more")]
@@ -320,7 +320,7 @@ class System(Summarized):
             )
 
     def _check_moves_something(self, element: ForceElement) -> None:
-        """Raise ModelError for a servo or motor along directions that a joint of its two ends fixes."""
+        """Raise ModelError for a servo or motor whose motion a joint between the same two ends prevents."""
         if not isinstance(element, AxialElement) or not element.blocked_by:
             return
         for joint in self.joints:
@@ -429,7 +429,7 @@ class System(Summarized):
         return {name: body for name, body in named if isinstance(body, form)}
 
     def body_index(self, name: str, what: str = "lookup") -> int:
-        """Position of the body of that name among `bodies`."""
+        """Index in `bodies` of the body of that name."""
         names = [placed.body.name for placed in self.bodies]
         if name not in names:
             raise ModelError(f"{what}: there is no body '{name}'" + did_you_mean(name, names))

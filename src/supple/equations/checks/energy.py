@@ -30,7 +30,7 @@ _FIELD_NUMBERS = 2**20
 
 
 class Balances(NamedTuple):
-    """Conserved quantities of a free conservative system, (t,) or (t, 3)."""
+    """Energies (t,) and momenta (t, 3); `total` and momenta of a free conservative system are constant."""
 
     kinetic: AnyArray
     strain: AnyArray

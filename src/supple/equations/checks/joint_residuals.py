@@ -29,7 +29,7 @@ _residuals = CachedProgram(_residuals_over_time)
 
 
 def joint_residuals(system: System, solution: Solution) -> np.ndarray:
-    """Residuals g (t, m) of all joints at the output times: unit of length and rad."""
+    """Residuals g (t, m) of all joints at the output times, in the unit of length or rad."""
     system, bodies = _with_stations(system, solution.bodies)
     motions = [bodies[placed.body.name] for placed in system.bodies]
     configurations = Configuration(

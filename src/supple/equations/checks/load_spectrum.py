@@ -4,7 +4,7 @@ A load f(t) over a run of length T is the sum of a straight line between its end
 
     f(t) = f_0 + (f_T - f_0) t / T + sum_k b_k sin(k pi t / T),
 
-whose mean square is that of the line plus, by Parseval, b_k^2 / 2 for every frequency k pi / T. The
+and its mean square is that of the line plus, by Parseval, b_k^2 / 2 for every frequency k pi / T. The
 difference from the line vanishes at both ends, so that its coefficients fall as k^-3 where f is smooth: no
 window is needed, and the beginning of a run has the same weight as its middle. The onset of a load at t = 0
 and gravity are not included. The load of a prescribed motion is its acceleration.
@@ -34,7 +34,7 @@ __all__ = ["BandCoverage", "LoadSpectrum", "band_coverage", "load_spectra", "war
 SHARE = 0.999
 """Share of a load's mean square within its band."""
 SAME = 1.05
-"""Largest ratio of a frequency of the reduced body to one of the full body for the same mode."""
+"""Largest ratio of the frequencies of one mode in the reduced and in the full body."""
 MOST_MODES = 200
 MOST_SAMPLES = 20_000
 FEW, SAMPLES = 33, 257

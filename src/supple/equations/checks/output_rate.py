@@ -26,9 +26,9 @@ from supple.machine import System
 __all__ = ["Hidden", "hidden_vibration", "report_output_rate"]
 
 SHARE = 0.1
-"""Relative to the motion: a smaller vibration is ignored."""
+"""Smallest reported vibration, relative to the motion."""
 NEGLIGIBLE = 1e-6
-"""Relative to the machine's size: smaller motions are ignored."""
+"""Smallest reported amplitude, relative to the machine's size."""
 WINDOWS = 8
 SHORTEST = 32
 """Fewest output times of a window; windows are used to detect vibrations that decay."""
@@ -40,7 +40,7 @@ FEWEST = 10
 
 @dataclass(frozen=True)
 class Hidden:
-    """A vibration that output times do not resolve: rad/s, and its share of the whole motion."""
+    """A vibration that output times do not resolve: frequency, rad/s, and share of the whole motion."""
 
     frequency: float
     share: float

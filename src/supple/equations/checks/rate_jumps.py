@@ -17,7 +17,7 @@ from supple.machine.laws.sampled_law import N_SAMPLES, Jumps, jumps, sampled
 __all__ = ["RateJump", "rate_jumps", "warn_of_rate_jumps"]
 
 SPEED, ACCELERATION = 1e-6, 1e-3
-"""Relative to the largest speed, or acceleration, of the run: smaller jumps are rounding."""
+"""Smallest jumps, over the range of the motion or the largest speed, and over the largest acceleration."""
 BESIDE = 1e-7
 """Relative to the shortest scale of a law: distance of the samples before and after a possible jump."""
 

@@ -9,9 +9,9 @@ from supple.integrate import FixedStep, Run, Statistics
 __all__ = ["report_step_length"]
 
 LARGEST_ERROR = 1e-2
-"""Local error of a step, as `AdaptiveStep` measures it."""
+"""Largest local error of a step without a warning, as `AdaptiveStep` measures it."""
 LARGEST_TURN = 0.5
-"""rad, largest rotation of a body within a step."""
+"""rad, largest rotation of a body within a step without a warning."""
 
 
 def report_step_length(statistics: Statistics, run: Run) -> None:

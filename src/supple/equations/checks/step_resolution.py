@@ -1,8 +1,8 @@
 """Check that fixed steps resolve the loads and prescribed motions, before the run.
 
 A step evaluates a load at its two ends. The error of the linear interpolation between steps is found by
-evaluating the load within the steps as well, at uneven times, and at the instants of the law, given or found
-by sampling. A sine of n steps a period has an error of (2 pi / n)^2 / 8 of its amplitude; for n < 2 the error
+evaluating the load also within the steps: at uneven times, and at the instants of the law (given, or found by
+sampling). A sine of n steps a period has an error of (2 pi / n)^2 / 8 of its amplitude; for n < 2 the error
 is the whole amplitude. A load that jumps at the end of a step is resolved as well as possible. The load of a
 prescribed motion is its acceleration.
 """
@@ -40,7 +40,7 @@ NEAR = 1e-6
 
 @dataclass(frozen=True)
 class UnresolvedShare:
-    """Largest interpolation error of a quantity within a step, over its largest value, and its time."""
+    """Largest interpolation error within a step, over the largest value, and the time of the step."""
 
     share: float
     time: float

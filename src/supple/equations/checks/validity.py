@@ -2,7 +2,7 @@
 
 Three limits are checked. A body without nonlinear terms has no geometric stiffness: at an angular velocity
 near its lowest frequency its deflection is too large, and beyond that it diverges. The same holds for a body
-whose condensed motion has no inertia, if the missing centrifugal stiffness is a good part of the elastic one.
+whose condensed motion has no inertia, if the missing centrifugal stiffness is a large part of its stiffness.
 Rotations beyond the range for which the body's strains were derived (about 0.3 rad where curvatures enter
 linearly, 0.1 rad where all displacements do) make the strains themselves wrong. Averaging interfaces on soft
 sections change deflections if the sections rotate relative to the frame.
@@ -31,8 +31,8 @@ SOFTENED_LIMIT = 0.01
 """Estimated relative error of a deflection due to averaging interfaces, from which a warning is given."""
 
 LINEAR_ROTATION_LIMIT = 0.1
-"""rad: rotation theta at which the shortening by bending, theta^2 / 2, which linear strains lack, is 0.5 % of
-the length: a tenth of the deflection of such a body."""
+"""rad, rotation theta. Linear strains lack the shortening by bending, theta^2 / 2. At this rotation it is
+0.5 % of the length, a tenth of the deflection of such a body."""
 
 _STIFFER = {"modal": "Give it stiffening=CentrifugalStiffness() (spin_stiffness = true in a case file)"}
 """Remedy for missing geometric stiffness, by kind of body; for other kinds modal derivatives."""
@@ -90,13 +90,13 @@ class _Limits:
 
 @dataclass(frozen=True, eq=False)
 class Watch:
-    """The limits of a system's bodies, and their observation."""
+    """The limits of a system's bodies, and the check of a run against them."""
 
     validity: Validity
     limits: tuple[_Limits, ...]
 
     def peaks(self, chunk: Solution) -> dict[str, Peaks]:
-        """Largest angular velocity and rotation of every flexible body in a part of a run."""
+        """Peaks of every flexible body in a part of a run."""
         return {
             own.name: _peaks(own, chunk.times, motion).merged(_softened(own, chunk.times, motion))
             for own in self.limits
@@ -193,7 +193,7 @@ def _softened(limits: _Limits, times: np.ndarray, motion: FramedMotion) -> Peaks
 
 
 def _averaging(body: BodyForm, carrying: set[At]) -> tuple[Any, np.ndarray]:
-    """Mean rotations of averaging interfaces under moments, (3 k, n); c / C of their sections, (3 k,)."""
+    """Mean rotations (3 k, n) of averaging interfaces under moments, and c / C of their sections, (3 k,)."""
     held = [i for i in body.interfaces if At(body.name, i.name) in carrying]
     found = [(i.motion[3:], body.section_softness(i.name)) for i in held]
     found = [(motion, softness) for motion, softness in found if softness.any()]

@@ -23,7 +23,7 @@ class AxialElement(ForceElement):
     axis: tuple[float, float, float]
 
     blocked_by: ClassVar[tuple[str, ...]] = ()
-    """Names of joint equations, without axis, that block the element's motion (an error); empty: no check."""
+    """Joint equations, named without axis, that prevent the element's motion (an error); empty: no check."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

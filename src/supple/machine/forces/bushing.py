@@ -32,7 +32,7 @@ class Bushing(AxialElement):
 
     axis : z of the bushing at the start, global axes
     x_axis : the bushing's x axis is as near this direction as possible
-    stiffness, damping : (6,) diagonal, or (6, 6) symmetric and not negative; translations first
+    stiffness, damping : (6,) diagonal, or (6, 6) symmetric, positive semidefinite; translations first
     Raises ModelError for any other matrix.
     """
 
@@ -93,7 +93,7 @@ def _deformation(first: Pose, second: Pose, offset: jax.Array) -> jax.Array:
 
 
 def _matrix(what: str, given: Any) -> tuple[tuple[float, ...], ...]:
-    """A symmetric matrix (6, 6) that is not negative, as tuples."""
+    """A symmetric, positive semidefinite matrix (6, 6), as tuples."""
     array = np.asarray(given, dtype=float)
     matrix = np.diag(array) if array.shape == (6,) else array
     if matrix.shape != (6, 6) or not np.isfinite(matrix).all():

@@ -93,7 +93,7 @@ def surface_at(x: ArrayLike, y: ArrayLike, parameters: Sequence[ArrayLike]) -> j
 
 
 def _interval(x: ArrayLike, places: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """The row before a value, and the relative distance to the next one."""
+    """The row before a value, and the fraction of the interval to the next row, 0 to 1."""
     row = jnp.clip(jnp.searchsorted(places, x, side="right") - 1, 0, len(places) - 2)
     return row, jnp.clip((x - places[row]) / (places[row + 1] - places[row]), 0.0, 1.0)
 

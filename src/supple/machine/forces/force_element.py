@@ -85,7 +85,7 @@ class ForceElement(ABC):
 
 
 def check_anchor(element: ForceElement, anchor: Any) -> None:
-    """Raise ModelError unless an end on the ground, and only such an end, has a finite point there."""
+    """Raise ModelError unless an element with an end on the ground, and only such, has a finite anchor."""
     if (GROUND in (element.first, element.second)) != (anchor is not None):
         raise ModelError(
             f"{element.label}: an end on the ground, and only such an end, needs an anchor: the global "

@@ -29,7 +29,7 @@ class Gear(AxialElement):
         s = l (z_1 phi_1 + z_2 phi_2) / (z_1 + z_2),      l = |r_2 - r_1|
 
     with the angles of both wheels relative to the line of centres, about the axis. The line may rotate with a
-    carrier, as for planets; no carrier body is needed. The phase is wrapped to half a tooth, so the number of
+    carrier, as for planets; no carrier body is needed. `s` is wrapped to half a tooth, so the number of
     revolutions is not limited; a deflection beyond half a tooth makes the wheels skip a tooth.
 
     The joints must keep the axes of both wheels parallel.
@@ -38,7 +38,7 @@ class Gear(AxialElement):
     stiffness : k of the tooth mesh, force per length
     damping : c of the tooth mesh, force per velocity
     anchor : centre of a wheel on the ground, global axes, a length
-    Raises ModelError for numbers of teeth that are not whole, or opposite and equal.
+    Raises ModelError for numbers of teeth that are not whole, or whose sum is zero.
     """
 
     teeth: tuple[int, int]

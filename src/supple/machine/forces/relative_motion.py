@@ -22,11 +22,14 @@ class AxialMotion(NamedTuple):
     slide: jax.Array
     """`z_1 . (r_2 - r_1)`"""
     speed: jax.Array
-    """Its rate"""
+    """Rate of the slide"""
 
 
 def axial_motion(first: Pose, second: Pose) -> AxialMotion:
-    """`tan(phi) = (y_1 . x_2 - x_1 . y_2) / (x_1 . x_2 + y_1 . y_2)`, invariant under small tilts."""
+    """Angle, slide and rates; the angle is invariant under small tilts.
+
+    `tan(phi) = (y_1 . x_2 - x_1 . y_2) / (x_1 . x_2 + y_1 . y_2)`
+    """
     x, y, z = first.axes.T
     sine = y @ second.axes[:, 0] - x @ second.axes[:, 1]
     cosine = x @ second.axes[:, 0] + y @ second.axes[:, 1]

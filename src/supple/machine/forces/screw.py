@@ -24,8 +24,8 @@ class Screw(AxialElement):
 
         s = x - x_0 - pitch phi / (2 pi),    force -(k s + c ds/dt),    moment pitch/(2 pi) (k s + c ds/dt)
 
-    with slide x and angle phi of the second end along and about the first end's axis. The phase is wrapped to
-    half a revolution of the thread, so the number of revolutions is not limited. A cylindrical joint must
+    with slide x and angle phi of the second end along and about the first end's axis. `s` is wrapped to half
+    a revolution of the thread, so the number of revolutions is not limited. A cylindrical joint must
     keep the second end on the axis.
 
     pitch : advance in one revolution, a length; positive for a right-hand thread
@@ -80,7 +80,7 @@ class RackAndPinion(AxialElement):
         s = x - x_0 + radius phi,      force -(k s + c ds/dt) on the pinion where it touches the rack
 
     with the displacement x of the pinion's centre along the rack and its angle phi about the axis, both
-    relative to the rack. The phase is wrapped to half a revolution of the pinion, so the number of
+    relative to the rack. `s` is wrapped to half a revolution of the pinion, so the number of
     revolutions is not limited.
 
     axis : axis of the pinion at the start, global axes; fixed to the rack

@@ -154,7 +154,7 @@ def _from_axis(first: Pose, second: Pose) -> tuple[jax.Array, jax.Array]:
     between = first.point - second.point
     between = between - (axis @ between) * axis
     square = between @ between
-    # On the axis the direction is undefined, but there is no contact either.
+    # On the axis the direction is undefined, and zero is returned.
     distance = jnp.sqrt(jnp.where(square > 0, square, 1.0))
     return jnp.where(square > 0, distance, 0.0), between / distance
 

@@ -22,7 +22,7 @@ class SpringDamper(ForceElement):
 
     stiffness : k, force per length
     damping : c, force per velocity
-    rest_length : l_0, a length; the distance at the start if None
+    rest_length : l_0, a length; the distance at assembly if None
     anchor : point of an end on the ground, global axes, a length
     """
 

@@ -22,7 +22,7 @@ class Unbalance(ForceElement):
     Only the centrifugal force is included. The weight and inertia of the mass, and its force under angular
     acceleration, are neglected. For a larger mass use a rigid body.
 
-    moment : U, mass times eccentricity: global axes at the start; rotates with the end
+    moment : U, mass times eccentricity, in global axes at the start; it rotates with the end
     """
 
     moment: tuple[float, float, float]

@@ -19,9 +19,9 @@ class Universal(Joint):
     """Ball joint with the first end's axis perpendicular to the second end's axis: two rotations are free."""
 
     first_axis: tuple[float, float, float]
-    """Axis of the cross fixed to the first end, initial configuration, global."""
+    """Axis of the cross that is fixed to the first end, in the initial configuration, global."""
     second_axis: tuple[float, float, float]
-    """Axis of the cross fixed to the second end; made perpendicular to the first."""
+    """Axis of the cross that is fixed to the second end; made perpendicular to the first axis."""
 
     n_constraints: ClassVar[int] = 4
     rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "position z", "angle between the axes")

@@ -21,7 +21,7 @@ class KnownLaw(Protocol):
     """A law with known kinks and time scales; other laws are sampled, which can miss short features."""
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """Times (k,) strictly between `begin` and `end`: jumps of a derivative, limits of short events."""
+        """Times (k,) strictly between `begin` and `end`: jumps of a derivative, ends of short events."""
         ...
 
     def shortest_scale(self, begin: float, end: float) -> float:

@@ -45,7 +45,7 @@ class Ramp(UnboundedLaw):
         return self.value * (s**3 * (10.0 + s * (-15.0 + 6.0 * s)))
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """Its beginning and its end."""
+        """Begin and end of the ramp."""
         return within([0.0, self.duration], begin, end)
 
     def shortest_scale(self, begin: float, end: float) -> float:

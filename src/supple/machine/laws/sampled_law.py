@@ -21,7 +21,7 @@ from supple.programs.program_cache import CachedProgram
 __all__ = ["Jumps", "jumps", "sampled", "sampled_instants"]
 
 BLOCK = 64 * 33
-"""Times that are evaluated together: the subdivisions of all jumps in one round."""
+"""Number of times that are evaluated together: the subdivisions of all jumps in one round."""
 N_SAMPLES = 8 * BLOCK - 1
 MOST_NUMBERS = 4_000_000
 """Largest number of values in all samples, which limits the memory for a load on many nodes."""
@@ -29,9 +29,9 @@ MOST_JUMPS = 64
 DIVISIONS, ROUNDS = 32, 5
 """Parts of an interval, and rounds of subdivision: a jump is located to 32^-5 of the distance of samples."""
 JUMPS = 1e-4
-"""Smallest change in the last bracket that counts as a jump, relative to the range of the function."""
+"""Smallest change in the last interval that counts as a jump, relative to the range of the function."""
 TURNS = 1e-3
-"""Smallest difference of turning points to their neighbours, relative to the range; less is ripple."""
+"""Smallest difference in value of adjacent turning points, relative to the range; less is ripple."""
 MOST_TURNS = 512
 """Largest number of turning points; a function with more oscillates everywhere, so no step misses it."""
 
@@ -49,7 +49,7 @@ class Jumps(NamedTuple):
 
 
 def sampled(law: _OfTime, times: np.ndarray, *, order: int = 0) -> list[np.ndarray]:
-    """Values of a law at times (k,), (k, m), and its derivatives up to an order, (k, m) each."""
+    """Values (k, m) of a law at times (k,), and its derivatives up to an order, (k, m) each."""
     # Blocks of one size: one program for any number of times.
     size = max(1, min(BLOCK, MOST_NUMBERS // _numbers(law)))
     blocks = np.pad(times, (0, -len(times) % size), mode="edge").reshape(-1, size)
@@ -110,7 +110,7 @@ def sampled_instants(law: _OfTime, begin: float, end: float) -> np.ndarray:
     n = min(N_SAMPLES, MOST_NUMBERS // numbers)
     times = np.linspace(begin, end, max(n, 2) + 1)
 
-    # A change of any component also changes three random combinations.
+    # Three random combinations represent many components: they change with any component.
     mix = np.random.default_rng(0).standard_normal((numbers, 3))
 
     def of_times(at: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ __all__ = ["Scaled"]
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class Scaled:
-    """`v(t) = vector factor(t)`: one direction, or one pattern over nodes, and a number over time.
+    """`v(t) = vector factor(t)`: a fixed direction, or a fixed pattern over nodes, times a law of time.
 
     vector : (..., 3)       direction and size at factor 1
     factor : a law or function of time with one number as its value

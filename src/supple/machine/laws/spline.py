@@ -34,7 +34,7 @@ class Spline(OfRows):
     times: Any
     values: Any
     coefficients: Any = field(init=False, repr=False)
-    """(4, k - 1, ...) coefficients of the cubic on each piece, highest power first; time from its row"""
+    """(4, k - 1, ...) coefficients of the cubics, highest power first; time from the start of each piece"""
 
     def __post_init__(self) -> None:
         times, values = increasing_rows(self.times, self.values)

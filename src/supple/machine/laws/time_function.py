@@ -25,7 +25,7 @@ class TimeFunction(UnboundedLaw):
     The function is part of the compiled program, not of its data: another function needs a new compilation,
     and the cases of a batch must share one object. For numbers that differ between runs or cases use the
     other laws. A later process reuses the stored program if the function depends only on its arguments, plain
-    numbers, functions of this kind, `jax.numpy` and `math`.
+    numbers, functions with the same property, `jax.numpy` and `math`.
     """
 
     function: Callable[[Any], Any] = field(metadata={"static": True})

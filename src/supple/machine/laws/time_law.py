@@ -1,6 +1,6 @@
 """Quantities given as functions of time: prescribed motions, forces, torques.
 
-A law is a JAX pytree whose numbers are leaves: systems that differ in these numbers alone, such as the cases
+A law is a JAX pytree whose numbers are leaves: systems that differ only in these numbers, such as the cases
 of a batch, share one compiled program.
 """
 
@@ -27,7 +27,7 @@ _EXPECTED = "a number, an array, a law such as Ramp(1.0, 2.0), or a function of 
 
 @runtime_checkable
 class TimeLaw(Protocol):
-    """A value, or an array of them, over time: `law(time)`, defined from `law.begin` to `law.end`.
+    """A value, or an array of values, over time: `law(time)`, defined from `law.begin` to `law.end`.
 
     A user-defined law is a dataclass with `__call__`, `begin` and `end`, registered by
     `jax.tree_util.register_dataclass`.
@@ -48,7 +48,7 @@ class TimeLaw(Protocol):
 
 
 def as_time_law(value: Any) -> TimeLaw:
-    """The law from a law, a function of time, a number or an array."""
+    """The law of a quantity that is given as a law, a function of time, a number or an array."""
     if isinstance(value, type):  # a class has the members of its objects
         raise ArgumentError(f"a quantity over time: expected {_EXPECTED}, got {given(value)}")
     if isinstance(value, TimeLaw):
@@ -101,7 +101,7 @@ class _LawStructure:
 
 
 def _value_of(law: TimeLaw) -> jax.ShapeDtypeStruct:
-    """Shape and type of a law's values; the laws of a thousand cases are traced once."""
+    """Shape and type of a law's values; laws of the same structure are traced once."""
     leaves, structure = jax.tree.flatten(law)
     own = _LawStructure(structure, tuple(map(np.shape, leaves)), law)
     if all(isinstance(leaf, float) or _is_array(leaf) for leaf in leaves):

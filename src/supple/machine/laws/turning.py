@@ -33,7 +33,7 @@ class Turning:
     axis : (3,) unit vector
     angle : a law, or a function of time, rad
 
-    Exact between the rows of a table; a table of the rotated vectors would interpolate along chords.
+    The rotation is exact between rows of a table; a table of rotated vectors would interpolate along chords.
     Raises ModelError for an axis that is not a unit vector.
     """
 

@@ -18,7 +18,7 @@ __all__ = ["WithRate"]
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class WithRate:
-    """`(q(t), dq/dt)`, (2,), for a law of single numbers."""
+    """`(q(t), dq/dt)`, (2,), for a law whose value is one number."""
 
     of: TimeLaw
 

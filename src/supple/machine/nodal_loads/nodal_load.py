@@ -54,16 +54,16 @@ class NodalLoad(ABC):
     @property
     @abstractmethod
     def value_shapes(self) -> tuple[tuple[int, ...], ...]:
-        """Allowed shapes of the law's value; an additional first axis counts the facets."""
+        """Allowed shapes of the law's value; an additional first axis has one entry per facet."""
 
     @staticmethod
     @abstractmethod
     def facet_forces(places: jax.Array, rotation: jax.Array, value: jax.Array) -> jax.Array:
         """Forces (m, 3) on the nodes of a facet, body components.
 
-        places : (m, 3)     of the nodes, from the frame's origin, body components
+        places : (m, 3)     positions of the nodes, from the frame's origin, body components
         rotation : (3, 3)   of the frame, body to global
-        value : of the law, at this time, for this facet
+        value : value of the law at this time, for this facet
         """
 
 

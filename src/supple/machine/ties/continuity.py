@@ -57,10 +57,10 @@ class MeanMotion:
 
 @dataclass(frozen=True)
 class EveryNode:
-    """All nodes of the interfaces coincide, as far as the two bases can move them apart.
+    """All nodes of the interfaces coincide, in every motion that the two bases contain.
 
     A combination is imposed if its gap can exceed `tolerance` times the largest (singular values of `reach`);
-    the other combinations follow to first order. Suitable for bases with common motions of their interface:
+    the other combinations are not imposed. Suitable if both bases contain the same motions of the interface:
     static shapes of rigid interfaces, or nearly all modes. With few free modes the tie locks.
     """
 

@@ -17,7 +17,7 @@ IntArray = NDArray[np.int64]
 
 
 def meeting_nodes(points: FloatArray, nodes: FloatArray, within: float) -> IntArray:
-    """Number of the node (n,) at each point (n, 3), of nodes (N, 3); -1 where none is within the distance."""
+    """Numbers (n,) of the nodes (N, 3) at points (n, 3); -1 where no node is within the distance."""
     distance, nearest = KDTree(nodes).query(points)
     return np.where(distance <= within, nearest, -1)
 
@@ -36,7 +36,7 @@ def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[
         ]
     )
     corners = mesh.nodes[triangles]
-    # Only faces near a point can be under it; centres are searched within the largest face size.
+    # A face under a point has its centre within the largest face size; only such faces are tested.
     centres, reach = corners.mean(axis=1), np.linalg.norm(np.ptp(corners, axis=1), axis=1).max()
     tree = KDTree(centres)
     found, weights = np.empty((len(points), 3), dtype=np.int64), np.empty((len(points), 3))
@@ -56,9 +56,9 @@ def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[
 
 
 def _gaps(point: FloatArray, corners: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distances (t,) of a point from its projections onto triangles (t, 3, 3), and their area coordinates.
+    """Distances (t,) of a point from its projections onto triangles (t, 3, 3).
 
-    Area coordinates (t, 3) are limited to the triangles.
+    Also the area coordinates (t, 3) of the projections, which are limited to the triangles.
     """
     edges = corners[:, 1:] - corners[:, :1]
     gram = np.einsum("tai,tbi->tab", edges, edges)

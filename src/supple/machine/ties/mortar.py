@@ -29,7 +29,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _INSIDE = 1e-12  # in area coordinates: tolerance for points on an edge of a triangle
-_COVERED = 1e-6  # largest part of a face's area that the other side need not cover
+_COVERED = 1e-6  # largest fraction of a face's area that may lack a match on the other side
 _MIDDLES = np.array([[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]])
 """Mid-side points of a triangle: equal weights there integrate polynomials of second degree exactly."""
 
@@ -128,7 +128,7 @@ def _overlaps(own: FloatArray, other: FloatArray, within: float) -> tuple[FloatA
 
 
 def _area_map(flat: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Maps (P, 3, 3) of (1, s, t) to area coordinates of triangles (P, 3, 2); whether each has an area."""
+    """Maps (P, 3, 3) of (1, s, t) to area coordinates of triangles (P, 3, 2); masks (P,) of nonzero areas."""
     corners = np.concatenate([np.ones((*flat.shape[:2], 1)), flat], axis=2).swapaxes(1, 2)
     upright = np.abs(np.linalg.det(corners)) > _INSIDE
     corners = np.where(upright[:, None, None], corners, np.eye(3))
