@@ -101,7 +101,7 @@ def correct_at_rest(
 
 
 def missed_at_rest(found: Equilibrium, starts: Mapping[str, ReductionStart]) -> dict[str, MotionOutsideBasis]:
-    """Motion outside the bases in an equilibrium, in the quantities of interest of their targets."""
+    """Motion outside the bases in an equilibrium; errors are those of the targets' quantities of interest."""
     missed = {}
     for name, start in starts.items():
         quantity = start.target.quantity(name)

@@ -76,8 +76,8 @@ def model_errors(
     system, solution : the machine as simulated, with its bodies reduced, and the result
     fulls : the same bodies with all coordinates, by name; those without elements are assessed by their limit
     bases : of the reduced bodies, by name
-    quantities : the error of positions of one of these bodies follows from the body's own motion; that of
-        another quantity from the relative error of its body, or the largest of all bodies if without a body
+    quantities : the error of positions of one of these bodies follows from the body's own motion; the error
+        of another quantity from the relative error of its body, or from the largest one if it has no body
     """
     seen_bodies = [full for name, full in fulls.items() if full.body.model is not None and name in bases]
     if system.controllers:  # their forces are known during the run only

@@ -1,7 +1,7 @@
 """Beam sections: flexibility and inertia per length of the cross-section of a beam.
 
-Every section returns matrices (6, 6) at positions along the beam, in its axes x (along), y and z. Rows are
-forces N, V_y, V_z and moments M_x, M_y, M_z; those of inertia are along x, y, z, then about x, y, z.
+Every section returns matrices (6, 6) at positions along the beam, in its axes x (along), y and z. The
+flexibility is in the order of N, V_y, V_z, M_x, M_y, M_z; the inertia is along x, y, z, then about x, y, z.
 """
 
 from __future__ import annotations

@@ -65,7 +65,7 @@ class FiniteElementModel:
     rotation_limit : float                  largest rotation, rad, relative to the frame; infinite for solids
     kinematics : ShellKinematics            of shells and beams; solids have one kind only
     attached : Attached                     springs, masses and ties of nodes, beside the elements
-    mass_of : MassRule                      of cells: consistent_mass, or CellMass.lumped
+    mass_of : MassRule                      mass rule of the cells: consistent_mass, or CellMass.lumped
     """
 
     mesh: Mesh
@@ -139,7 +139,7 @@ def solid_model(
     Parameters
     ----------
     mesh : Mesh                     of solid cells, linear or quadratic, also mixed
-    material : Isotropic or Anisotropic, or {cell set name: either} with every cell in just one set
+    material : Isotropic or Anisotropic, or {cell set name: either} with every cell in exactly one set
 
     Raises
     ------
@@ -166,7 +166,7 @@ def finite_element_model(
     given : the sections of all cells
     kinematics : of shells and beams
     attached : springs, masses and ties, in freedoms of `dofs_per_node` per node
-    dofs_per_node : 3 or 6; by default 3 where there are only solids
+    dofs_per_node : 3 or 6; by default 6 where a section has stiffness in nodal rotations, otherwise 3
     mass_of : mass rule of each cell: consistent_mass, or CellMass.lumped
 
     Raises

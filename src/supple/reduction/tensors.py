@@ -76,7 +76,9 @@ class InternalForceTensors:
         return self.stiffness + A3 + A4
 
     def condensed(self, energy: np.ndarray) -> InternalForceTensors:
-        """Tensors of the energy less (1/8) s^T R s of condensed motion, s_(jk) = mult_jk gamma_j gamma_k.
+        """Tensors of the energy without the (1/8) s^T R s that condensed motion releases.
+
+        s_(jk) = gamma_j gamma_k, twice for j < k
 
         energy : (n2, n2)   R of `Condensation`
         """
@@ -177,9 +179,9 @@ class StrainProducts:
         return connected_components(csr_array(_over_pairings(coupled)), directed=False)[1]
 
     def by_classes(self, classes: np.ndarray) -> StrainProducts:
-        """The products without coupling between classes, which is round-off of even and odd columns.
+        """The products without coupling between classes, which is round-off between even and odd columns.
 
-        The energy changes by less than 1e-8 of that of its parts, and remains a potential.
+        The energy changes by less than 1e-8 of the sum of its terms; the force still has a potential.
         """
         if self.pair_by_pair is None or not np.any(classes):
             return self

@@ -14,7 +14,7 @@ from supple.errors import AccuracyError, ModelError
 
 __all__ = ["ComponentModel", "ReducedMatrices", "RitzComponent"]
 
-# Squared length below which a column of unit length counts as a combination of the others.
+# Eigenvalue, per coordinate, of the mass scaled to a unit diagonal; below it a direction is dependent.
 DEPENDENT = 1e-13
 
 
@@ -103,7 +103,7 @@ class ComponentModel(Protocol):
         ...
 
     def interfaces_loaded(self, added_mass: np.ndarray) -> ReducedMatrices:
-        """Rigid bodies at the interfaces: added_mass (b, b), symmetric, in the interface motions."""
+        """Matrices with rigid bodies at the interfaces; added_mass (b, b): symmetric, in their motions."""
         ...
 
 

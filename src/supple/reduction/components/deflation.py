@@ -56,7 +56,7 @@ def residual_response(
 
 
 def residual_shares(flexibility: np.ndarray, participation: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Share (k,) of the residual, as opposed to the modes, in the flexibility under each load.
+    """Share (k,) of the flexibility under each load that the modes leave to the residual.
 
     flexibility : (k, k)        of the residual
     participation : (m, k)      Phi^T A

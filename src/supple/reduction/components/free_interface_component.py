@@ -1,4 +1,4 @@
-"""A body by its free vibrations: the quantities of Rubin's, MacNeal's and the dual Craig-Bampton method."""
+"""Free vibrations of a body: the matrices of Rubin's, MacNeal's and the dual Craig-Bampton method."""
 
 from __future__ import annotations
 
