@@ -49,7 +49,7 @@ class CampbellDiagram(Summarized):
     axes : str                          description of the axes of the frequencies
     sense : (ns, nm)                    of whirl: 1 forward, -1 backward, 0 for neither or unknown
     in_space : (ns, nm)                 frequencies in space, rad per unit of time; NaN for modes that do not
-                                        move the rotor normal to its axis, or that have several
+                                        move the rotor normal to its axis, or that have several frequencies
     names : (nm,)                       of the modes, by their motion at the last speed (`mode_names`)
     """
 

@@ -65,8 +65,8 @@ class LinearMachine(Summarized):
     full_mass : (n, n)          of `p`, without the joints' constraints
     control   : LinearControl   H (k, c), E_p (c, k), E_v (c, k), E_z (c, c)
     full      : FullMachine | None      the machine with all coordinates of its reduced bodies, if known
-    is_in_space : bool          whether y describes rotating bodies in standing axes; `basis` then holds only
-                at the angle of the system
+    is_in_space : bool          whether y describes rotating bodies in standing axes; `basis` is then valid
+                only at the angle of the system
     periodic  : Periodic | None     the matrices over a revolution, if they vary; `mass`, `damping` and
                 `stiffness` are then their means
     """
@@ -110,7 +110,7 @@ class LinearMachine(Summarized):
         return len(self.mass)
 
     def motion_near(self, displacements: Array, rates: Array, times: Array | None = None) -> Solution:
-        """The bodies' motion for small p (t, n) about the equilibrium; the rates p' (t, n) as at p = 0."""
+        """The bodies' motion for small p (t, n) about the equilibrium, with rates p' (t, n) taken at p = 0."""
         bodies, first = {}, 0
         for placed in self.system.bodies:
             after = first + 6 + placed.body.n_coordinates

@@ -119,7 +119,7 @@ def state_space(
 
 
 def _rates(control: LinearControl) -> Array:
-    """Rates of the controllers' states, by all states."""
+    """Matrix from all states to the rates of the controllers' states."""
     return np.hstack([control.by_position, control.by_velocity, control.by_state])
 
 

@@ -34,7 +34,7 @@ from supple.programs.program_worker import program_of_file
 __all__ = ["CachedProgram"]
 
 _MOST_AT_HAND = 16
-"""Programs of one function that a process holds; the least recently used is released first."""
+"""Programs of one function in the memory of a process; the least recently used is released first."""
 
 
 class CachedProgram:

@@ -34,7 +34,7 @@ class ExclusiveLock:
 
     Raises
     ------
-    ResultFileError     another holder, in this process or another; the folder cannot be written
+    ResultFileError     the lock is taken, by this process or another; the folder cannot be written
 
     Warns
     -----

@@ -111,7 +111,8 @@ class ResultFile:
 
         Raises
         ------
-        ResultFileError     the path exists; the file cannot be written; another run is writing it
+        ResultFileError     a file exists that may not be replaced; the file cannot be written; another run is
+                            writing it
         """
         header = ResultHeader(
             case, dict(metadata), complete=False, n_times=0, statistics=Statistics(), inputs=dict(inputs)
