@@ -104,7 +104,7 @@ class BeamSection:
 
     @property
     def carried(self) -> NDArray[np.bool_]:
-        """Which of N, V_y, V_z, M_x, M_y, M_z the section carries; the others are zero."""
+        """Which of N, V_y, V_z, M_x, M_y, M_z the section carries; forces not carried are zero."""
         ends = (self, self.second or self)
         Mx, My, Mz = (all(getattr(end, name) > 0 for end in ends) for name in ("J", "I2", "I1"))
         return np.array([True, Mz, My, Mx, My, Mz])

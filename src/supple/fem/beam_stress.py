@@ -92,7 +92,7 @@ def line_to_global(axes: FloatArray) -> FloatArray:
 
 
 def rod_line(ends: FloatArray) -> BeamLine:
-    """Axes of rods with ends (E, 2, 3): x along the rod, the others any normal directions."""
+    """Axes of rods with ends (E, 2, 3): x along the rod, y and z any directions normal to it."""
     chord = ends[:, 1] - ends[:, 0]
     length = np.linalg.norm(chord, axis=1)
     x = chord / length[:, None]

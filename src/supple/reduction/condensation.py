@@ -52,8 +52,8 @@ class Condensation:
     Without z a missing stiff direction, such as the shortening of a bent beam, would block bending. N(q, z)
     would add a share of the work of the order of theta^2, whatever the slenderness: 0.41 theta^2 for a beam
     under uniform load whose tip rotates by theta. Derivative columns contain this share. z moves no interface
-    relative to another, because joints and loads there act on V gamma alone. z is therefore also K-orthogonal
-    to the static shapes of the interfaces, which most bases contain.
+    relative to another, because joints and interface loads act on V gamma alone. z is therefore also
+    K-orthogonal to the static shapes of the interfaces, which most bases contain.
 
     body : FlexibleBody         with quadratic strains
     basis : ReductionBasis      of this body

@@ -69,14 +69,14 @@ class ReducedBody(FloatingForm, Summarized):
     stiffness : (r, r)          V^T K V
     cubic : (r(r+1)/2, r)       or None: the tensors are linear
     quartic : (n2, n2)          or None, n2 = r(r+1)/2
-    damping : (r, r)            multiplies the rates of gamma, undeformed body
+    damping : (r, r)            damping matrix of the undeformed body
     damping_cubic : (n2, r)     or None; increase of the damping with deformation, for strain-rate damping:
     damping_quartic : (n2, n2)  D = damping + unpack(damping_cubic @ gamma) + unpack(damping_quartic @ m2)
     interfaces : ReducedInterface, one per virtual node
     nodes : (N, 3)              undeformed positions
     nodal_basis : (n_nodal, r)  nodal displacements (and rotations) per unit gamma
     rotation_basis : (P, 3, r)  rotation vectors at P points per unit gamma, or None when unknown
-    rotation_limit : float      rad; largest rotation against the frame that the kinematics describe
+    rotation_limit : float      rad; largest rotation relative to the frame that the kinematics describe
     frequencies : (r,)          rad/s, ascending, of the reduced body fixed in its frame
     report : ReductionReport
     condensed : motion z outside the columns, condensed into the quartic tensor; None without
@@ -247,7 +247,7 @@ class ReducedBody(FloatingForm, Summarized):
         return None if self.rotation_basis is None else self.rotation_basis.reshape(-1, self.r)
 
     def rotations(self, gamma: ArrayLike) -> np.ndarray:
-        """Rotation vectors (..., P, 3) against the frame; ModelError if the body has none."""
+        """Rotation vectors (..., P, 3) relative to the frame; ModelError if the body has none."""
         if self.rotation_basis is None:
             raise ModelError(
                 f"body '{self.name}' has no rotations: "

@@ -168,9 +168,9 @@ class StrainProducts:
     def classes(self) -> np.ndarray:
         """The symmetry class of every pair (n2,): planes of symmetry decouple pairs of different classes.
 
-        Pairs a = (jk) and b = (lm) are of one class if the cosine of the angle between their strains,
-        `H_ab / sqrt(H_aa H_bb)`, is above 1e-8, or that between (jl) and (km) or between (jm) and (kl).
-        Without symmetry there is one class.
+        Pairs (jk) and (lm) are of one class if the strains of (jk) and (lm), of (jl) and (km), or of (jm) and
+        (kl) form an angle with a cosine, `H_ab / sqrt(H_aa H_bb)`, above 1e-8. Without symmetry there is one
+        class.
         """
         if self.pair_by_pair is None:
             return np.empty(0, dtype=np.int32)

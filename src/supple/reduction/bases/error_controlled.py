@@ -38,7 +38,7 @@ class ErrorControlled:
         0 <= chi-bar_n / chi_n - 1 <= tolerance,     n = 1 .. n_modes,  none missed
 
     Fixed-interface modes are added to a Craig-Bampton basis until the estimate of every error is within the
-    tolerance. Bounds for the eigenvalues of the full body then prove the accuracy; otherwise more modes are
+    tolerance. Bounds for the eigenvalues of the full body then prove the accuracy, or more modes are
     added. The columns are the n_modes vibrations of that Craig-Bampton body: M = I, K = diag(chi-bar), so
     that bodies of different tolerance have the same size.
 

@@ -23,7 +23,7 @@ class ReducedMatrices:
     """An eigenproblem K x = lambda M x in a few coordinates.
 
     stiffness : (r, r)      symmetric
-    mass : (r, r)           symmetric, positive definite but for dependent coordinates
+    mass : (r, r)           symmetric, positive definite except for dependent coordinates
     n_forces : int          number of coordinates that are interface forces. Each makes one eigenvalue
                             negative, which belongs to no vibration
     """

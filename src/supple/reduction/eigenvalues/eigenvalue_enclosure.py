@@ -148,7 +148,7 @@ def _random_loads(body: FlexibleBody, n_loads: int) -> np.ndarray:
 
 
 def _bounds(upper: np.ndarray, A2: np.ndarray, inside: int) -> tuple[float, np.ndarray, float]:
-    """A shift above the first `inside` Ritz values, the lower bounds below it, the largest width."""
+    """A shift above the first `inside` Ritz values, the lower bounds below the shift, the largest width."""
     shift = 0.5 * float(upper[inside - 1] + upper[inside])
     lower = _lehmann_goerisch(upper, A2, shift)
     if lower.size != inside:
