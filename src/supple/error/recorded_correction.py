@@ -102,7 +102,7 @@ def _opened(
 ) -> CorrectionFolder:
     if resume:
         if path.exists():
-            # Raises an error that names the changed input, or states that the run is complete.
+            # Raises an error for a complete run, or one that names a changed input.
             ResultFile.resume(path, case=case, inputs=inputs or {"the case": case}).close()
         return CorrectionFolder.resume(folder, case=case, inputs=inputs)
     if overwrite:

@@ -63,10 +63,10 @@ class ResidualCorrections:
     deformation : (n, k)    delta in the body's coordinates, relative to its frame
     origin : (k, 3)         displacement of the frame's origin, global
     rotation : (k, 3)       of the frame, rad, body components
-    rms : (k,)              root-mean-square displacement of the nodes: in space where the joints fix all
-                            rigid motion; otherwise of the deformation alone, since no static equilibrium
-                            determines the position; infinite where no equilibrium was found (there the
-                            deformation is zero)
+    rms : (k,)              root-mean-square displacement of the nodes in space if the joints fix all rigid
+                            motion, otherwise of the deformation alone, because no static equilibrium
+                            determines the position. Infinite, with zero deformation, where no equilibrium
+                            was found
     factorizations : int    of tangents of the whole system
     """
 

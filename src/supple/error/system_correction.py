@@ -90,7 +90,7 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class _Model:
-    """The system reduced to the bases of one round, in short runs with padding; `bodies` have no padding."""
+    """The system reduced to the bases of one round, padded in short runs; `bodies` are not padded."""
 
     number: int
     bases: RoundBases
@@ -193,7 +193,7 @@ def _check_load_band(problem: Problem, model: _Model) -> None:
 
 
 def _simulated(problem: Problem, model: _Model) -> _Run:
-    """Simulate a round. A run without derivatives may stop early, but its motion outside the basis counts."""
+    """Simulate a round. A run without derivatives may stop early; its motion outside the basis is used."""
     began = perf_counter()
     step = f"{model.label}: simulating"
     problem.report(step, 0.0)

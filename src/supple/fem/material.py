@@ -82,7 +82,7 @@ class Isotropic:
 
 @dataclass(frozen=True, eq=False)
 class Anisotropic:
-    """An elastic material by its stiffness, in its own axes (`Section.directions`, or those of the mesh).
+    """An elastic material given by its stiffness in its own axes (`Section.directions`, or the mesh axes).
 
     Parameters
     ----------

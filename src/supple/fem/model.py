@@ -64,7 +64,7 @@ class FiniteElementModel:
     stiffness : csc_array (n, n)            linear stiffness, the tangent of the undeformed body
     rotation_limit : float                  largest rotation, rad, relative to the frame; infinite for solids
     kinematics : ShellKinematics            of shells and beams; solids have one kind only
-    attached : Attached                     springs, masses and ties of nodes, beside the elements
+    attached : Attached                     springs, masses, dashpots and ties of nodes, beside the elements
     mass_of : MassRule                      mass rule of the cells: consistent_mass, or CellMass.lumped
     """
 
@@ -165,7 +165,7 @@ def finite_element_model(
     ----------
     given : the sections of all cells
     kinematics : of shells and beams
-    attached : springs, masses and ties, in freedoms of `dofs_per_node` per node
+    attached : springs, masses, dashpots and ties, in freedoms of `dofs_per_node` per node
     dofs_per_node : 3 or 6; by default 6 where a section has stiffness in nodal rotations, otherwise 3
     mass_of : mass rule of each cell: consistent_mass, or CellMass.lumped
 

@@ -207,7 +207,7 @@ def _refusal(what: str, change: float) -> str:
 
 
 def _changed(control: LinearControl, again: LinearControl, size: Array, rate: float) -> float:
-    """Largest variation of the readings and forces of controllers, over the size of each row and column."""
+    """Largest variation of controllers' readings and forces, relative to the size of each row and column."""
 
     def parts(own: LinearControl) -> tuple[Array, Array]:
         read = np.hstack([own.by_position / size, own.by_velocity * abs(rate) / size])

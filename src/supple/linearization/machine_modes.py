@@ -43,7 +43,7 @@ class MachineModes(Summarized):
     shapes : complex (n, k)         of frames and deformation coordinates, in the frames' own axes, of unit
                                     kinetic energy norm `shape^H M shape = 1`, the largest independent
                                     coordinate real
-    independent : complex (m, k)    the same in the coordinates of the `LinearMachine`
+    independent : complex (m, k)    the shapes in the coordinates of the `LinearMachine`
     states : complex (c, k)         of the controllers
     error : ModeError | None        basis errors; None without known full bodies
     """

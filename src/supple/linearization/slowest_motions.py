@@ -97,7 +97,7 @@ def _left_over(machine: SparseMachine, slow: SlowMotions, values: Any, shapes: A
 
 
 def _sizes(motions: Any, mass: Any) -> Array:
-    """Norms of motions in the mass."""
+    """Norms of motions, weighted by the mass."""
     return np.sqrt(np.maximum(np.real(np.einsum("ij,ij->j", motions.conj(), mass @ motions)), 0.0))
 
 

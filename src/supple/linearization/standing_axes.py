@@ -301,7 +301,7 @@ def _equal_bodies(found: RestingState, spin: Spin, columns: BodyColumns) -> list
 def _round_bodies(
     found: RestingState, spin: Spin, columns: BodyColumns, blades: list[int], angles: Array
 ) -> Array:
-    """(s, n, n): motion of rotating bodies with cyclic symmetry, from that in standing axes."""
+    """Map (s, n, n) to the motion of rotating bodies with cyclic symmetry from motion in standing axes."""
     turning, configuration = turning_bodies(found, spin), found.configuration
     hub, slices = _hub(found, turning), columns.slices
     T = np.tile(np.eye(slices[-1].stop), (len(angles), 1, 1))

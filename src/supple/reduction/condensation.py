@@ -65,7 +65,7 @@ class Condensation:
 
     @cached_property
     def energy(self) -> Array:
-        """R (n2, n2): energy released by pair motion outside columns and interface shapes; >= 0."""
+        """R (n2, n2), semidefinite: energy released by pair motion outside columns and interface shapes."""
         energy = self._energy_of_all - self._held.T @ self._held
         return (energy + energy.T) / 2
 
@@ -75,7 +75,7 @@ class Condensation:
         return self._held_by_interfaces.T @ self._held_by_interfaces
 
     def motion(self) -> CondensedMotion:
-        """The motion z at the nodes: independent fields that span those of all pairs, energy-orthonormal."""
+        """The motion z at the nodes, in energy-orthonormal fields that span the motions of all pairs."""
         first, second = self._pairs
         scale = np.sum(self._vectors * (self.body.stiffness @ self._vectors), axis=0) ** -0.5
         unit = scale[first] * scale[second]  # scales pairs to columns of unit energy

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class CondensedMotion:
-    """Nodal motion z that follows the coordinates statically; the condensed quartic tensor has its energy.
+    """Nodal motion z that follows the coordinates statically and relaxes the condensed quartic tensor.
 
         z(gamma) = fields @ (amplitudes @ m2),   m2 = (gamma_j gamma_k), j <= k as numpy.triu_indices(r)
 

@@ -234,7 +234,7 @@ class ReducedBody(FloatingForm, Summarized):
 
     @property
     def missing_centrifugal_stiffness(self) -> np.ndarray:
-        """Missing stiffness (3,) where the condensed motion has no inertia, as the function of this name."""
+        """Missing stiffness (3,) where the condensed motion has no inertia; see the function of this name."""
         return missing_centrifugal_stiffness(self)
 
     def lowest_frequency(self) -> float:

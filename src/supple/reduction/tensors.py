@@ -150,7 +150,7 @@ class StrainProducts:
     pair_by_pair: np.ndarray | None = None
 
     def internal_force(self) -> InternalForceTensors:
-        """Tensors cubic = 3 sym(F), quartic = (3/2) sym(H)."""
+        """Tensors cubic = 3 sym(F), quartic = (3/2) sym(H) with off-diagonal columns doubled."""
         if self.strain_by_pair is None or self.pair_by_pair is None:
             return InternalForceTensors(self.stiffness)
         quartic = _fold_quartic(self.pair_by_pair, len(self.stiffness))

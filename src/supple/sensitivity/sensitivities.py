@@ -99,6 +99,7 @@ def sensitivities(
     ModelError          full, intrinsic or explicit bodies, a sampled controller, a kinematic run; a parameter
                         that changes more than numbers, or with a jump or a kink; an observable that is not
                         smooth
+    ArgumentError       a parameter that is not finite, or is 0 without a size
     ConvergenceError    a step, or a derivative, that does not converge
     """
     before_compiled_code()

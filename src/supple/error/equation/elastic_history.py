@@ -161,9 +161,9 @@ def tangent_history(
 ) -> TangentHistory:
     """Tangents along q = X g(t), combined from the tangents at a few sample times.
 
-    The monomials (g, g g) of the run are factored with column pivoting. The pivots are the sample times,
-    in the order of their difference from the previous ones. Selection stops as soon as the previous tangents
-    reproduce the next ones.
+    The monomials (g, g g) of the run are factored with column pivoting. The pivots are the sample times: each
+    differs most from the previous ones. Selection stops as soon as the previous tangents reproduce the next
+    ones.
 
     motion : (n, s) X;  coordinates : (t, s);  onto : (n, k) Z
     material : bool     whether the part through the strains is needed as well (by strain-rate damping)

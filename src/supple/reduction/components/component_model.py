@@ -103,7 +103,7 @@ class ComponentModel(Protocol):
         ...
 
     def interfaces_loaded(self, added_mass: np.ndarray) -> ReducedMatrices:
-        """Matrices with rigid bodies at the interfaces; added_mass (b, b): symmetric, in their motions."""
+        """Matrices with rigid bodies of mass added_mass (b, b), symmetric, at the interface motions."""
         ...
 
 

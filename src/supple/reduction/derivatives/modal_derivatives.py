@@ -31,7 +31,7 @@ class ModalDerivatives:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """Such as 'derivative 1-3', columns counted from 1."""
+        """Labels such as 'derivative 1-3', with columns counted from 1."""
         return tuple(f"derivative {j + 1}-{k + 1}" for j, k in self.pairs)
 
     @property

@@ -132,5 +132,5 @@ class KnownEigenvalues:
         object.__setattr__(self, "values", read_only(self.values))
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:
-        """Exact errors, or upper bounds to them."""
+        """Exact errors, or their upper bounds."""
         return terms.values / self.values[: terms.values.size] - 1.0
