@@ -143,7 +143,7 @@ def solid_model(
 
     Raises
     ------
-    ModelError   triangles; cells without a material or with two
+    ModelError   cells that are not solid, without a material, or with two; a property that is no material
     MeshError    unknown cell set
     """
     given = sections(mesh, material)

@@ -110,7 +110,7 @@ class LinearMachine(Summarized):
         return len(self.mass)
 
     def motion_near(self, displacements: Array, rates: Array, times: Array | None = None) -> Solution:
-        """The bodies' motion for small p (t, n) about the equilibrium, with velocities of p' (t, n) at p = 0."""
+        """The bodies' motion for small p (t, n) about the equilibrium; velocities of p' (t, n) at p = 0."""
         bodies, first = {}, 0
         for placed in self.system.bodies:
             after = first + 6 + placed.body.n_coordinates
