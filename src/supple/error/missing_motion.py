@@ -58,7 +58,7 @@ LARGEST_MOVE = 0.02
 class MissingMotion:
     """Change of the state to equilibrium.
 
-    displacement : (n,)                     of all degrees of freedom of the machine, per body the frame first
+    displacement : (n,)                     of all degrees of freedom; for each body those of its frame first
     multipliers, frame_multipliers :        changes of the joint forces and of the frame forces of full bodies
     """
 

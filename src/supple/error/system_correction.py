@@ -54,7 +54,7 @@ class Problem:
     """The data of a self-correction that stay the same from round to round.
 
     system : System         with its full bodies
-    fulls, starts : by body
+    fulls, starts : full bodies, and starts of their reductions, by body
     run : settings of every round
     announce, accepted, progress, archive : as for `self_correct`
     first : bases to start with, from an earlier pass

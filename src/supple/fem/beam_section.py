@@ -40,8 +40,8 @@ class BeamSection:
                                                  overrides it
     mass_per_length : float or None     kg/m; density times area when None
     I12 : float                         int y z dA, m^4; 0 in principal axes
-    neutral : (y, z)                    of the neutral axis from the shear centre, m
-    mass_centre : (y, z)                of the mass from the shear centre, m
+    neutral : (y, z)                    position of the neutral axis from the shear centre, m
+    mass_centre : (y, z)                position of the mass centre from the shear centre, m
     rotary : float array (3,) or None   inertia per length about x, y, z through the mass centre, kg m;
              density times I1 + I2, I2, I1 (and -I12 between y and z) when None
     second : BeamSection or None        the section at the second end of a tapered beam; the values above and
@@ -141,7 +141,7 @@ class CoupledBeamSection:
     ----------
     stiffness : float array (6, 6)      forces N V_y V_z and moments M_x M_y M_z by strains and curvatures,
                                         about the beam's axis; N, N m, N m^2
-    mass : float array (6, 6)           per length, of the motion of the axis; kg/m, kg, kg m
+    mass : float array (6, 6)           mass per length for motions of the axis; kg/m, kg, kg m
     orientation : float array (3,)      a direction in the x-y plane; `Section.directions` overrides it
     second : CoupledBeamSection or None     the section at the second end; matrices vary linearly in between
 

@@ -32,7 +32,7 @@ class FullMachine:
     """The reference for the basis errors of a linearised machine.
 
     machine  : SparseMachine    about its own equilibrium, with all coordinates of the reduced bodies
-    expansion : sparse (N, n)   from motions `p` of the reduced machine to those of the full one
+    expansion : sparse (N, n)   map from motions `p` of the reduced machine to those of the full one
     bodies   : by name, the coordinates of a reduced body among the N of the full machine
     rest     : RestError        basis errors at the equilibrium, by name
     standing : StandingTurn | None      for a machine in standing axes, over one revolution
@@ -62,7 +62,7 @@ class LinearMachine(Summarized):
     time      : float           of loads and laws
     mass, damping, stiffness : (k, k)
     basis     : N, (n, k)
-    full_mass : (n, n)          of `p`, without the joints' constraints
+    full_mass : (n, n)          mass matrix of `p`, without the joints' constraints
     control   : LinearControl   H (k, c), E_p (c, k), E_v (c, k), E_z (c, c)
     full      : FullMachine | None      the machine with all coordinates of its reduced bodies, if known
     is_in_space : bool          whether y describes rotating bodies in standing axes; `basis` is then valid

@@ -40,11 +40,11 @@ class MachineModes(Summarized):
 
     eigenvalues : complex (k,)      1/s: of each conjugate pair the one above the real axis, one of the two
                                     zeros of each free rigid motion, and all other real eigenvalues
-    shapes : complex (n, k)         of frames and deformation coordinates, in the frames' own axes, of unit
-                                    kinetic energy norm `shape^H M shape = 1`, the largest independent
-                                    coordinate real
+    shapes : complex (n, k)         motions of frames, in the frames' own axes, and deformation coordinates,
+                                    with unit kinetic energy norm `shape^H M shape = 1` and the largest
+                                    independent coordinate real
     independent : complex (m, k)    the shapes in the coordinates of the `LinearMachine`
-    states : complex (c, k)         of the controllers
+    states : complex (c, k)         states of the controllers
     error : ModeError | None        basis errors; None without known full bodies
     """
 

@@ -40,7 +40,7 @@ class Sensitivities(Summarized):
 
     parameters : values by name
     solution : the run itself
-    values : by observable, in its shape
+    values : values by observable, each in its own shape
     derivatives : by observable, then by parameter, of the same shape as the values
     """
 

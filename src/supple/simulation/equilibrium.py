@@ -34,7 +34,7 @@ LARGEST_ERROR = 0.01
 class Equilibrium(Summarized):
     """A machine at rest, or in steady rotation.
 
-    system     : System     its bodies in their poses, velocities and deformation: `simulate` starts there
+    system     : System     with the poses, velocities and deformation of its bodies, for a run to start from
     solution   : Solution   the same state as a motion with one output time
     iterations : int        number of iterations of the search
     errors : RestError      basis error, by name of the reduced body with a known full body

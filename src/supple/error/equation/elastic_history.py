@@ -141,7 +141,7 @@ class TangentHistory:
     K_t is quadratic in q: weights that reproduce the coordinates and their products reproduce K_t.
 
     whole : (m, k, k)
-    material : (m, k, k)    through the strains alone; (0, k, k) where not requested
+    material : (m, k, k)    part through the strains alone; (0, k, k) where not requested
     weights : (t, m)
     """
 

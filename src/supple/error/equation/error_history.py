@@ -78,7 +78,7 @@ class ErrorHistory:
     times : (t,)
     origin : (t, 3)         dR, global
     turn : (t, 3)           psi, body components
-    coordinates : (t, k)    of the displacements relative to the frame, in columns Z
+    coordinates : (t, k)    error of the displacements relative to the frame, in columns Z
     rms : (t,)              root mean square over the nodes, in space
     """
 
