@@ -24,7 +24,7 @@ ASK_FOR_LESS = "ask for a smaller error, or start with more modes"
 
 @dataclass(frozen=True, eq=False)
 class BodyError:
-    """Error of one body caused by its basis, by the error equation.
+    """Error of one body caused by its basis, estimated by the error equation.
 
     rms : float             largest RMS error of the nodes at an output time, unit of length
     worst : float           largest error of a node at the time of this RMS, unit of length

@@ -1,4 +1,4 @@
-"""Error of a finished run caused by its bases: by the error equation, or by a run with richer bases.
+"""Error of a finished run caused by its bases, from the error equation or from a run with richer bases.
 
 The error equation estimates the true motion to first order, and detects where first order is not enough
 (`BodyError.second` above a third). In that case a run with much richer bases is made instead. The same is

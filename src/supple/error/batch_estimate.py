@@ -1,4 +1,4 @@
-"""Errors of many runs of one machine caused by the bases: the error equation of all runs in one march.
+"""Errors of many runs of one machine caused by the bases, from one march of the error equation of all runs.
 
 The runs share their bodies and bases. They therefore share the expensive parts: one error space, built from
 corrections at sample times of all runs, and the matrices of the deformed bodies. Each run has its own

@@ -1,4 +1,4 @@
-"""Indicator of the reduction error in many runs of one machine: the error equation in few columns.
+"""Indicator of the reduction error in many runs of one machine, from the error equation in few columns.
 
 The estimate for a single run has about a hundred columns, from factorisations for this run alone. Here about
 24 columns serve all runs of a group: the columns of their bases, the motion outside the bases found by
@@ -215,7 +215,7 @@ def size_of_motion(body: ReducedBody, motion: FloatingMotion) -> float:
 
 
 def _seen_instants(system: System, run: Run, solution: Solution) -> Solution:
-    """The run at every step; a long run at no more than `MOST_INSTANTS` times, the steps of its error."""
+    """The run at the steps of its error: every step, or at most `MOST_INSTANTS` times of a long run."""
     seen = solution if len(solution.times) > MOST_INSTANTS else every_step(system, run, solution).solution
     return seen.at(slice(None, None, -(-(len(seen.times) - 1) // MOST_INSTANTS)))
 

@@ -1,4 +1,4 @@
-"""Error of a finished run caused by its bases, by one more run with much richer bases.
+"""Error of a finished run caused by its bases, estimated by one more run with much richer bases.
 
 The richer bases contain the old basis, the 24 lowest modes in the frame and 12 leading directions of the
 motion outside the basis (`system_corrections`). With controllers that motion is unknown, because the
@@ -63,7 +63,7 @@ def check_run(
     """Error of a finished run caused by its bases, by name of the quantity of interest, and its shapes.
 
     The shapes are the leading directions (n, m) of the difference of the two runs, by body, each with its
-    mean size; none where the run with richer bases stopped early.
+    mean size. There are none where the run with richer bases stopped early.
 
     fulls, bases : full bodies and bases of the assessed reduced bodies, by name
     missed : (n, m) displacement fields outside each basis; None: found here at `INSTANTS` times

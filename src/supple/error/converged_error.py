@@ -95,7 +95,7 @@ def is_clearly_larger(
 
 
 def deformed_rows(n_steps: int) -> np.ndarray:
-    """Steps of a run at which its deformation is sampled, the first among them."""
+    """Steps of a run at which its deformation is sampled, including the first."""
     return np.unique(np.linspace(0, n_steps - 1, DEFORMED + 1).round().astype(int))
 
 
@@ -123,7 +123,7 @@ def _largest_turn(histories: Mapping[str, ErrorHistory]) -> float:
 
 
 def _change(first: ErrorHistory, again: ErrorHistory) -> float:
-    """Largest difference of two estimates of an error, over the first."""
+    """Largest difference of two estimates of an error, relative to the first."""
     if not np.isfinite(again.rms).all():
         return np.inf
     rows = np.unique([int(np.argmax(first.rms)), int(np.argmax(again.rms))])

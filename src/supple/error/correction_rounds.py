@@ -119,7 +119,7 @@ class Round:
     useless : bool                  no improvement over the previous round
     unconfirmed : bool              the body locks, or the quasi-static motion outside the basis exceeds the
                                     estimated error, and no second run has confirmed that error
-    number : int | None             number of the run in the archive; None: that of the round
+    number : int | None             number of the run in the archive; None: the number of the round
     run : Run | None                the settings with which the run was made
     """
 

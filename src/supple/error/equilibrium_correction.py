@@ -36,7 +36,7 @@ class MotionOutsideBasis(NamedTuple):
     """Motion outside the basis of one body.
 
     error, allowed : in the unit of the quantity of interest
-    fields : (n, m)     displacements of its coordinates, to enrich the basis by
+    fields : (n, m)     displacements in the body's coordinates that enrich the basis
     """
 
     error: float
@@ -45,7 +45,7 @@ class MotionOutsideBasis(NamedTuple):
 
     @property
     def is_met(self) -> bool:
-        """Whether the error is known and allowed."""
+        """Whether the error is known and at most the allowed error."""
         return self.error <= self.allowed
 
 
@@ -101,7 +101,7 @@ def correct_at_rest(
 
 
 def missed_at_rest(found: Equilibrium, starts: Mapping[str, ReductionStart]) -> dict[str, MotionOutsideBasis]:
-    """Motion outside the bases in an equilibrium, in the quantities of interest of their targets."""
+    """Motion outside the bases in an equilibrium; errors are those of the targets' quantities of interest."""
     missed = {}
     for name, start in starts.items():
         quantity = start.target.quantity(name)

@@ -1,4 +1,4 @@
-"""Error of a finished reduced run caused by its bases, by the error equation; motion outside the bases."""
+"""The error of a finished reduced run caused by its bases, estimated by the error equation."""
 
 from __future__ import annotations
 
@@ -89,8 +89,8 @@ class MissingMotion:
     """Motion outside the bases of a run at some times, from equilibria of the full bodies.
 
     steps : the run at every step, or at its output times if it stopped early
-    corrections : by body, at the times that build the error space and at further ones
-    n_looked : number of the times that build the error space
+    corrections : by body, at the times used to build the error space and at further times
+    n_looked : number of the times used to build the error space
     along : indices of many steps, for tangents that contain this motion
     """
 
@@ -219,7 +219,7 @@ class ErrorEstimator:
         proven: float = PROVEN,
         progress: Progress | None = None,
     ) -> ErrorEstimate:
-        """Error of a run that reached its end, whose motion outside the bases is known; as for `assess`."""
+        """Error of a run that reached its end, from its `missing_motion`; other arguments as for `assess`."""
         fulls, steps, missed = self._to_assess(bases), missing.steps, missing.corrections
         fields, n_looked = missing.fields, missing.n_looked
         start = self.start_errors(steps.solution, bases)

@@ -118,10 +118,10 @@ def statements(
     quantities: Sequence[QuantityOfInterest] | None = None,
     progress: StepProgress | None = None,
 ) -> dict[str, ErrorStatement]:
-    """The error statements of a run, by name of the quantity; the part of the basis is given.
+    """The error statements of a run, by name of the quantity.
 
-    of_basis : by quantity; a full body has no basis and no such part
-    allowed : limits of the sums
+    of_basis : given error of the basis, by quantity; a full body has no such part
+    allowed : largest allowed sum of the parts, by quantity
     """
     quantities = quantities_of_interest(system, study) if quantities is None else quantities
     integration = integration_errors(

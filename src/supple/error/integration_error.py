@@ -56,7 +56,7 @@ TIGHTEST = 1e-12
 
 @dataclass(frozen=True)
 class IntegrationError:
-    """The two parts for one quantity; None where not estimated."""
+    """Errors of the step and of Newton's tolerance for one quantity; None where not estimated."""
 
     step: ErrorPart | None
     newton: ErrorPart

@@ -10,10 +10,10 @@ straight or about to buckle. A basis enriched by such directions does not improv
 
 The solution at one time is the start value at the next: missing motion grows from zero and is followed as it
 grows. A shell whose walls buckle has several equilibria close together, and the motion follows one of them.
-If sample times are far apart, the search leaves this equilibrium (61.5 m blade at 8 rad/s: if 0.6 s apart,
-not 0.2 s). At intermediate times a relative correction of a tenth is accurate enough, because the search
-at the next sample time has the strict tolerance again. A tangent is frozen over several times while it
-reduces corrections to less than a third.
+If sample times are far apart, the search leaves this equilibrium (61.5 m blade at 8 rad/s: at intervals of
+0.6 s, but not of 0.2 s). At intermediate times a relative correction of a tenth is accurate enough, because
+the search at the next sample time has the strict tolerance again. A tangent is frozen over several times
+while it reduces corrections to less than a third.
 
 Not all sample times need intermediate times. If every correction by one tangent, from the last solution on,
 is less than a third of the previous one, the iteration is a contraction. Its limit is then the only solution
@@ -58,7 +58,7 @@ LARGEST_MOVE = 0.02
 class MissingMotion:
     """Change of the state to equilibrium.
 
-    displacement : (n,)                     of all degrees of freedom of the machine, per body the frame first
+    displacement : (n,)                     of all degrees of freedom; for each body those of its frame first
     multipliers, frame_multipliers :        changes of the joint forces and of the frame forces of full bodies
     """
 
@@ -94,7 +94,7 @@ class MissingMotionSearch:
         self._relaxations = 0
         self.factorizations = 0
         self.singular: AccuracyError | None = None
-        """Why the last tangent could not be factored."""
+        """The error of the last tangent that could not be factored."""
 
     def at(self, state: FullState, tolerance: float = CONVERGED) -> MissingMotion | None:
         """Missing motion at a state; None where no search converges, or the tangents are singular.

@@ -10,7 +10,7 @@ system gives the resulting change of the motion,
 with joints and frames constrained as for the motion outside a basis. q is the run's motion plus quasi-static
 motion outside its basis (`missing_motion`). In the run's own motion, elements may be compressed, because the
 basis cannot relax the compression; K_t would be nearly singular there. For a strip of 1 m, bent by a quarter
-of its length, the error was then 5 mm, not 0.1 mm. The estimate is quasi-static. It does not include changed
+of its length, it would be 5 mm, not 0.1 mm. The estimate is quasi-static. It does not include changed
 frequencies, which affect the phase of long vibrations, nor the discretisation error of the mesh.
 
 A body without elements, and any body of a machine with controllers, is assessed by its rotation limit: the
@@ -74,10 +74,10 @@ def model_errors(
     Parameters
     ----------
     system, solution : the machine as simulated, with its bodies reduced, and the result
-    fulls : the same bodies with all coordinates, by name; those without elements are assessed by their limit
+    fulls : the same bodies with all coordinates, by name; without elements the rotation limit is used
     bases : of the reduced bodies, by name
-    quantities : the error of positions of one of these bodies follows from the body's own motion; that of
-        another quantity from the relative error of its body, or the largest of all bodies if without a body
+    quantities : the error of positions of one of these bodies follows from the body's own motion; the error
+        of another quantity from the relative error of its body, or from the largest one if it has no body
     """
     seen_bodies = [full for name, full in fulls.items() if full.body.model is not None and name in bases]
     if system.controllers:  # their forces are known during the run only

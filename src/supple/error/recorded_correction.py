@@ -102,7 +102,7 @@ def _opened(
 ) -> CorrectionFolder:
     if resume:
         if path.exists():
-            # The error names what has changed, or that there is nothing to continue.
+            # Raises an error for a complete run, or one that names a changed input.
             ResultFile.resume(path, case=case, inputs=inputs or {"the case": case}).close()
         return CorrectionFolder.resume(folder, case=case, inputs=inputs)
     if overwrite:

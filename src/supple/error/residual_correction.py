@@ -62,12 +62,12 @@ class ResidualCorrections:
     times : (k,)
     deformation : (n, k)    delta in the body's coordinates, relative to its frame
     origin : (k, 3)         displacement of the frame's origin, global
-    rotation : (k, 3)       of the frame, rad, body components
-    rms : (k,)              root-mean-square displacement of the nodes: in space where the joints fix all
-                            rigid motion; otherwise of the deformation alone, since no static equilibrium
-                            determines the position; infinite where no equilibrium was found (there the
-                            deformation is zero)
-    factorizations : int    of tangents of the whole system
+    rotation : (k, 3)       rotation of the frame, rad, body components
+    rms : (k,)              root-mean-square displacement of the nodes in space if the joints fix all rigid
+                            motion, otherwise of the deformation alone, because no static equilibrium
+                            determines the position. Infinite, with zero deformation, where no equilibrium
+                            was found
+    factorizations : int    number of factored tangents of the whole system
     """
 
     times: np.ndarray

@@ -32,7 +32,7 @@ class RoundBases:
     """Bases with which a run starts.
 
     bases : ReductionBasis, by body
-    missed : MissedMotion, by body      of the previous run, by which the bases were enriched; empty at first
+    missed : MissedMotion, by body      in the previous run, which enriched the bases; empty at first
     seconds : float                     wall time of the previous round
     besides : float, by quantity        errors of the previous run in further quantities (`Problem.besides`)
     """

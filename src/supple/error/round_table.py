@@ -36,7 +36,7 @@ def correction_numbers(rounds: Sequence[Round]) -> list[dict[str, Any]]:
 
 
 def best_round(numbers: Sequence[Mapping[str, Any]]) -> int:
-    """Index of the round whose largest error over the allowed error is smallest; the last if none is known.
+    """Index of the round whose largest ratio of error to allowed error is smallest; the last if all unknown.
 
     An unconfirmed error counts as unknown.
     """

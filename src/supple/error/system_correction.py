@@ -54,7 +54,7 @@ class Problem:
     """The data of a self-correction that stay the same from round to round.
 
     system : System         with its full bodies
-    fulls, starts : by body
+    fulls, starts : full bodies, and starts of their reductions, by body
     run : settings of every round
     announce, accepted, progress, archive : as for `self_correct`
     first : bases to start with, from an earlier pass
@@ -90,7 +90,7 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class _Model:
-    """The system reduced to the bases of one round; its bodies have padding coordinates."""
+    """The system reduced to the bases of one round, padded in short runs; `bodies` are not padded."""
 
     number: int
     bases: RoundBases
@@ -122,7 +122,7 @@ class _Assessed:
 
 
 def correct(problem: Problem) -> CorrectedSystem:
-    """Repeat rounds until every body meets its target in the same one."""
+    """Repeat rounds until every body meets its target in the same round."""
     for name, full in problem.fulls.items():
         require_tensor_memory(
             full.body,
@@ -193,7 +193,7 @@ def _check_load_band(problem: Problem, model: _Model) -> None:
 
 
 def _simulated(problem: Problem, model: _Model) -> _Run:
-    """Simulate a round. Without derivatives in its basis it may stop early, but shows missing motion."""
+    """Simulate a round. A run without derivatives may stop early; its motion outside the basis is used."""
     began = perf_counter()
     step = f"{model.label}: simulating"
     problem.report(step, 0.0)
@@ -241,7 +241,7 @@ def _enriched(
         )
         bases[name] = enriched.basis
         quantity = problem.target(name).quantity(name)
-        # The indicator is a length; for other quantities the limit is the same ratio to the displacement.
+        # The limit of the indicator is a length: the allowed relative error times the displacement.
         size = quantity.size(model.system, run.solution)
         moved = size
         if not isinstance(quantity, WholeBody):

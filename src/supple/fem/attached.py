@@ -50,7 +50,7 @@ class Attached:
     springs : as strains without a quadratic part: they have linear stiffness only
     mass, damping : csc (n, n), kg and kg m^2, N s/m; None without
     rigid : pieces; a node in several pieces joins them into one
-    constraints : of u, in addition to the rigid pieces
+    constraints : further constraints of u, besides the rigid pieces
     """
 
     springs: tuple[QuadraticStrain, ...] = field(default=(), repr=False)

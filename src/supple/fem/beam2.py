@@ -189,7 +189,7 @@ def chord_stiffness(L: FloatArray, section: LineSection) -> FloatArray:
 
 
 def beam_mass(line: BeamLine, nodes: NDArray[np.int64], section: LineSection) -> CellMass:
-    """Consistent mass of beams with linear shape functions: m L/6 (1 + delta_ab), rotary inertia likewise.
+    """Consistent mass of beams with linear shape functions: m L/6 (1 + delta_ab), also for rotary inertia.
 
     The mass of released freedoms remains at their nodes.
     """

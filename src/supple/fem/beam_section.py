@@ -1,7 +1,7 @@
 """Beam sections: flexibility and inertia per length of the cross-section of a beam.
 
-Every section returns matrices (6, 6) at positions along the beam, in its axes x (along), y and z. Rows are
-forces N, V_y, V_z and moments M_x, M_y, M_z; those of inertia are along x, y, z, then about x, y, z.
+Every section returns matrices (6, 6) at positions along the beam, in its axes x (along), y and z. The
+flexibility is in the order of N, V_y, V_z, M_x, M_y, M_z; the inertia is along x, y, z, then about x, y, z.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ class BeamSection:
                                                  overrides it
     mass_per_length : float or None     kg/m; density times area when None
     I12 : float                         int y z dA, m^4; 0 in principal axes
-    neutral : (y, z)                    of the neutral axis from the shear centre, m
-    mass_centre : (y, z)                of the mass from the shear centre, m
+    neutral : (y, z)                    position of the neutral axis from the shear centre, m
+    mass_centre : (y, z)                position of the mass centre from the shear centre, m
     rotary : float array (3,) or None   inertia per length about x, y, z through the mass centre, kg m;
              density times I1 + I2, I2, I1 (and -I12 between y and z) when None
     second : BeamSection or None        the section at the second end of a tapered beam; the values above and
@@ -104,7 +104,7 @@ class BeamSection:
 
     @property
     def carried(self) -> NDArray[np.bool_]:
-        """Which of N, V_y, V_z, M_x, M_y, M_z the section carries; the others are zero."""
+        """Which of N, V_y, V_z, M_x, M_y, M_z the section carries; forces not carried are zero."""
         ends = (self, self.second or self)
         Mx, My, Mz = (all(getattr(end, name) > 0 for end in ends) for name in ("J", "I2", "I1"))
         return np.array([True, Mz, My, Mx, My, Mz])
@@ -141,7 +141,7 @@ class CoupledBeamSection:
     ----------
     stiffness : float array (6, 6)      forces N V_y V_z and moments M_x M_y M_z by strains and curvatures,
                                         about the beam's axis; N, N m, N m^2
-    mass : float array (6, 6)           per length, of the motion of the axis; kg/m, kg, kg m
+    mass : float array (6, 6)           mass per length for motions of the axis; kg/m, kg, kg m
     orientation : float array (3,)      a direction in the x-y plane; `Section.directions` overrides it
     second : CoupledBeamSection or None     the section at the second end; matrices vary linearly in between
 

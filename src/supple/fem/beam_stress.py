@@ -18,7 +18,7 @@ XX, XZ, XY = 0, 4, 5
 
 
 def end_forces(block: QuadraticStrain, length: FloatArray, section: LineSection | RodSection) -> FloatArray:
-    """N V_y V_z M_x M_y M_z at the ends (E, 2, 6, s) by the strains (s) of beams or rods; N, N m.
+    """Matrices (E, 2, 6, s) from the strains of beams or rods to N V_y V_z M_x M_y M_z at the ends; N, N m.
 
     With Q = D eps, as in `chord_stiffness`:
 
@@ -52,7 +52,7 @@ def has_points(section: LineSection | RodSection) -> bool:
 
 
 def stress_by_forces(section: LineSection | RodSection, end: int) -> FloatArray:
-    """Stress (p, 6, 6) at the points of a section by its forces N V_y V_z M_x M_y M_z.
+    """Matrices (p, 6, 6) from the section forces N V_y V_z M_x M_y M_z to the stress at the points.
 
         sigma = E (eps + z kappa_y - y kappa_z),   (eps, kappa) = flexibility (N, M_y, M_z)
 
@@ -92,7 +92,7 @@ def line_to_global(axes: FloatArray) -> FloatArray:
 
 
 def rod_line(ends: FloatArray) -> BeamLine:
-    """Axes of rods with ends (E, 2, 3): x along the rod, the others any normal directions."""
+    """Axes of rods with ends (E, 2, 3): x along the rod, y and z any directions normal to it."""
     chord = ends[:, 1] - ends[:, 0]
     length = np.linalg.norm(chord, axis=1)
     x = chord / length[:, None]

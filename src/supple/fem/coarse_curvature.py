@@ -47,7 +47,7 @@ def curvature_over_thickness(mesh: Mesh, shells: list[Section]) -> tuple[FloatAr
 
 
 def _thickness(section: Section) -> float:
-    """sqrt(12 bending / membrane stiffness), the thickness of a plain wall; infinite without either."""
+    """sqrt(12 bending / membrane stiffness), the thickness of a plain wall; infinite if one is zero."""
     wall = section.property
     assert isinstance(wall, HomogeneousSection | LaminateSection)
     stretching = np.trace(wall.membrane)

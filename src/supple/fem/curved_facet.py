@@ -59,7 +59,7 @@ def _surface_slopes(xy: FloatArray, curvature: FloatArray) -> FloatArray:
 def _bend_slopes(xy: FloatArray) -> FloatArray:
     """Slopes b (E, 3, 2, 12) at the corners by the differences of their rotations.
 
-    The mean is that of constant curvature, `s_k.(b_i + b_j) = 0`, on all three sides by least squares.
+    The mean slope is that of constant curvature, `s_k.(b_i + b_j) = 0`, on all three sides by least squares.
     """
     b = np.zeros((len(xy), 3, 2, 12))
     corner = np.arange(3)

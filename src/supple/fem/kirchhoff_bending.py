@@ -2,8 +2,8 @@
 
 The slopes beta of the normal (u = z beta_x, v = z beta_y) are quadratic over the triangle. Kirchhoff's
 condition, beta = -grad w, holds at the corners and, for the component along a side, at its middle. On a side
-w is cubic, and the slope normal to the side at its middle is the mean of its ends. No deflection is needed
-inside.
+w is cubic, and the slope normal to the side at its middle is the mean of the slopes at its ends. No
+deflection is needed inside.
 
 Right-handed rotations: beta_x = ry, beta_y = -rx. Along a side of direction s the cubic deflection w makes
 the slope at the middle mean(beta) - 3/2 s m, with the mismatch m = dw/l + s.mean(beta) of Kirchhoff's

@@ -39,8 +39,8 @@ class CellMass:
         """Diagonal mass with the same total: the consistent diagonal, scaled.
 
         Source: E. Hinton, T. Rock, O. C. Zienkiewicz, "A note on mass lumping", Earthq. Eng. Struct. Dyn. 4
-        (1976) 245-249. Unlike row sums it stays positive on quadratic cells. Coupled terms are lumped by the
-        row sums of each node: rotary inertia, and the eccentricity of a mass.
+        (1976) 245-249. Unlike row sums it stays positive on quadratic cells. Coupled terms, which are rotary
+        inertia and eccentric mass, are lumped by the row sums of each node.
         """
         rotary = None if self.rotary is None else _scaled_diagonal(self.rotary)
         coupled = None if self.coupled is None else _at_nodes(self.coupled)

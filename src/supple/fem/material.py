@@ -25,7 +25,7 @@ class Isotropic:
     density : float             rho >= 0, kg/m^3; 0 for statics alone
     stated_shear_modulus : float or None
             G, Pa, of decks that give it beside E and nu; E / (2 (1 + nu)) when None. If it differs from that
-            value, solids and shells depend on the axes in which their strains are measured
+            value, the stiffness of solids and shells depends on the axes of their strains
 
     Raises
     ------
@@ -82,7 +82,7 @@ class Isotropic:
 
 @dataclass(frozen=True, eq=False)
 class Anisotropic:
-    """An elastic material by its stiffness, in its own axes (`Section.directions`, or those of the mesh).
+    """An elastic material given by its stiffness in its own axes (`Section.directions`, or the mesh axes).
 
     Parameters
     ----------

@@ -64,8 +64,8 @@ class FiniteElementModel:
     stiffness : csc_array (n, n)            linear stiffness, the tangent of the undeformed body
     rotation_limit : float                  largest rotation, rad, relative to the frame; infinite for solids
     kinematics : ShellKinematics            of shells and beams; solids have one kind only
-    attached : Attached                     springs, masses and ties of nodes, beside the elements
-    mass_of : MassRule                      of cells: consistent_mass, or CellMass.lumped
+    attached : Attached                     springs, masses, dashpots and ties of nodes, beside the elements
+    mass_of : MassRule                      mass rule of the cells: consistent_mass, or CellMass.lumped
     """
 
     mesh: Mesh
@@ -139,11 +139,11 @@ def solid_model(
     Parameters
     ----------
     mesh : Mesh                     of solid cells, linear or quadratic, also mixed
-    material : Isotropic or Anisotropic, or {cell set name: either} with every cell in just one set
+    material : Isotropic or Anisotropic, or {cell set name: either} with every cell in exactly one set
 
     Raises
     ------
-    ModelError   triangles; cells without a material or with two
+    ModelError   cells that are not solid, without a material, or with two; a property that is no material
     MeshError    unknown cell set
     """
     given = sections(mesh, material)
@@ -165,8 +165,8 @@ def finite_element_model(
     ----------
     given : the sections of all cells
     kinematics : of shells and beams
-    attached : springs, masses and ties, in freedoms of `dofs_per_node` per node
-    dofs_per_node : 3 or 6; by default 3 where there are only solids
+    attached : springs, masses, dashpots and ties, in freedoms of `dofs_per_node` per node
+    dofs_per_node : 3 or 6; by default 6 where a section has stiffness in nodal rotations, otherwise 3
     mass_of : mass rule of each cell: consistent_mass, or CellMass.lumped
 
     Raises

@@ -14,8 +14,8 @@ __all__ = ["nodal_rotation_operator"]
 def nodal_rotation_operator(model: FiniteElementModel) -> csc_array:
     """Operator (3 P, n) that gives the rotation vector at P points from the nodal freedoms.
 
-    Shells and beams: the rotational freedoms of their nodes. Solids: half the curl of u at the centre of each
-    cell. Rods: none.
+    Shells, beams and rods with torsion: the rotational freedoms of their nodes. Solids: half the curl of u at
+    the centre of each cell. Other rods: none.
     """
     d = model.dofs_per_node
     rotation, row, column = [np.empty(0)], [np.empty(0, int)], [np.empty(0, int)]

@@ -38,15 +38,15 @@ class Section:
             (E, 3), for beams a vector in the x-y plane of the section, for shells one whose projection is the
             x axis of the wall; both override the property's own. (E, 3, 3), for solids, the axes of the
             material as columns
-    offsets : float array (E, 2, 3) or None     of beam ends from their nodes, rigid arms, m
+    offsets : float array (E, 2, 3) or None     rigid arms from the nodes to the beam ends, m
     released : bool array (E, 12) or None       freedoms of the ends of beams, in the axes of the beam, that
                                                 carry no force or moment
-    reduced : bool                              of HEXA20: reduced integration by eight points, plus a share
+    reduced : bool                              for HEXA20: reduced integration by eight points, plus a share
         of a rule with fourteen
-    incompatible : bool                         of HEXA8: incompatible modes, which remove locking in bending
-    mass_share : float array (E,) or None       of shells: the fraction of a cell's area that has mass
+    incompatible : bool                         for HEXA8: incompatible modes, which remove locking in bending
+    mass_share : float array (E,) or None       for shells: the fraction of a cell's area that has mass
     surface_curvature : float array (E, 3, 3) or None
-            of shells: curvature of the surface that each flat triangle represents, 1/m; by default a model
+            for shells: curvature of the surface that each flat triangle represents, 1/m; by default a model
             computes it from neighbouring triangles
 
     Raises

@@ -97,7 +97,7 @@ class SectionStress:
         return replace(self, arrays=replace(self.arrays, N=np.zeros_like(self.arrays.N)))
 
     def shares(self, n_nodes: int, n_layers: int) -> csc_array:
-        """Weights of the points in the average in each layer at each node: (N l, E g)."""
+        """Weights of the points in the average in each layer at each node: (N l, E g l')."""
         k, own_layers, n_points = self.to_nodes.shape
         n_cells = len(self.nodes)
         layers, points = np.arange(own_layers)[:, None], np.arange(n_points)

@@ -27,7 +27,7 @@ class HomogeneousSection:
     ----------
     material : Isotropic
     thickness : float       t > 0, m
-    offset : float          of the mid-surface from the nodes, along the normal, m
+    offset : float          distance of the mid-surface from the nodes, along the normal, m
     added_mass : float      non-structural, at the mid-surface, kg/m^2
     shear_factor : float    k of the transverse shear stiffness k G t (5/6 of a solid wall); 0: rigid in shear
 
@@ -117,7 +117,7 @@ class LaminateSection:
     shear : float array (2, 2) or None
         transverse shear stiffness, order xz, yz, N/m; None where it is rigid
     thickness : float or None                           m, for pictures; None where unknown
-    mass_offset : float                                 of the mass centre from the nodes, along the normal, m
+    mass_offset : float                     distance of the mass centre from the nodes, along the normal, m
 
     Raises
     ------

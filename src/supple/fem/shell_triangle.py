@@ -278,6 +278,6 @@ def plane_tensor(tensor: FloatArray | None, axes: FloatArray) -> FloatArray | No
 
 
 def _to_global(operator: FloatArray, axes: FloatArray) -> FloatArray:
-    """Columns of (E, a, 18) from the axes of the element to global ones; all triads rotate alike."""
+    """Columns of (E, a, 18) from element axes to global ones; each triad of columns is rotated."""
     rows = operator.shape[1]
     return (operator.reshape(-1, rows * 6, 3) @ axes).reshape(-1, rows, 18)

@@ -106,8 +106,8 @@ def _of_gradients(gradients: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _incompatible_gradients(element: SolidElement, corners: FloatArray, jacobian: FloatArray) -> FloatArray:
     """Gradients (E, p, 3, 3) of  1 - xi^2, 1 - eta^2, 1 - zeta^2,  by the Jacobian at the centre.
 
-    A factor, det J at the centre over det J at the point, makes constant stress do no work on them, so any
-    element passes the patch test (Taylor, Beresford and Wilson, Int. J. Numer. Meth. Eng. 10, 1976).
+    With the factor det J at the centre over det J at the point, constant stress does no work on the modes, so
+    any element passes the patch test (Taylor, Beresford and Wilson, Int. J. Numer. Meth. Eng. 10, 1976).
     """
     centre = _jacobian(corners, shape_gradients(element.cell_type, np.zeros((1, 3))))
     reference = -2.0 * element.strain_rule.points[:, :, None] * np.eye(3)

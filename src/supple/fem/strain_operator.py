@@ -69,7 +69,7 @@ class _Part(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class StrainOperator:
-    """Built by `strain_operator`."""
+    """The strains of a body as sparse products, built by `strain_operator`."""
 
     parts: tuple[_Part, ...]
 

@@ -147,10 +147,10 @@ class StressRecovery:
         return tuple(section.at_points(displacement) for section in self.sections)
 
     def at_nodes(self, displacement: FloatArray) -> FloatArray:
-        """Stress (N, l, 6) at nodes, Pa: linear from the points of each cell, averaged over its cells.
+        """Stress (N, l, 6) at nodes, Pa: from a linear fit in each cell, averaged over the cells of a node.
 
-        Layers are those of `StressLayers`. Where shells meet at an angle or in different thickness the
-        average mixes them; use the stress at points there. Ends of beams are not averaged.
+        Layers are those of `StressLayers`. Where shells meet at an angle or in different thickness, the
+        average mixes their stresses; use the stress at points there. Ends of beams are not averaged.
         """
         total = np.zeros((self.n_nodes * self.n_layers, 6))
         for section, averaging in zip(self.sections, self.averaging, strict=True):

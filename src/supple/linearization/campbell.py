@@ -47,10 +47,10 @@ class CampbellDiagram(Summarized):
                                         None without known full bodies
     likeness : (ns - 1, nm)             MAC between neighbouring speeds; low where modes veer
     axes : str                          description of the axes of the frequencies
-    sense : (ns, nm)                    of whirl: 1 forward, -1 backward, 0 for neither or unknown
+    sense : (ns, nm)                    sense of whirl: 1 forward, -1 backward, 0 for neither or unknown
     in_space : (ns, nm)                 frequencies in space, rad per unit of time; NaN for modes that do not
-                                        move the rotor normal to its axis, or that have several
-    names : (nm,)                       of the modes, by their motion at the last speed (`mode_names`)
+                                        move the rotor normal to its axis, or that have several frequencies
+    names : (nm,)                       names of the modes from their motion at the last speed (`mode_names`)
     """
 
     rates: Array

@@ -32,7 +32,7 @@ class FullMachine:
     """The reference for the basis errors of a linearised machine.
 
     machine  : SparseMachine    about its own equilibrium, with all coordinates of the reduced bodies
-    expansion : sparse (N, n)   from motions `p` of the reduced machine to those of the full one
+    expansion : sparse (N, n)   map from motions `p` of the reduced machine to those of the full one
     bodies   : by name, the coordinates of a reduced body among the N of the full machine
     rest     : RestError        basis errors at the equilibrium, by name
     standing : StandingTurn | None      for a machine in standing axes, over one revolution
@@ -62,11 +62,11 @@ class LinearMachine(Summarized):
     time      : float           of loads and laws
     mass, damping, stiffness : (k, k)
     basis     : N, (n, k)
-    full_mass : (n, n)          of `p`, without the joints' constraints
+    full_mass : (n, n)          mass matrix of `p`, without the joints' constraints
     control   : LinearControl   H (k, c), E_p (c, k), E_v (c, k), E_z (c, c)
     full      : FullMachine | None      the machine with all coordinates of its reduced bodies, if known
-    is_in_space : bool          whether y describes rotating bodies in standing axes; `basis` then holds only
-                at the angle of the system
+    is_in_space : bool          whether y describes rotating bodies in standing axes; `basis` is then valid
+                only at the angle of the system
     periodic  : Periodic | None     the matrices over a revolution, if they vary; `mass`, `damping` and
                 `stiffness` are then their means
     """
@@ -110,7 +110,7 @@ class LinearMachine(Summarized):
         return len(self.mass)
 
     def motion_near(self, displacements: Array, rates: Array, times: Array | None = None) -> Solution:
-        """The bodies' motion for small p (t, n) about the equilibrium; the rates p' (t, n) as at p = 0."""
+        """The bodies' motion for small p (t, n) about the equilibrium; velocities of p' (t, n) at p = 0."""
         bodies, first = {}, 0
         for placed in self.system.bodies:
             after = first + 6 + placed.body.n_coordinates

@@ -69,8 +69,8 @@ def linearize(
 
     Raises
     ------
-    ModelError          a machine whose equilibrium varies with rotation, or with drives of another speed;
-                        with full bodies or controllers, one whose equations vary
+    ModelError          a machine whose equilibrium varies with rotation, with drives of another speed, or
+                        with joint friction in rotation; with full bodies or controllers, equations that vary
     ConvergenceError    no equilibrium
     """
     frictions = [load for load in system.loads if isinstance(load, JointFriction)]
@@ -163,7 +163,7 @@ class _Projected(NamedTuple):
 
     @classmethod
     def of(cls, equations: LinearEquations | SparseEquations, basis: Array) -> _Projected:
-        """`N^T M N` and the like, N (n, k)."""
+        """`N^T M N`, `N^T C N`, `N^T K N` and the terms of controllers, with the basis N (n, k)."""
         images = equations.mass @ basis, equations.damped(basis), equations.stiffness @ basis
         mass, damping, stiffness = (basis.T @ each for each in images)
         return cls(mass, damping, stiffness, equations.control.along(basis))
@@ -207,7 +207,7 @@ def _refusal(what: str, change: float) -> str:
 
 
 def _changed(control: LinearControl, again: LinearControl, size: Array, rate: float) -> float:
-    """Largest variation of the readings and forces of controllers, over the size of each row and column."""
+    """Largest variation of controllers' readings and forces, relative to the size of each row and column."""
 
     def parts(own: LinearControl) -> tuple[Array, Array]:
         read = np.hstack([own.by_position / size, own.by_velocity * abs(rate) / size])

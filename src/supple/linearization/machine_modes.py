@@ -38,13 +38,13 @@ class MachineModes(Summarized):
     With controllers the motions are those of the closed loop, and `z(t) = Re( states exp(eigenvalue t) )`;
     pure controller modes have a zero shape.
 
-    eigenvalues : complex (k,)      1/s, one of each conjugate pair, above the real axis; one of the two zeros
-                                    of a free rigid motion; all other real ones
-    shapes : complex (n, k)         of frames and deformation coordinates, in the frames' own axes, of unit
-                                    kinetic energy norm `shape^H M shape = 1`, the largest independent
-                                    coordinate real
-    independent : complex (m, k)    the same in the coordinates of the `LinearMachine`
-    states : complex (c, k)         of the controllers
+    eigenvalues : complex (k,)      1/s: of each conjugate pair the one above the real axis, one of the two
+                                    zeros of each free rigid motion, and all other real eigenvalues
+    shapes : complex (n, k)         motions of frames, in the frames' own axes, and deformation coordinates,
+                                    with unit kinetic energy norm `shape^H M shape = 1` and the largest
+                                    independent coordinate real
+    independent : complex (m, k)    the shapes in the coordinates of the `LinearMachine`
+    states : complex (c, k)         states of the controllers
     error : ModeError | None        basis errors; None without known full bodies
     """
 
@@ -128,7 +128,7 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
     Raises
     ------
     ModelError      a number that is not positive; all modes of a large machine with full bodies
-    AccuracyError   modes of such a machine that do not converge
+    AccuracyError   modes of such a machine, or Floquet modes, that do not converge
     """
     if n_modes is not None and not (n_modes >= 1 and n_modes == int(n_modes)):
         raise ModelError(f"number of modes must be a whole number, at least 1, got {n_modes}")

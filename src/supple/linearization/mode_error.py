@@ -29,7 +29,7 @@ STILL = 1e-6
 class ModeError:
     """Modes of a reduced machine, compared with the modes in all coordinates.
 
-    eigenvalues : complex (k,)      of each mode with all coordinates; NaN without a matching mode
+    eigenvalues : complex (k,)      eigenvalue of each mode with all coordinates; NaN without a matching mode
     relative : (k,)                 |s - s_full| / |s_full|; infinite without a matching mode
     missed : complex (m,)           eigenvalues of the full machine below that of the fastest mode, without a
         matching mode of the reduced machine

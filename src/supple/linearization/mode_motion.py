@@ -26,7 +26,7 @@ def mode_motion(
 
     Parameters
     ----------
-    number : from 0, the slowest
+    number : number of the mode, from 0 for the slowest
     amplitude : a, the largest translation of a node, unit of length, limited by a frame rotation of one
         radian
 

@@ -64,7 +64,7 @@ class Periodic:
 
     @property
     def highest(self) -> int:
-        """H."""
+        """Highest order H of the coefficients."""
         return len(self.mass) // 2
 
     def along(self, basis: Array) -> Periodic:

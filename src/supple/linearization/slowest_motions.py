@@ -39,7 +39,7 @@ _NEW = 1e-5
 
 
 def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) -> Array:
-    """Motions (n, k), mass-orthonormal, whose span contains the slowest modes; all of a small machine.
+    """Motions (n, k), mass-orthonormal, whose span contains the slowest modes; may be all motions.
 
     modes_of : function for eigenvalues, coordinates and controller states of modes, slowest first
 
@@ -97,7 +97,7 @@ def _left_over(machine: SparseMachine, slow: SlowMotions, values: Any, shapes: A
 
 
 def _sizes(motions: Any, mass: Any) -> Array:
-    """Norms of motions in the mass."""
+    """Norms of motions, weighted by the mass."""
     return np.sqrt(np.maximum(np.real(np.einsum("ij,ij->j", motions.conj(), mass @ motions)), 0.0))
 
 

@@ -1,9 +1,9 @@
 """A rotating machine in standing axes: rotors on unequal bearings, blades on a tower.
 
-Small motions `p` of rotating bodies are measured in their own axes, where standing parts vary with the angle
-psi of rotation. In other coordinates z, `p = W(psi) z`, the equations of both can be constant:
+Small motions `p` of rotating bodies are measured in their own axes, in which the equations of standing parts
+vary with the angle psi of rotation. In other coordinates z, `p = W(psi) z`, all equations can be constant:
 
-- one rotating body, the hub, has its rigid motion as a twist at the axis, in standing axes; the motions of
+- the rigid motion of one rotating body, the hub, is a twist at the axis, in standing axes; the motions of
 the other rotating bodies are relative to the hub, so that nothing between rotating bodies varies;
 - N >= 3 equal bodies evenly spaced around the axis have multi-blade coordinates instead of their own,
 
@@ -79,7 +79,7 @@ class BodyColumns(NamedTuple):
 def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str) -> LinearMachine:
     """The machine in coordinates that suit both standing and rotating parts.
 
-    refusal : error message: why the machine is not linearised in co-rotating axes
+    refusal : error message with the reason why the machine is not linearised in co-rotating axes
     Raises ModelError for a machine with controllers, one whose equilibrium varies with rotation, or one whose
     joints leave other motions free at another angle.
     """
@@ -164,7 +164,7 @@ class _Seen(NamedTuple):
     """A machine in some coordinates z: free motions `W(0) N` (n, k), and their matrices.
 
     matrices : mass, damping and stiffness (s, k, k)
-    change : largest variation of the matrices over the revolution, over the size of each row and column
+    change : largest variation of the matrices in a revolution, relative to the size of each row and column
     full_mass : (n, n) of p at the first angle
     """
 
@@ -177,7 +177,7 @@ class _Seen(NamedTuple):
 def _seen_in_every_way(
     found: RestingState, spin: Spin, columns: BodyColumns, sampled: Sampled
 ) -> list[_Seen]:
-    """The machine in all coordinates in which the joints leave the same motions free at all angles."""
+    """The machine in each set of coordinates in which joints leave the same motions free at all angles."""
     ways = _ways(found, spin, columns, len(sampled.mass))
     seen = (_seen(sampled, spin, coordinates) for coordinates in ways)
     return [each for each in seen if each is not None]
@@ -222,7 +222,7 @@ def _without_noise(matrices: Sequence[Array], rate: float) -> Iterator[Array]:
 
 
 def _change(matrices: tuple[Array, Array, Array], rate: float) -> float:
-    """Largest variation over the revolution, over the size of each row and column."""
+    """Largest variation in a revolution, relative to the size of each row and column."""
     mass, damping, stiffness = matrices
     size = np.sqrt(np.abs(np.diag(stiffness[0])) + rate**2 * np.diag(mass[0]))
     scales = (rate**2, abs(rate), 1.0)
@@ -301,7 +301,7 @@ def _equal_bodies(found: RestingState, spin: Spin, columns: BodyColumns) -> list
 def _round_bodies(
     found: RestingState, spin: Spin, columns: BodyColumns, blades: list[int], angles: Array
 ) -> Array:
-    """(s, n, n): motion of rotating bodies with cyclic symmetry, from that in standing axes."""
+    """Map (s, n, n) to the motion of rotating bodies with cyclic symmetry from motion in standing axes."""
     turning, configuration = turning_bodies(found, spin), found.configuration
     hub, slices = _hub(found, turning), columns.slices
     T = np.tile(np.eye(slices[-1].stop), (len(angles), 1, 1))

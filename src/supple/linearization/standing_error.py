@@ -94,7 +94,7 @@ class StandingTurn:
         return scipy.linalg.block_diag(*blocks)
 
     def along(self, vectors: Mapping[str, Array]) -> LinearMachine:
-        """The machine in some bases; its own `basis` maps to their coordinates.
+        """The machine with bodies on some bases; `basis` of the result maps to coordinates on these bases.
 
         Raises AccuracyError if its equations in standing axes are not constant.
         """

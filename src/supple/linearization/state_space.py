@@ -43,7 +43,7 @@ class StateSpace:
     """`x' = A x + B u`, `w = C x + D u`, with `x = (y, y', z)` of the `LinearMachine`, z of its controllers.
 
     a : (m, m)    b : (m, ni)    c : (no, m)    d : (no, ni),    m = 2 k + number of states z
-    inputs, outputs : their names
+    inputs, outputs : names of u and of w
     """
 
     a: Array
@@ -119,7 +119,7 @@ def state_space(
 
 
 def _rates(control: LinearControl) -> Array:
-    """Rates of the controllers' states, by all states."""
+    """Matrix from all states to the rates of the controllers' states."""
     return np.hstack([control.by_position, control.by_velocity, control.by_state])
 
 

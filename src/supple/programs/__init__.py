@@ -1,1 +1,1 @@
-"""Cache of compiled programs, and processes that compile and call them."""
+"""Cache of compiled programs, and worker processes that execute them."""

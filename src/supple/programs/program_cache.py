@@ -34,7 +34,7 @@ from supple.programs.program_worker import program_of_file
 __all__ = ["CachedProgram"]
 
 _MOST_AT_HAND = 16
-"""Programs of one function that a process holds; the least recently used is released first."""
+"""Programs of one function in the memory of a process; the least recently used is released first."""
 
 
 class CachedProgram:
@@ -53,7 +53,7 @@ class CachedProgram:
         on_program_release(self._at_hand.clear)
 
     def __call__(self, *arguments: Any) -> Any:
-        """The function's result; within another program that is being traced, the traced function."""
+        """The function's result; while another program is traced, the function becomes part of it."""
         if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(arguments)):
             return self.function(*arguments)
         return self.compiled(*arguments)(*arguments)
@@ -103,7 +103,7 @@ class CachedProgram:
         def kept(*arguments: Any) -> Any:
             return self.function(*arguments)
 
-        # A name of its own: a program that JAX has read from its cache cannot be serialised again.
+        # A name that JAX's cache does not contain: a program read from there cannot be serialised again.
         named = self.function.func if isinstance(self.function, partial) else self.function
         kept.__name__ = f"kept_{named.__name__.lstrip('_')}"  # ty: ignore[missing-attribute]
         lowered = jax.jit(kept).lower(*arguments)

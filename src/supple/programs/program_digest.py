@@ -1,7 +1,7 @@
 """Digest of everything that a compiled program depends on; equal in all processes.
 
 It covers the structure of the arguments with all fixed values, shapes and types, the sources of this package
-except `_ABOVE`, the versions of JAX and of the hardware, and the compiler options. Fixed values in a
+except `_ABOVE`, the version of JAX, the hardware, and the compiler options. Fixed values in a
 structure must be objects of this package or plain values. A user's function is represented by its bytecode
 and by all values that the bytecode takes from its surroundings. These values must be representable in the
 same way or belong to `jax.numpy` or `math`; a program with any other function has no digest.

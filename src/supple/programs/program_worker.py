@@ -2,7 +2,7 @@
 
 The script is the worker process of `worker_processes`. It imports JAX and nothing of supple, so that it is
 ready as soon as JAX is imported. Its input is the file of the program, the numbers of input and output
-arrays, and then arguments; its output is the time in seconds and the results. It ends with its input.
+arrays, and then arguments; its output is the time in seconds and the results. It ends when its input ends.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ functions in it, also a user's, need not be sent. The worker is ready as soon as
 (JAX does not survive a fork), which runs it a second time unless everything is below
 `if __name__ == "__main__":`; a batch is also called from scripts and notebooks without this line. (`sweep`,
 where the caller provides the processes, requires the line and accepts such an executor.) A pool also blocks
-its caller, which here computes tasks like the workers, and fails as a whole with one of its processes.
+its caller, which here computes tasks as well. If one process of a pool fails, the whole pool fails.
 """
 
 from __future__ import annotations

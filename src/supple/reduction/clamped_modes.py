@@ -1,4 +1,4 @@
-"""Modes of a body with one interface clamped in space, as a test on a clamp measures them."""
+"""Modes of a body with one interface clamped in space, as measured in a test on a clamp."""
 
 from __future__ import annotations
 

@@ -45,15 +45,15 @@ class Condensation:
     V, enters to leading order, without N(q, z) and N(z, z):
 
         U_c(gamma) = min_z 1/2 |B (V gamma + z) + 1/2 N(V gamma, V gamma)|^2
-                   = U(V gamma) - 1/8 s^T R s >= 0,     s_(jk) = mult_jk gamma_j gamma_k
+                   = U(V gamma) - 1/8 s^T R s >= 0,     s_(jk) = gamma_j gamma_k, twice for j < k
         K t_jk = -sum w B^T D N(G V_j, G V_k),          R = Gram matrix of the t_jk outside V, in the K-norm
         z(gamma) = 1/2 sum_jk gamma_j gamma_k (1 - P) t_jk
 
     Without z a missing stiff direction, such as the shortening of a bent beam, would block bending. N(q, z)
     would add a share of the work of the order of theta^2, whatever the slenderness: 0.41 theta^2 for a beam
     under uniform load whose tip rotates by theta. Derivative columns contain this share. z moves no interface
-    relative to another, because joints and loads there act on V gamma alone. z is therefore also K-orthogonal
-    to the static shapes of the interfaces, which most bases contain.
+    relative to another, because joints and interface loads act on V gamma alone. z is therefore also
+    K-orthogonal to the static shapes of the interfaces, which most bases contain.
 
     body : FlexibleBody         with quadratic strains
     basis : ReductionBasis      of this body
@@ -65,7 +65,7 @@ class Condensation:
 
     @cached_property
     def energy(self) -> Array:
-        """R (n2, n2): energy released by pair motion outside columns and interface shapes; >= 0."""
+        """R (n2, n2), semidefinite: energy released by pair motion outside columns and interface shapes."""
         energy = self._energy_of_all - self._held.T @ self._held
         return (energy + energy.T) / 2
 
@@ -75,7 +75,7 @@ class Condensation:
         return self._held_by_interfaces.T @ self._held_by_interfaces
 
     def motion(self) -> CondensedMotion:
-        """The motion z at the nodes: independent fields that span those of all pairs, energy-orthonormal."""
+        """The motion z at the nodes, in energy-orthonormal fields that span the motions of all pairs."""
         first, second = self._pairs
         scale = np.sum(self._vectors * (self.body.stiffness @ self._vectors), axis=0) ** -0.5
         unit = scale[first] * scale[second]  # scales pairs to columns of unit energy
@@ -111,7 +111,7 @@ class Condensation:
         return 0.5 * frame_projector(self.body, self.basis.frame)(self._outside(forces))
 
     def rigid_part(self, moved: Array) -> Array:
-        """Rigid motion rho (6, k), absent in z of `bilinear`; z + R rho fixes the first interface.
+        """Rigid motion rho (6, k) that z of `bilinear` lacks: in z + R rho the first interface is fixed.
 
         Displacements of the reduced body contain this translation and rotation, in the body's axes.
         """
@@ -144,7 +144,7 @@ class Condensation:
 
     @cached_property
     def _forces(self) -> Callable[[slice], Array]:
-        """Forces (n, size) of a block of pairs; the last block is cached, all pairs if there is only one."""
+        """Function of a block that returns the forces (n, size) of its pairs; the last block is cached."""
         first, second = self._pairs
 
         @lru_cache(maxsize=1)
@@ -155,7 +155,7 @@ class Condensation:
         return lambda block: between(block.start, block.stop)
 
     def _forces_of(self, spanning: NDArray[np.intp]) -> Array:
-        """Forces of some pairs, taken from the block if there is only one."""
+        """Forces of some pairs, from the cached block if there is only one block."""
         first, second = self._pairs
         if len(self._blocks) == 1:
             return self._forces(self._blocks[0])[:, spanning]

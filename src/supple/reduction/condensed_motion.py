@@ -16,12 +16,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class CondensedMotion:
-    """The motion z of the condensed quartic tensor, which follows the coordinates, at the nodes.
+    """Nodal motion z that follows the coordinates statically and relaxes the condensed quartic tensor.
 
         z(gamma) = fields @ (amplitudes @ m2),   m2 = (gamma_j gamma_k), j <= k as numpy.triu_indices(r)
 
-    Its strain is the linear one, and its inertia is of leading order (`condensed_inertia`). Displacements
-    include it: the edges of a strip twisted by theta move inwards by width theta^2 / 4, a bent beam shortens.
+    Its strain is linear in z, and its inertia is of leading order (`condensed_inertia`). Displacements
+    include z: the edges of a strip twisted by theta move inwards by width theta^2 / 4, a bent beam shortens.
 
     fields : (n_nodal, m)       orthonormal in the strain energy; interfaces do not move
     amplitudes : (m, n2)        n2 = r(r+1)/2

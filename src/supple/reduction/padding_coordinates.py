@@ -26,7 +26,8 @@ LARGEST = 32
 def padded(body: ReducedBody) -> ReducedBody:
     """The same body with padding coordinates up to the next larger multiple of sixteen.
 
-    A body of sixteen coordinates is padded, too: the next round adds a few, and shares the program.
+    A body of sixteen coordinates is padded, too: the next round adds a few, and shares the program. A body
+    with condensed motion, or with 32 coordinates or more, is unchanged.
     """
     if body.condensed is not None or body.r >= LARGEST:
         return body

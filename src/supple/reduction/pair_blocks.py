@@ -30,7 +30,7 @@ _SMALLEST_BLOCK = 16
 
 
 class PairBlocks(NamedTuple):
-    """A matrix Q (n2, n2) of packed pairs by its blocks; `Q m2`, `m2_(lm) = g_l g_m`, becomes (r, r)."""
+    """Blocks of a matrix Q (n2, n2) of packed pairs; `Q m2`, `m2_(lm) = g_l g_m`, is unpacked to (r, r)."""
 
     first: tuple[NDArray[np.int32], ...]
     """(n_b,) the coordinate l of every pair of a block"""
@@ -39,11 +39,11 @@ class PairBlocks(NamedTuple):
     matrices: tuple[Array, ...]
     """(n_b, n_b)"""
     position: NDArray[np.int32]
-    """(r, r): position of each pair in the products of all blocks, one after the other, followed by a zero"""
+    """(r, r): position of each pair in the concatenated products of all blocks, which end with a zero"""
 
 
 def pair_blocks(packed: Array) -> Array | PairBlocks:
-    """The blocks of a matrix (n2, n2) of packed pairs, by its zeros; the matrix itself where they are few."""
+    """Nonzero blocks of a matrix (n2, n2) of packed pairs; the matrix itself where zero blocks are few."""
     n2 = len(packed)
     if n2 < _FEWEST_PAIRS:
         return packed

@@ -32,7 +32,7 @@ def project(
     damping: Damping | None = None,
     quartic: QuarticChoice = CondensedQuartic(),  # noqa: B008 (it is immutable)
 ) -> ReducedBody:
-    """The reduced body of a basis: q = V gamma in the kinetic energy, and in the strain energy by `quartic`.
+    """The reduced body of a basis: q = V gamma in the kinetic energy; `quartic` selects the strain energy.
 
     body : FlexibleBody
     basis : ReductionBasis      of that body
@@ -56,12 +56,12 @@ def project(
 def project_unchecked(
     body: FlexibleBody, basis: ReductionBasis, *, damping: Damping | None, quartic: QuarticChoice
 ) -> ReducedBody:
-    """The same reduced body without its locking, whose computation takes most of the time."""
+    """The same reduced body without its locking indicator, whose computation takes most of the time."""
     return _projection(body, basis, damping, quartic).body
 
 
 class _Projection(NamedTuple):
-    """A reduced body with the input of its locking; `left_out` is None for a linear body."""
+    """A reduced body with the input of its locking indicator; `left_out` is None for a linear body."""
 
     body: ReducedBody
     left_out: Condensation | None

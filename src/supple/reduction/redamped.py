@@ -28,7 +28,7 @@ def redamped(body: ReducedBody, before: Damping, after: Damping) -> ReducedBody:
     modal damping, D follows from the modes of the same matrices. D_own is the damping of imported matrices.
 
     before : the damping that the body was reduced with
-    Raises ModelError for another kind or another `held`, or if `after` alone has a beta.
+    Raises ModelError for another kind or another `held`; for a nonlinear body, if `after` alone has a beta.
     """
     if type(before) is not type(after) or before.held != after.held:
         raise ModelError(

@@ -57,7 +57,7 @@ def reduce(
 
     Raises
     ------
-    ModelError      too many modes or derivatives; a basis that needs interfaces; derivatives of a linear body
+    ModelError      too many modes or derivatives; no interface for the basis; derivatives of a linear body
     AccuracyError   the basis or the Gram matrix violates its own identities
     Warns LockingWarning when the static response is too small because the columns lack stiff motion;
     ValidityWarning when the walls are rigid in transverse shear, although shear would contribute more than a

@@ -58,7 +58,7 @@ class ReducedInterface:
 class ReducedBody(FloatingForm, Summarized):
     """A flexible body in r coordinates gamma, whose columns V are M-orthonormal (V^T M V = I, D V = 0).
 
-        u_nodal = nodal_basis @ gamma + z(gamma),   z: of the condensed tensors, quadratic in gamma
+        u_nodal = nodal_basis @ gamma + z(gamma),   z: condensed motion, quadratic in gamma
         f(gamma) = (K + A3/2 + A4/3) gamma,   A3 = unpack(cubic @ gamma),  A4 = unpack(quartic @ m2)
 
     with m2 the products gamma_j gamma_k, j <= k, in the order of numpy.triu_indices(r).
@@ -67,16 +67,16 @@ class ReducedBody(FloatingForm, Summarized):
     frame : the floating frame (NodalFixedFrame | MeanAxisFrame) in which gamma is measured
     gram : (6+4r, 6+4r)         inertia Gram matrix of [Phi_t | Phi_w0 | Phi_1 .. Phi_r | V], kg m^2 etc.
     stiffness : (r, r)          V^T K V
-    cubic : (r(r+1)/2, r)       or None: the body is linear
+    cubic : (r(r+1)/2, r)       or None: the tensors are linear
     quartic : (n2, n2)          or None, n2 = r(r+1)/2
-    damping : (r, r)            multiplies the rates of gamma, undeformed body
+    damping : (r, r)            damping matrix of the undeformed body
     damping_cubic : (n2, r)     or None; increase of the damping with deformation, for strain-rate damping:
     damping_quartic : (n2, n2)  D = damping + unpack(damping_cubic @ gamma) + unpack(damping_quartic @ m2)
     interfaces : ReducedInterface, one per virtual node
     nodes : (N, 3)              undeformed positions
     nodal_basis : (n_nodal, r)  nodal displacements (and rotations) per unit gamma
     rotation_basis : (P, 3, r)  rotation vectors at P points per unit gamma, or None when unknown
-    rotation_limit : float      rad; largest rotation against the frame that the kinematics describe
+    rotation_limit : float      rad; largest rotation relative to the frame that the kinematics describe
     frequencies : (r,)          rad/s, ascending, of the reduced body fixed in its frame
     report : ReductionReport
     condensed : motion z outside the columns, condensed into the quartic tensor; None without
@@ -202,7 +202,7 @@ class ReducedBody(FloatingForm, Summarized):
     def expand_rates(
         self, gamma: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
     ) -> np.ndarray:
-        """Displacement rates (..., k, 3) at coordinates and rates (..., r); of V alone where gamma = 0."""
+        """Displacement rates (..., k, 3) at coordinates and rates (..., r); without z where gamma = 0."""
         moved = _combine(self.displacement_basis[nodes], rates)
         if self.condensed is not None and np.any(gamma):
             moved += self._condensed_fields(nodes, self.condensed.amplitude_rates(gamma, rates))
@@ -217,7 +217,7 @@ class ReducedBody(FloatingForm, Summarized):
     def nodal_fields(
         self, gamma: np.ndarray, freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[np.ndarray, np.ndarray | None]:
-        """V gamma (n_nodal, t) for gamma (t, r), and z(gamma) likewise; at all or some nodal freedoms."""
+        """V gamma, and z(gamma) or None, (n_nodal, t) each, for gamma (t, r); at all or some freedoms."""
         moved = self.nodal_basis[freedoms] @ gamma.T
         if self.condensed is None:
             return moved, None
@@ -229,12 +229,12 @@ class ReducedBody(FloatingForm, Summarized):
         return not self.elastic_elsewhere
 
     def section_softness(self, interface: str) -> np.ndarray:
-        """Softness c / C (3,) of the section of an averaging interface; zeros for any other."""
+        """Softness c / C (3,) of an averaging interface, see `averaging_error`; zeros for any other."""
         return self.interface(interface).softness
 
     @property
     def missing_centrifugal_stiffness(self) -> np.ndarray:
-        """(3,) missing stiffness where the condensed motion has no inertia."""
+        """Missing stiffness (3,) where the condensed motion has no inertia; see the function of this name."""
         return missing_centrifugal_stiffness(self)
 
     def lowest_frequency(self) -> float:
@@ -247,7 +247,7 @@ class ReducedBody(FloatingForm, Summarized):
         return None if self.rotation_basis is None else self.rotation_basis.reshape(-1, self.r)
 
     def rotations(self, gamma: ArrayLike) -> np.ndarray:
-        """Rotation vectors (..., P, 3) against the frame; ModelError if the body has none."""
+        """Rotation vectors (..., P, 3) relative to the frame; ModelError if the body has none."""
         if self.rotation_basis is None:
             raise ModelError(
                 f"body '{self.name}' has no rotations: "

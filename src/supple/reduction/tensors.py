@@ -76,7 +76,9 @@ class InternalForceTensors:
         return self.stiffness + A3 + A4
 
     def condensed(self, energy: np.ndarray) -> InternalForceTensors:
-        """Tensors of the energy less (1/8) s^T R s of condensed motion, s_(jk) = mult_jk gamma_j gamma_k.
+        """Tensors of the energy without the (1/8) s^T R s that condensed motion releases.
+
+        s_(jk) = gamma_j gamma_k, twice for j < k
 
         energy : (n2, n2)   R of `Condensation`
         """
@@ -148,7 +150,7 @@ class StrainProducts:
     pair_by_pair: np.ndarray | None = None
 
     def internal_force(self) -> InternalForceTensors:
-        """Tensors cubic = 3 sym(F), quartic = (3/2) sym(H)."""
+        """Tensors cubic = 3 sym(F), quartic = (3/2) sym(H) with off-diagonal columns doubled."""
         if self.strain_by_pair is None or self.pair_by_pair is None:
             return InternalForceTensors(self.stiffness)
         quartic = _fold_quartic(self.pair_by_pair, len(self.stiffness))
@@ -166,9 +168,9 @@ class StrainProducts:
     def classes(self) -> np.ndarray:
         """The symmetry class of every pair (n2,): planes of symmetry decouple pairs of different classes.
 
-        Pairs a = (jk) and b = (lm) are of one class if the cosine of the angle between their strains,
-        `H_ab / sqrt(H_aa H_bb)`, is above 1e-8, or that between (jl) and (km) or between (jm) and (kl).
-        Without symmetry there is one class.
+        Pairs (jk) and (lm) are of one class if the strains of (jk) and (lm), of (jl) and (km), or of (jm) and
+        (kl) form an angle with a cosine, `H_ab / sqrt(H_aa H_bb)`, above 1e-8. Without symmetry there is one
+        class.
         """
         if self.pair_by_pair is None:
             return np.empty(0, dtype=np.int32)
@@ -177,9 +179,9 @@ class StrainProducts:
         return connected_components(csr_array(_over_pairings(coupled)), directed=False)[1]
 
     def by_classes(self, classes: np.ndarray) -> StrainProducts:
-        """The products without coupling between classes, which is round-off of even and odd columns.
+        """The products without coupling between classes, which is round-off between even and odd columns.
 
-        The energy changes by less than 1e-8 of that of its parts, and remains a potential.
+        The energy changes by less than 1e-8 of the sum of its terms; the force still has a potential.
         """
         if self.pair_by_pair is None or not np.any(classes):
             return self

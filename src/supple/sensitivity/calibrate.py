@@ -71,7 +71,7 @@ def calibrate(
     ------
     ModelError          as for `sensitivities`; fewer measured values than parameters, a measurement without
                         deviation among several, a start outside the bounds
-    ConvergenceError    a fit that does not converge, or a run at its start that does not
+    ConvergenceError    a fit that does not converge, or a run with the initial values that does not
 
     Warns
     -----

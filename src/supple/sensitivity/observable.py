@@ -38,7 +38,7 @@ class Statistic:
     """A statistic over time of every column of a sensor, (c,).
 
     sensor : Observable     with values (t, c)
-    of : callable           on a column (t,), such as `np.max`, `np.mean`, `np.std`
+    of : callable           function of a column (t,), such as `np.max`, `np.mean`, `np.std`
 
     Extremes are taken over the output times; their derivative is that of the value at the time of the
     extreme.

@@ -40,7 +40,7 @@ class Sensitivities(Summarized):
 
     parameters : values by name
     solution : the run itself
-    values : by observable, in its shape
+    values : values by observable, each in its own shape
     derivatives : by observable, then by parameter, of the same shape as the values
     """
 
@@ -99,6 +99,7 @@ def sensitivities(
     ModelError          full, intrinsic or explicit bodies, a sampled controller, a kinematic run; a parameter
                         that changes more than numbers, or with a jump or a kink; an observable that is not
                         smooth
+    ArgumentError       a parameter that is not finite, or is 0 without a size
     ConvergenceError    a step, or a derivative, that does not converge
     """
     before_compiled_code()

@@ -69,7 +69,7 @@ def simulate_batch(
 
     Parameters
     ----------
-    cases : systems of the same bodies, joints and kinds of loads, which may differ in numbers, also those of
+    cases : systems of the same bodies, joints and kinds of loads; numbers may differ, including those of
         laws of time. Functions of time and of controllers must be the same objects in all cases
     run : Run       as for `simulate`
     chunk : number of cases mapped together; by default 64, on a CPU 16 for rigid and reduced bodies
@@ -84,6 +84,7 @@ def simulate_batch(
     ModelError      no case, cases that differ in more than numbers, a SampledController in cases without
                     full bodies
     MemoryShortageError     a chunk would not fit in the available memory
+    ValueError              a chunk below one
     """
     before_compiled_code()
     _check_cases(cases, run, chunk)

@@ -35,9 +35,9 @@ __all__ = ["batch_of_lines"]
 def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Progress | None) -> BatchSolution:
     """The solutions of `simulate` for machines of intrinsic bodies.
 
-    Machines that are `is_joined` run separately; machines whose roots are connected only to the ground run
-    together. The gain is largest for the Runge-Kutta method with cases that differ only in loads, motions
-    and initial states.
+    Machines for which `is_joined` is true run separately; machines whose roots are connected only to the
+    ground run together. The gain is largest for the Runge-Kutta method with cases that differ only in loads,
+    motions and initial states.
     Raises ModelError for cases that differ in more than numbers.
     """
     if any(map(is_joined, cases)):

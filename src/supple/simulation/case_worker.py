@@ -74,7 +74,7 @@ def answer(questions: BinaryIO, answers: BinaryIO) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """A mapping that can be pickled."""
+    """The value; a mapping as a dictionary, which can be pickled."""
     return dict(value) if isinstance(value, Mapping) else value
 
 

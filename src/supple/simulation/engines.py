@@ -28,14 +28,14 @@ def _sparse_engine(system: System, run: Run) -> FullEngine:
 
 
 def _intrinsic_engine(system: System, run: Run) -> Engine[Any]:
-    """The engine for lines; the sparse engine beside full bodies, or with joints and adaptive steps."""
+    """The engine for intrinsic bodies: sparse beside full bodies, or with joints and adaptive steps."""
     if system.bodies_of(FullBody) or (is_joined(system) and isinstance(run.step_control, AdaptiveStep)):
         return _sparse_engine(system, run)
     return intrinsic_engine(system, run)
 
 
 _ENGINES: dict[str, EngineFactory] = {}
-"""By kind of body; the first kind that occurs in the machine is decisive."""
+"""Engines by kind of body; the first of these kinds that occurs in a machine determines its engine."""
 
 
 def register_engine(kind: str, factory: EngineFactory) -> None:

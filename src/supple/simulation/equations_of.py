@@ -22,8 +22,8 @@ def equations_of(
 
     turning : rotation of its bodies in their order; None at rest
     known : independent joint equations, for bodies placed with closed joints
-    Raises ModelError for rotation of modal parts with a centrifugal stiffness, and for joints as at the start
-    of a run.
+    Raises ModelError for rotation of modal parts with a centrifugal stiffness, and the errors of joints at
+    the start of a run.
     """
     if turning is not None and np.any(turning.angular_velocities):
         check_spin_stiffness(system)

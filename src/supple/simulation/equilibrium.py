@@ -34,7 +34,7 @@ LARGEST_ERROR = 0.01
 class Equilibrium(Summarized):
     """A machine at rest, or in steady rotation.
 
-    system     : System     its bodies in their poses, velocities and deformation: `simulate` starts there
+    system     : System     with the poses, velocities and deformation of its bodies, for a run to start from
     solution   : Solution   the same state as a motion with one output time
     iterations : int        number of iterations of the search
     errors : RestError      basis error, by name of the reduced body with a known full body
@@ -100,8 +100,8 @@ def equilibrium(
     spin : Spin       of the machine, or of the bodies listed in it; all other bodies are at rest
     search : StaticSearch       accuracy and step
     fulls : FullBody            full bodies of the reduced bodies, for the error of the bases
-        (`Equilibrium.errors`) by one factorisation. None: the full bodies known to the reduced bodies, which
-        bodies read from files do not have; (): no factorisation and no estimate
+        (`Equilibrium.errors`) by one factorisation. None: those that the reduced bodies refer to (bodies
+        read from files refer to none); (): no factorisation and no estimate
     progress : called with each iteration and its largest relative residual
 
     Controllers act as in a run, and their states are in equilibrium too: `f(0, q, z) = 0`. The controllers of
@@ -112,7 +112,7 @@ def equilibrium(
     ModelError          the errors of joints at the start of a run; a sampled controller; a full body that
                         does not belong to a reduced body of the machine; an intrinsic body whose support
                         prevents the spin
-    ConvergenceError    no equilibrium was found, also for a controller's state
+    ConvergenceError    no equilibrium was found, of the machine or of a controller's states
     Warns BasisWarning where the error of a body is 1 % of its largest displacement or more.
     Source: [KelleyKeyes1998] for the search.
     """

@@ -1,4 +1,4 @@
-"""Basis errors of reduced bodies at an equilibrium: the machine in equilibrium with all their coordinates.
+"""Basis errors of reduced bodies at an equilibrium, from the equilibrium with all their coordinates.
 
 At the equilibrium of a reduced machine, expanded to all coordinates, the full equations leave a residual r,
 
@@ -7,8 +7,8 @@ At the equilibrium of a reduced machine, expanded to all coordinates, the full e
 
 where G are the constraints of joints and frames. The factor is reused for repeated sweeps, each from the
 corrected state. The sum of the sweeps is the error; the ratio of the second to the first shows whether first
-order suffices. If a sweep exceeds a third of the previous, the equilibrium of the full machine is searched
-from the expanded equilibrium instead.
+order suffices. If a sweep exceeds a third of the previous one, a search from the expanded equilibrium finds
+the equilibrium of the full machine instead.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ CONTRACTS = 1 / 3
 CONVERGED = 1e-4
 """Relative to the first sweep: a smaller sweep is the last."""
 NOTHING = 1e-8
-"""Relative to the size of the machine: a smaller sweep is the last, for any first one."""
+"""Relative to the size of the machine: a smaller sweep is the last, whatever the size of the first."""
 MOST_SWEEPS = 12
 NEAR_BY = 20
 """Iterations of the search from the reduced equilibrium if the sweeps do not contract."""
@@ -58,7 +58,7 @@ class RestError:
 
     displacement : (N, 3)   of the nodes, in space: positions with all coordinates minus positions of the
                 reduced body; without rigid motion where the joints leave it free
-    deformation : (n,)      of the body's coordinates relative to its frame: the column missing in its basis
+    deformation : (n,)      change of the body's coordinates in its frame: the column that its basis lacks
     size : float            largest displacement of a node, relative to the first interface
     strain : float          root of the ratio of the missing deformation's strain energy to the whole
     second : float          ratio of the second sweep to the first: above a third, first order is insufficient
@@ -113,7 +113,7 @@ class FullRest:
 
     found : RestingState | None     None where the search found none
     bases : ReductionBasis          of the reduced bodies, by name
-    began : (n,), by name           their coordinates at the equilibrium of the reduced machine
+    began : (n,), by name           all coordinates of these bodies at the equilibrium of the reduced machine
     second : float                  ratio of the second sweep to the first
     """
 
@@ -126,7 +126,7 @@ class FullRest:
 def known_fulls(
     system: System, fulls: Mapping[str, FullBody] | Sequence[FullBody] | None = None
 ) -> dict[str, FullBody]:
-    """Full bodies by name: those given, or by default (None) those known to the reduced bodies.
+    """Full bodies by name: those given, or by default (None) those that the reduced bodies refer to.
 
     Raises ModelError for a name that no reduced or full body of the machine has.
     """
@@ -180,7 +180,7 @@ def full_rest(
                 statics, start, time, replace(search, max_iterations=min(NEAR_BY, search.max_iterations))
             )
         except ConvergenceError:
-            # Far from the reduced equilibrium: its shape is no better a start than the undeformed one.
+            # The equilibrium is far from the reduced one: the undeformed shape is as good a start.
             statics = full_statics(machine, turning, time)
             try:
                 state, _ = search_equilibrium(statics, statics.start(), time, search)

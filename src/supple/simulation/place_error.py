@@ -34,7 +34,7 @@ def place_errors(
 ) -> dict[str, PlaceError]:
     """Errors of the positions and deflections of places at an equilibrium, by their names.
 
-        error = place with the bases - place with all coordinates
+        error = place on the reduced bodies - place with all coordinates
 
     places, bases : as in `tracked_places`
     Places with unknown error are omitted: all places if there is no equilibrium with all coordinates.

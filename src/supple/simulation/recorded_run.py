@@ -155,7 +155,7 @@ def recorded(
         with noted_interruption(file):
             done = watched_run(system, run, resume=start, record=file.append, progress=progress, check=check)
         stopped = done.stopped
-        truncation = done.truncation if start is None else {}  # otherwise of a part only
+        truncation = done.truncation if start is None else {}  # a resumed run estimates only its part
     # From the open file, under its lock: the motion cannot be that of another run.
     whole = file.solution()
     if stopped is None:

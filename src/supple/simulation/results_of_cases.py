@@ -43,7 +43,7 @@ def solutions_of(cases: Sequence[MarchedCase]) -> list[Solution]:
 
 
 def _bodies_and_joints(case: MarchedCase) -> Hashable:
-    """By identity: cases with equal starts share the arrays of their joints (`batch_start`)."""
+    """Key by identity of bodies and joints: cases with equal starts share joint arrays (`batch_start`)."""
     return (
         tuple(id(placed.body) for placed in case.system.bodies),
         tuple(joint.name for joint in case.system.joints),

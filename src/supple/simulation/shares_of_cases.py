@@ -1,7 +1,7 @@
 """Cases of a batch in shares, each computed by one call of a compiled program.
 
-The cases of a share, at most a chunk, are mapped together (`jax.vmap`). Only Newton's linear equations, from
-16 velocities on, are solved case by case, without those of converged cases (`sequential_vmap`). A smaller
+The cases of a share, at most a chunk, are mapped together (`jax.vmap`). From 16 velocities on, Newton's
+linear equations are solved case by case, and only for cases not yet converged (`sequential_vmap`). A smaller
 last share repeats its last case, so that one program serves all.
 
 With a frozen tangent, all mapped cases would compute a new tangent at every iterate, because a map cannot
@@ -37,7 +37,7 @@ __all__ = ["SharesOfCases", "shares_of"]
 
 @dataclass(frozen=True)
 class SharesOfCases:
-    """Cases of every share, and arguments of its one call of the program."""
+    """The cases of each share, and the arguments of the program call that computes the share."""
 
     program: CachedProgram
     cases: tuple[Sequence[int], ...]
@@ -55,7 +55,7 @@ class SharesOfCases:
 def shares_of(
     starts: BatchStart, axes: Axes, settings: Controls, stops: np.ndarray, chunk: int
 ) -> SharesOfCases:
-    """Cases from their starts to the stops; `axes` mark the parts that differ between their models."""
+    """Shares of the march from the starts to the stops; `axes` mark the parts that differ between models."""
     models, states = starts
     if states[0].kept is None:
         return _mapped(starts, axes, settings, stops, chunk)

@@ -29,14 +29,14 @@ from supple.simulation.recorded_columns import are_same_columns, measured_column
 __all__ = ["Start", "StartedMachine"]
 
 SAME_TIME = 1e-6
-"""Relative to the distance of output times."""
+"""Allowed distance from an output time, relative to the output step."""
 
 
 @dataclass(frozen=True, eq=False)
 class StartedMachine:
     """A machine ready to continue.
 
-    system : System             its bodies with the poses, velocities and deformation of that time; run it
+    system : System             with the poses, velocities and deformation of its bodies at `time`; run it
         with `Run(.., start=time)`, so that laws of time continue
     time : float                the start time
     losses : ProjectionLoss     of the bodies with another basis, by name
@@ -105,8 +105,8 @@ class Start:
 
         Raises
         ------
-        ModelError      a body without a motion, or with another mesh or form; explicit elements, whose
-                        plastic strain is not stored
+        ModelError      a body without a motion, with another mesh, or in a form to which the motion cannot
+                        be transferred; explicit elements, whose plastic strain is not stored
         Warns BasisWarning if the projection of a body loses 1 % or more, StartWarning of controllers that
         restart.
         """
@@ -155,7 +155,7 @@ class Start:
         return replace(moved, coordinates=q, coordinate_rates=dq, **velocities), loss
 
     def _is_same(self, placed: Placed, motion: Motion) -> bool:
-        """Whether coordinates have the same meaning; ModelError where that is not known."""
+        """Whether the body's coordinates are those of the motion; ModelError where that is unknown."""
         name, here = placed.body.name, placed.body.n_coordinates
         there = motion.coordinates.shape[1] if isinstance(motion, FramedMotion) else -1
         if not here and not there:

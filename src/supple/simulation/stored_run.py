@@ -36,7 +36,7 @@ def simulate_and_store(
     Parameters
     ----------
     system, run, path, case, metadata, inputs, overwrite, progress : as for `begin_recorded`
-    kept : names of the bodies to store, if they are reduced; others have files of their own
+    kept : names of the bodies to store, if they are reduced; no other body is stored
     resume : continue an interrupted run, with the bodies that it began with
 
     Returns

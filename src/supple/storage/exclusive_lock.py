@@ -1,7 +1,7 @@
 """Exclusive lock: one writer at a time for a file, or for a folder.
 
-The operating system locks a file `.NAME.lock` in the same folder, and releases the lock when the process that
-holds it ends in any way. A lock file left by a killed run therefore blocks nobody.
+The operating system locks a file, `.NAME.lock` beside a file or `.supple.lock` in a folder, and releases the
+lock when its process ends in any way. A lock file left by a killed run therefore blocks nobody.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class ExclusiveLock:
 
     Raises
     ------
-    ResultFileError     another holder, in this process or another; the folder cannot be written
+    ResultFileError     the lock is taken, by this process or another; the folder cannot be written
 
     Warns
     -----
@@ -53,7 +53,7 @@ class ExclusiveLock:
         """Release the lock; a second call does nothing."""
         if self._descriptor is None:
             return
-        # Removed while locked: a process that has opened it meanwhile notices this and creates a new one.
+        # Removed while locked: a process that has opened the file meanwhile finds it missing and creates one.
         self._neighbour.unlink(missing_ok=True)
         os.close(self._descriptor)
         self._descriptor = None
@@ -92,7 +92,7 @@ class ExclusiveLock:
                 os.truncate(descriptor, 0)
                 os.write(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode())
                 return descriptor
-            os.close(descriptor)  # removed by its last holder between our opening and our locking it
+            os.close(descriptor)  # the last process removed it after it was opened here
         raise OSError(errno.EAGAIN, os.strerror(errno.EAGAIN))
 
     def _without_lock(self, path: Path) -> int:

@@ -10,7 +10,8 @@ Format "supple-reduced-body", version 2 (any HDF5 reader opens it):
     gram, stiffness, damping, frequencies, nodes, nodal_basis
                  the arrays of ReducedBody; cubic, quartic, rotation_basis, damping_cubic and damping_quartic
                  where the body has them
-    interfaces/<i>      i = 0, 1, ...: attributes name, cubic_turn; datasets position (3,), motion (6, r)
+    interfaces/<i>      i = 0, 1, ...: attributes name, cubic_turn; datasets position (3,), motion (6, r),
+                        tied_nodes (k,), softness (3,)
     condensed           datasets fields (n_nodal, m), amplitudes (m, n2) and, since version 2, moments
                         (12, n2), where the body has them
     report              the fields of ReductionReport, as in hdf5_record

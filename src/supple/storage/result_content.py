@@ -106,7 +106,7 @@ class _RowsOf:
 class ResultContent:
     """An open result file with checked format and header.
 
-    size : int      of the file in bytes; no dataset can be longer, because nothing is compressed
+    size : int      bytes of the file; no dataset can be longer, because nothing is compressed
     """
 
     def __init__(self, path: Path, file: h5py.File, size: int) -> None:

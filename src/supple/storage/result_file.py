@@ -24,9 +24,9 @@ Format "supple-result", version 4, an HDF5 file (any HDF5 reader opens it):
     engine_state/<key>         (k, ...) engine state for an exact continuation, one row per chunk, or absent
     seals/header, chunks, end  (32,), (k, 64), (32,) digests of all of the above, see `result_seals`
 
-All numbers are 64-bit floats, stored unchanged; in names, % and / are written %25 and %2F. The motion
-datasets appear with the first chunk. A chunk is valid once its row of `commits` is written. Rows beyond the
-committed times belong to a chunk that was being written when the run ended.
+All numbers but `complete` are 64-bit floats, stored unchanged; in names, % and / are written %25 and %2F. The
+motion datasets appear with the first chunk. A chunk is valid once its row of `commits` is written. Rows
+beyond the committed times belong to a chunk that was being written when the run ended.
 
 During a run the file is in HDF5's single-writer mode, which orders every write so that the file can be read
 at any time: by another process during the run, and after the run was killed. One process at a time writes it
@@ -111,7 +111,8 @@ class ResultFile:
 
         Raises
         ------
-        ResultFileError     the path exists; the file cannot be written; another run is writing it
+        ResultFileError     a file exists that may not be replaced; the file cannot be written; another run is
+                            writing it
         """
         header = ResultHeader(
             case, dict(metadata), complete=False, n_times=0, statistics=Statistics(), inputs=dict(inputs)

@@ -22,12 +22,12 @@ _PART_BYTES = 2**26
 
 
 class ResultParts:
-    """Output times of a result file; each loop over them yields Solutions of some output times each.
+    """Output times of a result file; a loop yields Solutions, each with some of these times.
 
         for part in ResultParts("blade.h5"): ...
 
     path : of the result file
-    rows : numbers (k,) of the output times wanted, ascending; all when omitted
+    rows : indices (k,) of output times, ascending; all when omitted
 
     Raises
     ------

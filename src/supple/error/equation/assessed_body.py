@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 class AssessedBody:
     """A body of an assessed run: all its coordinates, and the columns of its motion and of its error.
 
-    polynomial : of its elasticity in few columns; None: elasticity from sample times of the run
+    polynomial : elasticity of the body in few columns; None: elasticity from sample times of the run
     """
 
     full: FullBody

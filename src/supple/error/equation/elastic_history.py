@@ -141,7 +141,7 @@ class TangentHistory:
     K_t is quadratic in q: weights that reproduce the coordinates and their products reproduce K_t.
 
     whole : (m, k, k)
-    material : (m, k, k)    through the strains alone; (0, k, k) where not requested
+    material : (m, k, k)    part through the strains alone; (0, k, k) where not requested
     weights : (t, m)
     """
 
@@ -161,9 +161,9 @@ def tangent_history(
 ) -> TangentHistory:
     """Tangents along q = X g(t), combined from the tangents at a few sample times.
 
-    The monomials (g, g g) of the run are factored with column pivoting. The pivots are the sample times,
-    in the order of their difference from the previous ones. Selection stops as soon as the previous tangents
-    reproduce the next ones.
+    The monomials (g, g g) of the run are factored with column pivoting. The pivots are the sample times: each
+    differs most from the previous ones. Selection stops as soon as the previous tangents reproduce the next
+    ones.
 
     motion : (n, s) X;  coordinates : (t, s);  onto : (n, k) Z
     material : bool     whether the part through the strains is needed as well (by strain-rate damping)

@@ -32,8 +32,8 @@ Array = NDArray[np.float64]
 class ElasticPolynomial:
     """Force, tangent and damping added by a deformation `X g`, in k columns Z; X are the first s of them.
 
-    works : of Z on itself (`Assembly.works`)
-    n_motion : s
+    works : strain works of Z on itself (`Assembly.works`)
+    n_motion : number s of columns X
     """
 
     works: StrainWorks

@@ -53,7 +53,7 @@ FEWEST_SAMPLES = 32
 
 
 class _InColumns(NamedTuple):
-    """Motion of a body within its error space: columns `Z chosen` (k, s), coordinates and rates (t, s)."""
+    """Motion of a body in columns Z C of its error space: `chosen` C (k, s), coordinates and rates (t, s)."""
 
     chosen: Array
     coordinates: Array
@@ -78,7 +78,7 @@ class ErrorHistory:
     times : (t,)
     origin : (t, 3)         dR, global
     turn : (t, 3)           psi, body components
-    coordinates : (t, k)    of the displacements relative to the frame, in columns Z
+    coordinates : (t, k)    error of the displacements relative to the frame, in columns Z
     rms : (t,)              root mean square over the nodes, in space
     """
 
@@ -111,7 +111,7 @@ class ErrorEquation:
     bodies : AssessedBody   by name; other bodies have no basis error, but their motion changes as well
     coefficients : Coefficients     of the run's integrator
     steps : Solution        of the run, at every step
-    active : constraint equations of the run, without the redundant ones
+    active : indices of the constraint equations of the run that are not redundant
     start : StartError      by name, of bodies whose initial state in the run deviates from the true one
     proven : float          allowed error of the tangents along the run (`tangent_history`)
     fewest_samples : int    smallest number of tangents for which a march is compiled, a power of two
@@ -417,7 +417,7 @@ class ErrorEquation:
         )
 
     def _more(self, number: int) -> int:
-        """Number of samples to add for a total of 32, 64, 128 .., so that rounds share one program.
+        """Number of samples to add for a total of `fewest_samples` times 1, 2, 4 ..: rounds share a program.
 
         A further sample costs a product of two small matrices per block; a further program costs seconds.
         """

@@ -24,7 +24,7 @@ SMALLEST_REMAINDER = 1e-6
 """Ratio to the largest column of a block below which a remainder outside the other columns is round-off."""
 
 HALF = 0.5
-"""Length of a remainder scaled to unit length, after a second projection, below which it is round-off."""
+"""Remainders are scaled to unit length and projected again: one shorter than this is round-off."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ ROUND_OFF = 1e-6
 MOST_SAMPLES = 40
 SMALLEST_PRODUCT = 1e-5
 SMALLEST_FOLLOWING = 1e-3
-"""Ratio to the largest condensed motion below which a direction is left to the error."""
+"""Ratio to the largest condensed motion below which a direction has no column and counts as error."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,9 +24,9 @@ class CraigBamptonResidual:
         Y = F_rs A,   F_rs = K_s^-1 - Phi Lambda^-1 Phi^T,   A = M Psi     (K_s, Phi: interfaces fixed)
 
     A unit acceleration of an interface loads the interior by A; Y is the part of the static response that the
-    truncated vibrations would contribute. [Han2020] (26) adds omega^2 Y to the constraint modes and
-    [KimLee2015] estimate the unknown omega^2; here the residual modes have coordinates of their own, six for
-    each interface: a larger space that contains theirs, without an estimate.
+    truncated vibrations would contribute. [Han2020] (26) adds omega^2 Y to the constraint modes, and
+    [KimLee2015] estimate the unknown omega^2. Here the residual modes have coordinates of their own, six for
+    each interface: this larger space contains theirs and needs no estimate.
 
     n_modes : number of fixed-interface modes, besides the constraint and residual modes; or
     n_columns : total number of columns

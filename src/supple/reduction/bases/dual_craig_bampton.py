@@ -22,7 +22,7 @@ class DualCraigBampton:
             [ B Phi    -F        ]         [ 0  H ]
 
     The second row is the compatibility of the interfaces, B u = 0 or the neighbour's motion, weighted by the
-    residual shapes: with few modes a gap of size H f'' remains. K is indefinite, so that Rayleigh's principle
+    residual shapes: with few modes a residual of size H f'' remains. K is indefinite, so Rayleigh's principle
     does not apply: each force makes one eigenvalue negative, which belongs to no vibration. The other
     eigenvalues are upper bounds, and fall with every mode added. At s = omega^2 the coupling stiffnesses obey
 

@@ -58,7 +58,7 @@ def interior_interface_mass(body: FlexibleBody, component: FixedInterfaceCompone
         M_e = Psi^T M Psi - (B M^-1 B^T)^-1
 
     It is the interface mass less the mass that moves with the interfaces when the interior does not follow.
-    With a lumped mass, the mass subtracted is that of the interface nodes. The cost is one factor of M.
+    With a lumped mass, the mass subtracted is that of the interface nodes. M is factored once.
     """
     B = motion_rows(body.interfaces)
     mobility = B @ factorize_symmetric(body.mass).solve(B.T)

@@ -38,7 +38,7 @@ class ErrorControlled:
         0 <= chi-bar_n / chi_n - 1 <= tolerance,     n = 1 .. n_modes,  none missed
 
     Fixed-interface modes are added to a Craig-Bampton basis until the estimate of every error is within the
-    tolerance. Bounds for the eigenvalues of the full body then prove the accuracy; otherwise more modes are
+    tolerance. Bounds for the eigenvalues of the full body then prove the accuracy, or more modes are
     added. The columns are the n_modes vibrations of that Craig-Bampton body: M = I, K = diag(chi-bar), so
     that bodies of different tolerance have the same size.
 
@@ -107,7 +107,7 @@ def error_controlled_modes(body: FlexibleBody, control: ErrorControlled) -> Erro
 
     Raises
     ------
-    ModelError      no interface; more modes requested than the body has, or more at the start
+    ModelError      no interface; n_modes not below the number of elastic modes; start too large
     AccuracyError   the tolerance is not reached with all modes allowed; the bounds do not prove the accuracy
     """
     family = CraigBamptonFamily(body)
@@ -117,7 +117,7 @@ def error_controlled_modes(body: FlexibleBody, control: ErrorControlled) -> Erro
         steps = _search(family, control, control.estimator, control.start)
     with timed(seconds, "enclosure"):
         enclosure = _enclosed(family, control, steps[-1].n_modes)
-    # The estimates are of first order: where they are too low, the bounds give the missing accuracy.
+    # The estimates are of first order: where they are too low, the search continues with the bounds.
     with timed(seconds, "modes added"):
         proven = KnownEigenvalues(enclosure.lower)
         if _tried(family, control, proven, steps[-1].n_modes).first_failing:

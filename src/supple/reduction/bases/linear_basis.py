@@ -58,7 +58,7 @@ def rayleigh_ritz(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> LinearB
     derivatives; modes of the frame's own eigenproblem keep their frequencies. Dependent columns are dropped.
 
     Returns LinearBasis: `labels` are those of the kept raw columns (in the raw order, not in the ascending
-        order of the frequencies); `dropped` also has those of the other raw columns.
+        order of the frequencies); `dropped` also has those of the dropped raw columns.
     Raises AccuracyError when a column stores no energy, ModelError when no column is left.
     """
     # Norms before projection: the projection of a motion of the frame is round-off only.

@@ -22,7 +22,7 @@ NAMES = (
     *(f"rotation about {first} and {second}" for first, second in combinations("xyz", 2)),
 )
 
-# Ratio to the longest response below which a response is zero, as of a line rotating about its own axis.
+# Ratio to the longest response below which a response is zero, such as that of a line rotating about itself.
 SMALLEST_RESPONSE = 1e-9
 
 

@@ -1,1 +1,1 @@
-"""Substructures of the bases, with clamped or free interfaces."""
+"""Small matrices of a body, from vibrations with fixed or free interfaces."""

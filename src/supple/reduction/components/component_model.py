@@ -14,7 +14,7 @@ from supple.errors import AccuracyError, ModelError
 
 __all__ = ["ComponentModel", "ReducedMatrices", "RitzComponent"]
 
-# Squared length below which a column of unit length counts as a combination of the others.
+# Eigenvalue, per coordinate, of the mass scaled to a unit diagonal; below it a direction is dependent.
 DEPENDENT = 1e-13
 
 
@@ -23,7 +23,7 @@ class ReducedMatrices:
     """An eigenproblem K x = lambda M x in a few coordinates.
 
     stiffness : (r, r)      symmetric
-    mass : (r, r)           symmetric, positive definite but for dependent coordinates
+    mass : (r, r)           symmetric, positive definite except for dependent coordinates
     n_forces : int          number of coordinates that are interface forces. Each makes one eigenvalue
                             negative, which belongs to no vibration
     """
@@ -103,7 +103,7 @@ class ComponentModel(Protocol):
         ...
 
     def interfaces_loaded(self, added_mass: np.ndarray) -> ReducedMatrices:
-        """Rigid bodies at the interfaces: added_mass (b, b), symmetric, in the interface motions."""
+        """Matrices with rigid bodies of mass added_mass (b, b), symmetric, at the interface motions."""
         ...
 
 

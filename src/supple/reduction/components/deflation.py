@@ -29,7 +29,7 @@ class ResidualResponse(NamedTuple):
 def residual_response(
     solver: ConstrainedFactor, mass: Any, modes: RitzModes, loads: np.ndarray
 ) -> ResidualResponse:
-    """Static response F_r A of the modes left out, F_r = K^-1 - Phi Lambda^-1 Phi^T.
+    """Static response F_r A of the truncated modes, F_r = K^-1 - Phi Lambda^-1 Phi^T.
 
         A_r = A - M Phi Phi^T A,   Y = K^-1 A_r,   Y <- Y - Phi Phi^T M Y
 
@@ -56,7 +56,7 @@ def residual_response(
 
 
 def residual_shares(flexibility: np.ndarray, participation: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Share (k,) of the residual, as opposed to the modes, in the flexibility under each load.
+    """Share (k,) of the flexibility under each load that the modes leave to the residual.
 
     flexibility : (k, k)        of the residual
     participation : (m, k)      Phi^T A

@@ -1,4 +1,4 @@
-"""A body by its vibrations with fixed interfaces: the quantities of Craig-Bampton and its variants."""
+"""Fixed-interface vibrations of a body: the matrices of Craig-Bampton and its variants."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class FixedInterfaceComponent:
 
     @property
     def residual_shares(self) -> np.ndarray:
-        """Share (b,) of the residual, as opposed to the modes, in the flexibility under each acceleration."""
+        """Share (b,) of the flexibility under each acceleration that the modes leave to the residual."""
         return residual_shares(self.residual_flexibility, self.participation, self.eigenvalues)
 
     def keeping(self, modes: np.ndarray) -> FixedInterfaceComponent:

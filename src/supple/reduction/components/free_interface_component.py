@@ -1,4 +1,4 @@
-"""A body by its free vibrations: the quantities of Rubin's, MacNeal's and the dual Craig-Bampton method."""
+"""Free vibrations of a body: the matrices of Rubin's, MacNeal's and the dual Craig-Bampton method."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["FreeInterfaceComponent", "free_interface_component", "free_interface
 
 @dataclass(frozen=True, eq=False)
 class FreeInterfaceComponent:
-    """Free-interface modes at the interfaces, and the contribution of all other modes there.
+    """Interface motions of the free-interface modes, and the contribution of all other modes there.
 
         u = R a + Phi eta + G_r B^T f,    G_r = G - Phi Lambda^-1 Phi^T,   f forces at the interfaces
 

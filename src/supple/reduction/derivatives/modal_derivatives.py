@@ -31,7 +31,7 @@ class ModalDerivatives:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """Such as 'derivative 1-3', columns counted from 1."""
+        """Labels such as 'derivative 1-3', with columns counted from 1."""
         return tuple(f"derivative {j + 1}-{k + 1}" for j, k in self.pairs)
 
     @property
@@ -40,7 +40,7 @@ class ModalDerivatives:
         return np.where(self.pairs[:, 0] == self.pairs[:, 1], 1.0, 2.0)
 
     def reference_norms(self, body: FlexibleBody) -> np.ndarray:
-        """Lengths (M-norm) for comparison with remainders: the derivative's, at least 1/100 of the longest.
+        """Reference lengths (M-norm) of remainders: of each derivative, but at least 1/100 of the longest.
 
         Where symmetry makes a derivative vanish, the solve leaves round-off, whose length is meaningless.
         """

@@ -97,7 +97,7 @@ class ModalVirtualWork:
 
         W_jk = |(w_jk theta_jk)^T w_jk f''(X_j, X_k)| = w_jk^2 theta_jk^T K theta_jk
 
-    with w_jk = p_j p_k, twice for j < k: the multipliers do no work, as D theta = 0. The rank is thus twice
+    with w_jk = p_j p_k, twice for j < k. The multipliers do no work, as D theta = 0, so the rank is twice
     the energy that the derivative releases; a zero derivative has rank zero.
     Source: after the modal virtual work of [Jain2017], here at static amplitudes instead of simulated ones.
     """

@@ -24,7 +24,7 @@ class CountedGroup:
     """Elastic eigenvalues first .. last (from 1) of a reduced body, and one count for the full body.
 
     shift   : sigma = chi-bar_last / (1 + tolerance), rad^2/s^2
-    counted : elastic eigenvalues of the full body below it
+    counted : number of elastic eigenvalues of the full body below the shift
     """
 
     first: int

@@ -62,7 +62,7 @@ def enclose_eigenvalues(
         (A0 - rho A1) x = mu (A0 - 2 rho A1 + rho^2 A2) x
         A0 = U^T K U,    A1 = U^T M U,    A2 = W^T K W
 
-    give lower bounds chi_n >= rho mu / (mu - 1), the most negative mu that of the highest eigenvalue. The
+    give lower bounds chi_n >= rho mu / (mu - 1); the most negative mu bounds the highest eigenvalue. The
     Rayleigh-Ritz values of U are upper bounds. Subspace iteration from the trial motions narrows the bounds,
     also for multiple eigenvalues. Random motions are added where a cluster is larger than the set of trial
     motions, or where the count shows that a mode is missing. The theorems are exact and evaluated in floating
@@ -122,7 +122,7 @@ def enclose_eigenvalues(
 def _ritz(body: FlexibleBody, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """M-orthonormal Ritz vectors of columns, and their values, ascending; the columns are overwritten.
 
-    Dependent columns are dropped, and values so high that they are round-off compared with the lowest.
+    Dependent columns are dropped, as are vectors whose inverse value is round-off compared with the largest.
     """
     columns /= np.sqrt(np.einsum("ij,ij->j", columns, body.stiffness @ columns))
     energies, directions = linalg.eigh(columns.T @ (body.stiffness @ columns))
@@ -148,12 +148,12 @@ def _random_loads(body: FlexibleBody, n_loads: int) -> np.ndarray:
 
 
 def _bounds(upper: np.ndarray, A2: np.ndarray, inside: int) -> tuple[float, np.ndarray, float]:
-    """A shift above the first `inside` Ritz values, the lower bounds below it, the largest width."""
+    """A shift above the first `inside` Ritz values, the lower bounds below the shift, the largest width."""
     shift = 0.5 * float(upper[inside - 1] + upper[inside])
     lower = _lehmann_goerisch(upper, A2, shift)
     if lower.size != inside:
         return shift, lower, np.inf
-    # The absolute width: lower bounds above the upper ones are round-off, which proves nothing.
+    # Absolute, because a lower bound above its upper bound is round-off and proves nothing.
     return shift, lower, float(np.max(np.abs(upper[:inside] / lower - 1)))
 
 

@@ -30,8 +30,8 @@ class ErrorTerms:
     values : (N,)   chi-bar, eigenvalues of the reduced body, rad^2/s^2
     first  : (N,)   xi^T X xi,  xi the interface part of each vibration
     second : (N,)   xi^T X2 xi
-    fixed  : (m,)   kappa, eigenvalues of the fixed-interface modes that are known, m > d, rad^2/s^2
-    next_fixed : kappa of the first truncated mode, rad^2/s^2; infinite when all are kept
+    fixed  : (m,)   kappa, eigenvalues of all computed fixed-interface modes, rad^2/s^2
+    next_fixed : kappa of the first truncated mode, rad^2/s^2; infinite when all modes are kept
     """
 
     values: np.ndarray
@@ -49,8 +49,8 @@ def error_terms(component: FixedInterfaceComponent, vibrations: FreeVibrations) 
     """The terms of each vibration of a body with fewer modes than the component.
 
     The residual flexibility is that of the modes not computed, by deflation, plus a a^T / kappa for each
-    computed but truncated mode: rank-one updates that only add. The difference K^-1 - Phi Lambda^-1 Phi^T
-    would cancel nearly all digits.
+    computed but truncated mode of participation a. These rank-one updates only add. The difference
+    K^-1 - Phi Lambda^-1 Phi^T would cancel nearly all digits.
     """
     n_kept, xi = len(vibrations.modal), vibrations.interfaces
     kept = component.leading(n_kept)
@@ -132,5 +132,5 @@ class KnownEigenvalues:
         object.__setattr__(self, "values", read_only(self.values))
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:
-        """Exact errors, or upper bounds to them."""
+        """Exact errors, or their upper bounds."""
         return terms.values / self.values[: terms.values.size] - 1.0

@@ -29,7 +29,7 @@ class SearchStep:
     """One trial number of modes.
 
     n_modes : fixed-interface modes kept
-    errors : (N,)            of each elastic eigenvalue; infinite where the reduced body has no such vibration
+    errors : (N,)            error of each elastic eigenvalue; infinite where the reduced body has none
     tolerance : largest error allowed
     criterion : name of the estimator of the errors
     seconds : wall time, that of new fixed-interface modes included
