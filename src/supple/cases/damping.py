@@ -74,7 +74,7 @@ _OF_MASS_AND_STIFFNESS: dict[str, Any] = {
 
 
 class Rayleigh(table_of(RayleighDamping, "rayleigh", **_OF_MASS_AND_STIFFNESS)):
-    """Damping by mass, and by stiffness K_mat(q) that follows the strain rate."""
+    """Rayleigh damping by mass, and by the material's stiffness K_mat(q) in the deformed body."""
 
 
 class LinearRayleigh(table_of(LinearRayleighDamping, "linear-rayleigh", **_OF_MASS_AND_STIFFNESS)):
