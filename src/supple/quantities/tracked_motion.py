@@ -143,7 +143,7 @@ def tracked_motion(
     ----------
     motion : of the body, at t times
     at : name of an interface, or node numbers (k,), whose mean is used
-    seen_from : another p, of this or another body, at the same times
+    seen_from : another interface as p, of this or another body, at the same times
 
     Raises
     ------
