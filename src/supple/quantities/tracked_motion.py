@@ -121,8 +121,8 @@ class TrackedMotion:
     seen_from : str          the body's first interface, `BODY.INTERFACE` if it is another body's, or ""
           without a reference
     deflection : (t, 3)      displacement relative to that interface, in the mesh axes that rotate with it;
-          zero for a rigid body
-    is_elastic : bool        whether the body deforms
+          zero for a body that is rigid or has no frame
+    is_elastic : bool        whether the body has a deflection: it deforms, and has a frame
     """
 
     position: Array
