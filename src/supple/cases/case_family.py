@@ -1,4 +1,4 @@
-"""A case file and its variants: the same tables with other numbers, with the same checks."""
+"""A case file and its variants, which have other values in the same tables and pass the same checks."""
 
 from __future__ import annotations
 

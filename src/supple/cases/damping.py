@@ -94,7 +94,7 @@ class Modal(
         held=Key(description=_CLAMPED),
     )
 ):
-    """The same damping ratio on the modes of the body: all of a reduced body, or the lowest."""
+    """The same damping ratio on all modes of a reduced body, or on the lowest modes of a body."""
 
 
 Damping = Annotated[

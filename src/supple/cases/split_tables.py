@@ -200,7 +200,7 @@ def _parts(split: _SplitTable) -> Iterator[Body]:
 
 
 def _frame(split: _SplitTable, part: int) -> object:
-    """The frame of a part: fixed to the given interface, or to the cut towards it."""
+    """The frame of a part: fixed to the interface of the body's frame, or to the cut on that side."""
     frame: Any = split.body.frame
     if not isinstance(frame, NodalFixed):
         return frame

@@ -62,7 +62,7 @@ class CriticalPlane:
 
     @property
     def normals(self) -> Array:
-        """(h, 3) on half a sphere: circles of equal latitude, each as densely occupied as the equator."""
+        """Unit vectors (h, 3) on half a sphere: circles of latitude with equally spaced vectors."""
         n_rings = int(np.ceil(0.5 * np.pi / self.spacing))
         latitudes = np.linspace(0.0, 0.5 * np.pi, n_rings + 1)
         rings = []

@@ -22,7 +22,7 @@ _ROWS = 64
 
 
 class QuantityOfInterest(Protocol):
-    """A quantity of a run, such as a sensor; its error is the RMS over its points, largest over the run."""
+    """A quantity of a run, such as a sensor; its error is the largest RMS over its points during the run."""
 
     @property
     def name(self) -> str:

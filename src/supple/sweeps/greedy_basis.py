@@ -74,7 +74,7 @@ def certify(
 
 
 def training_cases(plan: SweepPlan, cases: Sequence[int]) -> list[int]:
-    """The cases of a group to simulate first: those with extreme parameters, and others evenly spaced."""
+    """The cases of a group to simulate first: those with extreme parameters, and evenly spaced ones."""
     if len(cases) <= MARCHED_AT_ONCE:
         return list(cases)
     extremes = dict.fromkeys(
@@ -139,7 +139,7 @@ class _Search:
         return None
 
     def _first(self, number: int | None) -> int:
-        """Index of a case; by default that with the largest motion of a body, relative to all cases."""
+        """Index of a case; by default, of the first case in which a body has its largest motion."""
         if number in self._numbers:
             return self._numbers.index(number)
         sizes = np.array(
@@ -193,7 +193,7 @@ class _Search:
         return rows, dict(fields)
 
     def _columns(self) -> dict[str, IndicatorBody]:
-        """Columns of the indicators by body, with the motion that the bases lack in all representatives."""
+        """Columns of the indicators by body, from the motion that the bases lack in the representatives."""
         first = self._cases[0]
         fulls = self._group.fulls(first.case)
         bases = stored_bases(first.system, fulls)
