@@ -198,7 +198,7 @@ class Body(CheckedTable):
         """The body in its initial state; not reduced if its basis is "none" or its reduction corrects itself.
 
         flexible : from `flexible`; None for a body that is not elastic, or is read from a file
-        folder : folder of that file
+        folder : folder of the case, with the files of such bodies
         notify : called at each long step
         elements : for a body of explicit elements
         """

@@ -1,4 +1,4 @@
-"""Contacts of explicit parts with rigid obstacles or with each other, ties and supports."""
+"""Ties, supports, and contacts of explicit parts with rigid obstacles or with each other."""
 
 from __future__ import annotations
 

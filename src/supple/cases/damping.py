@@ -47,12 +47,12 @@ class _RatioOfTwoModes(CheckedTable):
 
 
 class RayleighRatio(_RatioOfTwoModes):
-    """Rayleigh damping by strain rate with the same ratio on two modes of the body."""
+    """Rayleigh damping of the strain rate, with the same damping ratio on two modes of the body."""
 
     kind: Literal["rayleigh-ratio"]
 
     def build(self, body: FlexibleBody, frame: Frame) -> RayleighDamping:
-        """Damping of a body; the frequencies are those of the whole mesh."""
+        """Damping of a body, from the frequencies of the body before reduction."""
         return self._fitted(body, frame)
 
 
@@ -62,7 +62,7 @@ class LinearRayleighRatio(_RatioOfTwoModes):
     kind: Literal["linear-rayleigh-ratio"]
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearRayleighDamping:
-        """Damping of a body; the frequencies are those of the whole mesh."""
+        """Damping of a body, from the frequencies of the body before reduction."""
         return self._fitted(body, frame).linearized()
 
 

@@ -21,7 +21,7 @@ BODY_AXIS = ConfigDict(
         }
     }
 )
-"""For tables whose direction had the key `axis`, which is global everywhere else."""
+"""For tables whose direction had the key `axis`; in all other tables, `axis` is along global axes."""
 
 
 def joint_label(kind: object, first: object, second: object) -> str:

@@ -75,7 +75,7 @@ class SplitSource:
     parts: Mapping[str, BodySource]
 
     def places(self, nodes: IntArray) -> list[tuple[str, IntArray]]:
-        """Parts with given nodes of the whole, and the nodes' numbers there; each node is in one part only."""
+        """Parts with given nodes of the whole, and the nodes' numbers there; each node is in one part."""
         part = self.mesh.holder(nodes)
         if part is not None:
             return [(part_name(self.name, part), self.mesh.parts[part].numbers(nodes))]

@@ -118,7 +118,7 @@ def hot_spot_damage(
 
         sigma(t) = S q(t),    s_h = histories(sigma),    D = max_h sum_i n_i / N(S_i)
 
-    Nodes are computed in parts, one after the other: memory does not grow with their number, but contains all
+    Nodes are processed in blocks: memory does not grow with the number of nodes, but must contain all
     histories of one node.
 
     Parameters

@@ -64,7 +64,7 @@ class TensorModes:
     quadratic : (N, l, 6, n2) or None   n2 = r(r+1)/2; None for a linear body
     amplitudes : (m, n2)                of these m fields; m = 0 without condensed motion
     tensor : NodalTensor                stress or strain
-    outer : (o,)                        layers that contain the largest equivalent
+    outer : (o,)                        layers in which the von Mises equivalent can be largest
     """
 
     nodes: IntArray
@@ -111,7 +111,7 @@ class TensorModes:
         return replace(self, nodes=self.nodes[nodes], linear=self.linear[nodes], quadratic=quadratic)
 
     def outer_layers(self) -> TensorModes:
-        """The modes of only those layers that contain the largest equivalent."""
+        """The modes of only those layers in which the von Mises equivalent can be largest."""
         if len(self.outer) == self.linear.shape[1]:
             return self
         layers = list(self.outer)
@@ -235,7 +235,7 @@ class _Part:
     to_field: Array
 
     def add_to(self, field: Array, strains: Array) -> None:
-        """Add the mean of strains (E, g, s, m) to a field (rows, 6, m)."""
+        """Add the tensors of strains (E, g, s, m), averaged at nodes, to a field (rows, 6, m)."""
         m = strains.shape[-1]
         tensors = (self.to_field[:, None] @ strains).reshape(-1, 6 * m)
         field[self.rows] += (self.share @ tensors).reshape(-1, 6, m)

@@ -92,7 +92,7 @@ def run_cases(
         warnings.simplefilter("always", SuppleWarning)
         try:
             began(cases)
-            # With several groups, other processes use the other cores; with one, they wait for its certificate.
+            # With one group, other processes wait for its certificate, so that this one can use their cores.
             with one_core() if plan.group.any() else nullcontext():
                 group = certified_group(folder, plan, number, level)
             if group.group.asks_for_errors and group.certificate.reason:

@@ -39,7 +39,7 @@ class CaseErrors:
 
     n_estimated : number of cases with an estimate
     largest : largest estimate; NaN without estimates
-    n_above : number of cases whose estimate exceeds their accuracy
+    n_above : number of cases whose estimate exceeds the allowed error
     reasons : why cases have no estimate, with the number of cases of each reason
     """
 
