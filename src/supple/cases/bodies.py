@@ -198,7 +198,7 @@ class Body(CheckedTable):
         """The body in its initial state; not reduced if its basis is "none" or its reduction corrects itself.
 
         flexible : from `flexible`; None for a body that is not elastic, or is read from a file
-        folder : folder of that file
+        folder : folder of the case, with the files of such bodies
         notify : called at each long step
         elements : for a body of explicit elements
         """
@@ -237,7 +237,7 @@ class Body(CheckedTable):
             return made_of.body(self.name, places)
         if self.condense is not None:
             damped = self.damping
-            # By a rule of the case file, these kinds need neither a body nor its frame.
+            # By a rule of the case file, the damping here is of these kinds, built without body and frame.
             own = damped.build() if isinstance(damped, Rayleigh | Modal) else None
             if self.is_line:
                 notify(f"reading body '{self.name}', condensed already")
@@ -272,7 +272,7 @@ class Body(CheckedTable):
             quartic=quartic_choice(self.reduction.condensed, CondensedQuartic()),
         )
         proven = body.report.certificate
-        if proven is not None:  # the search ends with another trial than the chosen one
+        if proven is not None:  # the last trial of the search may not be the chosen one
             notify(step, search_words(proven.n_fixed_interface_modes, proven.largest_error))
         return body
 

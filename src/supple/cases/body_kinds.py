@@ -294,7 +294,7 @@ def kind_of(body: Raw) -> type[BodyKind] | None:
 
 
 def is_elastic(body: Raw) -> bool:
-    """True for an elastic body that the case builds, not explicit; also if no key states its kind."""
+    """True for an elastic, not explicit body that the case builds; also if no key states the kind."""
     kind = kind_of(body)
     return (kind is None or kind.is_elastic) and not is_explicit(body)
 
@@ -314,7 +314,7 @@ def at_elements(
 ) -> Mistakes:
     """The rule that tables of some kinds refer to node sets of bodies with elements.
 
-    kinds : by kind of table, two parts of messages: for a body without elements, and for an interface
+    kinds : by kind of table, words of the messages: for a body without elements, and for an interface
     """
     bodies = {str(body.get("name")): body for _, body in tables(raw, "body")}
     for path, each in given:

@@ -47,7 +47,7 @@ class Case:
     tables : CaseTables     checked content of the file
     lines : LineIndex       line of each table
     notify                  called at each long step of the build, with its progress
-    made : Mapping          existing bodies, by name: a sweep reduces each body once
+    made : Mapping          bodies that are built already, by name: a sweep reduces each body once
     """
 
     path: Path
@@ -58,7 +58,7 @@ class Case:
     made: Mapping[str, BodyForm] = field(default_factory=dict, repr=False)
 
     def varied(self, tables: CaseTables, made: Mapping[str, BodyForm]) -> Case:
-        """The case with other numbers and existing bodies: meshes are not read again."""
+        """The case with other tables and bodies that are built already; meshes are not read again."""
         other = replace(self, tables=tables, made=made)
         vars(other).update({name: vars(self)[name] for name in _OF_MESHES if name in vars(self)})
         return other
@@ -70,7 +70,7 @@ class Case:
 
     @property
     def units(self) -> UnitSystem:
-        """The units of its numbers, as far as given."""
+        """The units that the case states."""
         return UnitSystem.stated(self.tables.units)
 
     @property
@@ -80,7 +80,7 @@ class Case:
 
     @property
     def made_here(self) -> frozenset[str]:
-        """Names of the bodies that the case builds, not those read as reduced."""
+        """Names of the bodies that the case builds, without those read from files of reduced bodies."""
         return frozenset(body.name for body in self.parts.body if body.reduced is None)
 
     @property
@@ -91,7 +91,7 @@ class Case:
 
     @property
     def inputs(self) -> Inputs:
-        """All inputs of the motion by name: keys of the case, digests of its files in their present state.
+        """All inputs of the motion, by name: the keys of the case, and digests of its files as they are now.
 
         Raises
         ------
@@ -122,7 +122,7 @@ class Case:
 
         Raises
         ------
-        CaseError   missing node sets of interfaces, loads or output: all, with their lines
+        CaseError   node sets of interfaces, loads or output that a mesh lacks: lists all, with their lines
         """
         self.notify("reading meshes")
         sources = {
@@ -170,7 +170,7 @@ class Case:
 
     @cached_property
     def _unsplit(self) -> Mapping[str, FlexibleBody]:
-        """The bodies to be split, undivided."""
+        """The bodies to be split, before the split."""
         return {
             body.name: body.flexible(self._whole[body.name])
             for body in self.tables.body
@@ -183,7 +183,7 @@ class Case:
 
         Raises
         ------
-        CaseError   missing node sets of interfaces, loads or output: all, with their lines
+        CaseError   node sets of interfaces, loads or output that a mesh lacks: lists all, with their lines
         """
         parts = {name: source for split in self._split.values() for name, source in split.parts.items()}
         return {name: made for name, made in self._whole.items() if name not in self._split} | parts
@@ -220,7 +220,7 @@ class Case:
 
     @cached_property
     def bases(self) -> Mapping[str, At]:
-        """Reference interface of deflections, by part of a split body: the first interface of the whole."""
+        """Reference of deflections, by part of a split body: the first interface of the undivided body."""
         found = {}
         for body in self.tables.body:
             base = base_of(body, self._split[body.name]) if body.split is not None else None
@@ -236,7 +236,7 @@ class Case:
 
         Raises
         ------
-        CaseError    as for `sources`; colours by stress for elements without stress
+        CaseError    as for `sources`; colour = "von-mises" for bodies without stress
         SuppleError  errors of meshes, bodies, reductions and joints
         """
         tables = self.parts
@@ -267,7 +267,7 @@ class Case:
         )
 
     def check_control(self, *, allow_code: bool) -> None:
-        """Raise CaseError, before any computation, if controllers of the case may not or cannot run."""
+        """Raise CaseError, before any computation, for controllers that are not allowed or cannot be used."""
         control = self.tables.control
         check_code_allowed(control, allow_code=allow_code)
         if control is not None and self.starts:
@@ -355,7 +355,7 @@ class Case:
 
     @cached_property
     def held_modes(self) -> Mapping[str, BodyModes]:
-        """Modes of the bodies before reduction, clamped at the first interface, or else in the frame."""
+        """Modes of the bodies before reduction, clamped at the first interface; in the frame without one."""
         found = {}
         for name, full in self.fulls.items():
             held = full.interfaces[0].motion if full.interfaces else full.frame.constraint(full.body)

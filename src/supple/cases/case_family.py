@@ -1,4 +1,4 @@
-"""A case file and its variants: the same tables with other numbers, with the same checks."""
+"""A case file and its variants, which have other values in the same tables and pass the same checks."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ __all__ = ["CaseFamily", "case_family"]
 class CaseFamily:
     """A case file, and the cases that differ from it in some values.
 
-    path, text : of the file
+    path, text : path and text of the file
     raw : its tables, with those of a machine file and the interfaces of reduced bodies
     """
 
@@ -50,7 +50,7 @@ class CaseFamily:
 
         values : by path in its tables
         like : a variant with the same bodies, whose meshes are reused
-        made : existing bodies, by name
+        made : bodies that are built already, by name
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Contacts of explicit parts with rigid obstacles or with each other, ties and supports."""
+"""Ties, supports, and contacts of explicit parts with rigid obstacles or with each other."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ def _part_places(raw: Raw) -> Iterator[tuple[KeyPath, Any]]:
 
 
 def _suit_their_parts(raw: Raw) -> Mistakes:
-    """The rule that ties, contacts and supports are at explicit parts, and supports at explicit elements.
+    """The rule that ties and contacts are at modal or explicit parts, and supports at explicit elements.
 
     Nodes of explicit elements are tied to a modal part, not the other way round.
     """

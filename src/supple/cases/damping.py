@@ -47,12 +47,12 @@ class _RatioOfTwoModes(CheckedTable):
 
 
 class RayleighRatio(_RatioOfTwoModes):
-    """Rayleigh damping by strain rate with the same ratio on two modes of the body."""
+    """Rayleigh damping of the strain rate, with the same damping ratio on two modes of the body."""
 
     kind: Literal["rayleigh-ratio"]
 
     def build(self, body: FlexibleBody, frame: Frame) -> RayleighDamping:
-        """Damping of a body; the frequencies are those of the whole mesh."""
+        """Damping of a body, from the frequencies of the body before reduction."""
         return self._fitted(body, frame)
 
 
@@ -62,7 +62,7 @@ class LinearRayleighRatio(_RatioOfTwoModes):
     kind: Literal["linear-rayleigh-ratio"]
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearRayleighDamping:
-        """Damping of a body; the frequencies are those of the whole mesh."""
+        """Damping of a body, from the frequencies of the body before reduction."""
         return self._fitted(body, frame).linearized()
 
 
@@ -74,7 +74,7 @@ _OF_MASS_AND_STIFFNESS: dict[str, Any] = {
 
 
 class Rayleigh(table_of(RayleighDamping, "rayleigh", **_OF_MASS_AND_STIFFNESS)):
-    """Damping by mass, and by stiffness K_mat(q) that follows the strain rate."""
+    """Rayleigh damping by mass, and by the material's stiffness K_mat(q) in the deformed body."""
 
 
 class LinearRayleigh(table_of(LinearRayleighDamping, "linear-rayleigh", **_OF_MASS_AND_STIFFNESS)):
@@ -94,7 +94,7 @@ class Modal(
         held=Key(description=_CLAMPED),
     )
 ):
-    """The same damping ratio on the modes of the body: all of a reduced body, or the lowest."""
+    """The same damping ratio on all modes of a reduced body, or on the lowest modes of a body."""
 
 
 Damping = Annotated[

@@ -33,8 +33,8 @@ class Drawing:
 
     pictures, animation : whether they are drawn
     rounds : rounds of a self-correction as numbers, from `correction_numbers`, also drawn
-    colour : of the animation
-    format : of its file
+    colour : quantity that colours the animation
+    format : format of the animation's file
     """
 
     folder: Path

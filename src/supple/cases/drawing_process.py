@@ -54,7 +54,7 @@ class DrawingProcess:
             self._process = None if asked is None else _process(asked)
 
     def finish(self, drawing: Drawing | None, progress: StepProgress) -> None:
-        """Wait for the separate process, or draw here; errors of `Drawing.draw`."""
+        """Wait for the separate process, or draw here; raises the errors of `Drawing.draw`."""
         if drawing is not None and not self._is_drawn_beside(progress):
             drawing.draw(progress)
 

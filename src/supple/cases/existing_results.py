@@ -45,7 +45,7 @@ def stored_so_far(case: Path, folder: Path) -> str:
 
 
 def refuse_overwrite(case: Case, folder: Path, *, resume: bool, force: bool) -> None:
-    """Check, before any reading or building, that this run may write to the folder.
+    """Check, before meshes are read and bodies are built, that this run may write to the folder.
 
     Raises
     ------

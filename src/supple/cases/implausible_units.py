@@ -94,7 +94,7 @@ def _of_waves(units: UnitSystem, body: FlexibleBody) -> Iterator[str]:
 
 
 def _materials(body: FlexibleBody) -> list[Isotropic]:
-    """The isotropic materials of its elements, each once; a laminate has none."""
+    """The isotropic materials of a body's elements, each once; a laminate has none."""
     properties = [section.property for section in body.model.sections] if body.model is not None else []
     found = [each if isinstance(each, Isotropic) else getattr(each, "material", None) for each in properties]
     return list(dict.fromkeys(each for each in found if each is not None))

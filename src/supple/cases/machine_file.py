@@ -48,9 +48,9 @@ class MachineFile(CheckedTable):
 def with_machine(raw: Raw, folder: Path) -> tuple[Raw, list[Mistake]]:
     """The raw case with the tables of its machine file added, and the mistakes in them.
 
-    A body of the case replaces the body of the same name in the file, at the position of that body; its
-    interfaces take the positions of the joints of the same name. A body without a kind adds its keys to the
-    rigid body.
+    A body of the case replaces the body of the same name in the file, at the position of that body. Its
+    interfaces take the positions of the file's interfaces of the same name, which are at joints. A body
+    without a kind adds its keys to the rigid body of the file.
     """
     given = raw.get("machine")
     name = given.get("mujoco") if isinstance(given, Mapping) else None

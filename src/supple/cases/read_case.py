@@ -1,4 +1,4 @@
-"""Reading of a TOML file as a checked case: all mistakes at once, each with its line and remedy."""
+"""Reading of a TOML file as a checked case; all mistakes are reported, each with its line and remedy."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def read_case(path: str | Path, notify: Notify = silent) -> Case:
         raise CaseError(listed_mistakes(path, lines, unusable))
     try:
         tables.simulation.build()
-    except ValueError as error:  # from the numbers of the run in combination
+    except ValueError as error:  # numbers of the run that do not fit together
         raise CaseError(listed_mistakes(path, lines, [(("simulation",), str(error))])) from error
     return Case(path, text, tables, lines, notify)
 

@@ -111,7 +111,7 @@ class Correctable(Basis):
     condensed: bool | None = _CONDENSED
 
     def recipe(self, _report: Report | None = None) -> LinearBasisRecipe:
-        """The linear columns; the initial ones of a self-correction if no number is given."""
+        """The linear columns; with an accuracy, those that the self-correction starts with."""
         return self.build()
 
     @property
@@ -136,7 +136,7 @@ class Sized(Correctable):
         return self.accuracy is not None or self.modes is None
 
     def recipe(self, _report: Report | None = None) -> LinearBasisRecipe:
-        """The linear columns; the initial ones of a self-correction if no number is given."""
+        """The linear columns; of a basis that corrects itself, those that it starts with."""
         columns = self.build()
         return columns if self.corrects_itself or not self.steady else reduction.SteadyLoads(columns)
 
@@ -244,7 +244,7 @@ def reduction_start(
     """The initial basis and the target error of a body's self-correcting reduction.
 
     quantity : quantity whose error is limited; the positions of all nodes if None
-    given : its table; None: Craig-Bampton, or normal modes for a body without interfaces
+    given : table of the reduction; None: Craig-Bampton, or normal modes for a body without interfaces
     """
     if given is None and body.interfaces:
         given = CraigBampton.model_validate({"basis": "craig-bampton"})

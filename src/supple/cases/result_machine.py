@@ -95,7 +95,7 @@ def _case_path(path: Path, header: ResultHeader, given: Path | None) -> Path:
 
 
 def _of_motion(inputs: Inputs, same_text: bool) -> Inputs:
-    """Inputs of the motion; for the same text of the case only its files, because later versions add keys."""
+    """Inputs to compare: only files if the case has the same text, because later versions add keys."""
     if same_text:
         return {name: value for name, value in inputs.items() if name.startswith(FILE)}
     return {name: value for name, value in inputs.items() if not name.startswith(_READ_AFTERWARDS)}

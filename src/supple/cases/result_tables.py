@@ -14,9 +14,9 @@ __all__ = ["recorded_quantities"]
 def recorded_quantities(case: Case, system: System) -> tuple[Quantity, ...]:
     """All quantities of a table, with unique names.
 
-    Sensors have their own names; then `joint NAME`, `position BODY.PLACE`, `deflection BODY.PLACE` for
-    tracked places of deformable bodies with a frame, and `energy`. A sensor with such a name replaces the
-    default quantity.
+    The sensors of the case come first. `joint NAME`, `position BODY.PLACE`, `deflection BODY.PLACE` and
+    `energy` follow, deflections only of deformable bodies with a frame. A sensor with one of these names
+    replaces that quantity.
     """
     sensors = {sensor.name: sensor for sensor in case.sensors}
     others: list[Quantity] = [JointForceSensor(f"joint {joint.name}", joint.name) for joint in system.joints]

@@ -47,8 +47,8 @@ class CaseResult:
 
     system : System             with its bodies reduced to their accuracy
     rounds : rounds of its self-correction as numbers, from `correction_numbers`
-    tracked : motions of the tracked places of the case, by their names there
-    numbers : of the run, from `summarize`
+    tracked : motions of the tracked places, by their names in the case
+    numbers : numbers of the run, from `summarize`
     """
 
     system: System
@@ -84,7 +84,7 @@ def run_case(
     Raises
     ------
     SelfCorrectionError     a target error that was not reached; the message names the file of the best round
-    CaseError               --resume and --force at once; a file that changed while the case was read; a
+    CaseError               `resume` and `force` at once; a file that changed while the case was read; a
                             controller without `allow_code`, or in a case that corrects itself
     ResultFileError         a result that would be lost; a result file that cannot be written or continued, or
                             whose case or input files have changed; another run that writes to the folder

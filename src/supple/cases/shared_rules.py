@@ -12,7 +12,7 @@ End = Annotated[str, "ground"]
 InterfaceOf = Annotated[str, "interface"]
 PlaceOf = Annotated[str, "node set"]
 FileName = Annotated[str, "file"]
-"""Types of keys that name a file, or an interface; some may also name the ground or a node set."""
+"""Types of keys: `InterfaceOf` names an interface, `End` also the ground, `PlaceOf` also a node set."""
 
 BODY_AXIS = ConfigDict(
     json_schema_extra={
@@ -21,7 +21,7 @@ BODY_AXIS = ConfigDict(
         }
     }
 )
-"""For tables whose direction had the key `axis`, which is global everywhere else."""
+"""For tables whose direction had the key `axis`; in all other tables, `axis` is along global axes."""
 
 
 def joint_label(kind: object, first: object, second: object) -> str:

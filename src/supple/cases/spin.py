@@ -23,7 +23,7 @@ class SpinTable(
         bodies=Key(_NAMES, "names of the rotating bodies; default: all"),
     )
 ):
-    """A steady rotation: of `supple static`, `supple modes`, and of runs that start in equilibrium."""
+    """The steady rotation in `supple static`, in `supple modes`, and of runs that start in equilibrium."""
 
 
 def _spin_has_an_axis(raw: Raw) -> Mistakes:

@@ -75,7 +75,7 @@ class SplitSource:
     parts: Mapping[str, BodySource]
 
     def places(self, nodes: IntArray) -> list[tuple[str, IntArray]]:
-        """Parts that contain given nodes of the whole, each node once, with the node numbers in the part."""
+        """Parts with given nodes of the whole, and the nodes' numbers there; each node is in one part."""
         part = self.mesh.holder(nodes)
         if part is not None:
             return [(part_name(self.name, part), self.mesh.parts[part].numbers(nodes))]

@@ -37,7 +37,7 @@ class _SplitTable:
     holders: Mapping[str, int]
 
     def place(self, text: str) -> str:
-        """`blade.root` as `blade-1.root`; node sets and other bodies unchanged."""
+        """`blade.root` becomes `blade-1.root`; node sets and other bodies are unchanged."""
         name, _, interface = text.partition(".")
         if name != self.body.name or interface not in self.holders:
             return text
@@ -47,8 +47,8 @@ class _SplitTable:
 def with_parts(tables: CaseTables, split: Mapping[str, SplitSource]) -> CaseTables:
     """The case with split bodies replaced by their parts.
 
-    Their interfaces, frames, joints, loads and springs go to the part that contains them; loads on nodes are
-    distributed; each cut gets a fixed joint.
+    Interfaces, frames, joints, loads and springs of a split body go to the part that contains them. Loads on
+    nodes are distributed over the parts. Each cut gets a fixed joint.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def _renamed(tables: CaseTables, at_part: Callable[[str, str], str]) -> CaseTabl
 
 
 def base_of(body: Body, source: SplitSource) -> At | None:
-    """The first interface of a split body, on its part; None if it has none.
+    """The first interface of a split body, on its part; None for a body without interfaces.
 
     Raises
     ------
@@ -200,7 +200,7 @@ def _parts(split: _SplitTable) -> Iterator[Body]:
 
 
 def _frame(split: _SplitTable, part: int) -> object:
-    """The frame of a part: fixed to the given interface, or to the cut towards it."""
+    """The frame of a part: fixed to the interface of the body's frame, or to the cut on that side."""
     frame: Any = split.body.frame
     if not isinstance(frame, NodalFixed):
         return frame
@@ -220,7 +220,7 @@ def _ties(split: _SplitTable) -> Iterator[Joint]:
 
 
 def _places(text: str, split: Mapping[str, _SplitTable]) -> Sequence[tuple[str, float]]:
-    """A place as places of parts, with the share of its nodes in each."""
+    """The places of the parts that together are a place, each with its share of the nodes."""
     name, _, node_set = text.partition(".")
     if name not in split:
         return [(text, 1.0)]

@@ -39,7 +39,7 @@ class Key:
 
 @dataclass(frozen=True)
 class Plan:
-    """An object described by a table: its class, and for each parameter its key, or the plan of a part."""
+    """An object described by a table: its class, and for each parameter a key, or the plan of its object."""
 
     makes: Callable[..., Any]
     parameters: Mapping[str, Key | Plan]

@@ -65,7 +65,7 @@ def _described(deck: Deck, mass: MassProperties | None) -> dict[str, Any]:
 def deck_report(deck: Deck, *, n_modes: int = 0, held: bool = False) -> DeckReport:
     """Mass, and frequencies on request; a fault of the model is part of the report.
 
-    held : frequencies with the deck's own supports, instead of free
+    held : find frequencies of the model on the deck's own supports, instead of the free model
     """
     faults: list[str] = []
     mass = frequencies = None

@@ -129,7 +129,7 @@ def _write_picture(
 def _with_stress(
     elements: Mapping[str, FiniteElementModel], bodies: Sequence[str] | None
 ) -> dict[str, FiniteElementModel]:
-    """The elements of the bodies with stress; the others are reported."""
+    """The elements of the bodies that have stress; bodies without stress are reported."""
     known = {}
     for name, model in elements.items():
         if bodies and name not in bodies:

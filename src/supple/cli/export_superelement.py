@@ -1,4 +1,4 @@
-"""Write a reduced body of a case, or of its own file, for another program."""
+"""Write a reduced body, from a case or from its file, for another program."""
 
 from __future__ import annotations
 
@@ -56,9 +56,9 @@ SUPERELEMENT_SUFFIXES = (*_OF_INTERFACES, *_OF_BODIES, _OPENFAST, _CLOSED)
 
 
 def export_superelement(path: Path, target: Path, *, body: Sequence[str] | None, abaqus: bool) -> None:
-    """Write a reduced body of the case at `path`, or of a file of its own, in the target's format.
+    """Write the reduced body at `path`, a case or the file of a reduced body, in the target's format.
 
-    body : name of one body; by default the only one
+    body : name of one body of the case; by default the only one
     abaqus : write a deck (.inp) with matrices for Abaqus, instead of equations for CalculiX
 
     Raises

@@ -17,7 +17,7 @@ def modes_case(
 ) -> None:
     """Print the modes of the case at `path`, or its frequencies over speed.
 
-    rates : "FROM:TO:NUMBER" of a Campbell diagram, rad per unit of time; None: modes at the case's own rate
+    rates : "FROM:TO:NUMBER" of a Campbell diagram, rad per unit of time; None: modes at the rate of `[spin]`
     Errors as for `cases.modes_case` and `cases.campbell_case`.
     """
     speeds = None if rates is None else _speeds(rates)

@@ -16,7 +16,7 @@ from supple.terminal import console, print_rows, print_table, say, worded, words
 
 
 def reduce_case(path: Path, folder: Path) -> None:
-    """Perform every reduction of fixed size in the case at `path`, and store it: `folder`/NAME-reduced.h5.
+    """Perform the reductions of fixed size in the case at `path`; write each body to NAME-reduced.h5.
 
     Raises
     ------

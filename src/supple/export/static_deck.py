@@ -163,7 +163,7 @@ def _check(model: FiniteElementModel, loads: NDArray[np.float64], held: IntArray
 
 
 def _sides(model: FiniteElementModel, program: DeckProgram) -> IntArray:
-    """Sides of the shell triangles by their two nodes (S, 2), each once; none without mid-side nodes."""
+    """Nodes (S, 2) of each side of the shell triangles, once; empty for a shell without mid-side nodes."""
     triangles = model.mesh.cells.get(CellType.TRIANGLE3)
     if triangles is None or not program.has_midsides:
         return np.zeros((0, 2), dtype=np.int64)

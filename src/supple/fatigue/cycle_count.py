@@ -190,7 +190,7 @@ def _joined(parts: Sequence[_Points]) -> _Points:
 
 
 def _every_other(closes: NDArray[np.bool_]) -> IntArray:
-    """Indices of true entries; in a run of adjacent entries, which share reversals, the first, third, ..."""
+    """Indices of true entries; of adjacent ones, which share reversals, only the first, third, ..."""
     rows = np.flatnonzero(closes)
     neighbours = np.diff(rows, prepend=-2) == 1
     if not neighbours.any():

@@ -93,7 +93,7 @@ class _OfElement:
         check_fields(self)
 
     def _read(self, system: System, solution: Solution) -> Array:
-        """Force and moment on the second end, global, energy stored, power on both ends; (t, 8)."""
+        """Force and moment on the second end (global), stored energy, and power on both ends, (t, 8)."""
         element = self.element.assembled(*initial_points(system, self.element))
         ends = both_ends(system, solution, element, self.name)
         law, parameters = element.law, jax.tree.map(jnp.asarray, element.parameters)

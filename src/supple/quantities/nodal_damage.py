@@ -62,7 +62,7 @@ class CriticalPlane:
 
     @property
     def normals(self) -> Array:
-        """(h, 3) on half a sphere: circles of equal latitude, each as densely occupied as the equator."""
+        """Unit vectors (h, 3) on half a sphere: circles of latitude with equally spaced vectors."""
         n_rings = int(np.ceil(0.5 * np.pi / self.spacing))
         latitudes = np.linspace(0.0, 0.5 * np.pi, n_rings + 1)
         rings = []
@@ -118,7 +118,7 @@ def hot_spot_damage(
 
         sigma(t) = S q(t),    s_h = histories(sigma),    D = max_h sum_i n_i / N(S_i)
 
-    Nodes are computed in parts, one after the other: memory does not grow with their number, but contains all
+    Nodes are processed in blocks: memory does not grow with the number of nodes, but must contain all
     histories of one node.
 
     Parameters

@@ -80,7 +80,7 @@ class PositionSensor(_AtPlace):
         return self.place.points(body_named(system, self.body, self.name), solution.bodies[self.body])
 
     def size(self, system: System, solution: Solution) -> float:
-        """Largest displacement of a node from the first interface; for an interface, over the whole body."""
+        """Largest displacement of its nodes from the first interface; of all nodes if it is an interface."""
         form, nodes = body_named(system, self.body, self.name), self.place.at
         some = slice(None) if isinstance(nodes, str) else np.array(nodes)
         return largest_displacement(form, solution.motion(self.body, FramedMotion).coordinates, some)

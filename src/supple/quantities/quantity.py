@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 class Quantity(Protocol):
-    """Channels computed from the motion of a machine; a sensor is one."""
+    """Channels computed from the motion of a machine, such as those of a sensor."""
 
     @property
     def name(self) -> str:

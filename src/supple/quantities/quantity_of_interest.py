@@ -22,7 +22,7 @@ _ROWS = 64
 
 
 class QuantityOfInterest(Protocol):
-    """A quantity of a run, such as a sensor; its error is the RMS over its points, largest over the run."""
+    """A quantity of a run, such as a sensor; its error is the largest RMS over its points during the run."""
 
     @property
     def name(self) -> str:
@@ -51,7 +51,7 @@ class QuantityOfInterest(Protocol):
 def quantity_distance(
     quantity: QuantityOfInterest, system: System, solution: Solution, other_system: System, other: Solution
 ) -> float:
-    """Largest distance of two runs in a quantity, RMS over its points; infinite where one stopped early."""
+    """Largest distance of two runs in a quantity, RMS over its points; infinite if a run stopped early."""
     if solution.stopped is not None or other.stopped is not None or len(solution.times) != len(other.times):
         return np.inf
     largest = 0.0

@@ -90,8 +90,8 @@ def tensor_blocks(
 def von_mises_by_end(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> Array:
     """Von Mises stress (t, N, 1 + ends), Pa: first the largest of solids and shells, then at each beam end.
 
-    Ends are those of `StressLayers`; zero where a node has fewer. Other parameters and errors as for
-    `von_mises_history`.
+    Ends are those of `StressLayers`; the stress is zero where a node has fewer ends. Other parameters and
+    errors as for `von_mises_history`.
     """
     layers, nodes = stress_layers(model), _nodes_with_stress(stress_recovery(model))
     found = np.zeros((len(coordinates), len(body.nodes), 1 + layers.ends))
@@ -172,7 +172,7 @@ def _numbers_of_modes(body: ReducedBody, model: FiniteElementModel) -> int:
 def _recovered(
     body: BodyForm, recovery: StressRecovery, coordinates: Array, nodes: ArrayLike | None
 ) -> Iterator[TensorBlock]:
-    """Stress of a body by direct recovery, from the cells at the nodes alone, in blocks of times.
+    """A tensor field of a body by direct recovery, in blocks of times; only the cells at the nodes are used.
 
     For an intrinsic body, the displacements are the linear ones of its modes, because only strains matter.
     """

@@ -82,7 +82,7 @@ class Component:
         return tensors[..., [COMPONENTS.index(self.name)]]
 
     def of_strain(self, tensors: Array) -> Array:
-        """The component; a shear is the engineering one."""
+        """The component; of a shear, the engineering strain."""
         return self.of_stress(tensors)
 
 
@@ -105,9 +105,9 @@ class Principal:
 
 @dataclass(frozen=True, eq=False)
 class _TensorSensor(ABC):
-    """A tensor at nodes of a body, averaged over the elements at each; for a shell at its three layers.
+    """A tensor at nodes of a body, averaged over the elements at each node; in a shell, at three layers.
 
-    As a quantity of interest it is the measure at each of the nodes, in the layer of largest magnitude.
+    The quantity of interest is the measure at each of the nodes, in the layer of largest magnitude.
     """
 
     name: str
@@ -219,8 +219,8 @@ class _TensorSensor(ABC):
 
 
 class StressSensor(_TensorSensor):
-    """Stress at nodes of a body, averaged over the elements at each; for a shell at bottom, middle and top;
-    for a beam at the points of its section, without averaging over the beams of a node.
+    """Stress at nodes of a body, averaged over the elements at each node; in a shell, at bottom, middle and
+    top. In a beam, it is the stress at the points of the section, not averaged over the beams at a node.
 
     body : name of the body;   model : elements of the body
     nodes : number of one node, or of several

@@ -59,12 +59,12 @@ class TensorModes:
         m2 = (gamma_j gamma_k), j <= k as numpy.triu_indices(r)
 
     nodes : (N,)                        node numbers
-    linear : (N, l, 6, r + m)           l layers, components xx yy zz yz xz xy in the body's frame; of the
-                                        columns, then of the m fields of the condensed motion
+    linear : (N, l, 6, r + m)           l layers, components xx yy zz yz xz xy in the body's frame; for the
+                                        r columns, then for the m fields of the condensed motion
     quadratic : (N, l, 6, n2) or None   n2 = r(r+1)/2; None for a linear body
-    amplitudes : (m, n2)                of the fields of the condensed motion; m = 0 without
+    amplitudes : (m, n2)                of these m fields; m = 0 without condensed motion
     tensor : NodalTensor                stress or strain
-    outer : (o,)                        layers that contain the largest equivalent
+    outer : (o,)                        layers in which the von Mises equivalent can be largest
     """
 
     nodes: IntArray
@@ -106,12 +106,12 @@ class TensorModes:
         return found.reshape(*gamma.shape[:-1], -1)
 
     def of(self, nodes: slice) -> TensorModes:
-        """The modes at some of these nodes alone."""
+        """The modes at some of these nodes."""
         quadratic = None if self.quadratic is None else self.quadratic[nodes]
         return replace(self, nodes=self.nodes[nodes], linear=self.linear[nodes], quadratic=quadratic)
 
     def outer_layers(self) -> TensorModes:
-        """The modes of only those layers that contain the largest equivalent."""
+        """The modes of only those layers in which the von Mises equivalent can be largest."""
         if len(self.outer) == self.linear.shape[1]:
             return self
         layers = list(self.outer)
@@ -120,7 +120,7 @@ class TensorModes:
         return replace(self, linear=linear, quadratic=quadratic, outer=tuple(range(len(layers))))
 
     def _field(self, gamma: Array) -> Array:
-        """(t, N, l, 6) of (t, r)."""
+        """The field (t, N, l, 6) at coordinates (t, r)."""
         j, k = np.triu_indices(self.r)
         products = gamma[:, j] * gamma[:, k]
         field = _times(self.linear, np.hstack([gamma, products @ self.amplitudes.T]))
@@ -235,7 +235,7 @@ class _Part:
     to_field: Array
 
     def add_to(self, field: Array, strains: Array) -> None:
-        """Add the mean of strains (E, g, s, m) to a field (rows, 6, m)."""
+        """Add the tensors of strains (E, g, s, m), averaged at nodes, to a field (rows, 6, m)."""
         m = strains.shape[-1]
         tensors = (self.to_field[:, None] @ strains).reshape(-1, 6 * m)
         field[self.rows] += (self.share @ tensors).reshape(-1, 6, m)

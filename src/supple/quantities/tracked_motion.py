@@ -121,8 +121,8 @@ class TrackedMotion:
     seen_from : str          the body's first interface, `BODY.INTERFACE` if it is another body's, or ""
           without a reference
     deflection : (t, 3)      displacement relative to that interface, in the mesh axes that rotate with it;
-          zero for a rigid body
-    is_elastic : bool        whether the body deforms
+          zero for a body that is rigid or has no frame
+    is_elastic : bool        whether the body has a deflection: it deforms, and has a frame
     """
 
     position: Array
@@ -143,7 +143,7 @@ def tracked_motion(
     ----------
     motion : of the body, at t times
     at : name of an interface, or node numbers (k,), whose mean is used
-    seen_from : another p, of this or another body, at the same times
+    seen_from : another interface as p, of this or another body, at the same times
 
     Raises
     ------

@@ -94,8 +94,8 @@ def moving_body(
 ) -> MovingBody:
     """A deformable body in a run; without a mesh its nodes are drawn as points.
 
-    Displacements are relative to the interface of `deflections`; for explicit elements, which have no axes of
-    their own, relative to the best-fit axes of the nodes at each time.
+    Displacements are relative to the interface of `deflections`. For explicit elements, which have no frame,
+    they are relative to the best-fit axes of the nodes at each time.
 
     colourings : colourings with values for the body, by name
     """
@@ -118,7 +118,7 @@ def moving_body(
             yield displacement_from_axes(places, position[rows, None], rotation[rows], rest)
 
     def values(colouring: Colouring) -> Iterator[Array]:
-        # Many times at once: a colouring repeats its preparation of the body at each call.
+        # Large blocks of times, because a colouring repeats its preparation of the body at each call.
         for rows in _rows(len(position), len(body.nodes), _FIELD_NUMBERS):
             found = colouring.values(body, motion.at(rows), None)
             assert found is not None
@@ -209,6 +209,6 @@ def _fitted_axes(body: BodyForm, motion: Motion) -> tuple[Array, Array]:
 
 
 def _rows(n_times: int, numbers: int, held: int = _NUMBERS) -> list[slice]:
-    """Blocks of times: at most `held` numbers each, with `numbers` per time, but at least eight times."""
+    """Blocks of eight or more times; larger ones contain at most `held` numbers, `numbers` for each time."""
     size = max(8, held // max(1, numbers))
     return [slice(start, min(start + size, n_times)) for start in range(0, n_times, size)]

@@ -64,7 +64,7 @@ class MovingMachine:
 
     times : (t,);   scales : of the colour fields, by name, "deflection" among them
     low, high : (3,) corners of the extent over all times;   up : (3,) against gravity, or z
-    arrow_length : of the largest force, moment and contact force
+    arrow_length : length of the arrows of the largest force, moment and contact force
     """
 
     times: Array

@@ -58,7 +58,8 @@ class PageSection:
 class Clip:
     """Some times of a machine's motion that are played separately, such as one mode.
 
-    first, number : range of the times;   repeats : whether the last time is followed by the first
+    first : index of the first time;   number : number of times
+    repeats : whether the last time is followed by the first
     """
 
     name: str

@@ -25,7 +25,7 @@ _STEP = 1.5e-5
 _STEP_OF_FIELD = 3e-4
 """The same for colour fields."""
 _STILL = 1e-12
-"""A mark that moves less within its body, relative to the extent of the machine, is fixed to the body."""
+"""Largest motion of a mark fixed to its body, as a fraction of the machine's extent; also of its rotation."""
 
 
 def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, Any]:

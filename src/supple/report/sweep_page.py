@@ -64,7 +64,7 @@ class SweepPage:
     """Content of the page of a sweep.
 
     parameters : (n,) numbers or texts by path;   results : (n,) by name, such as the status of the cases
-    spectra : of channels;   exponents : S-N exponents of the shares of damage of the spectra
+    spectra : of channels;   exponents : S-N exponents, for each of which the shares of damage are plotted
     sections : above the plots;   reports : addresses of pages of single cases, by number
     time : unit of times;   row : name of a row of the table
     """

@@ -41,14 +41,14 @@ class VisibleSurface:
 
     @property
     def carriers(self) -> IntArray:
-        """(N,) index among the points of the node to which each point is attached."""
+        """(N,) for each point, the index in `points` of the node to which it is attached."""
         # Nodes come before the points attached to them.
         _, first, own = np.unique(self.points.nodes, return_index=True, return_inverse=True)
         return first[own]
 
 
 def surface_of(body: BodyForm, look: Look | None, motion: Motion) -> VisibleSurface:
-    """The visible surface of a body, also with elements that are deleted; without a mesh, all nodes.
+    """The visible surface of a body, with lifetimes if elements are deleted; without a mesh, all nodes.
 
     Beams are drawn with their sections if their elements are given, otherwise as lines; springs and ties are
     lines.

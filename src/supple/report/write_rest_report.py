@@ -84,7 +84,7 @@ def write_modes_report(
     inputs: Mapping[str, str] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> Path:
-    """Write modes as a page that plays each mode without decay, its amplitude a tenth of the machine's size.
+    """Write a page that plays each mode without decay; its amplitude is a tenth of the machine's size.
 
     tables : tables of all modes
     chosen : numbers from 0 of the modes to play; by default all

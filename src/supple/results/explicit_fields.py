@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 def element_means(
     body: ExplicitSubdomain | ExplicitShell, values: FloatArray, alive: FloatArray
 ) -> FloatArray:
-    """Nodal means (t, N) of values (t, E) over the elements that are not deleted; zero without any."""
+    """Nodal means (t, N) of values (t, E) over the elements that are not deleted; zero if all are deleted."""
     at_node = sparse.vstack(
         [
             sparse.csr_array(

@@ -20,7 +20,7 @@ NOTED = 0.5
 
 
 def start_numbers(system: System, solution: Solution) -> dict[str, Any]:
-    """Bodies without a given velocity that start with one; bodies that gravity sets vibrating."""
+    """Bodies whose initial velocity is that of a drive, and bodies that gravity sets vibrating."""
     if not all(placed.body.has_frame for placed in system.bodies):  # explicit parts start as they are placed
         return {"velocities taken": [], "swings from gravity": {}}
     motions = [solution.motion(placed.body.name, FramedMotion) for placed in system.bodies]

@@ -27,7 +27,7 @@ __all__ = ["body_numbers", "stress_numbers", "summarize", "unit_names"]
 
 N_FREQUENCIES = 5
 N_DRAWN_MODES = 6
-"""Numbers per body: of frequencies in tables, of modes in pictures."""
+"""Numbers of frequencies in tables, and of modes in pictures, for each body."""
 _QUANTITIES = ("length", "mass", "time", "force", "moment", "stress", "energy")
 
 

@@ -2,8 +2,9 @@
 
 Some cases of a group are simulated first. The error of the case with the largest motion is estimated in full.
 If it exceeds the accuracy, the bases are enriched for this case, and the search starts again. Otherwise the
-motion that the bases lack gives columns of an indicator, and the case with the largest estimate is the next;
-the search ends when that case already has a full estimate (docs/theory/greedy_certification.md).
+motion that the bases lack gives columns of an indicator, which estimates the errors of all cases. The case
+with the largest estimate is the next; if it has a full estimate already, the search ends
+(docs/theory/greedy_certification.md).
 """
 
 from __future__ import annotations
@@ -73,7 +74,7 @@ def certify(
 
 
 def training_cases(plan: SweepPlan, cases: Sequence[int]) -> list[int]:
-    """The cases of a group to simulate first: those with extreme parameters, and others evenly spaced."""
+    """The cases of a group to simulate first: those with extreme parameters, and evenly spaced ones."""
     if len(cases) <= MARCHED_AT_ONCE:
         return list(cases)
     extremes = dict.fromkeys(
@@ -138,7 +139,7 @@ class _Search:
         return None
 
     def _first(self, number: int | None) -> int:
-        """Index of a case; by default that with the largest motion relative to the largest of each body."""
+        """Index of a case; by default, of the first case in which a body has its largest motion."""
         if number in self._numbers:
             return self._numbers.index(number)
         sizes = np.array(
@@ -192,7 +193,7 @@ class _Search:
         return rows, dict(fields)
 
     def _columns(self) -> dict[str, IndicatorBody]:
-        """Columns of the indicators by body, with the motion that the bases lack in all representatives."""
+        """Columns of the indicators by body, from the motion that the bases lack in the representatives."""
         first = self._cases[0]
         fulls = self._group.fulls(first.case)
         bases = stored_bases(first.system, fulls)
@@ -213,8 +214,9 @@ class _Search:
     def _next(self, found: Sequence[Mapping[str, Indicated]]) -> int | None:
         """Index of the next representative; None ends the search.
 
-        The second is the case with the largest scaled indicator or, if that has a full estimate, with the
-        smallest, to find the spread. Later ones have the largest indicator, or exceed the allowed error.
+        The second representative is the case with the largest scaled indicator. If that case has a full
+        estimate, it is the case with the smallest one, which shows the spread. A later representative has the
+        largest indicator of all cases, or exceeds the allowed error.
         """
         stated = {each.case for each in self.certificate.representatives}
         errors = [self.certificate.scaled_indicator(own) for own in found]
@@ -235,7 +237,7 @@ class _Search:
 def _with_locking(
     system: System, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]
 ) -> System:
-    """The machine with the locking of its bodies computed; files of bodies do not contain it."""
+    """The machine with the locking of its bodies in their reports; files of bodies do not contain locking."""
     bodies = []
     for each in system.bodies:
         placed, body = each, cast("Any", each.body)
@@ -260,7 +262,7 @@ class _LastBases(InMemoryArchive):
 
 
 def _enriched(group: SweptGroup, own: SweptCase) -> SweptGroup:
-    """The group with bases enriched until a case meets its accuracy, or as far as the rounds go."""
+    """The group with bases enriched until a case meets its accuracy, or for the largest number of rounds."""
     case, starts = own.case, group.fresh.starts
     fulls = group.fulls(case)
     correctable = {name: fulls[name] for name in starts}

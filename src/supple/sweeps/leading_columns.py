@@ -61,7 +61,7 @@ def leading_directions(coordinates: Array, stiffness: Array, missed: float) -> A
 
 
 def in_leading_columns(group: SweptGroup, numbers: Sequence[int]) -> tuple[SweptGroup, TrainingRuns]:
-    """The group with smaller bases, or the given group if its motion changes too much; its training runs.
+    """The group with smaller bases, or the given group if motions change too much, and its training runs.
 
     numbers : numbers of the cases whose motions give the directions
     Raises errors as for `training_runs`.

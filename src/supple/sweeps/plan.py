@@ -98,7 +98,7 @@ class SweepPlan:
     def representative(self, group: int) -> int:
         """The case of a group whose bodies are reduced for all cases: the first with the most damping.
 
-        Its damping is scaled for the other cases, and is zero only if theirs is zero too.
+        Its damping is scaled for the other cases, and is zero only if all cases have zero damping.
         """
         cases = np.flatnonzero(self.group == group)
         damping = [

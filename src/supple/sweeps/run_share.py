@@ -92,7 +92,7 @@ def run_cases(
         warnings.simplefilter("always", SuppleWarning)
         try:
             began(cases)
-            # The processes of a single group wait for its certificate, those of several groups work.
+            # With one group, other processes wait for its certificate, so that this one can use their cores.
             with one_core() if plan.group.any() else nullcontext():
                 group = certified_group(folder, plan, number, level)
             if group.group.asks_for_errors and group.certificate.reason:

@@ -64,7 +64,7 @@ def sweep(
 
     Returns
     -------
-    SweepStatus     a case that fails is recorded with its cause; the others continue
+    SweepStatus     a case that fails is recorded with its cause, and the sweep continues
 
     Raises
     ------

@@ -87,7 +87,7 @@ def _extremes(columns: SweepColumns) -> Iterator[Extreme]:
 
 
 def _moves(units: NDArray[Any], low: Array, high: Array) -> NDArray[np.bool_]:
-    """Whether channels (c,) vary over all cases (n, c) by more than the rounding errors of their unit."""
+    """Whether channels vary by more than rounding errors, (c,), from their extremes in all cases, (n, c)."""
     known = ~np.isnan(low)
     least, most = np.where(known, low, np.inf).min(axis=0), np.where(known, high, -np.inf).max(axis=0)
     moves = np.asarray(known.any(axis=0))

@@ -39,7 +39,7 @@ class CaseErrors:
 
     n_estimated : number of cases with an estimate
     largest : largest estimate; NaN without estimates
-    n_above : number of cases whose estimate exceeds their accuracy
+    n_above : number of cases whose estimate exceeds the allowed error
     reasons : why cases have no estimate, with the number of cases of each reason
     """
 
@@ -55,7 +55,7 @@ class SweepStatus:
 
     n_again : number of cases that ran again with enriched bases, or must run again
     missing : numbers of the shares without a complete part
-    begun : missing shares that a process runs, or that killed a process
+    begun : missing shares that a process runs, or whose process was killed
     failed : cases that are recorded without results
     warnings : warnings of the runs, each once, with the number of shares that had it
     """

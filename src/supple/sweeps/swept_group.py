@@ -75,7 +75,7 @@ class SweptGroup:
         return self.with_values(self.plan.values(number))
 
     def with_values(self, values: Mapping[KeyPath, Any]) -> SweptCase:
-        """A case with other numbers of its run, by keys, even outside the table; errors as for `case`."""
+        """A case with any numbers of its run, by keys in the case file; errors as for `case`."""
         case = self.plan.family.variant(values, self.like, self._made)
         made = dict(self._made)
         for table in case.parts.body:

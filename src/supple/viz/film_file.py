@@ -54,7 +54,7 @@ def write_film(path: Path, frames: Frames, number: int, rate: float) -> None:
 
 
 def _write_mp4(path: Path, frames: Frames, number: int, rate: float) -> None:
-    """Write H.264 in the pixel format of all players; it needs even numbers of rows and columns."""
+    """Write H.264 in the pixel format that all players read; it needs even numbers of rows and columns."""
     ffmpeg = optional_package("imageio_ffmpeg", "an MP4 film", "film").get_ffmpeg_exe()
     rows, columns, _ = _even(frames(0)).shape
     pixels = f"-f rawvideo -pix_fmt rgb24 -s {columns}x{rows} -r {rate:.9g} -i -"

@@ -43,8 +43,8 @@ def draw_rest(
     """Draw an equilibrium over the outlines of the undeformed bodies; None if there is nothing to draw.
 
     Colours show the deflection, or with `elements` the stress. Unless `view` sets the enlargement, the
-    deflection of a single body is enlarged until visible; that of several bodies is not, because enlarged
-    joints would open. Other parameters as for `draw_run`.
+    deflection of a single body is enlarged until visible. Several bodies are drawn true to scale, because
+    their joints would open otherwise. Other parameters as for `draw_run`.
     """
     enlargement = view.enlargement or _visible(system, solution, bases)
     return draw_machine(

@@ -63,7 +63,7 @@ def draw_tracked(path: Path, tracked: Mapping[str, TrackedMotion], times: Array,
 def _near(ways: Mapping[str, Array], reach: float) -> Iterator[Sequence[str]]:
     """Groups of places that share a panel: the range of a group is not much larger than that of one place.
 
-    ways : (t,) along the axis;  reach : the largest position along any axis
+    ways : positions (t,) of each place along an axis;  reach : the largest position along any axis
     """
     lows, highs = ({name: float(pick(way)) for name, way in ways.items()} for pick in (np.min, np.max))
     order = list(ways)

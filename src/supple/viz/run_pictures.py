@@ -63,7 +63,7 @@ def draw_run(
         None draws the nodes of the body as points
     tracked : motions of places, by their names
     modes : modes of the full bodies of reduced bodies, by name (`body_modes`); by default modes of the bases,
-        which may differ, and whose title states this
+        which may differ; the title of the picture then names the basis
     elements : elements of the bodies, by name, to draw their von Mises stress too; see `von_mises_history`
     bases : reference interfaces of deflections, by body; by default the first interface of the body
     view : camera for bodies as placed in the machine, and enlargement of their deflection
@@ -158,7 +158,7 @@ def draw_machine(
 
 
 def _is_machine(system: System, meshes: Mapping[str, Look | None]) -> bool:
-    """Whether the machine has rigid bodies, joints, or bodies without a surface and picture of their own."""
+    """Whether the machine has rigid bodies, joints, or bodies without a surface, which get no picture."""
     rigid = any(not placed.body.n_coordinates and placed.body.has_frame for placed in system.bodies)
     return rigid or bool(system.joints) or any(surface is None for _, surface in drawn_bodies(system, meshes))
 

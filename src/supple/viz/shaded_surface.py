@@ -111,7 +111,7 @@ def is_seen(nodes: Array, skin: Skin, camera: Camera, page: PixelWindow, node: i
 
 
 def show(axes: Axes, picture: Array, page: PixelWindow) -> None:
-    """Put a picture on axes that then carry the page's coordinates, in equal scale and without a frame."""
+    """Put a picture on axes, and give them the page's coordinates, in equal scale and without a frame."""
     extent = (page.low[0], page.high[0], page.low[1], page.high[1])
     axes.imshow(picture, extent=extent, origin="lower", interpolation="antialiased", zorder=2.0)
     carry(axes, page)
@@ -148,7 +148,9 @@ def _on_mesh_line(corners: Array, lined: NDArray[np.bool_], triangle: IntArray, 
 def _average(colours: Array, row: IntArray, column: IntArray, shape: tuple[int, int]) -> Array:
     """Picture (rows, columns, 4) of the mean colours of the fine pixels (p, 3) within each pixel.
 
-    row, column : (p,)      of the pixel that contains each fine pixel; its opacity is its covered share
+    row, column : (p,)      of the pixel that contains each fine pixel
+
+    The opacity of a pixel is its covered share.
     """
     pixel, n_pixels = row * shape[1] + column, shape[0] * shape[1]
     number = np.bincount(pixel, minlength=n_pixels)

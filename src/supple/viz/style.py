@@ -19,7 +19,7 @@ from supple.viz.picture import Picture
 
 __all__ = ["PUBLISHED", "REFERENCE", "SOLID", "Stroke"]
 
-# Okabe and Ito (2008), ordered so that neighbours also differ in grey, without yellow: too light for lines.
+# Okabe and Ito (2008) without yellow, too light for lines; ordered so that neighbours also differ in grey.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 INK = "#222222"
 PALE_INK = "#8A8A8A"

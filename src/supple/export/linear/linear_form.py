@@ -29,7 +29,7 @@ __all__ = ["LinearForm", "linear_form"]
 
 Array = np.ndarray
 _SMALL = 0.1
-"""Largest relative difference between the linear and the nonlinear accelerations at the start."""
+"""Largest allowed relative difference between linear and nonlinear accelerations at the start."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,9 +73,10 @@ def linear_form(
 
         M y'' + C y' + K y = N^T f_u u + H z,   p = N y,   G^T l = -(M p'' + C p' + K p - f_u u - H z)
 
-    with the state x = (e, e', z), where y = V e with the undamped modes V, and z are the states of the
-    controllers. The states are scaled by powers of two to balance the rows and columns of A. Outputs are
-    linear in p, p', p'', the joint forces l and u. Arguments are those of `step_program`.
+    N spans the motions that the joints allow. The state is x = (e, e', z), where y = V e with the undamped
+    modes V, and z are the states of the controllers. The states are scaled by powers of two to balance the
+    rows and columns of A. Outputs are linear in p, p', p'', in the joint forces l and in the inputs u.
+    Arguments are those of `step_program`.
 
     Raises
     ------

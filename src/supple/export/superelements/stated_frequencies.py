@@ -13,7 +13,7 @@ __all__ = ["StatedFrequencies", "floating_frequencies"]
 Array = NDArray[np.float64]
 
 StatedFrequencies = list[tuple[str, Array]]
-"""Pairs: how the body is supported, as text, and its lowest frequencies, cycles per unit of time."""
+"""Description of each support, and the lowest frequencies of the body on it, cycles per unit of time."""
 
 N_STATED = 6
 N_RIGID = 6
