@@ -39,11 +39,11 @@ LENGTH, SPIN = 10.0, 4.0
 STEP, DURATION, SETTLED = 0.02, 4.0, 0.5
 """s; time between samples, duration of the run, time after which the errors are evaluated"""
 NOISE = 0.02
-"""Of the largest strain of a gauge, standard deviation"""
+"""Standard deviation of the noise, relative to the largest strain of a gauge"""
 OUTER, ALONG = [0, 2], 0
 """Layers of the shell, bottom and top, and component of strain that gauges read"""
 DRIFT_OF_RATES, DRIFT_OF_FORCE = 0.05, 30.0
-"""Process noise of the twin, per root of a second: of the rates, and of the rate of the force (N/s)"""
+"""Process noise of the twin per square root of a second: in the rates, and in the rate of the force (N/s)"""
 RUN = sp.Run(duration=DURATION, output_step=STEP, step=sp.FixedStep(STEP))
 FRAME = sp.NodalFixedFrame("root")
 
@@ -98,7 +98,7 @@ def measured() -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True)
 class Estimate:
-    """State estimate: `mean` (2 r + 2,) of coordinates, rates, force, its rate; and their covariance."""
+    """State estimate: `mean` (2 r + 2,) of coordinates, rates, force and force rate, and their covariance."""
 
     mean: Array
     covariance: Array

@@ -1,4 +1,4 @@
-"""Two satellites from bulk data, docked by a hinge: a motor rotates one against the other in free flight.
+"""Two satellites from bulk data, docked by a hinge: a motor rotates one relative to the other in free flight.
 
 The program writes a deck of some 5000 grids as a satellite manufacturer would deliver it: sandwich
 panels (`PCOMP`), a frame of bars, a tank and a box (`CONM2`) on `RBE2` and `RBE3`, a wing on `CBUSH`
@@ -42,7 +42,8 @@ HEAD = (
     "PBARL,30,1,,TUBE,,,,,+", "+,.03,.027",
     "PBUSH,40,K,1.+6,1.+6,1.+6,1.+3,2.+2,1.+3",
 )  # fmt: skip
-"""Aluminium and honeycomb; panels of both, the wing with 2 kg/m2 of cells, bars of the frame, hinges"""
+"""Materials, aluminium and honeycomb; sections of the panels, of the wing (with 2 kg/m2 of solar cells) and
+of the bars of the frame; stiffness of the hinges"""
 RING_TIE = f"rbe2_{RING}"
 TURN, CALM, TIME = 0.3, 20.0, 40.0
 """Rotation of the hinge by the motor, rad; duration of that rotation and of the run, s"""
@@ -119,7 +120,7 @@ def _edges(bulk: Bulk, along: int) -> None:
 
 
 def _wing(bulk: Bulk) -> None:
-    """The wing on two hinges: each a short arm from the bus, and a spring at the root of the wing."""
+    """The wing on two hinges; a hinge is a short arm from the bus and a spring at the root of the wing."""
     length, width, along, across = WING
     root = np.array([SIZE[0] / 2 + 0.1, 0.0, SIZE[2] / 2])
     sheet = 6001 + np.arange((along + 1) * (across + 1)).reshape(along + 1, across + 1)
@@ -144,7 +145,7 @@ def _list(nodes: list[int], written: int) -> str:
 
 
 def machine(deck: Deck, *, rigid: bool) -> sp.System:
-    """Two bodies of the deck, ring to ring, the second rotated about the ring's axis by a quarter turn."""
+    """Two bodies of the deck, ring to ring; the second is upside down, rotated by 90 deg about the axis."""
     flexible = deck_body("first", deck, [sp.RigidInterface("ring", RING_TIE)]).linearized()
     interface = flexible.interface("ring")
     has = rigid_mass_properties(flexible.nodal_mass, flexible.nodes, flexible.dofs_per_node)

@@ -7,8 +7,8 @@ Expected:
 - Mass per length within 1e-4 of the turbine's repository, 82 087.9 kg over 136.988 m.
 - Frequencies of the clamped blade within 1.5 % (three edgewise modes) and 5 % (two flapwise modes, which have
   aerodynamic damping of 7 to 30 %) of those of OpenFAST for the rotating rotor in wind (outputs/02_stability
-  of the repository), extrapolated to zero speed: means of backward and forward whirl at 1.85, 2.46 and 3.08
-  rpm, with squares linear in the square of the speed.
+  of the repository), extrapolated to zero speed: the squared mean of backward and forward whirl at 1.85, 2.46
+  and 3.08 rpm is fitted by a linear function of the squared speed.
 - Tip deflection at a hundredth of the weight within 0.3 % of the integrated strains due to the weight beyond
   each section; under the whole weight the deflection is less than proportional.
 

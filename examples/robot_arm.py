@@ -29,7 +29,7 @@ AXIS = (0.0, -1.0, 0.0)
 
 
 def link(name: str) -> ReducedBody:
-    """A rod along x, with six modes in addition to the modes of its ends."""
+    """A rod along x, with six modes in addition to the constraint modes of its ends."""
     mesh = sp.cylinder(RADIUS, LENGTH, 2, 1, 6, sp.CellType.TETRA10)
     model = sp.solid_model(mesh, sp.Isotropic(70e9, 0.33, DENSITY))
     ends = [sp.RigidInterface("root", "root"), sp.RigidInterface("tip", "tip")]

@@ -3,9 +3,9 @@
 No external force acts. A motor drives a wheel against the hub, first in one direction, then in the other; hub
 and panels rotate in the opposite direction, and the panels vibrate.
 
-Expected: momentum and angular momentum stay zero for any torque of the motor (to 1e-8 of the wheel's). After
-the vibrations have decayed, the hub has rotated by the angle of a rigid satellite, `J_w/(J_s + J_w)` of the
-wheel's relative angle, within 0.2 %.
+Expected: momentum and angular momentum stay zero for any torque of the motor (to 1e-8 of the wheel's largest
+angular momentum). After the vibrations have decayed, the hub has rotated by the angle of a rigid satellite,
+`J_w/(J_s + J_w)` of the wheel's relative angle, within 0.2 %.
 Run it: `python examples/satellite.py` draws hub and panel to satellite.png.
 """
 
@@ -24,7 +24,7 @@ from supple.viz import Panel, Series, plot_time_history
 HUB, WHEEL = 20.0, 0.5
 """Moments of inertia about the axis, kg m2"""
 PANEL, HALF = 2.0, 0.5
-"""Length of a panel, and where it begins, m"""
+"""Length of a panel, and distance of its root from the axis, m"""
 AXIS = (0.0, 0.0, 1.0)
 
 

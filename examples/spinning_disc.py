@@ -1,6 +1,6 @@
 """Radial growth of a rotating steel disc, from a mesh of solids.
 
-A disc of 200 mm diameter and 10 mm thickness rotates at 600 rad/s about its axis. Its support, the mean
+A disc of 200 mm radius and 10 mm thickness rotates at 600 rad/s about its axis. Its support, the mean
 motion of one face, does not affect the stress.
 
 Expected: the rim moves outwards by `(1 - nu) rho omega^2 R^3 / (4 E)`, the plane stress solution of a disc

@@ -18,14 +18,14 @@ MAX_ITERATIONS = 25
 
 @dataclass(frozen=True)
 class BeamMotion:
-    """History of a planar beam, seen from the inertial frame.
+    """History of a planar beam in the inertial frame.
 
     Parameters
     ----------
     elements : BeamElements             the discretised beam
     times : array (t,)                  s
     configuration : array (t, N, 3)     x, y and section rotation of the nodes, root first
-    velocity : array (t, N, 3)          their rates
+    velocity : array (t, N, 3)          rates of the configuration
     iterations : int                    Newton iterations of the whole run
     """
 
@@ -232,7 +232,7 @@ def _integrate(
             error, force = float(np.linalg.norm(residual[fixed:])), float(np.linalg.norm(internal))
             if error <= tolerance * force + floor:
                 break
-            # Leading degrees of freedom are removed from a banded matrix with their columns and rows.
+            # Without its leading columns, the banded matrix is that of the remaining degrees of freedom.
             correction = solve_banded((BANDWIDTH, BANDWIDTH), tangent[:, fixed:], -residual[fixed:])
             q[fixed:] += correction
             v[fixed:] += rate_factor * correction

@@ -1,4 +1,4 @@
-"""The commands `supple benchmark NAME` of all benchmarks with the shared options alone."""
+"""The commands `supple benchmark NAME` of all benchmarks that have only the shared options."""
 
 # No postponed annotations: Typer reads the annotations of each command, which contain its help texts.
 import importlib

@@ -87,7 +87,7 @@ FRAMES: dict[str, Frame] = {"nodal-fixed": NodalFixedFrame(ROOT), "mean-axis": M
 KINEMATICS: dict[str, ShellKinematics] = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
 
 SECTION = HomogeneousSection(Isotropic(61.13e9, 0.3, 1474.9), 0.02)
-"""Gives 17 740 kg and, within 0.7 %, 0.675 Hz; the frequencies of a thin wall depend on E / rho only."""
+"""Gives 17 740 kg and 0.675 Hz within 0.7 % as first frequency, which depends on E / rho only (thin wall)."""
 DAMPING_RATIO = 0.02
 RATED_SPEED = 1.267
 """rad/s, 12.1 rpm; the speed for which the loads are computed."""
@@ -200,7 +200,7 @@ class Blade:
 
 
 def root_clamped_frequencies(body: FlexibleBody, n: int = 5) -> Array:
-    """rad/s, of the blade clamped at its root."""
+    """The lowest n frequencies of the blade clamped at its root, rad/s."""
     modes = body.lowest_modes(n, body.interface(ROOT).motion.toarray())
     return np.sqrt(modes.values)
 

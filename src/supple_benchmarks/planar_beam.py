@@ -51,7 +51,7 @@ ROTATING_BEAM = PlanarBeam(
     mass_per_length=1.2,
     rotary_inertia_per_length=6.0e-4,
 )
-"""The flexible robot arm of [SimoVuQuoc1986], part II; [Wu2019] section 6.1 has it in shells."""
+"""The flexible robot arm of [SimoVuQuoc1986], part II; [Wu2019] section 6.1 models it by shells."""
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ class FullCase:
 
     @property
     def label(self) -> str:
-        """For messages and file names."""
+        """Label for messages and file names."""
         strains = "linear" if self.linear else self.kinematics
         return f"{self.case.name}, {self.frame}, {strains}, {self.duration:g} s"
 
@@ -61,7 +61,7 @@ def run_full(
 ) -> FullRun:
     """The run, read from the folder if complete, resumed if incomplete.
 
-    body : with the requested kinematics, nonlinear
+    body : nonlinear, with the requested kinematics
     """
     full = FullBody(body.linearized() if wanted.linear else body, FRAMES[wanted.frame], damping)
     name = wanted.label.replace(", ", "_").replace(" ", "-")

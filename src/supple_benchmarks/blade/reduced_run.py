@@ -47,7 +47,7 @@ class FixedBasis:
 
     @property
     def label(self) -> str:
-        """For tables and legends."""
+        """Label for tables and legends."""
         if not self.n_added:
             return f"{self.name} {self.n_linear}"
         plain = ", plain" if self.tensors == "plain" else ""
@@ -147,6 +147,6 @@ def run_reduced(
 
 
 def error_against(full_body: FullBody, full: Solution, body: ReducedBody, solution: Solution) -> MotionError:
-    """RMS error (52) over the time that both runs cover."""
+    """RMS error, [Wu2019] (52), over the time that both runs cover."""
     n = int(np.minimum(len(full.times), len(solution.times)))
     return motion_error(full.at(slice(n)), full_body, solution.at(slice(n)), body, body=BODY)

@@ -1,4 +1,4 @@
-"""The blade's numbers: the JSON report, and tables with those of [Wu2019] Table 3."""
+"""Results of the blade benchmark: JSON report, and tables that include the numbers of [Wu2019] Table 3."""
 
 from __future__ import annotations
 

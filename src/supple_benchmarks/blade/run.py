@@ -51,9 +51,9 @@ class BladeBenchmark:
 
     @classmethod
     def whole(cls, seconds: float = 20.0, long: float = 100.0) -> BladeBenchmark:
-        """The whole benchmark: full runs of `seconds` or beyond the spin-up, the first of `long`; s.
+        """The whole benchmark: full runs last `seconds`, and the first one at least `long`, s.
 
-        Reduced runs last 100 s.
+        At the paper's speed they last at least 1.5 times the spin-up. Reduced runs last 100 s.
         """
         gl = "green-lagrange"
         fast = max(seconds, 1.5 * PAPER_SPEED.start)
@@ -77,7 +77,7 @@ class BladeBenchmark:
 
 @dataclass(frozen=True, eq=False)
 class BladeRun:
-    """The results so far."""
+    """The results of the finished runs."""
 
     benchmark: BladeBenchmark
     body: FlexibleBody
@@ -108,7 +108,7 @@ class BladeRun:
 
 
 def run_blade(benchmark: BladeBenchmark, folder: Path, announce: Announce) -> Iterator[BladeRun]:
-    """Run the benchmark; yields the results so far after each step.
+    """Run the benchmark; yields the results of the finished runs after each step.
 
     Full runs are stored in the folder as they are computed, and continued by the next call. They come first,
     because errors are measured against them.
@@ -144,7 +144,7 @@ def _reduced_runs(run: BladeRun, frame: str, case: BladeCase, announce: Announce
 
 
 def _corrected_run(run: BladeRun, frame: str, case: BladeCase, announce: Announce) -> Iterator[BladeRun]:
-    """Self-correction over the time of the full run, so that estimated and true errors are of one motion."""
+    """Self-correction over the time of the full run, so that both errors refer to the same motion."""
     benchmark = run.benchmark
     full = run.full_of(case, frame)
     duration = benchmark.duration if full is None else min(full.case.duration, benchmark.duration)

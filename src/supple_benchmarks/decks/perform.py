@@ -51,7 +51,7 @@ def perform(folder: Path, report: Path, seconds: float) -> None:
 
 
 def compared(found: Mapping[str, Any], expected: Mapping[str, Any]) -> dict[str, Any]:
-    """Errors of mass (relative), centre (of the size) and frequencies (relative); unknown values are omitted.
+    """Relative errors of mass and frequencies, error of the centre over the size; unknown values are omitted.
 
     found : results of a deck as written by `supple info --json`, and its "size"
     """

@@ -127,7 +127,7 @@ class _Family(NamedTuple):
 
 
 class _Comparison(NamedTuple):
-    """Exact eigenvalues after n_rigid zero ones, and the matrices that approximate them."""
+    """Exact eigenvalues, without the n_rigid zero ones, and the reduced matrices that approximate them."""
 
     name: str
     exact: np.ndarray
@@ -135,7 +135,7 @@ class _Comparison(NamedTuple):
     matrices: Callable[[ComponentModel], ReducedMatrices]
 
     def largest_error(self, model: ComponentModel) -> float:
-        """Over all exact eigenvalues; infinite when the model has too few."""
+        """Largest relative error of the eigenvalues; infinite when the model has too few."""
         spectrum = self.matrices(model).spectrum[self.n_rigid :]
         if spectrum.size < self.exact.size:
             return np.inf
@@ -163,7 +163,7 @@ def _free_families(component: FreeInterfaceComponent) -> list[_Family]:
 
     return [
         _Family("Rubin", of(rubin_component), 6 + b, available),
-        # Other columns, with as many coordinates and the same span: see Herting.
+        # Herting's basis has other columns with the same span, and as many coordinates: see Herting.
         _Family("Herting", of(rubin_component), 6 + b, available),
         _Family("MacNeal", of(MacNealComponent), 6 + b, available),
         _Family("dual Craig-Bampton", of(DualCraigBampton), 6 + b, available),

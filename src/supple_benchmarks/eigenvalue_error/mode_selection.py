@@ -65,7 +65,7 @@ def compare_selections(
     loss_factor: float = 0.02,
     n_frequencies: int = 200,
 ) -> tuple[SelectionQuality, ...]:
-    """Quality of each selection rule for growing bases.
+    """Quality of each selection rule for growing bases, measured by the receptance
 
         H(omega) = B ((1 + i eta) K - omega^2 M)^-1 B^T
 

@@ -36,7 +36,7 @@ class SelectionStudy:
     qualities: tuple[SelectionQuality, ...]
 
     def as_row(self) -> dict[str, Any]:
-        """For a report."""
+        """Entry of a report."""
         rules = [quality.as_row() for quality in self.qualities]
         return {"body": self.body, "freedoms": self.freedoms, "rules": rules}
 

@@ -1,4 +1,4 @@
-"""Two halves of a box, one modal, coupled by multipliers or by elimination; several time steps."""
+"""Two halves of a box, one modal, coupled by multipliers or by elimination, with one or two time steps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A bar whose nose is crushed on a wall while the rest vibrates: the rest in elements, or in modes."""
+"""A bar whose nose is crushed on a wall; the rest, which vibrates, is modelled by elements or by modes."""
 
 from __future__ import annotations
 

@@ -105,7 +105,7 @@ def _brake() -> float:
 
 
 def step_limit(_quick: bool) -> dict[str, float]:
-    """Largest stable and smallest unstable fraction of the limit; true limit over (27) for clamped modes."""
+    """Largest stable and smallest unstable fraction of the limit; limit over (27) for clamped modes."""
     box, scheme = _box(12), ProjectedDifference()
     model = box.compiled()
     stays, grows = 0.0, np.inf

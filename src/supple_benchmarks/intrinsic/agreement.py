@@ -31,7 +31,7 @@ N_LENGTH = 24
 
 
 def agreement_rows(quick: bool) -> Iterator[dict[str, Any]]:
-    """Rows of the strip, with the error of the tip against the elastica over the deflection; of the blade."""
+    """Rows of the strip, with the error of the tip over its deflection (elastica), and rows of the blade."""
     for method in METHODS:  # compile the programs before measuring time
         tip_by(method, 0.05)
     for rotation in (0.29, 0.87) if quick else (0.01, 0.03, 0.1, 0.29, 0.57, 0.87, 1.2, 1.5):

@@ -90,7 +90,7 @@ def box_on_stations(shells: FlexibleBody, quick: bool) -> IntrinsicBody:
 
 
 def large_vibration(body: IntrinsicBody, quick: bool) -> dict[str, Any]:
-    """Displacement of the tip over time, and the amplitudes q_2 of the modes where they are largest."""
+    """Displacement of the tip over time, and amplitudes q_2 over time of the modes with the largest q_2."""
     vibration = _vibration(body, SPEED, 0.5 if quick else 2.5)
     q2 = body.forces_of(vibration.coordinates)
     highest = np.sort(np.argsort(-np.abs(q2).max(axis=0))[:N_AMPLITUDES])

@@ -26,7 +26,7 @@ def box_modes(body: IntrinsicBody) -> dict[str, Any]:
 
     Modes have unit modal mass; their tips move in positive direction.
 
-    s : of the stations, over the length;   modes : kind, rank, velocity, moment, curvature
+    s : positions of the stations over the length;   modes : kind, rank, velocity, moment, curvature
     """
     modes, kinds = body.modes, np.array(kinds_of(body))
     rows = []

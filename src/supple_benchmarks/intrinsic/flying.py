@@ -132,7 +132,7 @@ def _lowest_alone(body: IntrinsicBody, kept: int) -> IntrinsicBody:
 def _residual_rows(body: IntrinsicBody, flight: tuple[np.ndarray, Any], quick: bool) -> list[dict[str, Any]]:
     """RMS errors of the positions of all stations with truncated and with residual modes, m.
 
-    flight : with all modes, the reference
+    flight : the reference, with all modes
     """
     _, (_, whole) = flight
     rows = []

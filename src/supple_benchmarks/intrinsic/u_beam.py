@@ -58,7 +58,7 @@ def _ends(nodes: np.ndarray, h: float, n_leg: int) -> list[AveragingInterface]:
 
 
 def on_stations(body: FlexibleBody, n_stations: int, n_modes: int | None = None) -> IntrinsicBody:
-    """A free line with a third of the stations on each leg; n_stations = 3 k + 1."""
+    """A free line with m segments on each leg; n_stations = 3 m + 1."""
     k = (n_stations - 1) // 3 + 1
     names = ("tip", "corner", "other corner", "other tip")
     legs = [LoadPath(a, b, k) for a, b in pairwise(names)]

@@ -64,7 +64,7 @@ def _draw_pattern(patterns: Mapping[str, Any], path: Path) -> Path:
 
 
 def _draw_eigenvalues(differences: Mapping[str, Any], path: Path) -> Path:
-    """Differences to the solid by the number of stations, and of the finest line to beam elements."""
+    """Differences from the solid by the number of stations, and of the finest line from beam elements."""
     figure = new_figure(3.2)
     left, right = figure.subplots(1, 2, sharey=True)
     for rank, (n, values) in enumerate(differences["stations"].items()):

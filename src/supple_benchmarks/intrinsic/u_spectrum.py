@@ -15,17 +15,17 @@ __all__ = ["eigenvalue_differences", "stiffness_pattern"]
 N_EIGENVALUES = 40
 N_RIGID = 6
 ZERO = 1e-10
-"""Over the largest entry: a smaller one is round-off."""
+"""Entries below this fraction of the largest entry are round-off."""
 
 
 def eigenvalue_differences(
     solid: FlexibleBody, bodies: Mapping[int, IntrinsicBody], beams: IntrinsicBody
 ) -> dict[str, Any]:
-    """Relative differences of the elastic eigenvalues of the free U, both in ascending order.
+    """Relative differences of the elastic eigenvalues of the free U, each set in ascending order.
 
     bodies : number of stations -> line;   beams : of beam elements between the stations of the last line
-    solid : all eigenvalues of the solid elements, rad^2/s^2
-    stations : by their number, lambda / lambda of the solid - 1
+    solid : lowest elastic eigenvalues of the solid elements, rad^2/s^2
+    stations : by the number of stations, lambda / lambda of the solid - 1
     beam_elements : the same for the beam elements
     beside_beam_elements : of the last condensed body compared with the beam elements, as in the paper
     """

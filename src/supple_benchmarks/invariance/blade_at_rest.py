@@ -17,7 +17,7 @@ RESIDUAL = 1e-7
 
 
 class Rest(NamedTuple):
-    """Tip section relative to the clamped root, m, in the axes of the mesh; number of iterations."""
+    """Displacement of the tip section of the clamped blade, m, in the axes of the mesh; iterations."""
 
     tip: list[float]
     iterations: int

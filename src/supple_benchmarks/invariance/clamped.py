@@ -42,7 +42,7 @@ def resting_tip(
     *,
     joints: Sequence[Fixed] = (),
 ) -> NDArray[np.float64]:
-    """Mean position (3,) of some nodes of the last body, in equilibrium under dead forces on it.
+    """Mean position (3,) of the nodes `watched` of the last body, in equilibrium under dead forces on it.
 
     Parameters
     ----------

@@ -37,10 +37,10 @@ RECIPES = {"nodal-fixed": CraigBampton(10), "mean-axis": Rubin(10)}
 def locked_bodies(quick: bool) -> Iterator[dict[str, Any]]:
     """Error of the tip's motion against the full body in the same frame: plain tensors, and the default.
 
-    `indicator` is that of the plain tensors for the load most similar to that of the case. `error_linear` is
-    the error under a thousandth of the load: motion outside the linear columns. A couple of two forces at the
-    corners of the tip is applied twice: with the default basis, and with its static response among the
-    columns.
+    `indicator` is that of the plain tensors for the load most similar to the load of the case. `error_linear`
+    is the error under a thousandth of the load, due to motion outside the linear columns. A couple of two
+    forces at the corners of the tip is applied twice: with the default basis, and with its static response
+    among the columns.
     """
     bodies = [clamped_body("strip", strip_model(20))]
     if not quick:
@@ -55,7 +55,7 @@ def locked_bodies(quick: bool) -> Iterator[dict[str, Any]]:
 
 
 def _loads(body: FlexibleBody) -> dict[str, np.ndarray]:
-    """Dead forces (N, 3): distributed along the body; a couple at the tip."""
+    """Dead forces (N, 3): distributed along the body; for the strip also a couple at the tip."""
     x = body.nodes[:, 0]
     length, bending, torsion, width = (
         (LENGTH, BENDING, TORSION, WIDTH) if body.name == "strip" else (BOX_LENGTH, weak_bending(), None, 1.0)

@@ -19,7 +19,7 @@ __all__ = ["tied_boxes"]
 
 TURNS = (0.03, 0.06, 0.12)
 DEFLECTION = 0.09
-"""Of the loaded box, over its length"""
+"""Deflection of the loaded box over its length"""
 
 
 def tied_boxes(quick: bool) -> Iterator[dict[str, Any]]:

@@ -3,8 +3,8 @@
 The paper gives the cylinders (0.3 m long, 0.015 m in radius), the distance of 0.05 m from a joint to a
 cylinder, the material, gravity along -y, 7 s and 500 outputs. The start position of the chain is given by a
 drawing only. Here the links point in the directions 0, 30, 60 and 90 degrees in the horizontal plane, so that
-all three directions move. The flexible link is attached by the mean motion of one end face; its other end is
-free.
+the motion has components in all three directions. The flexible link is attached by the mean motion of one end
+face; its other end is free.
 """
 
 from __future__ import annotations

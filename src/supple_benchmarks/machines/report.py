@@ -168,7 +168,7 @@ def _sum_so_far(study: Study, distance: Array) -> Array:
 
 
 def ordered_share(study: Study, errors: list[Array]) -> float:
-    """Share of the outputs, from settling to chaos, at which no error (t,) exceeds the previous one."""
+    """Share of the compared outputs at which no error (t,) exceeds that of the next looser tolerance."""
     times = study.reference.point.times
     compared = (times > study.machine.compared_from) & (times <= study.compared_until * (1 + 1e-12))
     ordered = np.all([tighter <= looser for looser, tighter in pairwise(errors)], axis=0)

@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 
 class Variant(Enum):
-    """Description of the model of the flexible body."""
+    """The model of the flexible body; the value is its description."""
 
     UNREDUCED = "unreduced"
     EXACT_MODES = "exact modes"
@@ -69,8 +69,8 @@ class MachineRun:
     """One simulation, and the quantities compared.
 
     tolerance : of the eigenvalues, or None      modes : fixed-interface modes, N_d
-    deformation_error : (t,), J^1/2     energy norm of its deformation less that of the unreduced body; for
-        the unreduced body the norm of its deformation
+    deformation_error : (t,), J^1/2     energy norm of the difference of its deformation from that of the
+        unreduced body; for the unreduced body, of its deformation
     """
 
     variant: Variant
@@ -123,7 +123,7 @@ def deformation(body: FullBody | ReducedBody, solution: Solution) -> Array:
 
 
 def energy_norm(machine: FlexibleMachine, displacements: Array) -> Array:
-    """sqrt(u^T K u) (t,) of displacements (n_nodal, t), J^1/2: stress and strain errors, over the whole body.
+    """sqrt(u^T K u) (t,) of displacements (n_nodal, t), J^1/2: measures stress and strain of the whole body.
 
     In this norm a larger space of columns has a smaller error; at a single node this need not hold.
     """

@@ -57,7 +57,7 @@ class Separation:
     """Divergence of two runs with different steps: distance of node A over time, and time of divergence.
 
     coarse, fine : the steps, as text     time : s, from which the distance exceeds 1 % of the machine's size,
-        or None     statistics : of both
+        or None     solutions : of both runs
     """
 
     coarse: str
@@ -70,7 +70,7 @@ class Separation:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """The results so far."""
+    """The finished runs."""
 
     machine: FlexibleMachine
     reference: MachineRun
@@ -91,7 +91,7 @@ class Study:
 def run_study(
     machine: FlexibleMachine, folder: Path, announce: Announce, tolerances: tuple[float, ...]
 ) -> Iterator[Study]:
-    """Run the machine in every variant; yields the results so far after each run.
+    """Run the machine in every variant; yields the study with the finished runs after each run.
 
     Every motion is stored in `folder`; an interrupted study continues from there.
     """
@@ -134,11 +134,11 @@ class _Runner:
     folder: Path
     announce: Announce
     truth: Array | None = None
-    """Deformation of the unreduced body, once it is known."""
+    """Deformation of the unreduced body; None during the run of that body."""
 
     def reduced(self, variant: Variant, tolerance: float | None, recipe: LinearBasisRecipe) -> MachineRun:
         """The machine with its body reduced by a recipe."""
-        # Stored with its motion, which depends on the signs of the columns: round-off decides them.
+        # The body is stored with its motion, because round-off determines the signs of its columns.
         path = self.folder / self.file_name(f"{_words(variant, tolerance)} body")
         if path.exists():
             body = read_reduced_body(path)

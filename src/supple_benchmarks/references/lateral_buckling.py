@@ -11,8 +11,8 @@ from scipy.special import jv
 def lateral_buckling_load(weak_bending, strong_bending, torsion, length):
     """Critical tip force: J_(-1/4)(P L^2 / 2 sqrt(B C)) = 0, that is P = 4.0126 sqrt(B C) / L^2.
 
-    The deflection before buckling stiffens the beam: B and C divided by (1 - B/S) and (1 - C/S) with S the
-    strong bending stiffness, to first order in both ratios.
+    The deflection before buckling stiffens the beam: B and C are divided by (1 - B/S) and (1 - C/S) with S
+    the strong bending stiffness, to first order in both ratios.
     Sources: S. P. Timoshenko, J. M. Gere, Theory of Elastic Stability (1961), section 6.3; the deflection:
     D. H. Hodges, D. A. Peters, Int. J. Solids Struct. 11 (1975) 1269-1280.
     """

@@ -37,7 +37,7 @@ def _parting(tip: TipMotion, exact: ExactTip) -> dict[str, Any]:
     """Largest distance of a tip from the exact beam's, and the time at which it exceeds 1 % of the peak.
 
     The keys `.._at_the_same_step` compare with the exact beam at the model's own step, which has the same
-    time integration error: the rest is the error of the model.
+    time integration error: the difference is then the error of the model.
     """
     difference, peak = apart(tip, exact), np.max(abs(exact.v))
     of_the_model = apart(tip, exact.at_the_models_step)

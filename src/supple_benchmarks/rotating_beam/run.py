@@ -89,7 +89,7 @@ class ReducedRun:
 
 @dataclass(frozen=True)
 class BeamRun:
-    """All runs, and the exact beam's tip motion by speed."""
+    """The finished runs, and the exact beam's tip motion by speed."""
 
     problem: RotatingBeam
     exact: dict[float, ExactTip]
@@ -98,7 +98,7 @@ class BeamRun:
 
 
 def run_rotating_beam(problem: RotatingBeam, announce: Announce) -> Iterator[BeamRun]:
-    """Run the benchmark; yields the results so far after each simulation."""
+    """Run the benchmark; yields all finished runs after each simulation."""
     exact: dict[float, ExactTip] = {}
     full: list[FullRun] = []
     reduced: list[ReducedRun] = []
@@ -136,7 +136,7 @@ class _Choice:
 
 
 def _choices(body: FlexibleBody, frame: str, *, with_linear: bool) -> list[_Choice]:
-    """The bases of [Wu2019] Table 1, with selected or compressed derivatives; plain tensors as there."""
+    """The bases of [Wu2019] Table 1 and variants: compressed derivatives, condensed tensors."""
     load = AmplitudeProduct(StaticLoad(spin_up_load(body)))
 
     def linear(n_columns: int) -> tuple[LinearBasisRecipe, str]:

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class TipMotion:
-    """Tip displacement in axes that rotate with the root, (51): axial `u`, transverse `v`, (t,) each."""
+    """Tip displacement in axes of the root, [Wu2019] (51): axial `u`, transverse `v`, (t,) each."""
 
     times: Array
     u: Array

@@ -15,7 +15,7 @@ _KEPT = ("bodies", "certificates")
 
 
 def make_certificate(plan: SweepPlan, folder: Path) -> float:
-    """Reduce the bodies of a sweep of one group and certify them, in a separate process: seconds."""
+    """Reduce and certify the bodies of a sweep of one group in a separate process; returns the seconds."""
     shutil.rmtree(folder, ignore_errors=True)
     plan_sweep(plan, folder)
     began = perf_counter()

@@ -26,7 +26,7 @@ TOLERANCE = 1e-11
 def gradient_error(folder: Path, case: int) -> float:
     """Largest error of the derivatives of the tip's largest deflections, over the largest derivative.
 
-    The reference are differences of runs:
+    The references are differences of runs:
 
         dy/dp ~ (4 D(h) - D(2 h)) / 3,   D(h) = (y(p + h) - y(p - h)) / (2 h)       (Richardson)
 

@@ -28,20 +28,20 @@ _MOST_SECONDS = 600.0
 
 _Found = TypeVar("_Found")
 Stamp = tuple[int, int]
-"""Inode number and modification time: a replaced file has others."""
+"""Inode number and modification time, which change when a file is replaced."""
 
 
 def killed_sweep(case: Path, table: CaseTable, folder: Path, certified: Path) -> dict[str, int | list[str]]:
     """Run a sweep by its command, kill it in three ways, and count the repeated cases.
 
     The worker is killed during its first share, and the command continues. The command is killed with all its
-    processes after two shares, one of which is then truncated. The same command computes the rest.
+    processes after two shares, one of which is then truncated. The same command computes the missing cases.
 
     certified : folder with the bodies and the certificate of the same cases
 
     Returns
     -------
-    lost : cases without results, or with results that differ by more than two runs of the same program do
+    lost : cases without results, or with results that differ from those before the kill
     twice : cases that were simulated again although their part was complete
     """
     shutil.rmtree(folder, ignore_errors=True)

@@ -85,7 +85,7 @@ def assess(case: TrustCase, folder: Path, progress: Callable[[float], None]) -> 
 def _cost(system: System, corrected: CorrectedSystem, run: Run) -> dict[str, Any]:
     """Processor time of the accepted run and of its basis error estimate, without compilation.
 
-    The estimate includes factorisations of the full system: the same number is timed separately.
+    The estimate includes factorisations of the full system; as many factorisations are timed separately.
     """
     bases = {name: own.basis for name, own in corrected.bodies.items()}
     began = process_time()

@@ -45,7 +45,7 @@ def framed(
 
 
 def shell_strip(length: float = 1.0, n_length: int = 6, name: str = "body") -> FlexibleBody:
-    """A strip along x, 0.1 m wide, 1 cm thick; clamped at its root, 1 m of it vibrates at 10 rad/s."""
+    """A strip along x, 0.1 m wide, 1 cm thick; first mode at 10 rad/s if 1 m long and clamped at its root."""
     return flexible_body(
         name, shell_model(strip(length, 0.1, n_length, 2), HomogeneousSection(RUBBER, 0.01)), ENDS
     )

@@ -90,7 +90,7 @@ MODULUS, DENSITY = 1e9, 1000.0
 SLOWLY, QUICKLY = 2.0, 0.6
 """s, durations of the push; the first mode has a period of 0.6 s."""
 STEP, HALF, FINER = 0.01, 2, 4
-"""Output step, s, and its divisors for the step of the run, whose error is small, and of the exact beam."""
+"""Output step, s, and divisors of it that give the steps of the run and of the exact beam."""
 
 
 def _bent(force: float, push: float, frame: str) -> ExactBeamCase:
@@ -137,4 +137,4 @@ EXACT_BEAMS = (
     *(_bent(force, SLOWLY, frame) for frame in FRAMES for force in (4.0, 8.0)),
     *(_bent(4.0, QUICKLY, frame) for frame in FRAMES),
 )
-"""Large bending, slow and with the first mode."""
+"""Large bending by slow pushes, and by pushes as long as the period of the first mode."""

@@ -18,7 +18,7 @@ __all__ = ["BeamChain", "beam_chain", "line_mesh", "rectangle"]
 def rectangle(
     material: Isotropic, y: float, z: float, torsion: float, orientation: ArrayLike = (0, 1, 0)
 ) -> BeamSection:
-    """A rectangular section of size y by z; torsion is its constant J, orientation its y axis."""
+    """A rectangular section of size y by z; `torsion` is the constant J, `orientation` the y axis."""
     return BeamSection(
         material, y * z, z * y**3 / 12, y * z**3 / 12, torsion, 5 / 6, 5 / 6, orientation=orientation
     )
@@ -46,7 +46,7 @@ class BeamChain:
 
 
 def beam_chain(nodes: ArrayLike, section: BeamSection, n_bodies: int, *, clamped: bool = True) -> BeamChain:
-    """A beam along nodes (N, 3), in bodies of equally many elements, fixed to each other and the ground."""
+    """A beam along nodes (N, 3) as bodies fixed to each other and, if `clamped`, to the ground."""
     places = np.asarray(nodes, dtype=float)
     parts: list[NDArray[np.float64]] = [
         places[part[0] : part[-1] + 2] for part in np.array_split(np.arange(len(places) - 1), n_bodies)

@@ -1,4 +1,4 @@
-"""Damping ratios of the modes of a strip clamped at its root, in mean axes: from resonance and decay.
+"""Damping ratios of the modes of a strip clamped at its root, in mean axes: from eigenvalues and resonance.
 
 At its natural frequency a mode with damping ratio zeta has 1 / (2 zeta) times the amplitude of the static
 response to the same force.
@@ -91,7 +91,7 @@ def _resonance() -> list[Comparison]:
     still = state_space(undamped, inputs=[port], outputs=[port])
     near = first * (1 + np.linspace(-0.01, 0.01, 201))
     largest = float(abs(frequency_response(space, near).transfer[:, 0, 0]).max())
-    # Contribution of the mode itself: residue of the undamped pole, 1 / (w1^2 - w^2) beside the others.
+    # Contribution of the first mode alone: near its frequency residue / (w1^2 - w^2) exceeds all other terms.
     close = first * (1 - 1e-4)
     residue = float(frequency_response(still, [close]).transfer[0, 0, 0].real) * (first**2 - close**2)
     expected = residue / first**2 / (2 * RATIO * np.sqrt(1 - RATIO**2))

@@ -152,7 +152,7 @@ def _modal_responses(times: np.ndarray, size: float, rate: float) -> list[np.nda
 
 
 def bus_and_panels() -> Sequence[Comparison]:
-    """Only the spin of the bus is given; both panels rotate with the bus, at radius r = 0.2 + 0.5 m."""
+    """Only the spin of the bus is given; the centres of both panels rotate with it at r = 0.2 + 0.5 m."""
     spin, offset = 0.1, 0.2
     bus = RigidBody("bus", 5.0, np.zeros(3), np.eye(3), {"right": offset * X, "left": -offset * X})
     panels = [

@@ -1,7 +1,7 @@
 """Estimated and true errors: small reduced runs and their estimates, compared with full runs.
 
-The reference for the basis part is the distance to a run of all coordinates by another engine (sparse Newton
-of the whole system) with the same steps, which is exact. The reference for the step part is a closed form.
+The reference for the basis part is the distance to a run of all coordinates with the same steps by another
+engine (sparse Newton of the whole system). The reference for the step part is a closed form.
 """
 
 from __future__ import annotations

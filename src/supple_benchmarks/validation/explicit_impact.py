@@ -35,7 +35,7 @@ __all__ = ["CASES"]
 FloatArray = NDArray[np.float64]
 
 ROD = Isotropic(100.0, 0.0, 1.0)
-"""Poisson's ratio zero: a bar of it is one-dimensional, with wave speed 10."""
+"""Poisson's ratio zero: a bar of this material is one-dimensional, with wave speed 10."""
 SPEED_OF_SOUND = 10.0
 _ST_VENANT = "closed form, St. Venant: J. D. Achenbach, Wave Propagation in Elastic Solids (1973), 1.4"
 _D_ALEMBERT = "closed form, d'Alembert"
@@ -54,7 +54,7 @@ def _balance(solution: Solution) -> float:
 
 
 def _two_bars() -> Sequence[Comparison]:
-    """Equal bars, the first with velocity v: stress rho c v / 2 during 2 L / c, then the second has it."""
+    """Equal bars, the first with velocity v: stress rho c v / 2 for 2 L / c; then the second has v."""
     cells, length, v = 60, 6.0, 0.1
     model = solid_model(block(length, 0.1, 0.1, cells, 1, 1, CellType.HEXA8), ROD)
     first = Placed(explicit_subdomain(model, name="first"), velocity=np.array([v, 0.0, 0.0]))
@@ -103,7 +103,7 @@ def _front() -> Sequence[Comparison]:
 
 
 def _taylor() -> Sequence[Comparison]:
-    """Copper at 227 m/s on a rigid wall, 80 us; the published values differ by 1 % and 2.5 %."""
+    """Copper at 227 m/s on a rigid wall, 80 us; published values are within 1 and 2.5 % of their midpoint."""
     length, radius, _ = taylor_bar_end(3, 2, 27)
     return (
         Comparison("final length, m", length, 21.46e-3, _TAYLOR, 0.015),

@@ -104,7 +104,7 @@ def _oscillator() -> Sequence[Comparison]:
 
 
 def _clamped_bar() -> Sequence[Comparison]:
-    """First bending frequency of a modal part clamped by a fixed joint, 20 times as long as thick."""
+    """First bending frequency of a modal part, 20 times as long as thick, clamped by a fixed joint."""
     E, rho, length, side = 2e11, 7850.0, 1.0, 0.05
     model = solid_model(block(length, side, side, 10, 1, 1, CellType.TETRA10), Isotropic(E, 0.0, rho))
     ends = [RigidInterface("root", "root"), RigidInterface("tip", "tip")]

@@ -46,12 +46,12 @@ Array = NDArray[np.float64]
 X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 GRAVITY = 9.81
 MASS, INERTIA = 2.0, 0.5
-"""Of every body, kg and kg m2 about every axis"""
+"""Mass of every body, kg, and its moment of inertia about every axis, kg m2"""
 
 SPEED, GRIP = 2.0, 0.3
 """Initial speed of the sledge, m/s, and its coefficient of friction"""
 BRAKE = 1.5
-"""N m, moment that stops a disc with 2 rad/s"""
+"""Moment that stops a disc rotating at 2 rad/s, N m"""
 APPROACH, GAP, STIFFNESS, DISSIPATION = 1.0, 0.1, 8e3, 0.3
 SERVO, SERVO_DAMPING, TARGET = 200.0, 4.0, 0.4
 TORQUE, TEETH, PITCH = 3.0, (20, 50), 0.5

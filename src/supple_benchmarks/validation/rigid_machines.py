@@ -145,7 +145,7 @@ def double_pendulum() -> Sequence[Comparison]:
 
 
 def n_four_bar() -> Sequence[Comparison]:
-    """Two windows of upright rods of 1 m and 1 kg, pushed to 1 m/s; they could fold at 90 degrees.
+    """A row of N = 2 windows of rods of 1 m and 1 kg, started upright at 1 m/s; it could fold at 90 degrees.
 
     Unfolded, the mechanism is one pendulum: (N + 1)/3 + N masses rotate, (N + 1)/2 + N masses are lifted.
     """

@@ -164,7 +164,7 @@ def turning_frequencies(
 
 
 def whirls(found: Array, expected: ArrayLike, rate: float) -> list[float]:
-    """Whirl frequencies in space, positive forward, of the frequencies nearest to the expected ones."""
+    """Whirl frequencies in space, positive forward, from the found frequencies nearest to the expected."""
     seen = np.asarray(expected, dtype=np.float64) - rate
     nearest = found[np.argmin(abs(found[:, None] - abs(seen)), axis=0)]
     return (rate + np.copysign(nearest, seen)).tolist()
@@ -253,7 +253,7 @@ def _whirl(w: float) -> str:
 
 STEEL = Isotropic(2.1e11, 0.3, 7850.0)
 OVERHUNG = Rotor(STEEL, (RoundShaft(0.0, 0.5, 0.02), RoundShaft(0.5, 0.53, 0.15)), 0.9)
-"""A clamped shaft of 40 mm with a disc of 300 mm at its end, 30 mm wide, as a thick piece of shaft."""
+"""A clamped shaft of 40 mm diameter; the disc at its end is a piece of shaft of 300 mm, 30 mm long"""
 
 
 def _disc_of_beam_elements() -> list[Comparison]:
@@ -313,7 +313,7 @@ def lalanne_rotor() -> Rotor:
 
 
 def lalanne_frequencies(frame: Frame) -> Array:
-    """Frequencies at 25 000 rpm on its orthotropic bearings, Hz."""
+    """Frequencies of this rotor at 25 000 rpm on its anisotropic bearings, Hz."""
     body = rotor_body(lalanne_rotor(), 0.05, {"left": 0.0, "right": 1.3})
     mass, damping, stiffness = in_fixed_axes(body, frame, 25_000 * np.pi / 30)
     for motion in (interface.motion.toarray() for interface in body.interfaces):

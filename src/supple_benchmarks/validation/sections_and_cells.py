@@ -41,7 +41,7 @@ def _moved(model: FiniteElementModel, free: NDArray[np.bool_], load: Array) -> A
 
 
 def sandwich_plate() -> Sequence[Comparison]:
-    """Three frequencies of a simply supported sandwich plate, halved by shear of its core."""
+    """Three frequencies of a simply supported sandwich plate, which shear of the core halves."""
     sides, face, core, core_shear, core_density = np.array([0.6, 0.4]), 0.5e-3, 0.02, 10e6, 60.0
     h = core + face
     A = 2 * face * ALUMINIUM.plane_stress

@@ -29,8 +29,8 @@ class CoupledMotion:
     """Result at the output times.
 
     modal, elements : (t, k), (t, n) displacements;   energies : (t, 2) of the sides, J
-    interface : (t, 2) work of the multipliers on either side so far, J; their sum is the energy of the
-        interface
+    interface : (t, 2) work of the multipliers on either side since the start, J; their sum is the energy of
+        the interface
     gap : largest difference of interface velocities at times when continuity is required, m/s
     """
 
@@ -52,7 +52,7 @@ def dual_march(
     elements: tuple[FloatArray, FloatArray],
     every: int = 1,
 ) -> CoupledMotion:
-    """Integrate both sides from their displacements and velocities.
+    """Integrate both sides from the given displacements and velocities (`modal`, `elements`).
 
         M a = f + C^T Lambda,   C_1 v_1 + C_2 v_2 = 0,   central differences (Newmark, beta 0, gamma 1/2)
 

@@ -2,7 +2,7 @@
 
 Sources: A. Gravouil, A. Combescure, "Multi-time-step explicit-implicit method for non-linear structural
 dynamics", Int. J. Numer. Methods Eng. 50 (2001) 199-225; A. Prakash, K. D. Hjelmstad, "A FETI-based
-multi-time- step coupling method for Newmark schemes in structural dynamics", Int. J. Numer. Methods Eng. 61
+multi-time-step coupling method for Newmark schemes in structural dynamics", Int. J. Numer. Methods Eng. 61
 (2004) 2183-2204.
 """
 
@@ -34,8 +34,9 @@ class Side(NamedTuple):
 class CoupledState(NamedTuple):
     """Both sides at the end of a long step.
 
-    multiplier : (l,) N, the last one;   works : (2,) of the interface on either side so far, J
-    gap : largest difference of velocities across the interface so far, when continuity is required, m/s
+    multiplier : (l,) at this time, N;   works : (2,) of the interface on either side since the start, J
+    gap : largest difference of velocities across the interface since the start, at times when continuity is
+        required, m/s
     """
 
     time: Array

@@ -44,7 +44,7 @@ class ElementSide:
 
 @dataclass(frozen=True, eq=False)
 class Coupling:
-    """C_1 v_1 + C_2 v_2 = 0 between the two.
+    """C_1 v_1 + C_2 v_2 = 0 between the two sides.
 
     Raises ModelError for different numbers of rows, or linearly dependent rows of the element side: then the
     multipliers are not unique.
