@@ -112,8 +112,8 @@ def test_a_fixed_size_that_locks_is_compared_with_a_richer_run(strip_that_tips, 
         assert 0.7 < stated.errors["beam"].basis.value / true < 1.4
 
 
-def of(rms, *, indicator=0.0, withheld=0.0):
-    return BodyError(rms, rms, 0, 0.0, 0.0, 0.0, np.array([rms]), indicator, withheld)
+def of(rms, *, indicator=0.0, locking_loss=0.0):
+    return BodyError(rms, rms, 0, 0.0, 0.0, 0.0, np.array([rms]), indicator, locking_loss)
 
 
 def test_what_is_doubtful():
@@ -121,7 +121,7 @@ def test_what_is_doubtful():
     assert of(1.0, indicator=3.0).is_doubtful(2.0)
     assert not of(1.0, indicator=3.0).is_doubtful(4.0)
     assert of(1.0, indicator=np.inf).is_doubtful(4.0)
-    assert of(1.0, withheld=0.1).is_doubtful(np.inf)
+    assert of(1.0, locking_loss=0.1).is_doubtful(np.inf)
 
 
 def test_what_a_second_run_confirms():

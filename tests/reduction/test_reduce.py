@@ -116,13 +116,13 @@ def test_derivatives_free_the_strip_to_shorten(cantilever, root_frame, nonlinear
 @pytest.mark.slow
 def test_what_derivatives_leave_of_locking_is_of_fourth_order(cantilever, root_frame, nonlinear_static):
     """They shorten to second order: motion of third order is missing, and membranes resist it by theta^6."""
-    withheld = []
+    locking_loss = []
     for share in (0.05, 0.1):
         _, deflection = _tip_load(cantilever, root_frame, nonlinear_static, share)
         free = deflection(CompressedDerivatives(6), CondensedQuartic())
         with pytest.warns(LockingWarning, match="under angular acceleration x"):
-            withheld.append(1 - deflection(CompressedDerivatives(6), PlainQuartic()) / free)
-    assert np.log2(withheld[1] / withheld[0]) == pytest.approx(4, abs=0.3)
+            locking_loss.append(1 - deflection(CompressedDerivatives(6), PlainQuartic()) / free)
+    assert np.log2(locking_loss[1] / locking_loss[0]) == pytest.approx(4, abs=0.3)
 
 
 def _tip_load(body, frame, nonlinear_static, share):

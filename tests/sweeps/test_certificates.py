@@ -8,7 +8,7 @@ from error.equation.machines import NODAL, soft_strip
 from fixtures.report_page import ReadPage
 
 from supple.body import FullBody
-from supple.error import Indicated, IndicatorBody, SelfCorrection
+from supple.error import ErrorIndicator, IndicatorBody, SelfCorrection
 from supple.error.equation import ErrorSpace, MotionColumns
 from supple.sweeps import CaseTable, make_plan, sweep_status, write_sweep_report
 from supple.sweeps.certificate import Certificate, Representative, read_certificate, write_certificate
@@ -34,7 +34,7 @@ def test_the_largest_ratio_scales_all_indicators():
     assert certificate.effectivity("beam") == pytest.approx(3.0)
     assert certificate.spread("beam") == pytest.approx(3.0 / 1.2)
     assert certificate.other_share("beam") == pytest.approx(1e-4)
-    error = certificate.case_error(0, {"beam": Indicated(1e-4, 0.2)})
+    error = certificate.case_error(0, {"beam": ErrorIndicator(1e-4, 0.2)})
     assert error == pytest.approx((3e-4 + 2e-5, 3e-4, 2e-4))
     assert all(row.basis <= certificate.effectivity("beam") * row.final for row in ROWS)
 
@@ -43,29 +43,29 @@ def test_of_several_bodies_the_one_that_exceeds_its_accuracy_counts():
     rows = (*ROWS, Representative(3, "arm", 1e-6, 0.0, np.nan, 1e-6, 0.1))
     targets = {"beam": SelfCorrection(absolute=1.0), "arm": SelfCorrection(absolute=1e-7)}
     error = Certificate({}, rows, targets).case_error(
-        0, {"beam": Indicated(1e-4, 0.2), "arm": Indicated(5e-7, 0.1)}
+        0, {"beam": ErrorIndicator(1e-4, 0.2), "arm": ErrorIndicator(5e-7, 0.1)}
     )
     assert (error.basis, error.allowed) == pytest.approx((5e-7, 1e-7))
     # Of two that exceed it, the one with the larger ratio, though its error is the smaller one.
     both = Certificate({}, rows, targets | {"beam": SelfCorrection(absolute=1e-4)}).case_error(
-        0, {"beam": Indicated(1e-4, 0.2), "arm": Indicated(5e-7, 0.1)}
+        0, {"beam": ErrorIndicator(1e-4, 0.2), "arm": ErrorIndicator(5e-7, 0.1)}
     )
     assert both == error
 
 
 def test_the_estimate_of_a_representative_is_its_full_estimate():
     certificate = Certificate({}, ROWS, {"beam": SelfCorrection(relative=1e-3)})
-    indicated = {"beam": Indicated(1e-4, 0.1)}
+    indicated = {"beam": ErrorIndicator(1e-4, 0.1)}
     assert certificate.case_error(3, indicated) == pytest.approx((2e-4 + 1e-5, 2e-4, 1e-4))
     assert certificate.case_error(4, indicated).basis == pytest.approx(3e-4)
 
 
 def test_no_estimate_is_no_number():
     assert np.isnan(
-        Certificate(reason="no body is elastic").case_error(0, {"beam": Indicated(1.0, 1.0)})
+        Certificate(reason="no body is elastic").case_error(0, {"beam": ErrorIndicator(1.0, 1.0)})
     ).all()
     assert np.isnan(Certificate().case_error(0, {})).all()
-    assert np.isinf(Certificate({}, ROWS).case_error(0, {"beam": Indicated(np.inf, 0.1)}).estimated)
+    assert np.isinf(Certificate({}, ROWS).case_error(0, {"beam": ErrorIndicator(np.inf, 0.1)}).estimated)
     # Errors of nothing, as of a complete basis, have no ratio.
     assert Certificate({}, (stated(0, 1e-14, 1e-17, 1e-17),)).effectivity("beam") == 1.0
 

@@ -16,7 +16,7 @@ from supple.simulation import simulate
 from supple.sweeps import CaseTable, read_sweep, sweep, sweep_status, swept_case
 from supple.sweeps.certificate import Certificate
 from supple.sweeps.certified_group import certified_group
-from supple.sweeps.leading_columns import in_leading_columns
+from supple.sweeps.leading_columns import with_principal_bases
 from supple.sweeps.part_file import part_path
 from supple.sweeps.plan import read_plan
 from supple.sweeps.swept_group import swept_group
@@ -147,4 +147,4 @@ def test_many_cases_run_in_the_columns_in_which_they_move(soft_strip, tmp_path, 
     assert 0.99 < ratio.min() <= ratio.max() < 1.2
     # Where the motion of a case would change, the bases stay as they are.
     monkeypatch.setattr(sys.modules["supple.sweeps.leading_columns"], "SHARE", 1e-9)
-    assert in_leading_columns(whole, list(range(plan.n_cases)))[0] is whole
+    assert with_principal_bases(whole, list(range(plan.n_cases)))[0] is whole

@@ -124,7 +124,7 @@ class Condense(CheckedTable):
         return _WITHOUT_AXIS[self.support]
 
 
-def with_modes_enough(
+def with_sufficient_modes(
     system: System, run: Run, tables: Mapping[str, Condense], notify: Callable[[str, float], None]
 ) -> System:
     """The machine with the number of modes that the accuracy of its condensed bodies needs, from trial runs.

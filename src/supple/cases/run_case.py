@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from supple.cases.case import Case
-from supple.cases.condense import with_modes_enough
+from supple.cases.condense import with_sufficient_modes
 from supple.cases.damping import warn_of_ratios
 from supple.cases.drawing import ROUNDS_PICTURE, Drawing, check_drawing, drawing_of
 from supple.cases.drawing_process import DrawingProcess
@@ -242,7 +242,7 @@ def _simulated(
     """
     machine = starting_system(case, allow_code=allow_code)
     condensed = {body.name: body.condense for body in case.tables.body if body.condense is not None}
-    machine = with_modes_enough(machine, case.run, condensed, progress)
+    machine = with_sufficient_modes(machine, case.run, condensed, progress)
     given = (machine, replace(case.run, validity=validity))
     path = result_path(case.path, folder)
     if case.starts:

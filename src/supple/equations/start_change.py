@@ -19,8 +19,8 @@ __all__ = [
     "PositionCorrection",
     "StartChange",
     "StartEnergies",
-    "Taken",
     "VelocityCorrection",
+    "VelocityFromJoints",
     "velocities_taken",
 ]
 
@@ -64,7 +64,7 @@ class VelocityCorrection:
 
 
 @dataclass(frozen=True)
-class Taken:
+class VelocityFromJoints:
     """A body without a given velocity that moves with its driving joints: speed and angular speed."""
 
     body: str
@@ -109,7 +109,7 @@ class StartChange:
     against: tuple[ConstraintViolation, ...]
     slowed: tuple[VelocityCorrection, ...]
     energies: tuple[float, float]
-    taken: tuple[Taken, ...]
+    taken: tuple[VelocityFromJoints, ...]
     unmet: tuple[ConstraintViolation, ...]
     deforming: tuple[DeformingStart, ...]
 
@@ -163,12 +163,12 @@ class StartChange:
         )
 
 
-def velocities_taken(system: System, velocities: np.ndarray) -> tuple[Taken, ...]:
+def velocities_taken(system: System, velocities: np.ndarray) -> tuple[VelocityFromJoints, ...]:
     """Bodies without a given velocity that move with the velocities (nb, 6) of their frames."""
     sizes = np.linalg.norm(velocities.reshape(-1, 2, 3), axis=2)
     least = ROUNDING * np.max(sizes, axis=0, initial=0.0)
     return tuple(
-        Taken(placed.body.name, float(speed), float(spin))
+        VelocityFromJoints(placed.body.name, float(speed), float(spin))
         for placed, given, (speed, spin) in zip(system.bodies, given_parts(system), sizes, strict=True)
         if not given.any() and (speed > least[0] or spin > least[1])
     )

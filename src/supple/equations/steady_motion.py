@@ -37,7 +37,7 @@ from supple.programs.program_cache import CachedProgram
 __all__ = [
     "LinearEquations",
     "SteadyEquations",
-    "SteadyTurning",
+    "SteadyRotation",
     "in_turning_axes",
     "linear_equations",
     "steady_motion",
@@ -51,7 +51,7 @@ _LARGE = 2.0**300
 """A power of two: scaling by it causes no rounding."""
 
 
-class SteadyTurning(NamedTuple):
+class SteadyRotation(NamedTuple):
     """Steady rotation of all bodies."""
 
     angular_velocities: AnyArray
@@ -59,7 +59,7 @@ class SteadyTurning(NamedTuple):
     point: AnyArray
     """(3,), on the axis"""
 
-    def slowed(self, share: float) -> SteadyTurning:
+    def slowed(self, share: float) -> SteadyRotation:
         """The rotation at a share of its rate."""
         return self._replace(angular_velocities=share * np.asarray(self.angular_velocities))
 
@@ -70,13 +70,13 @@ class SteadyEquations:
 
     machine : Any               prepared for its method, with independent equations
     begin : Any                 state with bodies as placed
-    turning : SteadyTurning | None      rotation of the bodies in their order; None at rest
+    turning : SteadyRotation | None      rotation of the bodies in their order; None at rest
     held : (n,)                 forces subtracted during the search
     """
 
     machine: Any
     begin: Any
-    turning: SteadyTurning | None = None
+    turning: SteadyRotation | None = None
     held: np.ndarray | float = 0.0
 
     def at_rest(self) -> Self:
@@ -119,7 +119,7 @@ class LinearEquations(NamedTuple):
 
 def steady_motion(
     model: Model,
-    turning: SteadyTurning,
+    turning: SteadyRotation,
     time: float,
     configuration: Configuration,
     multipliers: AnyArray,
@@ -136,14 +136,14 @@ def steady_motion(
     return SystemMotion(np.asarray(float(time)), configuration, velocity, acceleration, multipliers, control)
 
 
-def work_of_turning(model: Model, turning: SteadyTurning) -> float:
+def work_of_turning(model: Model, turning: SteadyRotation) -> float:
     """Work of the inertia forces of a rotating machine, as if all its mass were at a radius of its size."""
     rate = np.max(np.linalg.norm(turning.angular_velocities, axis=1))
     return float(model.mass * (rate * model.length) ** 2)
 
 
 def turning_velocities(
-    turning: SteadyTurning, configuration: Configuration, frame_starts: Sequence[int], n: int
+    turning: SteadyRotation, configuration: Configuration, frame_starts: Sequence[int], n: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Velocities and accelerations (n,) of bodies in steady rotation; `frame_starts` locates their frames.
 
@@ -160,7 +160,7 @@ def turning_velocities(
 
 
 def linear_equations(
-    model: Model, turning: SteadyTurning, motion: SystemMotion, terms: Balance
+    model: Model, turning: SteadyRotation, motion: SystemMotion, terms: Balance
 ) -> LinearEquations:
     """The equations of motion, linearised about a steady motion; `terms` were evaluated there."""
     mass = step_matrix(model, motion, terms, 0.0, 0.0)
@@ -206,7 +206,7 @@ def in_turning_axes(model: Model, configuration: Configuration) -> np.ndarray:
 
 
 def _spins(
-    model: Model, turning: SteadyTurning, configuration: Configuration
+    model: Model, turning: SteadyRotation, configuration: Configuration
 ) -> tuple[np.ndarray, np.ndarray]:
     """`S` and `S_R`, (n, n)."""
     frames, translations = np.zeros((2, model.n_velocities, model.n_velocities))

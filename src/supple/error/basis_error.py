@@ -36,7 +36,7 @@ class BodyError:
     history : (t,)          RMS over the nodes at the output times
     indicator : float       largest RMS over the nodes of the quasi-static motion outside the basis; infinite
                             where no equilibrium was found; 0: not estimated
-    withheld : float        relative deficit of a static deflection due to locking
+    locking_loss : float        relative deficit of a static deflection due to locking
     """
 
     rms: float
@@ -47,7 +47,7 @@ class BodyError:
     second: float | None
     history: np.ndarray
     indicator: float = 0.0
-    withheld: float = 0.0
+    locking_loss: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "history", read_only(self.history))
@@ -70,7 +70,7 @@ class BodyError:
 
         limit : RMS over the nodes below which motion outside the basis is ignored
         """
-        return self.withheld > TOLERATED or not self.indicator <= max(self.estimate, limit)
+        return self.locking_loss > TOLERATED or not self.indicator <= max(self.estimate, limit)
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,12 +23,11 @@ from supple.error.error_estimate import (
     MissingMotion,
     reduced_form,
 )
-from supple.error.stopping import withheld
+from supple.error.stopping import locks
 from supple.integrate import ErrorPart, FramedMotion, Run, Solution, StepProgress
 from supple.machine import System
 from supple.quantities.quantity_of_interest import QuantityOfInterest, largest_displacement, quantity_distance
 from supple.reduction import ReductionBasis
-from supple.reduction.locking import TOLERATED
 
 __all__ = ["assessed_basis", "basis_parts", "distances", "in_full", "stated_of"]
 
@@ -101,7 +100,7 @@ def assessed_basis(
 def _is_surely_doubtful(system: System, missing: MissingMotion) -> bool:
     """Whether any estimate by the error equation would be doubtful (`BodyError.is_doubtful`)."""
     return any(
-        withheld(reduced_form(system, name)) > TOLERATED or not np.isfinite(own.rms).all()
+        locks(reduced_form(system, name)) or not np.isfinite(own.rms).all()
         for name, own in missing.corrections.items()
     )
 

@@ -41,7 +41,7 @@ from supple.error.error_estimate import (
 from supple.error.error_study import ErrorStudy, statements
 from supple.error.residual_correction import active_constraints, system_corrections
 from supple.error.sample_times import stratified_samples
-from supple.error.stopping import withheld
+from supple.error.stopping import locking_loss
 from supple.errors import ModelError
 from supple.integrate import ErrorPart, FloatingMotion, Run, Solution
 from supple.machine import System
@@ -233,7 +233,7 @@ class _Batch:
                             second[name],
                             outputs,
                             fresh[name],
-                            withheld=withheld(self._body(name)),
+                            locking_loss=locking_loss(self._body(name)),
                         )
                         for name, history in histories.items()
                     }

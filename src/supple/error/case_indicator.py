@@ -42,7 +42,7 @@ from supple.methods.floating.compiled.every_step import every_step
 from supple.quantities.quantity_of_interest import largest_displacement
 from supple.reduction import ReducedBody, ReductionBasis
 
-__all__ = ["Indicated", "IndicatorBody", "case_indicators", "indicator_body", "size_of_motion"]
+__all__ = ["ErrorIndicator", "IndicatorBody", "case_indicators", "indicator_body", "size_of_motion"]
 
 Array = NDArray[np.float64]
 
@@ -68,7 +68,7 @@ LOOKED = 200
 """Number of times at which the size of a motion is evaluated."""
 
 
-class Indicated(NamedTuple):
+class ErrorIndicator(NamedTuple):
     """Indicator of a body in a run: largest RMS error of its nodes, and its largest displacement.
 
     error : infinite where the run stopped early, or where the error exceeds ten times the displacement
@@ -147,7 +147,7 @@ def case_indicators(
     dampings: Sequence[Mapping[str, Damping | None]],
     *,
     at_rest: bool,
-) -> list[dict[str, Indicated]]:
+) -> list[dict[str, ErrorIndicator]]:
     """Reduction error of each of many runs, by body, to first order and in few columns.
 
     Parameters
@@ -161,7 +161,7 @@ def case_indicators(
     """
     found = [
         {
-            name: Indicated(
+            name: ErrorIndicator(
                 np.inf, size_of_motion(reduced_form(system, name), solution.motion(name, FloatingMotion))
             )
             for name in bodies
@@ -220,9 +220,9 @@ def _seen_instants(system: System, run: Run, solution: Solution) -> Solution:
     return seen.at(slice(None, None, -(-(len(seen.times) - 1) // MOST_INSTANTS)))
 
 
-def _bounded(history: ErrorHistory, size: float) -> Indicated:
+def _bounded(history: ErrorHistory, size: float) -> ErrorIndicator:
     largest = float(history.rms.max())
-    return Indicated(largest if largest <= DIVERGED * size else np.inf, size)
+    return ErrorIndicator(largest if largest <= DIVERGED * size else np.inf, size)
 
 
 def _long(system: System, bodies: Mapping[str, IndicatorBody]) -> float:

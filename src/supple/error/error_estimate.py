@@ -45,7 +45,7 @@ from supple.error.residual_correction import (
     system_corrections,
 )
 from supple.error.sample_times import followed, load_peaks, stratified_samples
-from supple.error.stopping import withheld
+from supple.error.stopping import locking_loss
 from supple.errors import ModelError, RedundantConstraintWarning, StartWarning
 from supple.integrate import FloatingMotion, FramedMotion, Progress, Run, Solution
 from supple.machine import ForceElement, System
@@ -257,7 +257,7 @@ class ErrorEstimator:
                 steps.outputs,
                 fields[name][:, n_looked:],
                 indicator=float(missed[name].rms.max()),
-                withheld=withheld(reduced_form(reduced, name)),
+                locking_loss=locking_loss(reduced_form(reduced, name)),
             )
             for name, history in histories.items()
         }
@@ -458,12 +458,12 @@ def body_error(
     fresh: np.ndarray,
     *,
     indicator: float = 0.0,
-    withheld: float = 0.0,
+    locking_loss: float = 0.0,
 ) -> BodyError:
     """Error of a body from its history.
 
     fresh : (n, m)          corrections that were not used to build the error space
-    indicator, withheld :   as of BodyError
+    indicator, locking_loss :   as of BodyError
     """
     rms = history.rms[outputs]
     row = int(outputs[np.argmax(rms)])
@@ -478,7 +478,7 @@ def body_error(
         second=np.inf if is_large(history) and not np.isfinite(indicator) else second,
         history=rms,
         indicator=indicator,
-        withheld=withheld,
+        locking_loss=locking_loss,
     )
 
 

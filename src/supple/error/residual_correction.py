@@ -40,7 +40,7 @@ from supple.machine.system import System
 from supple.methods.floating.full.full_state import FullState
 from supple.methods.floating.full.full_system import FullSystem
 from supple.reduction import Condensation, ReducedBody, ReductionBasis
-from supple.simulation.full_rest import holds_all
+from supple.simulation.full_rest import fixes_rigid_motion
 
 __all__ = ["ResidualCorrections", "active_constraints", "residual_corrections", "system_corrections"]
 
@@ -175,7 +175,7 @@ def corrections_of(
     rotations = np.array([state.configuration.rotations for state in states])
     times = np.array([state.time for state in states])
     prepared = seen.prepared
-    determined = holds_all(prepared.system, prepared.model)
+    determined = fixes_rigid_motion(prepared.system, prepared.model)
     return {
         full.name: _of_body(
             full,
@@ -231,7 +231,9 @@ def expanded_states(
     prepared = FullSystem(replace(system, bodies=placed), active_constraints(system, solution))
     lowest = min(body.lowest_frequency() for body in reduced)
     slowness = (
-        _SLOWNESS if holds_all(prepared.system, prepared.model) else _slowness_in_flight(solution, lowest)
+        _SLOWNESS
+        if fixes_rigid_motion(prepared.system, prepared.model)
+        else _slowness_in_flight(solution, lowest)
     )
     return ExpandedStates(
         prepared=prepared,

@@ -19,7 +19,7 @@ from supple.body.full_body import FullBody
 from supple.reduction import ReducedBody, ReductionBasis
 from supple.reduction.locking import TOLERATED
 
-__all__ = ["MissedPart", "doubt", "is_confirmed", "is_useless", "missed_part", "withheld"]
+__all__ = ["MissedPart", "doubt", "is_confirmed", "is_useless", "locking_loss", "locks", "missed_part"]
 
 AGREES = 2.0
 """Largest ratio between the distance of two runs and the estimated error of the first, for agreement."""
@@ -30,15 +30,20 @@ def is_useless(errors: Sequence[float]) -> bool:
     return len(errors) > 1 and bool(np.isfinite(errors[-2])) and not errors[-1] < errors[-2]
 
 
-def withheld(body: ReducedBody) -> float:
+def locking_loss(body: ReducedBody) -> float:
     """Relative loss of a static deflection of a reduced body by locking (stiff motion outside the basis)."""
     return 0.0 if body.report.locking is None else body.report.locking.largest_remaining
 
 
+def locks(body: ReducedBody) -> bool:
+    """Whether the loss of a static deflection by locking exceeds the tolerated one."""
+    return locking_loss(body) > TOLERATED
+
+
 def doubt(body: ReducedBody, indicator: float) -> str:
     """Reason why an estimate is doubtful, as text."""
-    if withheld(body) > TOLERATED:
-        return f"body '{body.name}' locks: static deflections are {100 * withheld(body):.2g} % too small"
+    if locks(body):
+        return f"body '{body.name}' locks: static deflections are {100 * locking_loss(body):.2g} % too small"
     return f"motion of {indicator:.2g} at rest is outside the basis of body '{body.name}'"
 
 

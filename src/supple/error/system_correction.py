@@ -25,13 +25,12 @@ from supple.error.equation.elastic_history import PROVEN
 from supple.error.error_estimate import ErrorEstimate, ErrorEstimator
 from supple.error.round_archive import MissedMotion, RoundArchive, RoundBases
 from supple.error.start_deformation import with_reduced, with_start
-from supple.error.stopping import doubt, is_confirmed, is_useless, missed_part, withheld
+from supple.error.stopping import doubt, is_confirmed, is_useless, locks, missed_part
 from supple.errors import ConvergenceError, LockingWarning
 from supple.integrate import ErrorPart, Run, Solution, StepProgress
 from supple.machine.system import System
 from supple.quantities.quantity_of_interest import QuantityOfInterest, WholeBody, quantity_distance
 from supple.reduction import ReducedBody, enrich, padded, project, reduction_basis
-from supple.reduction.locking import TOLERATED
 from supple.reduction.tensor_memory import require_tensor_memory
 
 __all__ = ["Accepted", "Announce", "Problem", "correct"]
@@ -208,9 +207,7 @@ def _simulated(problem: Problem, model: _Model) -> _Run:
 
 def _is_unconfirmed(problem: Problem, model: _Model) -> bool:
     """Whether a first round cannot be the last, because a body locks."""
-    return any(
-        name not in problem.confirmed and withheld(body) > TOLERATED for name, body in model.bodies.items()
-    )
+    return any(name not in problem.confirmed and locks(body) for name, body in model.bodies.items())
 
 
 def _enriched(

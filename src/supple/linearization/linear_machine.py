@@ -18,7 +18,7 @@ from supple.summary import Summarized, Summary, listed
 if TYPE_CHECKING:
     from supple.linearization.sparse_machine import SparseMachine
     from supple.linearization.standing_error import StandingTurn
-    from supple.simulation.full_rest import RestError
+    from supple.simulation.full_rest import EquilibriumError
 
 __all__ = ["LinearMachine"]
 
@@ -34,14 +34,14 @@ class FullMachine:
     machine  : SparseMachine    about its own equilibrium, with all coordinates of the reduced bodies
     expansion : sparse (N, n)   map from motions `p` of the reduced machine to those of the full one
     bodies   : by name, the coordinates of a reduced body among the N of the full machine
-    rest     : RestError        basis errors at the equilibrium, by name
+    rest     : EquilibriumError        basis errors at the equilibrium, by name
     standing : StandingTurn | None      for a machine in standing axes, over one revolution
     """
 
     machine: SparseMachine
     expansion: Any
     bodies: Mapping[str, slice]
-    rest: Mapping[str, RestError]
+    rest: Mapping[str, EquilibriumError]
     standing: StandingTurn | None = None
 
 

@@ -83,7 +83,7 @@ def _by_axis(head: Sequence[str], *values: Any) -> list[list[str]]:
 
 
 def rest_error_table(numbers: Mapping[str, Any]) -> TextTable:
-    """Basis error of each reduced body at rest; `numbers["errors"]` from `RestError.plain`."""
+    """Basis error of each reduced body at rest; `numbers["errors"]` from `EquilibriumError.plain`."""
     length = numbers["units"].get("length", "")
     rows = [
         [

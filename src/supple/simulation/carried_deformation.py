@@ -24,7 +24,7 @@ from supple.body import BodyForm, FlexibleBody, MeanAxisFrame
 from supple.errors import ModelError
 from supple.simulation.stored_basis import stored_basis
 
-__all__ = ["CarriedDeformation", "Deformation", "PlacedFrame", "ProjectionLoss", "carried_deformation"]
+__all__ = ["Deformation", "PlacedFrame", "ProjectionLoss", "TransferredDeformation", "carried_deformation"]
 
 Array = np.ndarray
 
@@ -69,7 +69,7 @@ class ProjectionLoss:
     gap: float
 
 
-class CarriedDeformation(NamedTuple):
+class TransferredDeformation(NamedTuple):
     """State of a body in its new form."""
 
     frame: PlacedFrame
@@ -89,7 +89,7 @@ def deformation_of(body: BodyForm, coordinates: Array, rates: Array) -> Deformat
 
 def carried_deformation(
     then: BodyForm, state: PlacedFrame, deformation: Deformation, now: Any, nodes: Array
-) -> CarriedDeformation:
+) -> TransferredDeformation:
     """The state of a body in another form or basis.
 
     Parameters
@@ -110,7 +110,7 @@ def carried_deformation(
         state, deformation = _seen_from(body, _frame(now), state, deformation, coordinates_of)
     x, dx = (coordinates_of(each) for each in deformation)
     if now.kind == "full":
-        return CarriedDeformation(state, x, dx, ProjectionLoss(0.0, 0.0, 0.0, 0.0))
+        return TransferredDeformation(state, x, dx, ProjectionLoss(0.0, 0.0, 0.0, 0.0))
     vectors = stored_basis(now.full, now).vectors if now.kind == "reduced" else now.vectors
     weighted = (body.mass @ vectors).T
     back, ends, wanted = _interfaces(now, body)
@@ -133,7 +133,7 @@ def carried_deformation(
     gamma, lost = on_columns(x, follows)
     rates, lost_rate = on_columns(dx, lambda rate: _following_rates(now, gamma, rate))
     gaps = (ends @ gamma - wanted @ x).reshape(-1, 6)[:, :3]
-    return CarriedDeformation(
+    return TransferredDeformation(
         state,
         gamma,
         rates,

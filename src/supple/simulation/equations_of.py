@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from supple.equations.static_search import Equations
-from supple.equations.steady_motion import SteadyTurning
+from supple.equations.steady_motion import SteadyRotation
 from supple.machine import System
 from supple.methods.explicit.check_machine import check_spin_stiffness
 from supple.methods.floating import compiled_statics, full_statics
@@ -16,7 +16,7 @@ __all__ = ["equations_of"]
 
 
 def equations_of(
-    system: System, turning: SteadyTurning | None, time: float, known: tuple[int, ...] | None = None
+    system: System, turning: SteadyRotation | None, time: float, known: tuple[int, ...] | None = None
 ) -> Equations:
     """A machine with bodies as placed, prepared for statics and modes.
 

@@ -15,7 +15,13 @@ from supple.errors import BasisWarning
 from supple.integrate import Solution
 from supple.machine import Spin, System
 from supple.progress import with_progress_bar
-from supple.simulation.full_rest import RestError, full_rest, holds_all, known_fulls, rest_errors
+from supple.simulation.full_rest import (
+    EquilibriumError,
+    fixes_rigid_motion,
+    full_rest,
+    known_fulls,
+    rest_errors,
+)
 from supple.simulation.rest_stability import is_stable
 from supple.simulation.resting_state import (
     RestingState,
@@ -37,7 +43,7 @@ class Equilibrium(Summarized):
     system     : System     with the poses, velocities and deformation of its bodies, for a run to start from
     solution   : Solution   the same state as a motion with one output time
     iterations : int        number of iterations of the search
-    errors : RestError      basis error, by name of the reduced body with a known full body
+    errors : EquilibriumError      basis error, by name of the reduced body with a known full body
     full : (System, Solution)   the equilibrium with all coordinates of the reduced bodies whose full bodies
                 are known; None without such bodies, or if it was not found
     stable : bool | None    whether the tangent stiffness, in co-rotating axes, is positive on the motions
@@ -49,7 +55,7 @@ class Equilibrium(Summarized):
     system: System
     solution: Solution
     iterations: int
-    errors: Mapping[str, RestError] = field(default_factory=dict)
+    errors: Mapping[str, EquilibriumError] = field(default_factory=dict)
     full: tuple[System, Solution] | None = None
     stable: bool | None = None
     is_held: bool = False
@@ -130,11 +136,11 @@ def equilibrium(
         errors,
         None if balanced is None else (placed_at_rest(balanced), _one_instant(balanced, time)),
         is_stable(found, time),
-        holds_all(found.system, found.equations.model),
+        fixes_rigid_motion(found.system, found.equations.model),
     )
 
 
-def warn_of_rest(errors: Mapping[str, RestError]) -> None:
+def warn_of_rest(errors: Mapping[str, EquilibriumError]) -> None:
     """BasisWarning for each body with a large basis error at equilibrium."""
     for name, error in errors.items():
         if not error.known:

@@ -37,7 +37,14 @@ from supple.simulation.machine_with_stations import machine_with_stations
 from supple.simulation.resting_state import RestingState, placed_at_rest
 from supple.simulation.stored_basis import stored_bases
 
-__all__ = ["FullRest", "RestError", "full_rest", "holds_all", "known_fulls", "rest_errors"]
+__all__ = [
+    "EquilibriumError",
+    "FullEquilibrium",
+    "fixes_rigid_motion",
+    "full_rest",
+    "known_fulls",
+    "rest_errors",
+]
 
 SLOWNESS = 1e3
 """Ratio of the lowest angular frequency to the rate of the correction."""
@@ -53,7 +60,7 @@ NEAR_BY = 20
 
 
 @dataclass(frozen=True, eq=False)
-class RestError:
+class EquilibriumError:
     """Error of the basis of a reduced body at an equilibrium.
 
     displacement : (N, 3)   of the nodes, in space: positions with all coordinates minus positions of the
@@ -108,7 +115,7 @@ class RestError:
 
 
 @dataclass(frozen=True, eq=False)
-class FullRest:
+class FullEquilibrium:
     """The equilibrium of a machine with all coordinates of its reduced bodies.
 
     found : RestingState | None     None where the search found none
@@ -146,7 +153,7 @@ def known_fulls(
 
 def full_rest(
     reduced: RestingState, fulls: Mapping[str, FullBody], time: float, search: StaticSearch
-) -> FullRest | None:
+) -> FullEquilibrium | None:
     """The equilibrium with all coordinates, found from the reduced one; None without reduced bodies.
 
     fulls : the full bodies of reduced ones, by name; other bodies are unchanged
@@ -185,14 +192,16 @@ def full_rest(
             try:
                 state, _ = search_equilibrium(statics, statics.start(), time, search)
             except ConvergenceError:
-                return FullRest(None, bases, began, second)
+                return FullEquilibrium(None, bases, began, second)
     found = reduced._replace(system=statics.machine.system, state=state, equations=statics)
-    return FullRest(found, bases, began, second)
+    return FullEquilibrium(found, bases, began, second)
 
 
-def rest_errors(reduced: RestingState, fulls: Mapping[str, FullBody], full: FullRest) -> dict[str, RestError]:
+def rest_errors(
+    reduced: RestingState, fulls: Mapping[str, FullBody], full: FullEquilibrium
+) -> dict[str, EquilibriumError]:
     """The basis error of each body, by name."""
-    held = holds_all(reduced.system, reduced.equations.model)
+    held = fixes_rigid_motion(reduced.system, reduced.equations.model)
     before = placed_at_rest(reduced).bodies
     after = before if full.found is None else placed_at_rest(full.found).bodies
     errors = {}
@@ -203,7 +212,9 @@ def rest_errors(reduced: RestingState, fulls: Mapping[str, FullBody], full: Full
         own, began = fulls[name], full.began[name]
         if full.found is None:
             none, size = np.zeros_like(began), largest_displacement(own, began[None])
-            errors[name] = RestError(np.zeros_like(own.nodes), none, size, np.inf, full.second, known=False)
+            errors[name] = EquilibriumError(
+                np.zeros_like(own.nodes), none, size, np.inf, full.second, known=False
+            )
             continue
         deformation = new.coordinates - full.bases[name].vectors @ old.coordinates
         if held:
@@ -211,7 +222,7 @@ def rest_errors(reduced: RestingState, fulls: Mapping[str, FullBody], full: Full
         else:
             missing = new.coordinates - began  # condensed motion is not an error
             displacement = own.expand(frame_projector(own.body, MeanAxisFrame())(missing))
-        errors[name] = RestError(
+        errors[name] = EquilibriumError(
             displacement,
             deformation,
             largest_displacement(own, new.coordinates[None]),
@@ -221,7 +232,7 @@ def rest_errors(reduced: RestingState, fulls: Mapping[str, FullBody], full: Full
     return errors
 
 
-def holds_all(system: System, model: Model) -> bool:
+def fixes_rigid_motion(system: System, model: Model) -> bool:
     """Whether the joints determine all rigid motion."""
     return len(model.active) >= 6 * len(system.bodies)
 

@@ -16,7 +16,7 @@ from supple.equations.static_search import (
     StaticState,
     search_equilibrium,
 )
-from supple.equations.steady_motion import SteadyTurning
+from supple.equations.steady_motion import SteadyRotation
 from supple.errors import ModelError
 from supple.machine import Controller, Placed, SampledController, Spin, System
 from supple.simulation.equations_of import equations_of
@@ -29,7 +29,7 @@ class RestingState(NamedTuple):
 
     system: System
     """The machine as placed"""
-    turning: SteadyTurning
+    turning: SteadyRotation
     state: StaticState
     iterations: int
     equations: Equations
@@ -52,9 +52,9 @@ def resting_state(
     check_time(time)
     _refuse_sampled(system)
     search = StaticSearch() if search is None else search
-    turning = SteadyTurning(np.zeros((len(system.bodies), 3)), np.zeros(3))
+    turning = SteadyRotation(np.zeros((len(system.bodies), 3)), np.zeros(3))
     if spin is not None:
-        turning = SteadyTurning(spin.angular_velocities(system), spin.point)
+        turning = SteadyRotation(spin.angular_velocities(system), spin.point)
     still = replace(system, bodies=tuple(at_rest(placed) for placed in system.bodies))
     equations = equations_of(still, turning if spin else None, time)
     state, iterations = search_equilibrium(equations, equations.start(), time, search, progress)

@@ -21,7 +21,7 @@ import h5py
 import numpy as np
 
 from supple.body import FullBody
-from supple.error import Indicated, IndicatorBody
+from supple.error import ErrorIndicator, IndicatorBody
 from supple.error.correction_rounds import SelfCorrection
 from supple.error.equation import ErrorSpace, MotionColumns
 from supple.storage.sealed_hdf5 import open_sealed, writing_sealed
@@ -106,7 +106,7 @@ class Certificate:
         """Largest ratio of the other parts of the error to the size."""
         return max((each.others / each.size for each in self._of(body) if each.size), default=0.0)
 
-    def case_error(self, case: int, indicated: Mapping[str, Indicated]) -> EstimatedError:
+    def case_error(self, case: int, indicated: Mapping[str, ErrorIndicator]) -> EstimatedError:
         """Estimated error of a case from its indicators by body; of a representative, its full estimates."""
         full = {each.body: each for each in self.representatives if each.case == case}
         if self.reason or not full or full.keys() != indicated.keys():
@@ -116,7 +116,7 @@ class Certificate:
             for name, each in full.items()
         )
 
-    def scaled_indicator(self, indicated: Mapping[str, Indicated]) -> EstimatedError:
+    def scaled_indicator(self, indicated: Mapping[str, ErrorIndicator]) -> EstimatedError:
         """Estimated error of a case from its indicators by body."""
         if self.reason or not indicated:
             return EstimatedError()

@@ -27,7 +27,7 @@ from supple.storage.sealed_hdf5 import is_whole
 from supple.sweeps.attempts import NOT_OF_A_CASE, Attempts
 from supple.sweeps.certificate import Certificate, read_certificate, write_certificate
 from supple.sweeps.greedy_basis import certify, training_cases
-from supple.sweeps.leading_columns import in_leading_columns
+from supple.sweeps.leading_columns import with_principal_bases
 from supple.sweeps.plan import SweepPlan, read_plan
 from supple.sweeps.sweep_shares import largest_ratio, sweep_shares
 from supple.sweeps.swept_group import SweptCase, SweptGroup, swept_group
@@ -106,7 +106,7 @@ def _why_not(group: SweptGroup) -> str:
         ),
         f"{named} is not reduced by the sweep from elements: only single runs have an estimate": bool(others),
         "the bases have a fixed size: set basis = true in [error] to estimate their errors": (
-            not group.asks_for_errors
+            not group.requests_errors
         ),
     }
     return next((reason for reason, holds in reasons.items() if holds), "")
@@ -135,7 +135,7 @@ def _certify(folder: Path, group: SweptGroup, number: int, level: int, own: Path
                 training = sorted({*training, worst})
             fewer, runs = group, None
             if level == 0 and len(cases) >= MANY:
-                fewer, runs = in_leading_columns(group, training)
+                fewer, runs = with_principal_bases(group, training)
             found, certificate = certify(fewer, training, worst, runs)
     except SuppleError as error:  # the cases run without an estimate
         if isinstance(error, NOT_OF_A_CASE):

@@ -18,8 +18,8 @@ import numpy as np
 
 from supple.body import FullBody
 from supple.error import (
+    ErrorIndicator,
     ErrorStudy,
-    Indicated,
     IndicatorBody,
     SelfCorrectionError,
     case_indicators,
@@ -93,7 +93,7 @@ def indicated(
     cases: Sequence[SweptCase],
     solutions: Sequence[Solution],
     bodies: Mapping[str, IndicatorBody],
-) -> list[dict[str, Indicated]]:
+) -> list[dict[str, ErrorIndicator]]:
     """Error indicators of the runs of some cases of a group, by body."""
     return case_indicators(
         [own.system for own in cases],
@@ -120,7 +120,7 @@ class _Search:
         if not self._cases:
             self.certificate = replace(self.certificate, reason="no representative case ran to its end")
         place = self._first(first) if self._cases else None
-        known: dict[str, Indicated] = {}
+        known: dict[str, ErrorIndicator] = {}
         while place is not None:
             rows, fields = self._stated(place, known)
             if may_enrich and any(self._exceeds(each) for each in rows):
@@ -158,7 +158,7 @@ class _Search:
         return bool(np.isfinite(allowed)) and not row.basis <= allowed
 
     def _stated(
-        self, place: int, known: Mapping[str, Indicated]
+        self, place: int, known: Mapping[str, ErrorIndicator]
     ) -> tuple[list[Representative], dict[str, np.ndarray]]:
         """The full estimate of a case, as for a single run, and the motion that its bases lack, by body.
 
@@ -211,7 +211,7 @@ class _Search:
             for name, basis in bases.items()
         }
 
-    def _next(self, found: Sequence[Mapping[str, Indicated]]) -> int | None:
+    def _next(self, found: Sequence[Mapping[str, ErrorIndicator]]) -> int | None:
         """Index of the next representative; None ends the search.
 
         The second representative is the case with the largest scaled indicator. If that case has a full

@@ -30,7 +30,7 @@ from supple.simulation.stored_basis import stored_bases
 from supple.sweeps.swept_group import SweptGroup
 from supple.sweeps.training_runs import TrainingRuns, training_runs
 
-__all__ = ["in_leading_columns", "leading_directions"]
+__all__ = ["leading_directions", "with_principal_bases"]
 
 Array = NDArray[np.float64]
 Bounds = dict[str, list[tuple[float, float]]]
@@ -60,7 +60,7 @@ def leading_directions(coordinates: Array, stiffness: Array, missed: float) -> A
     return np.linalg.qr(np.linalg.solve(factor.T, rows[:number].T))[0]
 
 
-def in_leading_columns(group: SweptGroup, numbers: Sequence[int]) -> tuple[SweptGroup, TrainingRuns]:
+def with_principal_bases(group: SweptGroup, numbers: Sequence[int]) -> tuple[SweptGroup, TrainingRuns]:
     """The group with smaller bases, or the given group if motions change too much, and its training runs.
 
     numbers : numbers of the cases whose motions give the directions

@@ -95,7 +95,7 @@ def run_cases(
             # With one group, other processes wait for its certificate, so that this one can use their cores.
             with one_core() if plan.group.any() else nullcontext():
                 group = certified_group(folder, plan, number, level)
-            if group.group.asks_for_errors and group.certificate.reason:
+            if group.group.requests_errors and group.certificate.reason:
                 warnings.warn(
                     f"errors of cases are not estimated: {group.certificate.reason}",
                     SuppleWarning,

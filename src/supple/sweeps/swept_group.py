@@ -12,7 +12,7 @@ from supple.body import BodyForm, Damping, FullBody
 from supple.cases.bodies import Body
 from supple.cases.case import Case
 from supple.cases.case_inputs import digests_of_files
-from supple.cases.condense import with_modes_enough
+from supple.cases.condense import with_sufficient_modes
 from supple.cases.notify import silent
 from supple.cases.result_tables import recorded_quantities
 from supple.cases.static_case import starting_system
@@ -92,7 +92,7 @@ class SweptGroup:
         return SweptCase(case, self._started(case))
 
     @property
-    def asks_for_errors(self) -> bool:
+    def requests_errors(self) -> bool:
         """Whether the case file requests basis errors."""
         return bool(self.fresh.starts) or self.like.study.basis
 
@@ -137,7 +137,7 @@ class SweptGroup:
         recorded_quantities(case, case.system)
         condensed = {body.name: body.condense for body in case.tables.body if body.condense is not None}
         if condensed:
-            placed = with_modes_enough(self._started(case), case.run, condensed, silent).bodies
+            placed = with_sufficient_modes(self._started(case), case.run, condensed, silent).bodies
         return {each.body.name: each.body for each in placed if each.body.kind != "rigid"}
 
 

@@ -5,7 +5,7 @@ import pytest
 from fixtures.beam_lines import beam_line, straight
 
 from supple.body import NodalFixedFrame, RigidBody, RigidInterface, flexible_body
-from supple.equations.steady_motion import SteadyTurning
+from supple.equations.steady_motion import SteadyRotation
 from supple.errors import ModelError
 from supple.fem import BeamSection, Isotropic, shell_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run
@@ -127,7 +127,7 @@ def test_the_tangent_is_the_derivative_of_the_residual(rate):
     spring = SpringDamper(first="beam.tip", second="ground", stiffness=3.0, anchor=(1.2, 0.1, 0.4))
     joint = Revolute(first="ground", second="beam.root", axis=(0, 0, 1), name="hinge")
     system = System([placed], [joint], [spring], gravity=[0, 0, -G])
-    turning = SteadyTurning(np.array([[0, 0, rate]]), np.zeros(3)) if rate else None
+    turning = SteadyRotation(np.array([[0, 0, rate]]), np.zeros(3)) if rate else None
     machine = line_statics(system, turning, 0.0)
     state = machine.start()._replace(multipliers=np.linspace(-1, 2, 5))
     tangent = machine._small_motions(state)

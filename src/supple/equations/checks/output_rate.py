@@ -23,7 +23,7 @@ from supple.errors import ResolutionWarning
 from supple.integrate import FixedStep, FloatingMotion, Run, Solution
 from supple.machine import System
 
-__all__ = ["Hidden", "hidden_vibration", "report_output_rate"]
+__all__ = ["UnresolvedVibration", "hidden_vibration", "report_output_rate"]
 
 SHARE = 0.1
 """Smallest reported vibration, relative to the motion."""
@@ -39,7 +39,7 @@ FEWEST = 10
 
 
 @dataclass(frozen=True)
-class Hidden:
+class UnresolvedVibration:
     """A vibration that output times do not resolve: frequency, rad/s, and share of the whole motion."""
 
     frequency: float
@@ -50,10 +50,10 @@ class Hidden:
 
 def hidden_vibration(
     positions: np.ndarray, velocities: np.ndarray, accelerations: np.ndarray, output_step: float
-) -> Hidden:
+) -> UnresolvedVibration:
     """The unresolved vibration of a motion (t, m) at evenly spaced output times, in the worst window."""
     n = len(positions)
-    found = Hidden(0.0, 0.0, 0.0)
+    found = UnresolvedVibration(0.0, 0.0, 0.0)
     if n < FEWEST:
         return found
 
@@ -73,7 +73,7 @@ def hidden_vibration(
                 continue
             amplitude = _rms(u) / (frequency * (1 - np.sinc(frequency * output_step / np.pi)))
             if amplitude > found.amplitude:
-                found = Hidden(frequency, amplitude / size, amplitude)
+                found = UnresolvedVibration(frequency, amplitude / size, amplitude)
     return found
 
 

@@ -25,7 +25,7 @@ from supple.integrate import FramedMotion, Solution, Validity
 from supple.machine import At, ForceElement
 from supple.machine.system import System
 
-__all__ = ["Excess", "Peaks", "Watch", "watch"]
+__all__ = ["ExceededLimit", "Peaks", "ValidityMonitor", "watch"]
 
 SOFTENED_LIMIT = 0.01
 """Estimated relative error of a deflection due to averaging interfaces, from which a warning is given."""
@@ -59,7 +59,7 @@ class Peaks(NamedTuple):
         return Peaks(*spin, *rotation, *softened)
 
 
-class Excess(NamedTuple):
+class ExceededLimit(NamedTuple):
     """One exceeded limit; the message contains body, value, limit, consequence and remedy."""
 
     body: str
@@ -89,7 +89,7 @@ class _Limits:
 
 
 @dataclass(frozen=True, eq=False)
-class Watch:
+class ValidityMonitor:
     """The limits of a system's bodies, and the check of a run against them."""
 
     validity: Validity
@@ -112,17 +112,17 @@ class Watch:
                 raise ValidityError(excess.message)
         return merged
 
-    def excesses(self, peaks: Mapping[str, Peaks]) -> list[Excess]:
+    def excesses(self, peaks: Mapping[str, Peaks]) -> list[ExceededLimit]:
         """Every exceeded limit."""
         found = []
         for own in self.limits:
             peak = peaks.get(own.name, Peaks())
             if peak.spin > own.spin:
-                found.append(Excess(own.name, _too_fast(own, peak)))
+                found.append(ExceededLimit(own.name, _too_fast(own, peak)))
             if peak.rotation > own.rotation:
-                found.append(Excess(own.name, _too_wide(own, peak)))
+                found.append(ExceededLimit(own.name, _too_wide(own, peak)))
             if peak.softened > SOFTENED_LIMIT:
-                found.append(Excess(own.name, _out_of_shape(own, peak)))
+                found.append(ExceededLimit(own.name, _out_of_shape(own, peak)))
         return found
 
     def report(self, peaks: Mapping[str, Peaks]) -> None:
@@ -203,12 +203,14 @@ def _averaging(body: BodyForm, carrying: set[At]) -> tuple[Any, np.ndarray]:
     return np.vstack(dense), np.concatenate([softness for _, softness in found])
 
 
-def watch(system: System, validity: Validity) -> Watch:
+def watch(system: System, validity: Validity) -> ValidityMonitor:
     """Prepare the limits of every flexible body of a system."""
     # Finite elements without a frame can rotate without limit.
     bodies = [placed.body for placed in system.bodies]
     deforming = [body for body in bodies if body.n_coordinates and body.has_frame]
-    return Watch(validity, tuple(_limits(body, validity, _carrying_moments(system)) for body in deforming))
+    return ValidityMonitor(
+        validity, tuple(_limits(body, validity, _carrying_moments(system)) for body in deforming)
+    )
 
 
 def _carrying_moments(system: System) -> set[At]:

@@ -16,7 +16,7 @@ from supple.equations.control_linearization import LinearControl
 from supple.equations.coordinate_scales import kinds_of_rows, known_position_scale
 from supple.equations.machine_model import Model
 from supple.equations.static_search import ROUND_OFF, EquilibriumResidual, StaticState, StaticStep
-from supple.equations.steady_motion import LinearEquations, SteadyEquations, SteadyTurning
+from supple.equations.steady_motion import LinearEquations, SteadyEquations, SteadyRotation
 from supple.errors import AccuracyError, ModelError
 from supple.integrate import Solution, Statistics
 from supple.machine import Placed, System
@@ -230,7 +230,7 @@ class LineStatics(SteadyEquations):
         return np.concatenate([starts[placed.body.name] for placed in self.machine.system.bodies])
 
     @cached_property
-    def _terms(self) -> tuple[JoinedArrays, SteadyTurning | None]:
+    def _terms(self) -> tuple[JoinedArrays, SteadyRotation | None]:
         """Arrays of the machine with its rotating drives, and its steady rotation, floating bodies first."""
         arrays, time = self.machine.arrays, float(self.begin.time)
         names = [placed.body.name for placed in self.machine.system.bodies]
@@ -277,7 +277,7 @@ def _blocks(*parts: np.ndarray) -> np.ndarray:
 
 
 def line_statics(
-    system: System, turning: SteadyTurning | None, time: float, known: tuple[int, ...] | None = None
+    system: System, turning: SteadyRotation | None, time: float, known: tuple[int, ...] | None = None
 ) -> LineStatics:
     """Steady equations of a machine with intrinsic bodies and closed joints.
 

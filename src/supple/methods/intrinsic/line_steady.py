@@ -27,7 +27,7 @@ import numpy as np
 from supple.equations.balance import balance
 from supple.equations.compiler_options import STARTING
 from supple.equations.joint_force import constraints
-from supple.equations.steady_motion import SteadyTurning
+from supple.equations.steady_motion import SteadyRotation
 from supple.methods.intrinsic.joined_equations import (
     JoinedInstant,
     JoinedRates,
@@ -113,7 +113,7 @@ def _turning_line(
 
 
 def _turning_lines(
-    arrays: JoinedArrays, turning: SteadyTurning | None, now: JoinedInstant
+    arrays: JoinedArrays, turning: SteadyRotation | None, now: JoinedInstant
 ) -> tuple[jax.Array, ...]:
     if turning is None:
         return tuple(jnp.zeros_like(state.q1) for state in now.lines)
@@ -125,7 +125,7 @@ def _turning_lines(
 
 
 def _turning_frames(
-    arrays: JoinedArrays, turning: SteadyTurning | None, now: JoinedInstant, dy: jax.Array, ddy: jax.Array
+    arrays: JoinedArrays, turning: SteadyRotation | None, now: JoinedInstant, dy: jax.Array, ddy: jax.Array
 ) -> tuple[jax.Array, jax.Array]:
     """Velocities and accelerations (n,) of the floating bodies in steady rotation."""
     nb = len(arrays.model.sizes) - arrays.n_coupled
@@ -141,7 +141,7 @@ def _turning_frames(
 
 
 def _near(
-    arrays: JoinedArrays, turning: SteadyTurning | None, at: JoinedInstant, y: Any, dy: Any, ddy: Any
+    arrays: JoinedArrays, turning: SteadyRotation | None, at: JoinedInstant, y: Any, dy: Any, ddy: Any
 ) -> tuple[JoinedInstant, JoinedRates]:
     """The machine displaced by y, with rates y' and y'' relative to rotating axes."""
     now = _moved_by(arrays, at, y)
@@ -168,7 +168,7 @@ def _residual(
 
 
 def _unbalanced(
-    arrays: JoinedArrays, turning: SteadyTurning | None, at: JoinedInstant, multipliers: jax.Array
+    arrays: JoinedArrays, turning: SteadyRotation | None, at: JoinedInstant, multipliers: jax.Array
 ) -> Unbalanced:
     n, none = arrays.n_floating, jnp.zeros(arrays.n_floating + sum(len(state.q1) for state in at.lines))
     now, rates = _near(arrays, turning, at, none, none, none)
@@ -193,7 +193,7 @@ def _unbalanced(
 
 
 def _small_motions(
-    arrays: JoinedArrays, turning: SteadyTurning | None, at: JoinedInstant, multipliers: jax.Array
+    arrays: JoinedArrays, turning: SteadyRotation | None, at: JoinedInstant, multipliers: jax.Array
 ) -> SmallMotions:
     none = jnp.zeros(arrays.n_floating + sum(len(state.q1) for state in at.lines))
 
@@ -208,7 +208,7 @@ def _small_motions(
 
 
 def _steady(
-    arrays: JoinedArrays, turning: SteadyTurning | None, at: JoinedInstant
+    arrays: JoinedArrays, turning: SteadyRotation | None, at: JoinedInstant
 ) -> tuple[JoinedInstant, JoinedRates, jax.Array]:
     """The instant and its rates, and the velocities of all bodies of the model, in steady rotation."""
     none = jnp.zeros(arrays.n_floating + sum(len(state.q1) for state in at.lines))

@@ -16,7 +16,7 @@ from supple.equations.build_model import build_model
 from supple.equations.configuration import advance
 from supple.equations.consistent_start import placed_configuration
 from supple.equations.control_linearization import control_at_rest
-from supple.equations.steady_motion import SteadyTurning, steady_motion
+from supple.equations.steady_motion import SteadyRotation, steady_motion
 from supple.errors import ConvergenceError, ModelError
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.linearization import (
@@ -259,7 +259,7 @@ def test_the_tangent_of_resting_controllers_is_that_of_finite_differences():
         initial=[0.3, -0.7],
     )
     system = two_arms([own])
-    model, turning = build_model(system), SteadyTurning(np.array([[0, 0, 1.3], [0, 0, 0.4]]), np.zeros(3))
+    model, turning = build_model(system), SteadyRotation(np.array([[0, 0, 1.3], [0, 0, 0.4]]), np.zeros(3))
     configuration, states = placed_configuration(system), np.array([0.3, -0.7])
 
     def at(configuration, states, velocity_change=0.0):

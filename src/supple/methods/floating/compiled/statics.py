@@ -29,7 +29,7 @@ from supple.equations.static_search import (
 from supple.equations.steady_motion import (
     LinearEquations,
     SteadyEquations,
-    SteadyTurning,
+    SteadyRotation,
     in_turning_axes,
     linear_equations,
     steady_motion,
@@ -140,8 +140,8 @@ class CompiledStatics(SteadyEquations):
         return np.asarray(known_position_scale(self.machine.model))
 
     @property
-    def _still(self) -> SteadyTurning:
-        return SteadyTurning(np.zeros((len(self.machine.model.sizes), 3)), np.zeros(3))
+    def _still(self) -> SteadyRotation:
+        return SteadyRotation(np.zeros((len(self.machine.model.sizes), 3)), np.zeros(3))
 
     def _motion(self, state: StaticState, time: float) -> SystemMotion:
         motion = self.turning or self._still, time, state.configuration, state.multipliers, state.control
@@ -149,7 +149,7 @@ class CompiledStatics(SteadyEquations):
 
 
 def compiled_statics(
-    system: System, turning: SteadyTurning | None, time: float, known: tuple[int, ...] | None = None
+    system: System, turning: SteadyRotation | None, time: float, known: tuple[int, ...] | None = None
 ) -> CompiledStatics:
     """Equations of a machine of rigid and reduced bodies with closed joints.
 

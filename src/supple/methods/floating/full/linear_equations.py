@@ -15,7 +15,7 @@ from scipy.sparse import block_diag, csr_array, eye_array, hstack, vstack
 from supple.algebra.cross import cross_matrix
 from supple.equations.control_linearization import LinearControl
 from supple.equations.station_body import StationBody
-from supple.equations.steady_motion import SteadyTurning, linear_equations
+from supple.equations.steady_motion import SteadyRotation, linear_equations
 from supple.methods.floating.full.full_state import Evaluation, LineEvaluation
 from supple.methods.floating.full.full_system import FullSystem
 
@@ -48,7 +48,7 @@ class SparseEquations(NamedTuple):
         return self.damping @ motions + self.damping_columns @ along
 
 
-def full_linear_equations(machine: FullSystem, turning: SteadyTurning, terms: Evaluation) -> SparseEquations:
+def full_linear_equations(machine: FullSystem, turning: SteadyRotation, terms: Evaluation) -> SparseEquations:
     """Equations of motion linearised about a state in which every body rotates steadily."""
     border = linear_equations(
         machine.model, _border_turning(machine, turning), terms.border_motion, terms.border
@@ -111,7 +111,7 @@ def _along_axes(rotations: np.ndarray, n: int) -> np.ndarray:
     return axes
 
 
-def _border_turning(machine: FullSystem, turning: SteadyTurning) -> SteadyTurning:
+def _border_turning(machine: FullSystem, turning: SteadyRotation) -> SteadyRotation:
     """The steady rotation of the border, whose stations rotate with their bodies."""
     if not machine.lines:
         return turning

@@ -13,7 +13,12 @@ from supple.equations.control_force import first_states, resting_control
 from supple.equations.control_linearization import control_at_rest, unrest
 from supple.equations.static_search import ROUND_OFF, EquilibriumResidual, StaticState, StaticStep
 from supple.equations.station_body import MachineWithStations
-from supple.equations.steady_motion import SteadyEquations, SteadyTurning, turning_velocities, work_of_turning
+from supple.equations.steady_motion import (
+    SteadyEquations,
+    SteadyRotation,
+    turning_velocities,
+    work_of_turning,
+)
 from supple.integrate import Solution, Statistics
 from supple.methods.floating.full.full_solution import full_solution
 from supple.methods.floating.full.full_state import Evaluation, FullState
@@ -128,7 +133,7 @@ class FullStatics(SteadyEquations):
         return self.machine.position_scale
 
     def _linear(self, terms: Evaluation) -> SparseEquations:
-        still = SteadyTurning(np.zeros((len(self.machine.slices), 3)), np.zeros(3))
+        still = SteadyRotation(np.zeros((len(self.machine.slices), 3)), np.zeros(3))
         return full_linear_equations(self.machine, self.turning or still, terms)
 
     def _still(self, state: StaticState, time: float) -> FullState:
@@ -191,7 +196,7 @@ def _turned(machine: FullSystem, vector: np.ndarray, rotations: np.ndarray) -> n
 
 def full_statics(
     machine: MachineWithStations,
-    turning: SteadyTurning | None,
+    turning: SteadyRotation | None,
     time: float,
     known: tuple[int, ...] | None = None,
 ) -> FullStatics:
