@@ -86,7 +86,10 @@ def with_progress_bar(
 
 @contextmanager
 def progress_bar(title: str) -> Iterator[Share | None]:
-    """Context with a bar; yields its `Share`, or None if no bar is shown, as within work that shows one."""
+    """Context with a bar; yields its `Share`, or None if no bar is shown.
+
+    No bar is shown if bars are switched off, without a terminal or notebook, or if the caller shows one.
+    """
     if not (_switch["on"] and _outermost.get() and _is_watched()):
         yield None
         return

@@ -18,9 +18,11 @@ __all__ = ["write_new_case"]
 
 
 def write_new_case(mesh_file: Path, path: Path) -> None:
-    """Write a case of one body to `path`: clamped at the first node set of its mesh, loaded by gravity.
+    """Write a case of one body to `path`: clamped at a node set of its mesh, loaded by gravity.
 
-    Guesses of material, thickness and units are marked. A deck with properties provides all but the units.
+    The node set is the first with fewer than half of the nodes; without such a set, interface and joint are
+    written as comments. Every guess is marked: units, gravity, clamped set, times, and, unless the file is a
+    deck with properties, material and thickness.
 
     Raises
     ------
@@ -60,7 +62,7 @@ def _read(file: Path) -> _Model:
 
 
 def _places(sets: Mapping[str, np.ndarray], n_nodes: int) -> list[str]:
-    """Names of the sets for supports or output, with less than half of the nodes."""
+    """Names of the sets for supports or output, with fewer than half of the nodes."""
     return [name for name, nodes in sets.items() if 0 < len(nodes) < n_nodes / 2]
 
 
@@ -83,7 +85,7 @@ name = "{name}"
 mesh = "{named}"
 {_material(model)}
 frame = {{ kind = "mean-axis" }}
-# The basis grows until the error of the run is a thousandth of the largest displacement.
+# Tolerance, step and basis are refined until the estimated error is at most 1e-3 of the largest displacement.
 reduction = {{ basis = "{basis}", accuracy = {{ relative = 1e-3 }} }}
 
 {_support(name, model.sets)}
@@ -115,7 +117,7 @@ def _material(model: _Model) -> str:
 def _support(name: str, sets: Sequence[str]) -> str:
     known = ", ".join(sets[:20]) or "none: name the nodes in the mesher, or give node_indices = [..] here"
     held = f"""\
-# Node sets of the mesh: {known}
+# Node sets with fewer than half of the nodes (at most 20): {known}
 [[body.interface]]
 name = "root"
 nodes = "{sets[0] if sets else "SET"}"   # GUESS: where the body is clamped

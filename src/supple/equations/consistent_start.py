@@ -29,7 +29,10 @@ from supple.machine import JointFriction, System
 __all__ = ["ConsistentStart", "consistent_start"]
 
 _REDUNDANT = 1e-9
-"""A constraint row with a smaller remainder after projection on earlier rows is redundant."""
+"""A constraint row is redundant if its part independent of earlier rows is smaller than this fraction of it.
+
+The norm is that of `StartingMachine.metric`.
+"""
 _OPEN = 1e-3
 """Constraint residual, relative to the system's size or in rad, above which the model is in error."""
 
@@ -170,9 +173,9 @@ def check_friction_known(system: System, active: tuple[int, ...]) -> None:
         first = rows[load.joint.name].start
         if not {first, first + 1} <= set(active):
             raise ModelError(
-                f"{load.label}: the distribution of joint forces normal to its axis is undetermined, "
-                "as some equations are redundant. Make a body flexible or a joint freer, or give friction "
-                "a preload, RevoluteFriction or PrismaticFriction"
+                f"{load.label}: the distribution of joint forces normal to its axis is not unique, because "
+                "some constraint equations are redundant. Make a body flexible, use a joint with more "
+                "freedom, or use friction of a given preload (RevoluteFriction, PrismaticFriction)"
             )
 
 
@@ -190,8 +193,9 @@ def _check_redundant_closed(system: System, active: tuple[int, ...], residuals: 
 def independent_constraints(system: System, jacobian: np.ndarray, metric: np.ndarray) -> tuple[int, ...]:
     """Indices of a largest set of independent constraint equations; a warning lists the redundant ones.
 
-    Joints are processed in order, so that a closed loop loses rows of the joint that closes it. The best
-    conditioned rows of all joints could become dependent as soon as the mechanism moves.
+    Joints are processed in order, so that a closed loop loses rows of the joint that closes it. Pivoting is
+    avoided, because the best conditioned rows of all joints could become dependent as soon as the mechanism
+    moves.
     """
     if not len(jacobian):
         return ()
@@ -203,7 +207,7 @@ def independent_constraints(system: System, jacobian: np.ndarray, metric: np.nda
     redundant = [labels[i] for i in np.setdiff1d(np.arange(len(jacobian)), kept)]
     warnings.warn(
         f"{len(redundant)} redundant constraint equation(s) left out: {', '.join(redundant)}. The motion is "
-        "the same without them, but these joint forces are not unique; a flexible body, or "
+        "the same without them, but the forces of the joints concerned are not unique; a flexible body, or "
         "a joint with more freedom, removes the redundancy",
         RedundantConstraintWarning,
         stacklevel=4,
@@ -212,7 +216,10 @@ def independent_constraints(system: System, jacobian: np.ndarray, metric: np.nda
 
 
 def _independent_columns(columns: np.ndarray) -> np.ndarray:
-    """Indices of the columns that those before them do not span (Gram-Schmidt, orthogonalised twice)."""
+    """Indices of the columns that are linearly independent of the columns before them.
+
+    Gram-Schmidt, orthogonalised twice.
+    """
     basis = np.zeros((len(columns), 0))
     kept = []
     for index, column in enumerate(columns.T):

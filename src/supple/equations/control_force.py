@@ -1,6 +1,6 @@
 """Controllers, as a term of the equations: their readings, their states, and the loads they drive.
 
-The states of a controller obey the trapezoidal rule over the step,
+The states z of a controller with readings y obey the trapezoidal rule over a step h,
 
     z_1 = z_0 + h/2 ( f(t_0, y_0, z_0) + f(t_1, y_1, z_1) ),
 
@@ -118,7 +118,10 @@ def first_states(model: Model) -> np.ndarray:
 
 
 def resting_control(model: Model, states: Any) -> ControlStep | None:
-    """A step of traced controllers with constant states; None without controllers."""
+    """A step of zero length, with constant states of the controllers; None without controllers.
+
+    For controllers traced by JAX, not for sampled ones.
+    """
     if not model.controllers:
         return None
     every = []
@@ -165,9 +168,11 @@ def by_body(ends: list[Ends]) -> dict[int, list[int]]:
 
 
 def moved_with(ends: list[Ends], numbers: list[int], turn: Any = None) -> tuple[Places, jax.Array]:
-    """Positions of a body's velocities, and their map (12 k, 6 + r) to the local freedoms of its k ends.
+    """Positions of a body's velocities in the vector of all velocities, and a matrix (12 k, 6 + r).
 
-    With `turn` (3, 3), rotations of the frame are increments of its rotation vector instead.
+    The matrix maps these velocities to the local freedoms of the body's k ends. With `turn` (3, 3), it
+    applies to increments of the frame's rotation vector instead of its angular velocity; `turn` maps these
+    increments to rotations.
     """
     frame = jax.scipy.linalg.block_diag(jnp.eye(3), jnp.eye(3) if turn is None else turn)
     parts = [jax.scipy.linalg.block_diag(frame, jnp.asarray(ends[number].motion)[0]) for number in numbers]

@@ -1,12 +1,16 @@
 """Joint forces: the six components that each joint exerts on its second end, from its multipliers.
 
-With the affine form `g = L (d, Q) + c` of the joint's equations (`joint_linearization`) and its multipliers
-lambda, `p = L_d^T lambda` and `P = L_Q^T lambda`, the joint exerts at the second end's point
+The joint's equations are affine, `g = L (d, Q) + c` (`joint_linearization`), in the position d and the
+rotation Q of the second end relative to the first, along the joint axes on the first end. With the
+multipliers lambda, `p = L_d^T lambda`, `P = L_Q^T lambda`, and
 
-    force  -p,        moment  -ax(P Q^T),
+    ax(M) = (M_32 - M_23, M_13 - M_31, M_21 - M_12),
 
-both along the joint axes on the first end. The first end receives the opposite wrench, at the second end's
-point.
+the joint exerts on the second end, at that end's point and along the same axes,
+
+    force  -p,        moment  -ax(P Q^T).
+
+The first end receives the opposite wrench, at the same point.
 """
 
 from __future__ import annotations
@@ -27,7 +31,8 @@ from supple.programs.program_cache import CachedProgram
 
 __all__ = ["joint_wrenches"]
 
-# Times linearised together: one compiled program for runs of any length.
+# Number of times in one block. The last block is padded, so that one compiled program serves runs of any
+# length.
 _BLOCK = 2048
 
 

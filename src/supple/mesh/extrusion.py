@@ -34,14 +34,14 @@ def extrude(
     section : float array (P, 2)         y, z of the section's points
     quads : int array (Q, 4)             right-handed about x
     stations : float array (S,)          x, ascending
-    cell_type : CellType                 a solid type
+    cell_type : CellType                 TETRA4, TETRA10, HEXA8 or HEXA20
     section_sets : {name: int array}     section points; the mesh's sets contain them at every station
     Returns
     -------
     Mesh   node sets root (first station), tip (last station) and those of the section
     Raises
     ------
-    MeshError   another cell type
+    MeshError   any other cell type
     """
     check_instance(
         "a parametric shape, cell_type", cell_type, CellType, "a CellType, such as CellType.TETRA4"

@@ -25,13 +25,15 @@ _STEP = 1.5e-5
 _STEP_OF_FIELD = 3e-4
 """The same for colour fields."""
 _STILL = 1e-12
-"""Largest motion of a mark fixed to its body, as a fraction of the machine's extent; also of its rotation."""
+"""A mark counts as fixed to its body if it moves in the body's axes by at most this fraction of the machine's
+extent. The same number limits the change of its quaternion."""
 
 
 def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, Any]:
     """Add the arrays of a machine; return their layout and all texts.
 
-    Positions are relative to the machine's centre.
+    Positions in space are relative to the middle of the machine's bounding box; nodes and marks of a body are
+    in its own axes.
     """
     middle = 0.5 * (machine.low + machine.high)
     numbers = {body.name: number for number, body in enumerate(machine.bodies)}

@@ -90,7 +90,7 @@ def test_an_imported_blade_can_be_meshed():
         (
             "{name: thin, spanwise_position: 1.0}",
             "{name: thick, spanwise_position: 1.0}",
-            "fewer than two different airfoils",
+            "two or more relative thicknesses",
         ),
     ],
 )

@@ -22,8 +22,9 @@ def read_windio_blade(path: str | Path) -> BladeStations:
 
     The stations are all positions at which the file gives a chord or an airfoil. Between its airfoils, shapes
     are blended by monotone cubics (PCHIP): over the relative thickness where the file gives that along the
-    span (`rthick`), else over the position. Prebend and sweep are those of the reference axis. Sections stay
-    normal to z, whereas windIO rotates them with the axis.
+    span (`rthick`), else over the position. Prebend and sweep are those of the reference axis, in schema 2
+    shifted by `section_offset_x` normal to the chord of the twisted section. Sections stay normal to z,
+    whereas windIO rotates them with the axis.
 
     Parameters
     ----------
@@ -107,7 +108,10 @@ class _OuterShape(WindioFile):
             at = self.distribution(*shape, "rthick")(grid).clip(places.min(), places.max())
         places, first = np.unique(places, return_index=True)
         if places.size < 2:
-            raise ImportFormatError(f"{self.path}: {'.'.join(shape)} has fewer than two different airfoils")
+            raise ImportFormatError(
+                f"{self.path}: {'.'.join(shape)} needs airfoils at two or more positions; with rthick, "
+                "airfoils of two or more relative thicknesses"
+            )
         curve = self.blended(places, heights[first], "airfoils", extrapolate=True)
         blended = curve(at.clip(places[0], places[-1]))
         outlines = np.concatenate([blended[:, 0, ::-1], blended[:, 1, 1:]], axis=1)
@@ -118,7 +122,10 @@ class _OuterShape(WindioFile):
         )
 
     def heights(self, name: str) -> FloatArray:
-        """Heights of the airfoil whose entry is `tree`."""
+        """Ordinates y/c (2, n) of the lower and upper side at `SHAPE_POINTS`, of the airfoil of this entry.
+
+        name : of the airfoil, for messages; `tree` must be its entry
+        """
         x, y = self.numbers("coordinates", "x"), self.numbers("coordinates", "y")
         if x.size != y.size:
             raise ImportFormatError(f"{self.path}: airfoil '{name}' has {x.size} x and {y.size} y")

@@ -2,9 +2,10 @@
 
     K_G(Omega) = sum_ab Omega_a Omega_b K_ab,     K_ab = V^T K'(u_ab) V,     K u_ab = load of Omega_a Omega_b
 
-with K'(u) the derivative of the tangent stiffness at rest: the geometric stiffness of the stress of u, and
-the change of the strains by u. Centrifugal loads are quadratic in the angular velocity, and stress is linear
-in the loads, so six static solutions are sufficient for every angular velocity.
+summed over the six pairs ab of `PAIRS`, each product once. K'(u) is the derivative of the tangent stiffness
+at rest in the direction u: the geometric stiffness of the stress that u causes, and initial-displacement
+terms. Centrifugal loads are quadratic in the angular velocity, and stress is linear in the loads, so six
+static solutions are sufficient for every angular velocity.
 """
 
 from __future__ import annotations
@@ -54,7 +55,10 @@ class CentrifugalStiffness:
 
 
 def centrifugal_loads(body: FlexibleBody) -> FloatArray:
-    """Loads (n, 6) of m (|Omega|^2 X - Omega (Omega . X)), X from the centre of mass, per product."""
+    """Loads (n, 6): coefficients of the products in `PAIRS` in m (|Omega|^2 X - Omega (Omega . X)).
+
+    X is the position from the centre of mass.
+    """
     X = body.nodes - rigid_mass_properties(body.nodal_mass, body.nodes, body.dofs_per_node).centre
     fields = np.zeros((len(X), body.dofs_per_node, 6))
     for number, (a, b) in enumerate(PAIRS):
@@ -78,8 +82,8 @@ def spin_products(p: Array, rates: Array) -> Array:
 def largest_of_unit_spin(matrices: FloatArray, mass: FloatArray) -> float:
     """Bound of the eigenvalues of K_G y = lambda M y, at 1 rad/s about any axis.
 
-    With c the six components of Omega Omega^T (those off the diagonal times sqrt 2, their K_i divided by
-    it), |c| = 1, so |K_G| = |sum c_i K_i| <= sqrt(sum |K_i|^2).
+    Let c be the six components of Omega Omega^T, those off the diagonal times sqrt 2 and their K_i divided by
+    sqrt 2. Then |c| = 1 at 1 rad/s, and |K_G| = |sum c_i K_i| <= sqrt(sum |K_i|^2).
     """
     factor = np.linalg.inv(np.linalg.cholesky(mass))
     sizes = np.linalg.norm(factor @ matrices @ factor.T, ord=2, axis=(1, 2))
