@@ -61,7 +61,7 @@ VABS = [2, 0, 1, 5, 3, 4]
         (COUPLED, changed(OFFSET, 2, 2, 4.0), "its mass differs with the direction"),
         (COUPLED, changed(OFFSET, 1, 6, -0.06), "its first moments are not of a mass in its plane"),
         (COUPLED, changed(OFFSET, 1, 5, 0.1), "its first moments are not of a mass in its plane"),
-        (COUPLED, inertia(3.0, 0.3, 0.2, -0.1, 0.05), "less than those of the mass at its centre"),
+        (COUPLED, inertia(3.0, 0.3, 0.2, -0.1, 0.05), "less than mass times squared distance"),
         (COUPLED, OFFSET[np.ix_(VABS, VABS)], "its first moments are not of a mass in its plane"),
         (
             COUPLED,

@@ -179,7 +179,7 @@ def _check_inertia(where: Sequence[str], inertia: FloatArray) -> None:
         ),
         (
             np.linalg.eigvalsh(about_centre)[:, 0] < -NO_SECTION * mass * size**2,
-            "its moments of inertia are less than those of the mass at its centre",
+            "its moments of inertia are less than mass times squared distance of its centre of mass",
         ),
         (
             inertia[:, 5, 5] < (1 - NO_SECTION) * np.maximum(inertia[:, 3, 3], inertia[:, 4, 4]),
