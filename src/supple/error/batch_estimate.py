@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from supple.blas_threads import one_blas_thread
 from supple.body.full_body import FullBody
 from supple.error.basis_error import ENRICH, FIRST_ORDER, BasisError
 from supple.error.basis_part import in_full, stated_of
@@ -53,6 +54,7 @@ from supple.simulation.stored_basis import stored_bases
 __all__ = ["estimate_batch_errors", "state_batch_errors"]
 
 
+@one_blas_thread()
 def state_batch_errors(
     cases: Sequence[System], run: Run, solutions: Sequence[Solution], fulls: Mapping[str, FullBody]
 ) -> tuple[Solution, ...]:

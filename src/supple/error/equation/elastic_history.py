@@ -45,6 +45,9 @@ large changes estimates by less than 0.1 %."""
 MOST_SAMPLES = 120
 AT_ONCE = 4
 """Number of sample times added before each test whether the previous matrices are sufficient."""
+MOST_IN_THREADS = 200_000
+"""Largest number of coordinates of a body whose tangents are assembled by several threads: each assembly for a
+million coordinates takes gigabytes."""
 PROVEN = 3e-4
 """Allowed error of tangents combined from earlier ones, over the stiffness at rest, in any direction; it
 changes the estimated error of a run by the same ratio, in energy."""
@@ -188,7 +191,7 @@ def tangent_history(
         through_strains[instant] = of_strains - at_rest
         return of_strains + of_stress - at_rest
 
-    whole = _samples(gained, products, chosen, at_rest, proven)
+    whole = _samples(gained, body.n, products, chosen, at_rest, proven)
     sampled = chosen[: len(whole)]
     strains = [through_strains[instant] for instant in sampled.tolist()] if material else []
     return TangentHistory(
@@ -198,6 +201,7 @@ def tangent_history(
 
 def _samples(
     matrix_at: Callable[[int], Array],
+    n: int,
     products: Array,
     chosen: NDArray[np.intp],
     at_rest: Array,
@@ -205,13 +209,15 @@ def _samples(
 ) -> Array:
     """Matrices (m, k, k) at the first sample times, until these reproduce the next matrices.
 
+    n : number of coordinates of the body
     at_rest : (k, k)    stiffness, reference of the allowed error
     """
+    compute = in_threads if n <= MOST_IN_THREADS else map
     scaled = unit_stiffness(at_rest)
     samples = np.zeros((0, *at_rest.shape))
     for start in range(0, len(chosen), AT_ONCE):
         instants = chosen[start : start + AT_ONCE]
-        more = np.array(in_threads(matrix_at, instants.tolist()))
+        more = np.array(list(compute(matrix_at, instants.tolist())))
         predicted = weights_of_instants(products, chosen[:start], products[instants])
         missed = scaled.T @ (more - np.tensordot(predicted, samples, axes=1)) @ scaled
         samples = np.concatenate([samples, more])
@@ -271,7 +277,8 @@ def strain_rate_history(
         q, moving = motion @ coordinates[instant], motion @ rates[instant]
         return _projected(body.assembly.strain_rate_tangent(q, moving), onto)
 
-    samples = _samples(added, products, chosen, _projected(body.stiffness, onto), proven / time)
+    at_rest = _projected(body.stiffness, onto)
+    samples = _samples(added, body.n, products, chosen, at_rest, proven / time)
     return StrainRateHistory(samples, weights_of_instants(products, chosen[: len(samples)], products))
 
 

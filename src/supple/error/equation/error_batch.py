@@ -9,7 +9,6 @@ from typing import Any
 import jax
 import numpy as np
 
-from supple.blas_threads import one_blas_thread
 from supple.equations.compiler_options import MARCHING
 from supple.error.equation.error_history import ErrorEquation
 from supple.error.equation.linearised_march import ElasticGain, ErrorState, GainHistory, march_error
@@ -97,9 +96,9 @@ def _marched(
     coefficients = equations[0].coefficients
 
     def marched(states: ErrorState, blocks: Any) -> ErrorState:
-        steps = _stacked([blocks[i] for i in numbers])
-        with one_blas_thread():
-            return jax.device_get(program(leaves, gains, coefficients, states, steps))
+        return jax.device_get(
+            program(leaves, gains, coefficients, states, _stacked([blocks[i] for i in numbers]))
+        )
 
     points = [equation.point.motion for equation in equations]
     starts = [equation.start_vectors() for equation in equations]

@@ -11,7 +11,6 @@ import jax
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.blas_threads import one_blas_thread
 from supple.body import in_space
 from supple.equations.build_model import build_model
 from supple.equations.configuration import Configuration, SystemMotion
@@ -369,8 +368,7 @@ class ErrorEquation:
         )
         found = [jax.tree.map(lambda leaf: np.asarray(leaf)[None], state)]
         for block, number in blocks_of_run(point.motion, histories):
-            with one_blas_thread():
-                states = jax.device_get(march_error(model, gains, self.coefficients, state, block)[1])
+            states = jax.device_get(march_error(model, gains, self.coefficients, state, block)[1])
             state = jax.tree.map(lambda leaf, last=number - 1: leaf[last], states)
             found.append(jax.tree.map(lambda leaf, n=number: leaf[:n], states))
         return jax.tree.map(lambda *leaves: np.concatenate(leaves), *found)
