@@ -46,7 +46,7 @@ MOST_SAMPLES = 120
 AT_ONCE = 4
 """Number of sample times added before each test whether the previous matrices are sufficient."""
 MOST_IN_THREADS = 200_000
-"""Largest number of coordinates of a body whose tangents are assembled by several threads: each assembly for a
+"""Largest number of coordinates of a body whose tangents are assembled by several threads: an assembly for a
 million coordinates takes gigabytes."""
 PROVEN = 3e-4
 """Allowed error of tangents combined from earlier ones, over the stiffness at rest, in any direction; it
