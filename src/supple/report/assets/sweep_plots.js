@@ -20,6 +20,8 @@ function axisOf(label, size, words) {
     font: "11px system-ui",
     labelFont: "12px system-ui",
     values: (_, values) => values.map(text),
+    // Words must not overlap: 7 pixels for a character.
+    ...(words && { space: 10 + 7 * Math.max(...words.map((word) => String(word).length)) }),
   };
 }
 
