@@ -48,7 +48,7 @@ Array = NDArray[np.float64]
 
 MORE = 10
 """Smallest number of error columns besides those of the motion. For a blade, indicators in 24 columns were
-0.97 times those in 32, with a spread of 2 %."""
+0.96 times those in 32, with a spread of 4 %."""
 SLOWNESS = 1e2
 """Product of the time for all bodies to come to rest and their lowest frequency in rad/s."""
 AT_ONCE = 16

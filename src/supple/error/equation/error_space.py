@@ -97,10 +97,10 @@ def error_space(modes: ModesInFrame, motion: Array, corrections: Array, deformed
 def small_space(modes: ModesInFrame, motion: Array, fields: Array, number: int) -> ErrorSpace:
     """Z = orth_M [ V | fields | modes ], on D q = 0, with `number` columns besides V.
 
-    motion : (n, s) V;  fields : (n, m), whose leading directions are at most three quarters of these columns
+    motion : (n, s) V;  fields : (n, m), whose leading directions are at most half of these columns
     """
     space = _Growing(modes.body, modes.frame, motion)
-    space.add(fields, 3 * number // 4)
+    space.add(fields, number // 2)
     space.add(modes.vectors[:, : number - (space.columns.shape[1] - motion.shape[1])])
     return ErrorSpace(space.columns, motion.shape[1])
 
