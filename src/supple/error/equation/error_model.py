@@ -17,7 +17,7 @@ __all__ = ["body_of_columns", "padded_size", "system_of_columns"]
 
 Array = NDArray[np.float64]
 
-MULTIPLE, MULTIPLE_OF_MANY = 32, 8
+MULTIPLE = 32
 MOST_DOUBLED = 128
 BRIEF = 5000
 """Number of steps; in longer runs padding to doubled sizes takes more time than compiling another program."""
@@ -26,11 +26,8 @@ BRIEF = 5000
 def padded_size(size: int, steps: float) -> int:
     """Padded number of columns, 32, 64, 96 ..: spaces of similar sizes share one compiled program.
 
-    In a short run 64 is followed by 128, because the spaces of most bodies have 80 to 120 columns. For any
-    number of runs (infinite `steps`) the sizes are 8, 16, 24 ...
+    In a short run 64 is followed by 128, because the spaces of most bodies have 80 to 120 columns.
     """
-    if np.isinf(steps):
-        return -(-size // MULTIPLE_OF_MANY) * MULTIPLE_OF_MANY
     multiple = -(-size // MULTIPLE) * MULTIPLE
     return MOST_DOUBLED if 2 * MULTIPLE < multiple <= MOST_DOUBLED and steps <= BRIEF else multiple
 
