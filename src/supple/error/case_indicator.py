@@ -189,8 +189,8 @@ def case_indicators(
                 each,
                 active,
                 {},
-                PROVEN,
-                FEWEST_SAMPLES,
+                proven=PROVEN,
+                fewest_samples=FEWEST_SAMPLES,
             )
             for i, each in zip(rows, steps, strict=True)
         ]
