@@ -3,7 +3,8 @@
 In a body with planes of symmetry every shape is even or odd in each of them. A term of the strain energy that
 is odd as a whole is zero, so that the packed products `g_l g_m` fall into classes, two for one plane and four
 for two, and the matrix of pairs does not couple them. Zero blocks are neither stored nor multiplied: with two
-planes a quarter remains. A body without symmetry has one block, the matrix itself.
+planes a quarter remains. A body without symmetry has one block, the matrix itself. Within a class, rows that
+use few columns form a block of their own, which has only these columns (`second_order_beyond`).
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ from supple.reduction.tensors import number_of_coordinates
 __all__ = ["PairBlocks", "pair_blocks"]
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.intp]
 
 _LARGEST_SHARE = 0.75
 """Largest share of the matrix in its blocks; above it the order of the pairs is left unchanged."""
@@ -33,11 +36,11 @@ class PairBlocks(NamedTuple):
     """Blocks of a matrix Q (n2, n2) of packed pairs; `Q m2`, `m2_(lm) = g_l g_m`, is unpacked to (r, r)."""
 
     first: tuple[NDArray[np.int32], ...]
-    """(n_b,) the coordinate l of every pair of a block"""
+    """(c_b,) the coordinate l of the pair of every column of a block"""
     second: tuple[NDArray[np.int32], ...]
-    """(n_b,) the coordinate m of every pair"""
+    """(c_b,) the coordinate m of the pair"""
     matrices: tuple[Array, ...]
-    """(n_b, n_b)"""
+    """(n_b, c_b)"""
     position: NDArray[np.int32]
     """(r, r): position of each pair in the concatenated products of all blocks, which end with a zero"""
 
@@ -47,27 +50,27 @@ def pair_blocks(packed: Array) -> Array | PairBlocks:
     n2 = len(packed)
     if n2 < _FEWEST_PAIRS:
         return packed
-    blocks = _coupled(packed)
-    if sum(len(block) ** 2 for block in blocks) > _LARGEST_SHARE * n2**2:
+    present = packed != 0
+    blocks = [part for members in _coupled(present) for part in _by_columns(present, members, members)]
+    if sum(rows.size * columns.size for rows, columns in blocks) > _LARGEST_SHARE * n2**2:
         return packed
     r = number_of_coordinates(n2)
-    ordered = np.concatenate([*blocks, np.arange(0)])
+    ordered = np.concatenate([*(rows for rows, _ in blocks), np.arange(0)])
     number = np.full(n2, len(ordered), dtype=np.int32)
     number[ordered] = np.arange(len(ordered))
     first, second = (side.astype(np.int32) for side in np.triu_indices(r))
     position = np.empty((r, r), dtype=np.int32)
     position[first, second] = position[second, first] = number
     return PairBlocks(
-        tuple(first[block] for block in blocks),
-        tuple(second[block] for block in blocks),
-        tuple(packed[np.ix_(block, block)] for block in blocks),
+        tuple(first[columns] for _, columns in blocks),
+        tuple(second[columns] for _, columns in blocks),
+        tuple(packed[np.ix_(rows, columns)] for rows, columns in blocks),
         position,
     )
 
 
-def _coupled(packed: Array) -> list[NDArray[np.intp]]:
+def _coupled(present: Flags) -> list[Indices]:
     """Classes of pairs that the matrix couples, small ones merged; all-zero pairs belong to none."""
-    present = packed != 0
     alone = ~(present.any(axis=0) | present.any(axis=1))
     _, label = connected_components(csr_array(present), directed=False)
     label[alone] = -1
@@ -75,3 +78,23 @@ def _coupled(packed: Array) -> list[NDArray[np.intp]]:
     blocks = [np.flatnonzero(label == i) for i in np.flatnonzero(sizes >= _SMALLEST_BLOCK)]
     rest = np.flatnonzero(~alone & (sizes[label] < _SMALLEST_BLOCK)) if sizes.size else np.arange(0)
     return [*blocks, rest] if rest.size else blocks
+
+
+def _by_columns(present: Flags, rows: Indices, columns: Indices) -> list[tuple[Indices, Indices]]:
+    """Rows and columns of the blocks of a block: rows that use few columns apart, as often as that pays."""
+    own = present[np.ix_(rows, columns)]
+    ascending = np.argsort(own.sum(axis=1), kind="stable")
+    used = own[ascending]
+    # Numbers of columns that the first k rows use, and that the other rows use.
+    of_first = np.logical_or.accumulate(used).sum(axis=1)[:-1]
+    of_others = np.logical_or.accumulate(used[::-1]).sum(axis=1)[-2::-1]
+    n_first = np.arange(1, len(rows))
+    sizes = n_first * of_first + (len(rows) - n_first) * of_others
+    if len(rows) < 2 * _SMALLEST_BLOCK or sizes.min() > _LARGEST_SHARE * own.size:
+        return [(rows, columns)]
+    parts = np.split(ascending, [int(sizes.argmin()) + 1])
+    return [
+        block
+        for part in map(np.sort, parts)
+        for block in _by_columns(present, rows[part], columns[own[part].any(axis=0)])
+    ]

@@ -38,9 +38,9 @@ COMPILED_MARCH, QUICK_MARCH = program_pair(march)
 STOPS_AT_ONCE = 128
 """Output times of a call; fewer are padded with the last one at no cost, more take several calls."""
 
-_QUICK = 500_000
+_QUICK = 250_000
 """Steps times velocities of a run up to which the quick program is used: its slower steps then cost three of
-the four seconds that its compilation saves."""
+the four seconds that its compilation saves (12 us for each velocity and step of a blade)."""
 
 
 def march_for(model: Model, steps: float) -> CachedProgram:
