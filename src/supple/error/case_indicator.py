@@ -31,7 +31,7 @@ from supple.error.equation import (
     motion_columns,
     small_space,
 )
-from supple.error.equation.elastic_polynomial import ElasticPolynomial
+from supple.error.equation.elastic_polynomial import ElasticPolynomial, works_on_themselves
 from supple.error.equation.error_batch import first_together
 from supple.error.equation.error_model import body_of_columns, padded_size
 from supple.error.error_estimate import DIVERGED, modal_damping, reduced_form
@@ -41,6 +41,7 @@ from supple.machine import System
 from supple.methods.floating.compiled.every_step import every_step
 from supple.quantities.quantity_of_interest import largest_displacement
 from supple.reduction import ReducedBody, ReductionBasis
+from supple.reduction.tensors import strain_products
 
 __all__ = ["ErrorIndicator", "IndicatorBody", "case_indicators", "indicator_body", "size_of_motion"]
 
@@ -120,8 +121,11 @@ class IndicatorBody:
 
     @cached_property
     def _polynomial(self) -> ElasticPolynomial | None:
-        body, Z = self.full.body, self.space.vectors
-        return None if body.is_linear else ElasticPolynomial(body.assembly.works(Z, Z), self.space.n_motion)
+        body = self.full.body
+        if body.is_linear:
+            return None
+        works = works_on_themselves(strain_products(body, self.space.vectors))
+        return ElasticPolynomial(works, self.space.n_motion)
 
 
 def indicator_body(

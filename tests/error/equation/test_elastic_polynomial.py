@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from error.equation.machines import soft_strip
 
-from supple.error.equation.elastic_polynomial import ElasticPolynomial
+from supple.error.equation.elastic_polynomial import ElasticPolynomial, works_on_themselves
 from supple.error.equation.products_of_run import monomials, rate_monomials
+from supple.reduction.tensors import strain_products
 
 N_MOTION = 3
 
@@ -18,8 +19,14 @@ def strip():
     body = soft_strip("strip", 1.0)
     rng = np.random.default_rng(4)
     Z = rng.normal(size=(body.n, 5)) * 0.02
-    polynomial = ElasticPolynomial(body.assembly.works(Z, Z), N_MOTION)
+    polynomial = ElasticPolynomial(works_on_themselves(strain_products(body, Z)), N_MOTION)
     return body, Z, polynomial, rng.normal(size=(2, N_MOTION)), rng.normal(size=(2, N_MOTION))
+
+
+def test_works_are_those_of_the_assembly(strip):
+    body, Z, polynomial, *_ = strip
+    for found, wanted in zip(polynomial.works, body.assembly.works(Z, Z), strict=True):
+        np.testing.assert_allclose(found, wanted, atol=1e-12 * abs(wanted).max())
 
 
 def test_forces_are_those_of_the_elements(strip):

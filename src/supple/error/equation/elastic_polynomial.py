@@ -22,10 +22,26 @@ from numpy.typing import NDArray
 
 from supple.error.equation.elastic_history import force_polynomial, strain_rate_polynomial
 from supple.fem import StrainWorks
+from supple.reduction.tensors import StrainProducts, unpack_symmetric
 
-__all__ = ["ElasticPolynomial"]
+__all__ = ["ElasticPolynomial", "works_on_themselves"]
 
 Array = NDArray[np.float64]
+
+
+def works_on_themselves(products: StrainProducts) -> StrainWorks:
+    """The strain works of k columns on themselves, from the inner products of their strains.
+
+        L_ajl = F_a,jl    T_ajl = F_l,aj    C_iajl = H_ia,jl
+
+    The products are symmetric matrices, so that they take a fifth of the time of `Assembly.works`.
+    """
+    linear, cubic = products.strain_by_pair, products.pair_by_pair
+    assert linear is not None
+    assert cubic is not None
+    k = len(linear)
+    turned = np.moveaxis(unpack_symmetric(linear, k), 0, 2)
+    return StrainWorks(linear, turned, np.moveaxis(unpack_symmetric(cubic.T, k), 0, 2))
 
 
 @dataclass(frozen=True, eq=False)
