@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import importlib.util
+import subprocess
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from supple.algebra import (
 from supple.errors import AccuracyError, ModelError, SuppleWarning
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.mesh import strip
+from supple.other_processes import python_command
 
 
 def shifted(truss, shift):
@@ -208,3 +210,27 @@ def test_what_cannot_be_factored(solver):
 def test_loads_of_the_wrong_shape(solver, shape):
     with pytest.raises(ModelError, match=r"the matrix has 4 rows, so give \(n,\) or \(n, k\)"):
         factorize_symmetric(np.eye(4), solver=solver).solve(np.ones(shape))
+
+
+IN_THREADS = """
+from threading import Thread
+import numpy as np
+from supple.algebra import Rslab, factorize_symmetric
+
+def factor():
+    solution = factorize_symmetric(2.0 * np.eye(300), solver=Rslab()).solve(np.ones(300))
+    assert np.all(solution == 0.5)
+
+for _ in range(8):
+    thread = Thread(target=factor)
+    thread.start()
+    thread.join()
+print("no thread crashed")
+"""
+
+
+def test_the_fast_solver_serves_threads_that_end():
+    """In a new process, whose first thread that factors loads the library; the next one used to crash."""
+    pytest.importorskip("rslab")
+    ended = subprocess.run(python_command("-c", IN_THREADS), capture_output=True, text=True, check=False)
+    assert ended.stdout == "no thread crashed\n", ended.stderr

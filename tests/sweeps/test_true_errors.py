@@ -105,6 +105,11 @@ def test_cases_above_their_accuracy_run_again_and_nothing_twice(swept, soft_stri
     assert (read.basis_error <= read.allowed_error).all()
     ratio = read.basis_error.values / true_errors(folder)
     assert 0.98 < ratio.min() <= ratio.max() < 1.1
+    assert {own.name for own in (folder / "certificates").iterdir()} == {
+        "00000-0",
+        "00000-1-000002",
+        "00000-1-000003",
+    }
     part_path(folder, 1).unlink()
     written = {path: path.stat().st_mtime_ns for path in folder.rglob("*.h5")}
     assert run(soft_strip, folder).n_ran == 4

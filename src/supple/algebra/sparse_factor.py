@@ -5,8 +5,10 @@ from __future__ import annotations
 import importlib.util
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from threading import Event, Thread
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -73,15 +75,11 @@ class Rslab:
 
     def symmetric(self, matrix: sparse.csc_array) -> RawFactor:
         """Factor as P^T A P = L D L^T with 1x1 and 2x2 pivots."""
-        import rslab
-
-        return self._factor(rslab.analyze(matrix, path="ldlt"), matrix)
+        return self._factor(_rslab().analyze(matrix, path="ldlt"), matrix)
 
     def general(self, matrix: sparse.csc_array) -> RawFactor:
         """Factor as P_r^T A P_c = L U; rslab matches rows by value, so a new matrix needs a new analysis."""
-        import rslab
-
-        factor = rslab.lu(matrix)
+        factor = _rslab().lu(matrix)
         return RawFactor(lambda b: _solve_with_rslab(factor, b), _inertia_of_unsymmetric, self.general)
 
     def _factor(self, analysis: Any, matrix: sparse.csc_array) -> RawFactor:
@@ -92,6 +90,26 @@ class Rslab:
             lambda: Inertia(negative, zero, positive),
             lambda other: self._factor(analysis, other),
         )
+
+
+@cache
+def _rslab() -> Any:
+    """The library, loaded by a thread that never ends.
+
+    Its memory allocator (mimalloc 3.3) belongs to the thread that loads it. Once that thread has ended, as
+    those of a `ThreadPoolExecutor` do, a later thread in its place crashes the process.
+    """
+    loaded = Event()
+
+    def load() -> None:
+        with suppress(ImportError):  # raised again below
+            importlib.import_module("rslab")
+        loaded.set()
+        Event().wait()
+
+    Thread(target=load, daemon=True).start()
+    loaded.wait()
+    return importlib.import_module("rslab")
 
 
 def _solve_with_rslab(factor: Any, b: NDArray[np.float64]) -> NDArray[np.float64]:

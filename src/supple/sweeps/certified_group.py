@@ -47,25 +47,36 @@ class CertifiedGroup:
     certificate: Certificate
 
 
-@lru_cache(maxsize=4)
-def certified_group(folder: Path, plan: SweepPlan, number: int, level: int = 0) -> CertifiedGroup:
+def certified_group(
+    folder: Path, plan: SweepPlan, number: int, level: int = 0, case: int | None = None
+) -> CertifiedGroup:
     """A group of a sweep with the bases and the certificate of its runs; errors as for `swept_group`.
 
     level : number of earlier runs of its cases; each repeated run has enriched bases
+    case : one of its cases that run at this level, above level 0
     """
+    is_alone = level and case is not None and sweep_shares(folder, plan).is_certified_alone(case, level)
+    return _certified_group(folder, plan, number, level, case if is_alone else None)
+
+
+@lru_cache(maxsize=4)
+def _certified_group(
+    folder: Path, plan: SweepPlan, number: int, level: int, alone: int | None
+) -> CertifiedGroup:
+    """As `certified_group`; alone : the case of a certificate for a single case."""
     group = swept_group(folder, plan, number)
     reason = _why_not(group)
     if reason:
         return CertifiedGroup(group, Certificate(reason=reason))
     if level:
-        group = certified_group(folder, plan, number, level - 1).group
-    own = folder / "certificates" / f"{number:05}-{level}"
+        group = certified_group(folder, plan, number, level - 1, alone).group
+    own = folder / "certificates" / f"{number:05}-{level}{'' if alone is None else f'-{alone:06}'}"
     with file_errors("make the folder", own):
         own.mkdir(parents=True, exist_ok=True)
     if not is_whole(own / _CERTIFICATE):
         with ExclusiveLock(own, wait=True):
             if not is_whole(own / _CERTIFICATE):
-                _certify(folder, group, number, level, own)
+                _certify(folder, group, number, level, own, alone)
     kept = {name: stored_path(own, name) for name in group.bodies.reduced}
     reduced = {name: read_reduced_body(path) for name, path in kept.items() if path.exists()}
     group = group.with_bodies(reduced) if reduced else group
@@ -88,7 +99,7 @@ def swept_case(folder: Path | str, number: int, *, allow_code: bool = False) -> 
     if not 0 <= number < plan.n_cases:
         raise ResultFileError(f"{folder} has no case {number}: its cases are 0 to {plan.n_cases - 1}")
     level = sweep_shares(folder, plan).level_of(number)
-    return certified_group(folder, plan, int(plan.group[number]), level).group.case(number)
+    return certified_group(folder, plan, int(plan.group[number]), level, number).group.case(number)
 
 
 def _why_not(group: SweptGroup) -> str:
@@ -112,8 +123,8 @@ def _why_not(group: SweptGroup) -> str:
     return next((reason for reason, holds in reasons.items() if holds), "")
 
 
-def _certify(folder: Path, group: SweptGroup, number: int, level: int, own: Path) -> None:
-    """Compute and store the certificate of a group, and its bodies whose bases were changed."""
+def _certify(folder: Path, group: SweptGroup, number: int, level: int, own: Path, alone: int | None) -> None:
+    """Compute and store the certificate of a group, or of one case, and its bodies with changed bases."""
     plan = group.plan
     attempts = Attempts(own, 0)
     if attempts.are_many:
@@ -121,7 +132,9 @@ def _certify(folder: Path, group: SweptGroup, number: int, level: int, own: Path
         write_certificate(own / _CERTIFICATE, ended)
         return
     cases, worst = np.flatnonzero(plan.group == number).tolist(), None
-    if level:
+    if alone is not None:
+        cases, worst = [alone], alone
+    elif level:
         shares = sweep_shares(folder, plan)
         cases = shares.cases_of_level(level, number)
         worst = largest_ratio(folder, shares, cases, level - 1)

@@ -94,7 +94,7 @@ def run_cases(
             began(cases)
             # With one group, other processes wait for its certificate, so that this one can use their cores.
             with one_core() if plan.group.any() else nullcontext():
-                group = certified_group(folder, plan, number, level)
+                group = certified_group(folder, plan, number, level, cases[0])
             if group.group.requests_errors and group.certificate.reason:
                 warnings.warn(
                     f"errors of cases are not estimated: {group.certificate.reason}",

@@ -22,6 +22,10 @@ __all__ = ["MOST_LEVELS", "SweepShares", "largest_ratio", "sweep_shares"]
 MOST_LEVELS = 2
 """Largest number of repeated runs of a case."""
 
+CERTIFIED_ALONE = 3
+"""Largest number of cases of a group that run again each with an own certificate, in parallel. A certificate
+for all of them would estimate the errors of so many cases in full as well, one after the other."""
+
 IntArray = NDArray[np.int64]
 
 
@@ -55,6 +59,10 @@ class SweepShares:
         """Level of the last run of a case."""
         return max((self.level[share] for share in self.whole if case in self.cases[share]), default=0)
 
+    def is_certified_alone(self, case: int, level: int) -> bool:
+        """Whether a case that runs again at a level has an own certificate."""
+        return 0 < len(self.cases_of_level(level, int(self.plan.group[case]))) <= CERTIFIED_ALONE
+
     def cases_of_level(self, level: int, group: int) -> list[int]:
         """Cases of a group that run at a level."""
         own = [cases for cases, each in zip(self.cases, self.level, strict=True) if each == level]
@@ -76,7 +84,7 @@ def sweep_shares(folder: Path, plan: SweepPlan) -> SweepShares:
         first = len(cases)
         for group in np.unique(plan.group[again]):
             own = again[plan.group[again] == group]
-            more = np.array_split(own, -(-len(own) // size))
+            more = np.array_split(own, len(own) if len(own) <= CERTIFIED_ALONE else -(-len(own) // size))
             cases += more
             levels += [level] * len(more)
         whole = whole_parts(folder, len(cases))
