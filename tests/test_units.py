@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from supple.errors import ModelError
-from supple.units import SI, UNNAMED, UnitSystem, headed, labelled, measured
+from supple.units import SI, UNNAMED, UnitSystem, headed, labelled, with_unit
 
 DERIVED = ("force", "moment", "stress", "energy", "velocity", "density", "inertia")
 
@@ -59,7 +59,7 @@ def test_what_was_not_said_is_not_named():
     assert (only_length.force, only_length.stress, only_length.velocity, only_length.moment) == ("",) * 4
     assert labelled("deflection", only_length.length) == "deflection (mm)"
     assert labelled("force", only_length.force) == headed("force", "") == "force"
-    assert (measured("3", ""), measured("3", "mm")) == ("3", "3 mm")
+    assert (with_unit("3", ""), with_unit("3", "mm")) == ("3", "3 mm")
 
 
 def test_the_mass_follows_from_the_force():

@@ -8,7 +8,7 @@ from html import escape
 
 import numpy as np
 
-__all__ = ["Row", "Summarized", "Summary", "listed", "point"]
+__all__ = ["Row", "Summarized", "Summary", "listed", "place_text"]
 
 Row = tuple[str, str]
 
@@ -77,7 +77,7 @@ def listed(names: Iterable[str]) -> str:
     return (", ".join(every[:N_LISTED]) or "none") + more
 
 
-def point(position: Sequence[float] | np.ndarray, size: float = 0.0) -> str:
+def place_text(position: Sequence[float] | np.ndarray, size: float = 0.0) -> str:
     """Coordinates in parentheses; values below 1e-12 of the largest, or of `size`, are shown as 0."""
     values = np.asarray(position, dtype=np.float64)
     values = np.where(abs(values) > 1e-12 * abs(values).max(initial=size), values, 0.0)

@@ -70,7 +70,7 @@ def headed(what: str, unit: str) -> str:
     return f"{what}, {unit}" if unit else what
 
 
-def measured(number: str, unit: str) -> str:
+def with_unit(number: str, unit: str) -> str:
     """A number with its unit, or the number alone if the unit has no name."""
     return f"{number} {unit}" if unit else number
 

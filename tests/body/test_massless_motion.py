@@ -18,7 +18,7 @@ from supple.body import (
 )
 from supple.errors import ModelError
 from supple.fem import CellMass, Isotropic, solid_model
-from supple.fem.mass import mass_matrix
+from supple.fem.mass import nodal_mass_matrix
 from supple.fem.solid_element import SolidElement, solid_mass
 from supple.mesh import CellType, block
 from supple.mesh.quadrature import four_point_tetrahedron
@@ -35,7 +35,7 @@ def bar():
     element = SolidElement(CellType.TETRA10, four_point_tetrahedron(), four_point_tetrahedron())
     cells = mesh.cells[CellType.TETRA10]
     mass = CellMass(cells, solid_mass(element, mesh.nodes[cells], STEEL.density))
-    return mesh, model.stiffness, mass_matrix((mass,), mesh.n_nodes, 3)
+    return mesh, model.stiffness, nodal_mass_matrix((mass,), mesh.n_nodes, 3)
 
 
 def pencil_frequencies(K, M, count):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from supple.cases import read_case
-from supple.cases.reductions import ErrorControlled as ErrorControlledTable
+from supple.cases.reductions import ErrorControlledTable
 from supple.reduction import (
     AttachmentModes,
     CouplingMoment,

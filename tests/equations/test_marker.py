@@ -14,7 +14,7 @@ from supple.equations.marker import (
     N_LOCAL,
     Marker,
     displaced,
-    frame_motion,
+    frame_map,
     generalized_force,
     orientation,
     point,
@@ -73,7 +73,7 @@ def test_angular_velocity_is_that_of_the_orientation(marker, moving):
 
 def test_frame_motion_is_the_derivative_of_point_and_axes(marker, moving):
     (_, axes), (shift, rate) = moving
-    motion = frame_motion(marker) @ RATES
+    motion = frame_map(marker) @ RATES
     np.testing.assert_allclose(motion[:3], shift, atol=1e-14)
     np.testing.assert_allclose(motion[3:], unskew(axes.T @ rate), atol=1e-14)
 
@@ -89,11 +89,11 @@ def test_generalized_force_is_the_frame_motion_transposed(marker):
     force, moment = jnp.asarray(RNG.standard_normal((2, 3)))
     wrench = jnp.concatenate([force, orientation(marker).T @ moment])
     np.testing.assert_allclose(
-        generalized_force(marker, Wrench(force, moment)), frame_motion(marker).T @ wrench, atol=1e-13
+        generalized_force(marker, Wrench(force, moment)), frame_map(marker).T @ wrench, atol=1e-13
     )
 
 
 def test_wrench_stiffness_is_the_derivative_at_constant_wrench(marker):
     wrench = jnp.asarray(RNG.standard_normal(6))
-    expected = jax.jit(jax.jacfwd(lambda local: frame_motion(displaced(marker, local)).T @ wrench))(LOCAL)
-    np.testing.assert_allclose(wrench_stiffness(marker, wrench, frame_motion(marker)), expected, atol=1e-13)
+    expected = jax.jit(jax.jacfwd(lambda local: frame_map(displaced(marker, local)).T @ wrench))(LOCAL)
+    np.testing.assert_allclose(wrench_stiffness(marker, wrench, frame_map(marker)), expected, atol=1e-13)

@@ -28,7 +28,7 @@ from supple.machine import (
     Table,
     TimeFunction,
 )
-from supple.machine.laws.instants import instants_of
+from supple.machine.laws.instants import instants_of_law
 from supple.simulation import simulate, simulate_batch
 
 MASS = 2.0
@@ -113,18 +113,18 @@ def test_adaptive_steps_meet_a_pulse(kind):
 
 
 def test_laws_state_the_instants_at_which_they_break():
-    np.testing.assert_array_equal(instants_of(TRIANGLE, *SPAN), [0.4103, 0.4108, 0.4113])
-    np.testing.assert_array_equal(instants_of(Ramp(1.0, 0.5), *SPAN), [0.5])
-    np.testing.assert_array_equal(instants_of(SpinUp(1.0, 0.3), *SPAN), [0.3])
-    assert instants_of(Sine(1.0, 2.0), *SPAN).size == 0
+    np.testing.assert_array_equal(instants_of_law(TRIANGLE, *SPAN), [0.4103, 0.4108, 0.4113])
+    np.testing.assert_array_equal(instants_of_law(Ramp(1.0, 0.5), *SPAN), [0.5])
+    np.testing.assert_array_equal(instants_of_law(SpinUp(1.0, 0.3), *SPAN), [0.3])
+    assert instants_of_law(Sine(1.0, 2.0), *SPAN).size == 0
     in_line = Table([0.0, 0.2, 0.4, 1.0], [0.0, 1.0, 2.0, 0.0])
-    np.testing.assert_array_equal(instants_of(Scaled([1.0, 0, 0], in_line), *SPAN), [0.4])
+    np.testing.assert_array_equal(instants_of_law(Scaled([1.0, 0, 0], in_line), *SPAN), [0.4])
     rows = np.linspace(0.0, 1.0, 9)
-    np.testing.assert_array_equal(instants_of(Spline(rows, np.sin(6 * rows)), *SPAN), rows[1:-1])
+    np.testing.assert_array_equal(instants_of_law(Spline(rows, np.sin(6 * rows)), *SPAN), rows[1:-1])
 
 
 def test_a_jump_of_a_function_is_closed_in():
-    (before, after) = instants_of(TimeFunction(lambda t: jnp.where(t < 1 / 3, 0.0, 2.0)), *SPAN)
+    (before, after) = instants_of_law(TimeFunction(lambda t: jnp.where(t < 1 / 3, 0.0, 2.0)), *SPAN)
     assert before < 1 / 3 <= after
     assert after - before < 1e-10
 

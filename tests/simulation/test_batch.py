@@ -150,7 +150,7 @@ def test_another_process_answers_with_the_same_bits_and_what_it_warns_of(blade):
     case = swinging(FullBody(blade, NodalFixedFrame("root")), 3.0)
     work, answers = CaseWork(run), io.BytesIO()
     sent = [work.greeting(), work.question((case,))]
-    case_worker.answer(io.BytesIO(b"".join(map(pickle.dumps, sent))), answers)
+    case_worker.answer_cases(io.BytesIO(b"".join(map(pickle.dumps, sent))), answers)
     answers.seek(0)
     assert pickle.load(answers) == "ready"
     seconds, (parts, warned) = pickle.load(answers)

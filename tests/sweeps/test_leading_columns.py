@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from supple.sweeps.leading_columns import leading_directions
+from supple.sweeps.leading_columns import principal_directions
 
 
 @pytest.fixture
@@ -27,11 +27,11 @@ def test_they_miss_no_more_energy_than_is_allowed_and_one_fewer_misses_more(stif
         onto = np.linalg.solve(directions.T @ stiffness @ directions, directions.T @ stiffness)
         return np.linalg.norm((motions - motions @ onto.T @ directions.T) @ factor)
 
-    found, whole = leading_directions(motions, stiffness, missed), np.linalg.norm(weighed)
+    found, whole = principal_directions(motions, stiffness, missed), np.linalg.norm(weighed)
     assert found.T @ found == pytest.approx(np.eye(found.shape[1]), abs=1e-12)
     assert rest(found) <= missed * whole * (1 + 1e-9)
     if found.shape[1] > 1:
-        one_fewer = leading_directions(motions, stiffness, 10.0)
+        one_fewer = principal_directions(motions, stiffness, 10.0)
         assert one_fewer.shape[1] == 1
         shorter = np.linalg.svd(weighed, compute_uv=False)[found.shape[1] - 1 :]
         assert np.linalg.norm(shorter) > missed * whole
@@ -41,6 +41,6 @@ def test_small_motion_is_kept_where_it_is_stiff():
     """Of a membrane: a thousandth of the motion, and all of the energy."""
     stiffness = np.diag([1.0, 1e8])
     motions = np.array([[1.0, 1e-3], [1.0, -1e-3]])
-    (direction,) = leading_directions(motions, stiffness, 0.2).T
+    (direction,) = principal_directions(motions, stiffness, 0.2).T
     assert abs(direction) == pytest.approx([0.0, 1.0], abs=1e-9)
-    assert leading_directions(motions, stiffness, 1e-3).shape[1] == 2
+    assert principal_directions(motions, stiffness, 1e-3).shape[1] == 2

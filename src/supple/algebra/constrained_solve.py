@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import linalg, sparse
 
-from supple.algebra.constraint_rows import constraint_rows
+from supple.algebra.constraint_rows import dense_rows
 from supple.algebra.sparse_factor import DirectSolver, SparseFactor, factorize_symmetric
 from supple.errors import AccuracyError, ModelError
 
@@ -187,7 +187,7 @@ def constrained_factor(
     if grounded is None:
         grounded = grounded_factor(stiffness, rigid_modes, solver=solver)
     n, R = grounded.n, grounded.rigid_modes
-    D = constraint_rows(constraint, n)
+    D = dense_rows(constraint, n)
     m, d = len(D), R.shape[1]
     if m < d:
         raise ModelError(

@@ -11,7 +11,7 @@ from scipy import sparse
 from supple.errors import ModelError
 
 
-def constraint_rows(constraint: Any, n: int) -> NDArray[np.float64]:
+def dense_rows(constraint: Any, n: int) -> NDArray[np.float64]:
     """D as a dense, read-only (m, n) array; no rows when there is no constraint."""
     if constraint is None:
         constraint = np.zeros((0, n))

@@ -11,7 +11,7 @@ from scipy import linalg, sparse
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
 from supple.algebra.constrained_solve import ConstrainedFactor, GroundedFactor, constrained_factor
-from supple.algebra.constraint_rows import constraint_rows
+from supple.algebra.constraint_rows import dense_rows
 from supple.algebra.orthonormalize import mass_orthonormalize
 from supple.algebra.sparse_factor import DirectSolver, SparseFactor, factorize_symmetric
 from supple.errors import AccuracyError, ModelError
@@ -78,7 +78,7 @@ def lowest_modes(
     n = stiffness.indptr.size - 1
     if stiffness.shape != (n, n) or mass.shape != (n, n):
         raise ModelError(f"stiffness {stiffness.shape} and mass {mass.shape} must be square and of one size")
-    D = constraint_rows(constraint, n)
+    D = dense_rows(constraint, n)
     freedoms = n - len(D)
     if not 0 <= n_modes <= freedoms:
         raise ModelError(f"{n_modes} modes requested of a body with {freedoms} freedoms")
@@ -123,7 +123,7 @@ def count_below(
     AccuracyError   the value is an eigenvalue to working precision
     """
     shifted = sparse.csc_array(stiffness - value * mass)
-    D = constraint_rows(constraint, shifted.indptr.size - 1)
+    D = dense_rows(constraint, shifted.indptr.size - 1)
     return _count_negative(_factorization(grounded, solver)(shifted), D)
 
 

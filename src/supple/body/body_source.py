@@ -26,7 +26,7 @@ from supple.body.section_beams import section_beams
 from supple.body.superelement import read_superelement
 from supple.errors import ModelError
 from supple.fem import GREEN_LAGRANGE, FiniteElementModel, ShellKinematics
-from supple.importers import Connection, numbers_of, read_deck, read_matrix, read_section_table
+from supple.importers import Connection, positions_of_ids, read_deck, read_matrix, read_section_table
 from supple.mesh import Mesh
 
 __all__ = [
@@ -128,7 +128,7 @@ def labelled_matrices_source(files: MatrixFiles, *, rigid_tolerance: float | Non
 
 
 def _numbers(ids: IntArray, wanted: IntArray) -> IntArray:
-    number, known = numbers_of(ids, wanted)
+    number, known = positions_of_ids(ids, wanted)
     if not known.all():
         lost = np.asarray(wanted)[~known][0]
         raise ModelError(

@@ -12,13 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
 from supple.algebra import ConstrainedFactor, Eigenpairs, GroundedFactor, constrained_factor, lowest_modes
-from supple.algebra.constraint_rows import constraint_rows
+from supple.algebra.constraint_rows import dense_rows
 from supple.body.checks import checked_grounded_stiffness
 from supple.body.interface import BodyInterface, interface_named
 from supple.body.internal_force import LinearForce, QuadraticStrainForce
 from supple.errors import ModelError
 from supple.fem import Assembly, FiniteElementModel
-from supple.summary import Summarized, Summary, point
+from supple.summary import Summarized, Summary, place_text
 
 __all__ = ["FlexibleBody"]
 
@@ -82,7 +82,7 @@ class FlexibleBody(Summarized):
         if self.damping is not None:
             rows.append(("damping", "of its files"))
         size = float(abs(self.nodes).max())
-        rows += [(f"interface {one.name}", f"at {point(one.position, size)}") for one in self.interfaces]
+        rows += [(f"interface {one.name}", f"at {place_text(one.position, size)}") for one in self.interfaces]
         return Summary(f"FlexibleBody '{self.name}', {self.n} coordinates, {kind}", rows)
 
     @property
@@ -140,7 +140,7 @@ class FlexibleBody(Summarized):
 
     def lowest_modes(self, n_modes: int, constraint: ArrayLike | sparse.sparray | None = None) -> Eigenpairs:
         """The lowest modes under D q = 0, D (m, n), proven complete; without D, those of the free body."""
-        rows = constraint_rows(constraint, self.n)
+        rows = dense_rows(constraint, self.n)
         found = lowest_modes(
             self.stiffness, self.mass, n_modes, constraint=rows, grounded=self.grounded_stiffness
         )
@@ -152,7 +152,7 @@ class FlexibleBody(Summarized):
         self, n_modes: int, constraint: ArrayLike | sparse.sparray | None = None
     ) -> NDArray[np.float64]:
         """Lowest frequencies (n_modes,), rad/s, from modes computed earlier if these suffice."""
-        values = self._known_values.get(_digest(constraint_rows(constraint, self.n)), np.zeros(0))
+        values = self._known_values.get(_digest(dense_rows(constraint, self.n)), np.zeros(0))
         if len(values) < n_modes:
             values = self.lowest_modes(n_modes, constraint).values
         return np.sqrt(np.maximum(values[:n_modes], 0.0))

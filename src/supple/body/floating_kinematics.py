@@ -117,10 +117,10 @@ def time_slices(body: Deforming, n_times: int) -> Iterator[slice]:
 def _chosen(body: Deforming, nodes: ArrayLike | slice) -> NDArray[np.int64] | slice:
     if isinstance(nodes, slice):
         return nodes
-    return node_numbers(nodes, len(body.nodes))
+    return checked_nodes(nodes, len(body.nodes))
 
 
-def node_numbers(nodes: ArrayLike, n_nodes: int) -> NDArray[np.int64]:
+def checked_nodes(nodes: ArrayLike, n_nodes: int) -> NDArray[np.int64]:
     """Node numbers (k,) from 0; ModelError where one is outside a body of n_nodes."""
     numbers = np.atleast_1d(np.asarray(nodes, dtype=np.int64))
     if numbers.size and not (0 <= numbers.min() and numbers.max() < n_nodes):

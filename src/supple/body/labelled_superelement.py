@@ -27,7 +27,7 @@ from supple.importers import (
     NodeTable,
     RecoveryMatrix,
     freedom_name,
-    numbers_of,
+    positions_of_ids,
     read_labelled_matrix,
     read_nodes,
     read_recovery,
@@ -260,7 +260,7 @@ def _modal_freedoms(nodes: NodeTable, *matrices: LabelledMatrix) -> IntArray:
     width = 7
     is_modal = np.isin(labels @ [width, 1], nodes.modal @ [width, 1]) | (labels[:, 1] == 0)
     modal = labels[is_modal]
-    grids = np.flatnonzero((modal[:, 1] == 0) & numbers_of(nodes.ids, modal[:, 0])[1])
+    grids = np.flatnonzero((modal[:, 1] == 0) & positions_of_ids(nodes.ids, modal[:, 0])[1])
     # Without QSET or SPOINT cards, as in HDF5 files, the ids of modal coordinates may equal those of grids.
     if grids.size and len(nodes.modal):
         raise ModelError(
@@ -275,7 +275,7 @@ def _on_all_freedoms(nodes: NodeTable, modal: IntArray, labelled: LabelledMatrix
     n_nodes, width = len(nodes.ids), 7
     key, modal_key = labelled.freedoms @ [width, 1], modal @ [width, 1]
     own = np.isin(key, modal_key)
-    number, known = numbers_of(nodes.ids, labelled.freedoms[~own, 0])
+    number, known = positions_of_ids(nodes.ids, labelled.freedoms[~own, 0])
     if not known.all():
         raise ModelError(
             f"{labelled.source}: has node {labelled.freedoms[~own][~known][0, 0]}, which {nodes.source} "

@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from supple.body.floating_kinematics import (
     Deforming,
+    checked_nodes,
     floating_positions,
     in_space,
-    node_numbers,
     time_slices,
 )
 from supple.body.form_defaults import FormDefaults
@@ -116,7 +116,7 @@ def floating_node_motion(body: Deforming, motion: FloatingMotion, nodes: ArrayLi
     ModelError  a node number outside the body
     Source: [Wu2019] (3)-(4)
     """
-    numbers = node_numbers(nodes, len(body.nodes))
+    numbers = checked_nodes(nodes, len(body.nodes))
     q, dq, ddq = motion.coordinates, motion.coordinate_rates, motion.coordinate_accelerations
     parts = [_of_frame(body, q[rows], dq[rows], ddq[rows], numbers) for rows in time_slices(body, len(q))]
     displacement, rate, second = (np.concatenate(each) for each in zip(*parts, strict=True))

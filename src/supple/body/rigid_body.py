@@ -15,7 +15,7 @@ from supple.arguments import check_fields, check_numbers, check_text
 from supple.body.interface import PointInterface, interface_named
 from supple.body.point_motion import FloatingForm
 from supple.errors import ModelError
-from supple.summary import Summarized, Summary, point
+from supple.summary import Summarized, Summary, place_text
 
 __all__ = ["RigidBody"]
 
@@ -57,8 +57,12 @@ class RigidBody(FloatingForm, Summarized):
     def summary(self) -> Summary:
         """Mass, centre, inertia and interfaces."""
         moments = ", ".join(f"{value:g}" for value in np.linalg.eigvalsh(self.inertia))
-        rows = [("mass", f"{self.mass:g}"), ("centre", point(self.centre)), ("principal moments", moments)]
-        rows += [(f"interface {name}", f"at {point(place)}") for name, place in self.points.items()]
+        rows = [
+            ("mass", f"{self.mass:g}"),
+            ("centre", place_text(self.centre)),
+            ("principal moments", moments),
+        ]
+        rows += [(f"interface {name}", f"at {place_text(place)}") for name, place in self.points.items()]
         return Summary(f"RigidBody '{self.name}', mass {self.mass:g}", rows)
 
     def __reduce__(self):

@@ -41,13 +41,13 @@ from supple.cases.body_kinds import (
     Shell,
     Solid,
     Superelement,
-    is_explicit,
+    is_explicit_table,
     kind_of,
 )
 from supple.cases.condense import Condense, is_condensed
 from supple.cases.damping import Damping, LinearRayleigh, Modal, Rayleigh
 from supple.cases.explicit_parts import ExplicitPart, ModalPart
-from supple.cases.interfaces import Interface
+from supple.cases.interfaces import InterfaceTable
 from supple.cases.line_on_grids import line_on_grids as built_on_grids
 from supple.cases.notify import Notify
 from supple.cases.reductions import FullOrder, Reduced, Reduction, derivative_choice, quartic_choice
@@ -108,7 +108,7 @@ class Body(CheckedTable):
         description="file of 6 x 6 stiffness and inertia along a curve, beside the case file: .csv, windIO "
         ".yaml or BeamDyn primary file .dat",
     )
-    interface: Annotated[tuple[Interface, ...], Field(strict=False)] = ()
+    interface: Annotated[tuple[InterfaceTable, ...], Field(strict=False)] = ()
     frame: Frame | None = None
     reduction: Reduction | None = None
     damping: Damping | None = None
@@ -305,7 +305,7 @@ def _is_of_one_kind(path: KeyPath, body: Raw) -> Mistakes:
         yield path, f'a {key} body needs a mesh; add mesh = "FILE{kind.mesh_suffixes[0]}"'
     if not kind.mesh_suffixes and "mesh" in body:
         yield (*path, "mesh"), f"a {key} body takes no mesh; remove the key"
-    if kind.is_elastic and "frame" not in body and not is_condensed(body) and not is_explicit(body):
+    if kind.is_elastic and "frame" not in body and not is_condensed(body) and not is_explicit_table(body):
         yield path, f'a {key} body needs frame; for example frame = {{kind = "mean-axis"}}'
     if "cells" in body and kind not in _MADE_OF_CELLS:
         yield (*path, "cells"), f"cells is for shell and solid bodies, not for a {key} body; remove the key"

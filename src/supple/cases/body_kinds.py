@@ -296,10 +296,10 @@ def kind_of(body: Raw) -> type[BodyKind] | None:
 def is_elastic(body: Raw) -> bool:
     """True for an elastic, not explicit body that the case builds; also if no key states the kind."""
     kind = kind_of(body)
-    return (kind is None or kind.is_elastic) and not is_explicit(body)
+    return (kind is None or kind.is_elastic) and not is_explicit_table(body)
 
 
-def is_explicit(body: Raw) -> bool:
+def is_explicit_table(body: Raw) -> bool:
     """True for a body in explicit integration, modal or of finite elements."""
     return "modal" in body or "explicit" in body
 

@@ -24,7 +24,7 @@ from supple.cases.stated_error import OfInterest
 from supple.error import ErrorStudy, ReductionStart
 from supple.errors import CaseError, ModelError, SuppleError
 from supple.fem import FiniteElementModel, stress_recovery
-from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mistakes
+from supple.importers.toml import KeyPath, LineIndex, listed_mistakes, nearest_hint
 from supple.integrate import Run
 from supple.machine import At, ForceElement, SplitBody, System
 from supple.mesh import CellType, Mesh
@@ -415,4 +415,4 @@ def _missing(name: str, mesh: Mesh | None) -> str:
     if mesh is None or name in mesh.node_sets:
         return ""
     known = ", ".join(mesh.node_sets) or "none"
-    return f"there is no node set named {name!r}{did_you_mean(name, mesh.node_sets)}; the mesh has: {known}"
+    return f"there is no node set named {name!r}{nearest_hint(name, mesh.node_sets)}; the mesh has: {known}"

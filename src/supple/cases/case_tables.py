@@ -29,7 +29,7 @@ from supple.cases.contacts import ContactTable, SupportTable, TieTable
 from supple.cases.control import control_file
 from supple.cases.elements import ElementTable
 from supple.cases.ends import place_exists
-from supple.cases.joints import Joint
+from supple.cases.joints import JointTable
 from supple.cases.laws import tables_suit_the_run
 from supple.cases.loads import Load
 from supple.cases.machine_file import MachineFile
@@ -67,7 +67,7 @@ class CaseTables(CheckedTable):
     )
     machine: MachineFile | None = None
     body: Annotated[tuple[Body, ...], Field(strict=False)]
-    joint: Annotated[tuple[Joint, ...], Field(strict=False)] = ()
+    joint: Annotated[tuple[JointTable, ...], Field(strict=False)] = ()
     load: Annotated[tuple[Load, ...], Field(strict=False)] = ()
     spring: Annotated[tuple[SpringTable, ...], Field(strict=False)] = ()
     element: Annotated[tuple[ElementTable, ...], Field(strict=False)] = ()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from supple.cases.body_kinds import kind_of
-from supple.importers.toml import KeyPath, Mistakes, Raw, did_you_mean, names, tables, unknown
+from supple.importers.toml import KeyPath, Mistakes, Raw, names, nearest_hint, tables, unknown
 
 
 def place_exists(raw: Raw, path: KeyPath, place: Any, may_be: str) -> Mistakes:
@@ -21,7 +21,7 @@ def place_exists(raw: Raw, path: KeyPath, place: Any, may_be: str) -> Mistakes:
     name, dot, where = place.partition(".")
     if not dot:
         wanted = "ground or BODY.INTERFACE" if ground else "BODY.INTERFACE"
-        nearest = did_you_mean(place, ["ground"] if ground else [])
+        nearest = nearest_hint(place, ["ground"] if ground else [])
         yield path, f"{place!r} is not {wanted}{nearest}; for example {next(iter(bodies), 'blade')}.root"
     elif name not in bodies:
         yield path, unknown("body", name, list(bodies))

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from supple.errors import ArgumentError
-from supple.importers.toml import did_you_mean
+from supple.importers.toml import nearest_hint
 from supple.storage.file_errors import file_errors
 
 __all__ = ["command_of_example", "example_text", "example_titles", "write_example"]
@@ -39,7 +39,7 @@ def write_example(name: str, folder: Path) -> tuple[Path, ...]:
     found = [each for each in titles if name in {each, Path(each).stem}]
     if not found:
         raise ArgumentError(
-            f"there is no example {name!r}{did_you_mean(name, titles)}; `supple example` lists them"
+            f"there is no example {name!r}{nearest_hint(name, titles)}; `supple example` lists them"
         )
     files = _needed([_folder() / each for each in found])
     targets = tuple(folder / path.name for path in files)

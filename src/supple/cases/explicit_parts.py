@@ -7,7 +7,7 @@ from pydantic import Field
 
 from supple.body import FlexibleBody, LinearRayleighDamping
 from supple.cases import material_laws
-from supple.cases.body_kinds import is_explicit, kind_of
+from supple.cases.body_kinds import is_explicit_table, kind_of
 from supple.cases.material_laws import MaterialLaw, StVenantKirchhoffLaw
 from supple.fem import FiniteElementModel
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Positive, Raw, table
@@ -110,7 +110,7 @@ _OF_FRAMES = ("frame", "reduction", "split", "condense", "linear", "centre_veloc
 
 def _marches_one_way(path: KeyPath, body: Raw) -> Mistakes:
     """The rule that a body is either modal or explicit, and then has no keys of a floating frame."""
-    if not is_explicit(body):
+    if not is_explicit_table(body):
         return
     kind, march = kind_of(body), "modal" if "modal" in body else "explicit"
     if "modal" in body and "explicit" in body:

@@ -14,7 +14,7 @@ from supple.importers import Connection
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NodeIndices, Raw, Vector, tables
 
 
-class Interface(CheckedTable):
+class InterfaceTable(CheckedTable):
     """A named place on a body for joints, loads and springs."""
 
     name: str = Field(min_length=1, description="used as BODY.NAME by joints, loads and output")

@@ -64,7 +64,7 @@ class Friction(CheckedTable):
         )
 
 
-class Joint(CheckedTable):
+class JointTable(CheckedTable):
     """A connection of two interfaces, or of one with the ground."""
 
     kind: JointKind = Field(description="degrees of freedom that the joint constrains")

@@ -11,7 +11,7 @@ import numpy as np
 from supple.body import Damping
 from supple.cases.body_kinds import Matrices, Superelement, kind_of
 from supple.cases.condense import Condense, is_condensed
-from supple.cases.interfaces import Interface
+from supple.cases.interfaces import InterfaceTable
 from supple.importers.toml import KeyPath, Mistakes, Raw, table, tables
 from supple.methods.intrinsic import IntrinsicBody, read_condensed_line
 
@@ -24,7 +24,7 @@ def line_on_grids(
     matrices: Matrices,
     mesh: Path,
     given: Condense,
-    interfaces: Sequence[Interface],
+    interfaces: Sequence[InterfaceTable],
     damping: Damping | None,
 ) -> IntrinsicBody:
     """The body in its intrinsic modes.
@@ -52,7 +52,7 @@ def is_on_grids(body: Raw) -> bool:
     return is_condensed(body) and kind_of(body) is Matrices
 
 
-def _stations(paths: Sequence[Sequence[int]], interfaces: Sequence[Interface]) -> Mapping[str, int]:
+def _stations(paths: Sequence[Sequence[int]], interfaces: Sequence[InterfaceTable]) -> Mapping[str, int]:
     """Numbers of the stations at interfaces, by the order of grids along the paths."""
     number = {grid: i for i, grid in enumerate(dict.fromkeys(chain(*paths)))}
     return {each.name: number[grid] for each in interfaces for grid in each.node_indices or ()}

@@ -8,7 +8,7 @@ from typing import Any
 
 from supple.cases.shared_rules import joint_label
 from supple.errors import CaseError
-from supple.importers.toml import KeyPath, Raw, did_you_mean
+from supple.importers.toml import KeyPath, Raw, nearest_hint
 
 __all__ = ["number_at", "parameter_path", "with_value"]
 
@@ -39,7 +39,7 @@ def parameter_path(text: str, raw: Raw) -> KeyPath:
         elif isinstance(found, Mapping) and isinstance(word, str):
             if word not in found and depth < len(words) - 1:
                 raise CaseError(
-                    f"{text}: there is no {word!r}{did_you_mean(word, found)}; it has: {_listed(found)}"
+                    f"{text}: there is no {word!r}{nearest_hint(word, found)}; it has: {_listed(found)}"
                 )
             place, found = (*place, word), found.get(word)
         else:
@@ -86,7 +86,7 @@ def _named(items: Sequence[Any], name: str, text: str) -> int:
     if name not in names:
         known = [each for each in names if each]
         raise CaseError(
-            f"{text}: no item is named {name!r}{did_you_mean(name, known)}; "
+            f"{text}: no item is named {name!r}{nearest_hint(name, known)}; "
             f"names: {', '.join(known) or 'none'}; the first item is [0]"
         )
     return names.index(name)

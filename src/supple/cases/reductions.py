@@ -190,7 +190,7 @@ Guyan = table_of(reduction.Guyan, "guyan", Correctable)
 Complete = table_of(reduction.CompleteBasis, "complete", Correctable)
 
 
-class ErrorControlled(Basis):
+class ErrorControlledTable(Basis):
     """The lowest vibrations of the free body, each eigenvalue proven to be within a tolerance."""
 
     basis: Literal["error-controlled"]
@@ -212,7 +212,7 @@ class ErrorControlled(Basis):
         return reduction.AttachmentModes(vibrations) if self.attachment_modes else vibrations
 
 
-Reduced = Correctable | ErrorControlled
+Reduced = Correctable | ErrorControlledTable
 _NEED_INTERFACES = (
     "rubin",
     "craig-bampton",
@@ -231,7 +231,7 @@ Reduction = Annotated[
         NormalModes,
         Guyan,
         Complete,
-        ErrorControlled,
+        ErrorControlledTable,
         FullOrder,
         by="basis",
     ),

@@ -8,14 +8,14 @@ from pathlib import Path
 from supple.body import Damping
 from supple.cases.body_kinds import SectionTableFile, kind_of
 from supple.cases.condense import Condense, is_condensed
-from supple.cases.interfaces import Interface
+from supple.cases.interfaces import InterfaceTable
 from supple.importers import SECTION_SUFFIXES, read_section_table
 from supple.importers.toml import KeyPath, Mistakes, Raw, table, tables
 from supple.methods.intrinsic import IntrinsicBody, section_line
 
 
 def line_of_sections(
-    name: str, path: Path, given: Condense, interfaces: Sequence[Interface], damping: Damping | None
+    name: str, path: Path, given: Condense, interfaces: Sequence[InterfaceTable], damping: Damping | None
 ) -> IntrinsicBody:
     """The body in its intrinsic modes.
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from supple.cases.body_kinds import is_explicit
+from supple.cases.body_kinds import is_explicit_table
 from supple.cases.continuation import StartState
 from supple.cases.explicit_method import ExplicitMethod
 from supple.cases.table import Key, table_of
@@ -71,7 +71,7 @@ def _steps_are_given_once(raw: Raw) -> Mistakes:
 
 
 def _marches_explicitly(raw: Raw) -> bool:
-    return any(is_explicit(body) for _, body in tables(raw, "body"))
+    return any(is_explicit_table(body) for _, body in tables(raw, "body"))
 
 
 def _an_explicit_march_has_its_own_steps(raw: Raw) -> Mistakes:

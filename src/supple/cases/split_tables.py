@@ -16,8 +16,8 @@ from supple.body import FlexibleBody, RayleighDamping, connection_named
 from supple.cases.bodies import Body, NodalFixed
 from supple.cases.case_tables import CaseTables
 from supple.cases.damping import Rayleigh, RayleighRatio
-from supple.cases.interfaces import Interface
-from supple.cases.joints import Joint
+from supple.cases.interfaces import InterfaceTable
+from supple.cases.joints import JointTable
 from supple.cases.loads import Force
 from supple.cases.split import SplitSource
 from supple.cases.table import named_in
@@ -164,7 +164,7 @@ def _split_table(body: Body, source: SplitSource) -> _SplitTable:
     return _SplitTable(body, source, holders)
 
 
-def _nodes(interface: Interface, source: SplitSource) -> IntArray:
+def _nodes(interface: InterfaceTable, source: SplitSource) -> IntArray:
     if interface.connection is not None:
         return connection_named(interface.connection, source.whole.connections()).nodes
     if interface.nodes is not None:
@@ -189,7 +189,7 @@ def _parts(split: _SplitTable) -> Iterator[Body]:
                 "kind": "averaging" if body.split.tie == "averaging" else "rigid",
                 "position": mesh.whole.nodes[nodes].mean(axis=0).tolist(),
             }
-            own.append(Interface.model_validate(tied))
+            own.append(InterfaceTable.model_validate(tied))
         changed = {
             "name": part_name(body.name, i),
             "interface": tuple(own),
@@ -211,12 +211,12 @@ def _frame(split: _SplitTable, part: int) -> object:
     return NodalFixed(kind="nodal-fixed", interface=towards[part].name)
 
 
-def _ties(split: _SplitTable) -> Iterator[Joint]:
+def _ties(split: _SplitTable) -> Iterator[JointTable]:
     name = split.body.name
     for tie, cut in split.source.mesh.ties.items():
         first, second = (f"{part_name(name, part)}.{cut.name}" for part in (cut.first, cut.second))
         table = {"kind": "fixed", "name": f"{name} {tie}", "first": first, "second": second}
-        yield Joint.model_validate(table)
+        yield JointTable.model_validate(table)
 
 
 def _places(text: str, split: Mapping[str, _SplitTable]) -> Sequence[tuple[str, float]]:

@@ -16,7 +16,7 @@ from supple.cases.notify import silent
 from supple.errors import ImportFormatError, ModelError
 from supple.importers import DECK_SUFFIXES, HDF5_SUFFIXES
 from supple.terminal import LOGGER, PrintedMessage, say, words
-from supple.units import UNNAMED, UnitSystem, measured
+from supple.units import UNNAMED, UnitSystem, with_unit
 
 _VERDICTS = {
     Verdict.OK: "[green]OK[/green]",
@@ -52,7 +52,7 @@ def check_table(name: str, check: ModelCheck, units: UnitSystem = UNNAMED) -> Ta
         seen = f"{finding.seen}\n-> {finding.remedy}" if finding.remedy else finding.seen
         if finding.what == LOWEST_FREQUENCIES:
             listed = ", ".join(f"{factor * frequency:.4g}" for frequency in check.frequencies)
-            seen = measured(listed, hertz)
+            seen = with_unit(listed, hertz)
         table.add_row(_VERDICTS[finding.verdict], words(finding.what), words(seen))
     return table
 
@@ -69,7 +69,7 @@ def _print_lines(case: Case) -> None:
         line = (
             f"body '{body.name}': condensed on {body.line.n} stations, mass {body.mass:.5g}; rigid-body "
             f"residual {body.line.rigid_force:.0e}; lowest frequencies on its support "
-            f"{measured(listed, hertz)}"
+            f"{with_unit(listed, hertz)}"
         )
         say(line)
 

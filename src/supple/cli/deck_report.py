@@ -15,7 +15,7 @@ from supple.errors import SuppleError
 from supple.importers.deck import BeamProperty, Deck, Property
 from supple.results.descriptions import Row
 
-__all__ = ["DeckReport", "deck_report", "deck_rows", "write_report"]
+__all__ = ["DeckReport", "deck_report", "deck_rows", "write_deck_report"]
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ def _described(deck: Deck, mass: MassProperties | None) -> dict[str, Any]:
         "elements": element_counts(deck),
         "mass": None if mass is None else mass.mass,
         "centre": None if mass is None else mass.centre.tolist(),
-        "inertia": None if mass is None else inertia_terms(mass),
+        "inertia": None if mass is None else inertia_numbers(mass),
     }
 
 
@@ -99,13 +99,13 @@ def element_counts(deck: Deck) -> dict[str, int]:
     return {name: len(np.unique(np.concatenate(own))) for name, own in ids.items()}
 
 
-def inertia_terms(mass: MassProperties) -> list[float]:
+def inertia_numbers(mass: MassProperties) -> list[float]:
     """Ixx, Iyy, Izz, and the integrals xy, xz, yz about the centre."""
     J = mass.inertia
     return [float(value) for value in (J[0, 0], J[1, 1], J[2, 2], -J[0, 1], -J[0, 2], -J[1, 2])]
 
 
-def write_report(report: DeckReport, path: Path) -> None:
+def write_deck_report(report: DeckReport, path: Path) -> None:
     """The report as JSON."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(report.as_json(), indent=1) + "\n", encoding="utf-8")
@@ -125,7 +125,7 @@ def deck_rows(report: DeckReport) -> Iterator[Row]:
     if mass is not None:
         yield "mass", f"{mass.mass:.6g}"
         yield "centre", _listed(mass.centre)
-        yield "inertia about the centre, xx yy zz xy xz yz", _listed(inertia_terms(mass))
+        yield "inertia about the centre, xx yy zz xy xz yz", _listed(inertia_numbers(mass))
     yield from _parts(deck)
     for what, given in _beside(deck):
         yield what, given

@@ -13,7 +13,7 @@ from supple.cli.chosen_body import chosen_body
 from supple.errors import CaseError
 from supple.export import ABAQUS, CALCULIX, resultant, static_load, write_static_deck
 from supple.terminal import console, print_rows, say, worded
-from supple.units import headed, measured
+from supple.units import headed, with_unit
 
 
 def export_case(
@@ -76,7 +76,7 @@ def export_case(
         [
             ("nodes, elements", f"{model.mesh.n_nodes}, {sum(map(len, model.mesh.cells.values()))}"),
             ("clamped", ", ".join(interfaces)),
-            ("loads at", measured(f"t = {instant:g}", case.units.time)),
+            ("loads at", with_unit(f"t = {instant:g}", case.units.time)),
             (headed("sum of forces", case.units.force), _numbers(total[:3])),
             (headed("moment about the mesh's origin", case.units.moment), _numbers(total[3:])),
         ],

@@ -19,7 +19,7 @@ from supple.quantities import read_in_parts
 from supple.simulation.stored_bodies import stored_path
 from supple.storage import ResultParts
 from supple.terminal import console, say, worded
-from supple.units import measured
+from supple.units import with_unit
 
 _PICTURES = (".vtkhdf", ".vtu")
 
@@ -68,7 +68,7 @@ def export_result(
         else:
             _write_picture(target, suffix, found, run, bodies, stress=stress)
     instants = f"{len(rows)} instants" if len(rows) > 1 else f"t = {run.times[0]:g}"
-    say(f"{instants if len(rows) > 1 else measured(instants, found.case.units.time)} written to {target}")
+    say(f"{instants if len(rows) > 1 else with_unit(instants, found.case.units.time)} written to {target}")
 
 
 def _bodies_beside(found: ResultMachine, path: Path) -> set[Path]:

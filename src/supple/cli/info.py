@@ -6,14 +6,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from supple.cases import read_case
-from supple.cli.deck_report import deck_report, deck_rows, write_report
+from supple.cli.deck_report import deck_report, deck_rows, write_deck_report
 from supple.errors import ArgumentError, ImportFormatError
 from supple.importers import DECK_SUFFIXES, MESH_SUFFIXES, read_deck, read_mesh
 from supple.results.descriptions import describe_result
 from supple.storage import holds_reduced_body, read_reduced_body
 from supple.summary import Row
 from supple.terminal import print_rows
-from supple.units import measured
+from supple.units import with_unit
 
 
 def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: bool = False) -> None:
@@ -33,7 +33,7 @@ def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: 
         report = deck_report(read_deck(path), n_modes=n_modes, held=held)
         print_rows(f"Deck {path}", deck_rows(report))
         if json is not None:
-            write_report(report, json)
+            write_deck_report(report, json)
         return
     if json is not None or n_modes or held:
         raise ArgumentError(
@@ -78,5 +78,5 @@ def _describe_case(path: Path) -> Iterator[Row]:
     run = case.simulation
     yield (
         "simulation",
-        f"{measured(f'{run.duration:g}', time)}, stored every {measured(f'{run.output_step:g}', time)}",
+        f"{with_unit(f'{run.duration:g}', time)}, stored every {with_unit(f'{run.output_step:g}', time)}",
     )

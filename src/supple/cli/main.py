@@ -173,11 +173,11 @@ def sweep_page(
 ) -> None:
     """Write the page of a sweep (HTML): table, plots, extremes, and reports of the extreme cases."""
     from supple.algebra.jax_settings import keep_compiled_programs
-    from supple.cli.sweep import write_page
+    from supple.cli.sweep import write_pages
 
     with reported_errors(debug=debug), reported_warnings():
         keep_compiled_programs()
-        write_page(folder, reports, allow_code=allow_code)
+        write_pages(folder, reports, allow_code=allow_code)
 
 
 @app.command()

@@ -26,7 +26,7 @@ from supple.sweeps import (
 from supple.sweeps.part_file import CaseStatus
 from supple.terminal import bar, error_console, print_table, progress_bars, say, words
 
-__all__ = ["chosen_executors", "print_status", "sweep_cases", "write_page"]
+__all__ = ["chosen_executors", "print_status", "sweep_cases", "write_pages"]
 
 _MOST_SHOWN = 10
 _WORDS = {CaseStatus.FAILED: "failed", CaseStatus.KILLED: "killed its process"}
@@ -101,7 +101,7 @@ def _run(
     return sweep_status(folder)
 
 
-def write_page(folder: Path, n_reports: int, *, allow_code: bool) -> None:
+def write_pages(folder: Path, n_reports: int, *, allow_code: bool) -> None:
     """Write the page of the sweep in a folder, and the reports of the cases with the most extremes."""
     bars = progress_bars()
     with bars:

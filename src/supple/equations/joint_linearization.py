@@ -27,7 +27,7 @@ from supple.algebra.small_product import small_product
 from supple.equations.compiler_options import STARTING
 from supple.equations.marker import (
     Marker,
-    frame_motion,
+    frame_map,
     orientation,
     point,
     pose_at_rest,
@@ -137,7 +137,7 @@ def linearize_joint(affine: Affine, first: Marker, second: Marker) -> JointLinea
         jnp.cross(of_gap, gap) - axial(of_turn @ turn.T),
         axial(turn.T @ of_turn),
     )
-    motions = frame_motion(first), frame_motion(second)
+    motions = frame_map(first), frame_map(second)
     return JointLinearization(
         equations=coefficients @ jnp.concatenate([gap, turn.reshape(9)]) + constant,
         axes=axes,

@@ -30,7 +30,7 @@ __all__ = [
     "N_LOCAL",
     "Marker",
     "displaced",
-    "frame_motion",
+    "frame_map",
     "generalized_force",
     "orientation",
     "point",
@@ -153,7 +153,7 @@ def generalized_force(marker: Marker, wrench: Wrench) -> jax.Array:
 
 
 @jax.jit
-def frame_motion(marker: Marker) -> jax.Array:
+def frame_map(marker: Marker) -> jax.Array:
     """Map of the twelve local freedoms to the joint frame: `(dr global, dphi in the joint's axes)`, (6, 12).
 
     dr = dR + A (du - (x + u)~ dpsi),      dphi = C^T ( exp(phi)^T dpsi + T(phi) dphi/dtheta dtheta )
@@ -174,7 +174,7 @@ def wrench_stiffness(marker: Marker, wrench: jax.Array, motion: jax.Array) -> ja
     """Derivative of `frame_motion(marker)^T wrench` by the local freedoms at constant wrench, (12, 12).
 
     `wrench` (6,) is the force in global components and the moment in the joint's axes; `motion` (6, 12) is
-    the `frame_motion`.
+    the `frame_map`.
     """
     arm = marker.offset + marker.displacement
     force = skew(small_product(marker.rotation.T, wrench[:3]))

@@ -38,10 +38,10 @@ __all__ = [
     "LinearEquations",
     "SteadyEquations",
     "SteadyRotation",
+    "dynamic_stiffness",
     "in_turning_axes",
     "linear_equations",
     "steady_motion",
-    "step_matrix",
     "turning_velocities",
     "work_of_turning",
 ]
@@ -163,10 +163,10 @@ def linear_equations(
     model: Model, turning: SteadyRotation, motion: SystemMotion, terms: Balance
 ) -> LinearEquations:
     """The equations of motion, linearised about a steady motion; `terms` were evaluated there."""
-    mass = step_matrix(model, motion, terms, 0.0, 0.0)
+    mass = dynamic_stiffness(model, motion, terms, 0.0, 0.0)
     # The factor is so large that adding the mass does not change the product, in any unit of time.
-    damping = (step_matrix(model, motion, terms, 0.0, _LARGE) - mass) / _LARGE
-    stiffness = (step_matrix(model, motion, terms, _LARGE, 0.0) - mass) / _LARGE
+    damping = (dynamic_stiffness(model, motion, terms, 0.0, _LARGE) - mass) / _LARGE
+    stiffness = (dynamic_stiffness(model, motion, terms, _LARGE, 0.0) - mass) / _LARGE
     axes = in_turning_axes(model, motion.configuration)
     mass, damping, stiffness = (axes.T @ each @ axes for each in (mass, damping, stiffness))
     frames, translations = _spins(model, turning, motion.configuration)
@@ -180,7 +180,7 @@ def linear_equations(
     )
 
 
-def step_matrix(
+def dynamic_stiffness(
     model: Model, motion: SystemMotion, terms: Balance, by_position: float, by_velocity: float
 ) -> np.ndarray:
     """`M + by_velocity C + by_position K` (n, n), by one compiled program for all factors."""

@@ -9,9 +9,9 @@ import numpy as np
 
 from supple.integrate import AdaptiveStep, Run
 from supple.machine import System, TimeLaw
-from supple.machine.laws.instants import instants_of
+from supple.machine.laws.instants import instants_of_law
 
-__all__ = ["Stops", "filled_up", "laws_of", "stepping_instants"]
+__all__ = ["Stops", "laws_of", "padded_stops", "stepping_instants"]
 
 _NEAREST = 1e-5
 """Relative to the duration: instants nearer to a stop are skipped, as accelerations would lose digits."""
@@ -30,7 +30,7 @@ def stepping_instants(systems: Sequence[System], run: Run) -> np.ndarray:
     if not isinstance(control, AdaptiveStep):
         return np.zeros(0)
     laws = {id(law): law for system in systems for _, law in laws_of(system)}
-    found = [instants_of(law, float(times[0]), float(times[-1])) for law in laws.values()]
+    found = [instants_of_law(law, float(times[0]), float(times[-1])) for law in laws.values()]
     instants = np.unique(np.concatenate([np.zeros(0), *found]))
     nearest = max(control.least, min(control.first, _NEAREST * run.duration))
     after = np.clip(np.searchsorted(times, instants), 1, len(times) - 1)
@@ -64,7 +64,7 @@ class Stops:
         return stops, np.searchsorted(stops, times)
 
 
-def filled_up(stops: np.ndarray, fewest: int = 1) -> np.ndarray:
+def padded_stops(stops: np.ndarray, fewest: int = 1) -> np.ndarray:
     """Stops, with the last one repeated, to a power of two: runs of similar length share a program."""
     number = max(fewest, 2 ** (len(stops) - 1).bit_length())
     return np.pad(stops, (0, number - len(stops)), mode="edge")

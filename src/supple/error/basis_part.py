@@ -20,7 +20,7 @@ from supple.error.error_estimate import (
     INSTANTS,
     ErrorEstimate,
     ErrorEstimator,
-    MissingMotion,
+    MissingMotionAlongRun,
     reduced_form,
 )
 from supple.error.stopping import locks
@@ -97,7 +97,7 @@ def assessed_basis(
     return parts, fields
 
 
-def _is_surely_doubtful(system: System, missing: MissingMotion) -> bool:
+def _is_surely_doubtful(system: System, missing: MissingMotionAlongRun) -> bool:
     """Whether any estimate by the error equation would be doubtful (`BodyError.is_doubtful`)."""
     return any(
         locks(reduced_form(system, name)) or not np.isfinite(own.rms).all()

@@ -36,8 +36,8 @@ from supple.error.error_estimate import (
     check_linearised,
     is_smooth,
     modal_damping,
-    no_estimate,
     reduced_form,
+    unknown_error,
 )
 from supple.error.error_study import ErrorStudy, statements
 from supple.error.residual_correction import active_constraints, system_corrections
@@ -122,7 +122,7 @@ def estimate_batch_errors(
                 )
     whole = [number for number, solution in enumerate(solutions) if solution.stopped is None]
     found = {
-        number: BasisError(dict.fromkeys(bases, no_estimate(solution)))
+        number: BasisError(dict.fromkeys(bases, unknown_error(solution)))
         for number, solution in enumerate(solutions)
         if number not in whole
     }

@@ -54,7 +54,7 @@ from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.intrinsic import IntrinsicBody
 from supple.reduction import ReducedBody, ReductionBasis
 
-__all__ = ["ErrorEstimate", "ErrorEstimator", "MissingMotion", "estimate_error"]
+__all__ = ["ErrorEstimate", "ErrorEstimator", "MissingMotionAlongRun", "estimate_error"]
 
 INSTANTS = 50
 FRESH = 16
@@ -85,7 +85,7 @@ class ErrorEstimate:
 
 
 @dataclass(frozen=True, eq=False)
-class MissingMotion:
+class MissingMotionAlongRun:
     """Motion outside the bases of a run at some times, from equilibria of the full bodies.
 
     steps : the run at every step, or at its output times if it stopped early
@@ -188,7 +188,7 @@ class ErrorEstimator:
         *,
         instants: int = INSTANTS,
         progress: Progress | None = None,
-    ) -> MissingMotion:
+    ) -> MissingMotionAlongRun:
         """Motion outside the bases at some times, by equilibria; also of a run that stopped early."""
         fulls = self._to_assess(bases)
         steps = every_step(reduced, self._run, solution) if solution.stopped is None else as_outputs(solution)
@@ -205,12 +205,12 @@ class ErrorEstimator:
             progress=None if progress is None else lambda fraction: progress(0.5 * fraction),
         )
         missed = {name: own.at(places) for name, own in at_each.items()}
-        return MissingMotion(steps, missed, len(looked), along)
+        return MissingMotionAlongRun(steps, missed, len(looked), along)
 
     @one_blas_thread()
     def error_of(
         self,
-        missing: MissingMotion,
+        missing: MissingMotionAlongRun,
         reduced: System,
         bases: Mapping[str, ReductionBasis],
         solution: Solution,
@@ -267,8 +267,8 @@ class ErrorEstimator:
         factorizations = max(own.factorizations for own in missed.values()) + 2 * len(fulls)
         return ErrorEstimate(BasisError(errors), histories, added, missed, corrected, factorizations)
 
-    def _unknown(self, missing: MissingMotion, solution: Solution) -> ErrorEstimate:
-        errors = BasisError(dict.fromkeys(missing.corrections, no_estimate(solution)))
+    def _unknown(self, missing: MissingMotionAlongRun, solution: Solution) -> ErrorEstimate:
+        errors = BasisError(dict.fromkeys(missing.corrections, unknown_error(solution)))
         return ErrorEstimate(errors, {}, missing.fields, missing.corrections)
 
     def _to_assess(self, bases: Mapping[str, ReductionBasis]) -> dict[str, FullBody]:
@@ -482,7 +482,7 @@ def body_error(
     )
 
 
-def no_estimate(solution: Solution) -> BodyError:
+def unknown_error(solution: Solution) -> BodyError:
     """The error of a run that stopped early, or whose error equation diverges: infinite."""
     times = solution.times
     return BodyError(np.inf, np.inf, 0, float(times[-1]), np.inf, None, np.full(len(times), np.inf))

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from supple.equations.stops import laws_of
 from supple.machine import System
-from supple.machine.laws.instants import instants_of
-from supple.machine.laws.sampled_law import sampled
+from supple.machine.laws.instants import instants_of_law
+from supple.machine.laws.sampled_law import law_samples
 
 __all__ = ["followed", "load_peaks", "stratified_samples"]
 
@@ -36,9 +36,9 @@ def load_peaks(system: System, times: Sequence[float] | NDArray[np.float64]) -> 
     times = np.asarray(times)
     found: list[float] = []
     for _, law in laws_of(system):
-        values = np.linalg.norm(sampled(law, times[:: _stride(times)])[0], axis=1)
+        values = np.linalg.norm(law_samples(law, times[:: _stride(times)])[0], axis=1)
         found.append(times[:: _stride(times)][int(np.argmax(values))])
-        found += list(instants_of(law, float(times[0]), float(times[-1])))[:MOST_PEAKS]
+        found += list(instants_of_law(law, float(times[0]), float(times[-1])))[:MOST_PEAKS]
     rows = np.unique(np.clip(np.searchsorted(times, found, side="left"), 1, len(times) - 1))
     if len(rows) > MOST_PEAKS:
         rows = rows[np.linspace(0, len(rows) - 1, MOST_PEAKS).round().astype(int)]

@@ -81,7 +81,7 @@ def shell_mass(
     return CellMass(nodes, mass * pattern, about_centre * pattern, coupled)
 
 
-def mass_matrix(masses: tuple[CellMass, ...], n_nodes: int, dofs_per_node: int) -> csc_array:
+def nodal_mass_matrix(masses: tuple[CellMass, ...], n_nodes: int, dofs_per_node: int) -> csc_array:
     """Mass matrix of all nodal freedoms (n, n), kg, kg m and kg m^2."""
     translations = np.diag(np.arange(dofs_per_node) < 3).astype(float)
     if not masses:

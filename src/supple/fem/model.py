@@ -19,7 +19,7 @@ from supple.fem.attached_parts import attached_parts, point_masses
 from supple.fem.beam2 import BeamLine, beam_line, beam_mass, beam_strain
 from supple.fem.beam_section import LineSection, RodSection
 from supple.fem.coarse_curvature import warn_of_coarse_curvature
-from supple.fem.mass import CellMass, consistent_mass, mass_matrix, shell_mass
+from supple.fem.mass import CellMass, consistent_mass, nodal_mass_matrix, shell_mass
 from supple.fem.material import Anisotropic, Isotropic
 from supple.fem.node_sparsity import cell_nodes, full_cells, node_sparsity
 from supple.fem.quadratic_strain import QuadraticStrain, stiffness
@@ -226,7 +226,9 @@ def cell_masses(model: FiniteElementModel) -> tuple[CellMass, ...]:
 def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
     """Diagonal mass (n,) of the nodal freedoms, kg and kg m^2, with the total of the consistent mass."""
     masses = tuple(mass.lumped() for mass in _cell_masses(model.mesh, model.sections))
-    diagonal = mass_matrix(masses, model.mesh.n_nodes, model.dofs_per_node).diagonal().astype(np.float64)
+    diagonal = (
+        nodal_mass_matrix(masses, model.mesh.n_nodes, model.dofs_per_node).diagonal().astype(np.float64)
+    )
     diagonal.reshape(model.mesh.n_nodes, -1)[:, :3] += node_masses(model)[:, None]
     return diagonal
 
@@ -358,7 +360,7 @@ def _model(
     elements = (_block(mesh, portion, kinematics, d) for portion in _portions(given))
     matrices = (full_cells(stiffness(block), block.dofs, d) for block in chain(elements, attached.springs))
     masses = tuple(mass_of(mass) for mass in _cell_masses(mesh, given))
-    mass = mass_matrix(masses, mesh.n_nodes, d)
+    mass = nodal_mass_matrix(masses, mesh.n_nodes, d)
     return FiniteElementModel(
         mesh=mesh,
         dofs_per_node=d,

@@ -12,7 +12,7 @@ from supple.arguments import checked_arguments
 from supple.errors import ImportFormatError
 from supple.importers.cell_blocks import CellBlock, file_mesh
 from supple.importers.file_mesh import UnusedNodes
-from supple.importers.numbering import numbers_of
+from supple.importers.numbering import positions_of_ids
 from supple.importers.text_file import file_content
 from supple.mesh import Mesh
 
@@ -89,7 +89,7 @@ def read_ansys(
     blocks = _blocks(path, elements, routines, ids, parts)
     sets = {}
     for name, members in node_parts.items():
-        numbers, known = numbers_of(ids, members)
+        numbers, known = positions_of_ids(ids, members)
         if known.any():
             sets[name] = np.unique(numbers[known])
     return file_mesh(path, nodes, blocks, sets, ids).to_mesh(only=only, unused_nodes=unused_nodes)
@@ -111,7 +111,7 @@ def _blocks(
         by_shape.setdefault(name, []).append((nodes, number, int(row[0])))
     blocks = []
     for name, given in by_shape.items():
-        cells, known = numbers_of(node_ids, np.array([nodes for nodes, _, _ in given]))
+        cells, known = positions_of_ids(node_ids, np.array([nodes for nodes, _, _ in given]))
         if not known.all():
             lost = int(np.flatnonzero(~known.all(axis=1))[0])
             raise ImportFormatError(

@@ -14,7 +14,7 @@ from supple.errors import ImportFormatError
 from supple.importers.cell_blocks import CellBlock, file_mesh
 from supple.importers.file_mesh import UnusedNodes
 from supple.importers.gmsh_file import GmshFile, read_gmsh_file
-from supple.importers.numbering import numbers_of
+from supple.importers.numbering import positions_of_ids
 from supple.importers.text_file import file_content
 from supple.mesh import Mesh
 
@@ -110,7 +110,7 @@ def _blocks(path: Path, read: GmshFile, names: dict[tuple[int, int], str]) -> li
     """Dimension and cells of each block, with node numbers from 0 and the physical groups as sets."""
     blocks = []
     for elements in read.blocks:
-        cells, known = numbers_of(read.tags, elements.nodes)
+        cells, known = positions_of_ids(read.tags, elements.nodes)
         lost = np.flatnonzero(~known.all(axis=1))
         if lost.size:
             raise ImportFormatError(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
 from supple.importers.inclusion import Inclusions
-from supple.importers.plain_number import is_plain, plain_integer, plain_number
+from supple.importers.plain_number import is_plain, number_of_word, plain_integer
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ def _converted(file: KeywordFile, words: list[str], lines: NDArray[np.int64], dt
 
 def _is_number(word: str, *, whole: bool) -> bool:
     try:
-        plain_integer(word) if whole else plain_number(word)
+        plain_integer(word) if whole else number_of_word(word)
     except ValueError:
         return False
     return True

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["numbers_of"]
+__all__ = ["positions_of_ids"]
 
 IntArray = NDArray[np.int64]
 
 
-def numbers_of(ids: IntArray, wanted: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
+def positions_of_ids(ids: IntArray, wanted: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
     """Position of each wanted id in `ids`, and whether it exists."""
     if not len(ids):
         return np.zeros(np.shape(wanted), dtype=np.int64), np.zeros(np.shape(wanted), dtype=bool)

@@ -36,7 +36,7 @@ def plain_integer(word: str) -> int:
     return number
 
 
-def plain_number(word: str) -> float:
+def number_of_word(word: str) -> float:
     """The finite number; ValueError for anything else."""
     if not is_plain(word) or not math.isfinite(number := float(word)):
         raise ValueError(f"'{word[:40]}' is not a number")

@@ -28,7 +28,7 @@ from supple.machine.nodal_loads.nodal_load import NodalLoad
 from supple.machine.placement import rotation_matrix, space_vector
 from supple.machine.ties.tie import Tie
 from supple.mesh import Mesh
-from supple.summary import N_LINES, Summarized, Summary, listed, point
+from supple.summary import N_LINES, Summarized, Summary, listed, place_text
 
 __all__ = ["Placed", "System"]
 
@@ -91,12 +91,22 @@ class Placed(Summarized):
     def summary(self) -> Summary:
         """Initial position and velocity of the body."""
         angles = Rotation.from_matrix(self.rotation).as_rotvec()
-        rows = [("position", point(self.position)), ("rotation vector, rad", point(angles))]
+        rows = [
+            ("position", place_text(self.position)),
+            ("rotation vector, rad", place_text(angles)),
+        ]
         for name in ("velocity", "angular_velocity"):
             value = getattr(self, name)
-            rows.append((name.replace("_", " "), "by the joints, or zero" if value is None else point(value)))
+            rows.append(
+                (
+                    name.replace("_", " "),
+                    "by the joints, or zero" if value is None else place_text(value),
+                )
+            )
         rows.append(("deformed", "yes" if np.any(self.coordinates) else "no"))
-        return Summary(f"Placed body '{self.body.name}' ({self.body.kind}) at {point(self.position)}", rows)
+        return Summary(
+            f"Placed body '{self.body.name}' ({self.body.kind}) at {place_text(self.position)}", rows
+        )
 
     def __post_init__(self) -> None:
         if not isinstance(self.body, FlexibleBody):  # a FlexibleBody has a message of its own
@@ -250,7 +260,7 @@ class System(Summarized):
         named["controllers"] = [each.name for each in self.controllers]
         named |= {item: [each.nodes for each in getattr(self, item)] for item in _OF_PARTS}
         rest = [(item, listed(names)) for item, names in named.items() if names]
-        rest += [("gravity", point(self.gravity))] if self.gravity.any() else []
+        rest += [("gravity", place_text(self.gravity))] if self.gravity.any() else []
         # Bodies and joints of long chains are truncated, so that the loads are shown.
         most = N_LINES - 2 - len(rest)
         if len(rows) > most:

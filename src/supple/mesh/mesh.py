@@ -13,7 +13,7 @@ from supple.arguments import check_instance, check_numbers
 from supple.errors import MeshError
 from supple.mesh.cell_type import CellType
 from supple.mesh.checks import check_ids, check_mesh
-from supple.summary import Summarized, Summary, point
+from supple.summary import Summarized, Summary, place_text
 
 __all__ = ["Mesh"]
 
@@ -116,7 +116,7 @@ class Mesh(Summarized):
         rows += [(axis, f"{low:g} to {high:g}") for axis, low, high in extent]
         size = float(abs(self.nodes).max())
         for name, nodes in self.node_sets.items():
-            centroid = point(self.nodes[nodes].mean(axis=0), size)
+            centroid = place_text(self.nodes[nodes].mean(axis=0), size)
             rows.append((f"node set {name}", f"{len(nodes)} nodes, centroid {centroid}"))
         for name, members in self.cell_sets.items():
             rows.append((f"cell set {name}", f"{sum(map(len, members.values()))} cells"))

@@ -51,7 +51,7 @@ def _bind_lapack() -> None:
     prepare_lapack_call("getrf", np.dtype(float))
 
 
-def answer(questions: BinaryIO, answers: BinaryIO) -> None:
+def answer_calls(questions: BinaryIO, answers: BinaryIO) -> None:
     """Run the program for all requests."""
     file, n_arguments, n_results = pickle.load(questions)
     taken = jax.tree.structure((tuple(range(n_arguments)), {}))
@@ -76,4 +76,4 @@ if __name__ == "__main__":
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # meant for the parent process, which closes the input
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as own:
         os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # output of libraries goes to stderr
-        answer(sys.stdin.buffer, own)
+        answer_calls(sys.stdin.buffer, own)

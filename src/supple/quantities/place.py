@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from supple.arguments import check_sequence, check_text, given
 from supple.body import BodyForm, NodeMotion
-from supple.body.floating_kinematics import node_numbers
+from supple.body.floating_kinematics import checked_nodes
 from supple.errors import ArgumentError, ModelError
 from supple.integrate import Motion, Solution
 from supple.machine import At, System, as_end
@@ -41,7 +41,7 @@ class Place:
         if isinstance(self.at, str):
             body.interface(self.at)
         else:
-            node_numbers(self.at, len(body.nodes))
+            checked_nodes(self.at, len(body.nodes))
         return body
 
     def rest(self, body: BodyForm) -> Array:

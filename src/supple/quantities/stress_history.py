@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.body import BodyForm
-from supple.body.floating_kinematics import node_numbers
+from supple.body.floating_kinematics import checked_nodes
 from supple.body.tied_recovery import inner_pieces, tied_recovery, with_virtual_freedoms
 from supple.fem import FiniteElementModel, StressRecovery, stress_layers, stress_recovery, von_mises
 from supple.quantities.tensor_modes import STRESS, NodalTensor, tensor_modes
@@ -60,7 +60,7 @@ def von_mises_history(
     n_nodes = len(body.nodes) if nodes is None else np.size(nodes)
     found = np.zeros((len(coordinates), n_nodes))
     if _has_modes(body):
-        chosen = np.arange(n_nodes) if nodes is None else node_numbers(nodes, len(body.nodes))
+        chosen = np.arange(n_nodes) if nodes is None else checked_nodes(nodes, len(body.nodes))
         for some in _slices_of_modes(body, model, n_nodes):
             found[:, some] = tensor_modes(STRESS, body, model, chosen[some]).von_mises(coordinates)
         return found
@@ -80,7 +80,7 @@ def tensor_blocks(
     if not _has_modes(body):
         yield from _recovered(body, tensor.recovery(model), coordinates, nodes)
         return
-    chosen = node_numbers(nodes, len(body.nodes))
+    chosen = checked_nodes(nodes, len(body.nodes))
     for some in _slices_of_modes(body, model, len(chosen)):
         modes = tensor_modes(tensor, body, model, chosen[some])
         for times in _slices(len(coordinates), _FIELD_NUMBERS // modes.linear[..., 0].size):
@@ -178,7 +178,7 @@ def _recovered(
     """
     chosen = np.arange(len(body.nodes))
     if nodes is not None:
-        chosen = node_numbers(nodes, len(body.nodes))
+        chosen = checked_nodes(nodes, len(body.nodes))
         recovery = recovery.around(chosen)
     if body.has_linear_strains:
         recovery = recovery.linearized()

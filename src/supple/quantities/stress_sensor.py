@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import check_fields
-from supple.body.floating_kinematics import node_numbers
+from supple.body.floating_kinematics import checked_nodes
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, stress_layers, stress_recovery, von_mises, von_mises_strain
 from supple.integrate import FramedMotion, Solution
@@ -183,7 +183,7 @@ class _TensorSensor(ABC):
 
     def _numbers(self) -> IntArray:
         try:
-            numbers = node_numbers(self.nodes, self.model.mesh.n_nodes)
+            numbers = checked_nodes(self.nodes, self.model.mesh.n_nodes)
         except (ModelError, TypeError, ValueError) as error:
             raise ModelError(f"sensor '{self.name}': nodes {self.nodes!r}: {error}") from None
         if not numbers.size:

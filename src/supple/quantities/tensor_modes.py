@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
-from supple.body.floating_kinematics import node_numbers
+from supple.body.floating_kinematics import checked_nodes
 from supple.body.tied_recovery import inner_pieces, tied_recovery, with_virtual_freedoms
 from supple.errors import ModelError
 from supple.fem import (
@@ -279,4 +279,4 @@ def _times(modes: Array, amplitudes: Array) -> Array:
 def _chosen(nodes: ArrayLike | None, n_nodes: int) -> IntArray:
     if nodes is None:
         return np.arange(n_nodes)
-    return node_numbers(nodes, n_nodes)
+    return checked_nodes(nodes, n_nodes)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy import linalg
 
 from supple.algebra import read_only
-from supple.algebra.constraint_rows import constraint_rows
+from supple.algebra.constraint_rows import dense_rows
 from supple.body import FlexibleBody
 from supple.reduction.reduced_body import ReducedBody
 
@@ -81,7 +81,7 @@ def body_modes(body: FlexibleBody, constraint: Any, *, n_modes: int) -> BodyMode
 
     Fewer are returned when the body has fewer.
     """
-    D = constraint_rows(constraint, body.n)
+    D = dense_rows(constraint, body.n)
     found = body.lowest_modes(min(n_modes, body.n - len(D)), D)
     nodal = (body.expansion @ found.vectors).T.reshape(-1, len(body.nodes), body.dofs_per_node)
     return BodyModes(

@@ -20,7 +20,7 @@ from supple.reduction.condensed_motion import CondensedMotion
 from supple.reduction.pair_blocks import PairBlocks, pair_blocks
 from supple.reduction.reduction_report import ReductionReport
 from supple.reduction.tensors import InternalForceTensors
-from supple.summary import Summarized, Summary, point
+from supple.summary import Summarized, Summary, place_text
 
 if TYPE_CHECKING:
     from supple.body import Frame, FullBody
@@ -122,7 +122,7 @@ class ReducedBody(FloatingForm, Summarized):
         if self.report.certificate is not None:
             rows.append(("eigenvalues", str(self.report.certificate)))
         size = float(abs(self.nodes).max())
-        rows += [(f"interface {one.name}", f"at {point(one.position, size)}") for one in self.interfaces]
+        rows += [(f"interface {one.name}", f"at {place_text(one.position, size)}") for one in self.interfaces]
         return Summary(f"ReducedBody '{self.name}', {self.r} coordinates, {kind}, {self.frame}", rows)
 
     def __getstate__(self) -> dict[str, Any]:

@@ -25,7 +25,7 @@ from supple.results.body_surface import Look
 from supple.results.rest_tables import rest_error_table, rest_tables
 from supple.results.run_tables import TextTable
 from supple.simulation import Equilibrium
-from supple.units import UNNAMED, UnitSystem, labelled, measured, plain_number
+from supple.units import UNNAMED, UnitSystem, labelled, plain_number, with_unit
 
 __all__ = ["write_campbell_report", "write_modes_report", "write_static_report"]
 
@@ -149,7 +149,7 @@ def _mode_note(modes: MachineModes, number: int, units: UnitSystem) -> str:
     """Frequency, damping, basis error, stability."""
     unit, factor = units.frequency_shown
     words = [
-        measured(plain_number(factor * modes.frequencies[number] / (2 * np.pi), 5), unit),
+        with_unit(plain_number(factor * modes.frequencies[number] / (2 * np.pi), 5), unit),
         f"damping {_PERCENT * modes.damping_ratios[number]:.3g} %",
     ]
     if modes.error is not None and np.isfinite(off := modes.error.relative[number]):

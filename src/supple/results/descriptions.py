@@ -8,7 +8,7 @@ from pathlib import Path
 from supple.integrate import JOINT_COMPONENTS, FramedMotion, Motion
 from supple.reduction import ReductionReport
 from supple.storage import column_measures, read_header, read_solution
-from supple.units import UnitSystem, measured
+from supple.units import UnitSystem, with_unit
 
 Row = tuple[str, str]
 
@@ -44,7 +44,7 @@ def describe_result(path: Path) -> Iterator[Row]:
     if header.n_times:
         solution = read_solution(path)
         span = f"{header.n_times}, from {solution.times[0]:g} to {solution.times[-1]:g}"
-        yield "times", measured(span, units.time)
+        yield "times", with_unit(span, units.time)
         for name, motion in solution.bodies.items():
             yield f"body {name}", _described(motion)
         for name in solution.joint_forces:

@@ -20,8 +20,8 @@ from supple.machine import System
 from supple.methods.floating.compiled.engine import as_solution
 from supple.methods.floating.compiled.sensitivity_step import StateChange
 from supple.methods.floating.compiled.state import State
-from supple.sensitivity.differences import OFFSETS, central_difference, is_smooth
-from supple.sensitivity.moved_motion import moved, small_step
+from supple.sensitivity.differences import OFFSETS, central_difference, looks_smooth
+from supple.sensitivity.moved_motion import displaced_states, small_step
 from supple.sensitivity.observable import Observables, observables_of, reads_elements
 from supple.sensitivity.parameter_changes import ParameterChanges
 
@@ -93,7 +93,10 @@ class DerivativeReader:
             if left:
                 step = part * largest
                 around = [
-                    self._read(self.machine.system, moved(self.states, self.changes, number, offset * step))
+                    self._read(
+                        self.machine.system,
+                        displaced_states(self.states, self.changes, number, offset * step),
+                    )
                     for offset in OFFSETS
                 ]
                 found |= self._smooth(left, around, step)
@@ -110,5 +113,7 @@ class DerivativeReader:
         """Derivatives of the observables that are smooth."""
         found = {name: [own[name] for own in around] for name in values}
         return {
-            name: central_difference(own, step) for name, own in found.items() if is_smooth(values[name], own)
+            name: central_difference(own, step)
+            for name, own in found.items()
+            if looks_smooth(values[name], own)
         }

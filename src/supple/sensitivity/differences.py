@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["OFFSETS", "central_difference", "is_smooth"]
+__all__ = ["OFFSETS", "central_difference", "looks_smooth"]
 
 OFFSETS = (-2, -1, 1, 2)
 """Evaluation points besides the middle, in steps."""
@@ -36,7 +36,7 @@ def central_difference(values: Sequence[ArrayLike], step: float) -> NDArray[np.f
     return (8 * (above - below) - (far_above - far_below)) / (12 * step)
 
 
-def is_smooth(middle: ArrayLike, values: Sequence[ArrayLike], size: float = 0.0) -> bool:
+def looks_smooth(middle: ArrayLike, values: Sequence[ArrayLike], size: float = 0.0) -> bool:
     """Whether a derivative from these values is one of a smooth function.
 
     size : least reference for the values

@@ -12,7 +12,7 @@ from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.sensitivity_step import StateChange
 from supple.methods.floating.compiled.state import State
 
-__all__ = ["moved", "small_step"]
+__all__ = ["displaced_states", "small_step"]
 
 _SMALL = 1e-3
 """Displacement of the motion: rad, or relative to the machine's length or a body's deformation."""
@@ -20,7 +20,7 @@ _UNDEFORMED = 1e-8
 """Least reference value of a deformation, relative to the machine's length."""
 
 
-def moved(states: State, change: StateChange, parameter: int, step: float) -> State:
+def displaced_states(states: State, change: StateChange, parameter: int, step: float) -> State:
     """States (t, ..) displaced by a step of a parameter along derivatives (t, p, ..).
 
     Rotations are displaced on their group.

@@ -24,10 +24,10 @@ from supple.errors import ModelError, SuppleWarning
 from supple.integrate import Kinematic, Run
 from supple.machine import SampledController, System
 from supple.methods.floating.compiled.batch_start import batch_start
-from supple.methods.floating.compiled.sensitivity_march import Changes
+from supple.methods.floating.compiled.sensitivity_march import MarchChanges
 from supple.methods.floating.compiled.sensitivity_step import Carried, StateChange, state_change
 from supple.methods.floating.compiled.state import State
-from supple.sensitivity.differences import OFFSETS, central_difference, is_smooth
+from supple.sensitivity.differences import OFFSETS, central_difference, looks_smooth
 
 __all__ = ["Build", "ParameterChanges", "parameter_changes"]
 
@@ -58,7 +58,7 @@ class ParameterChanges:
     stops: np.ndarray
     outputs: np.ndarray
     """True for stops that are output times, without the initial one"""
-    changes: Changes
+    changes: MarchChanges
     neighbours: tuple[Neighbours, ...]
 
 
@@ -196,7 +196,7 @@ def _derivatives(
         if all(np.array_equal(own, leaf) for own in values):
             found.append(None)
             continue
-        if not np.issubdtype(values[0].dtype, np.floating) or not is_smooth(leaf, values, magnitude):
+        if not np.issubdtype(values[0].dtype, np.floating) or not looks_smooth(leaf, values, magnitude):
             raise ModelError(
                 f"the machine is not smooth in parameter '{name}': with changes of {step:.3g} there "
                 f"is a jump or a kink in {jax.tree_util.keystr(path)}. Reduce bodies outside the function, "
@@ -206,7 +206,7 @@ def _derivatives(
     return found
 
 
-def _together(middle: _Numbers, columns: Sequence[Sequence[np.ndarray | None]]) -> Changes:
+def _together(middle: _Numbers, columns: Sequence[Sequence[np.ndarray | None]]) -> MarchChanges:
     """Derivatives by all parameters, leaf by leaf."""
 
     def stacked(leaf: Any, own: Sequence[np.ndarray | None]) -> np.ndarray:
@@ -220,4 +220,4 @@ def _together(middle: _Numbers, columns: Sequence[Sequence[np.ndarray | None]]) 
     ]
     others, structure = jax.tree.flatten((middle.start, middle.stops))
     of_others = map(stacked, others, by_leaf[len(leaves) :])
-    return Changes(of_model, *jax.tree.unflatten(structure, of_others))
+    return MarchChanges(of_model, *jax.tree.unflatten(structure, of_others))

@@ -21,7 +21,7 @@ from supple.equations.checks.output_rate import report_output_rate
 from supple.equations.checks.step_length import report_step_length
 from supple.equations.checks.validity import Peaks, watch
 from supple.equations.machine_model import Model
-from supple.equations.stops import Stops, filled_up, laws_of, stepping_instants
+from supple.equations.stops import Stops, laws_of, padded_stops, stepping_instants
 from supple.errors import ModelError
 from supple.integrate import (
     Progress,
@@ -111,7 +111,7 @@ def simulate_batch(
     _check_alike(starts.models)
     axes = differing(starts.models)
     _require_memory(starts, axes, min(chunk, len(cases)), len(run.times))
-    shares = shares_of(starts, axes, controls(run), filled_up(ends), chunk)
+    shares = shares_of(starts, axes, controls(run), padded_stops(ends), chunk)
     shares.program.compiled(*shares.arguments[0]())
     ready = clock.perf_counter()
     for done in on_all_cores(shares.program, shares.arguments):

@@ -56,7 +56,7 @@ def _marched(system: System, run: Run) -> Solution:
     return watched_run(system, run, check=False)
 
 
-def answer(questions: BinaryIO, answers: BinaryIO) -> None:
+def answer_cases(questions: BinaryIO, answers: BinaryIO) -> None:
     """Run all received cases."""
     run = pickle.load(questions)
     _send("ready", answers)
@@ -87,4 +87,4 @@ if __name__ == "__main__":
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # handled by the parent process, which closes the input
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as own:
         os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # output of libraries
-        answer(sys.stdin.buffer, own)
+        answer_cases(sys.stdin.buffer, own)

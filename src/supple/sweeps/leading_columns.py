@@ -30,7 +30,7 @@ from supple.simulation.stored_basis import stored_bases
 from supple.sweeps.swept_group import SweptGroup
 from supple.sweeps.training_runs import TrainingRuns, training_runs
 
-__all__ = ["leading_directions", "with_principal_bases"]
+__all__ = ["principal_directions", "with_principal_bases"]
 
 Array = NDArray[np.float64]
 Bounds = dict[str, list[tuple[float, float]]]
@@ -46,7 +46,7 @@ SOFTEST = 1e-7
 """Smallest frequency that is not zero, as a fraction of the highest frequency of a basis."""
 
 
-def leading_directions(coordinates: Array, stiffness: Array, missed: float) -> Array:
+def principal_directions(coordinates: Array, stiffness: Array, missed: float) -> Array:
     """Fewest orthonormal directions S (r, p) of some motions, for a given error in the energy norm.
 
     coordinates : (t, r)
@@ -93,7 +93,7 @@ def _fewer(group: SweptGroup, runs: TrainingRuns, bounds: Bounds, missed: float)
         # A body at rest gives no direction; a body with a mechanism has motion without energy.
         if not smallest < 1 or not body.frequencies.min() > SOFTEST * body.frequencies.max():
             continue
-        directions = leading_directions(np.concatenate(coordinates), body.stiffness, missed * smallest)
+        directions = principal_directions(np.concatenate(coordinates), body.stiffness, missed * smallest)
         if directions.shape[1] < basis.r:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", LockingWarning)

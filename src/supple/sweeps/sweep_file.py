@@ -13,7 +13,7 @@ from pydantic import Field
 from supple.cases.read_case import checked_file
 from supple.errors import CaseError
 from supple.importers.csv_table import CsvTable, read_csv_table
-from supple.importers.plain_number import plain_integer, plain_number
+from supple.importers.plain_number import number_of_word, plain_integer
 from supple.importers.text_file import file_lines
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Positive, Raw, checked, listed_mistakes
 from supple.sweeps.case_table import (
@@ -278,7 +278,7 @@ def _of_csv(path: Path) -> CaseTable:
 
 def _column(read: CsvTable, name: str) -> Sequence[Any]:
     words = read.words(name)
-    for kind in (plain_integer, plain_number):
+    for kind in (plain_integer, number_of_word):
         try:
             return [kind(word) for word in words]
         except ValueError:

@@ -14,11 +14,11 @@ from supple.errors import ModelError
 from supple.mesh.skin import Skin
 from supple.results.camera import Camera
 from supple.results.film import speed_words
-from supple.units import UNNAMED, UnitSystem, measured
+from supple.units import UNNAMED, UnitSystem, with_unit
 from supple.viz.film_file import check_film, played_rate, write_film
 from supple.viz.film_stage import Array8, Moving, Stage
 from supple.viz.glyphs import Glyphs
-from supple.viz.mesh_plot import check_nodes
+from supple.viz.mesh_plot import check_positions
 from supple.viz.picture import Picture
 from supple.viz.shaded_surface import PixelWindow, page_around
 from supple.viz.style import textbook_style
@@ -141,7 +141,7 @@ def _drawn_once(
 
 def _clock_words(times: Array, speed: str, units: UnitSystem, number: int) -> str:
     """The time of a frame and, below, the speed of the animation."""
-    return measured(f"t = {times[number]:.{_digits(times)}f}", units.time) + (f"\n{speed}" if speed else "")
+    return with_unit(f"t = {times[number]:.{_digits(times)}f}", units.time) + (f"\n{speed}" if speed else "")
 
 
 def _digits(times: Array) -> int:
@@ -176,7 +176,7 @@ def _check(times: Array, positions: Array, skin: Skin | None, values: Array | No
         )
     if skin is not None:
         for frame in positions:
-            check_nodes(frame, skin)
+            check_positions(frame, skin)
     if values is not None and (
         values.shape != positions.shape[:2] or np.isinf(values).any() or np.isnan(values).all()
     ):

@@ -18,7 +18,7 @@ from supple.reduction import BodyModes, ReducedBody, clamped_modes
 from supple.results.body_surface import BodySurface
 from supple.results.run_summary import N_DRAWN_MODES
 from supple.results.view import View, enlarged_words
-from supple.units import UnitSystem, measured
+from supple.units import UnitSystem, with_unit
 from supple.viz.contour import plot_contour, stress_field
 from supple.viz.glyphs import GROUND_STYLE, Glyphs, Mark, surface_glyphs
 from supple.viz.mesh_plot import displacement_magnitude, plot_mesh
@@ -166,7 +166,7 @@ def visible_enlargement(body: BodyForm, displaced: np.ndarray) -> float:
 
 
 def _title(drawn: DrawnBody, time: float, scale: float) -> str:
-    return f"{drawn.title} at {measured(f't = {time:.4g}', drawn.units.time)}, {enlarged_words(scale)}"
+    return f"{drawn.title} at {with_unit(f't = {time:.4g}', drawn.units.time)}, {enlarged_words(scale)}"
 
 
 def draw_stress(path: Path, drawn: DrawnBody, model: FiniteElementModel, solution: Solution) -> Path:
@@ -195,10 +195,10 @@ def draw_stress(path: Path, drawn: DrawnBody, model: FiniteElementModel, solutio
 
 def _sampled(body: BodyForm, solution: Solution) -> tuple[np.ndarray, Motion]:
     """Output times to search for the largest value, and the motion of a body at them."""
-    instants = instants_of(solution.times, N_INSTANTS)
+    instants = drawn_instants(solution.times, N_INSTANTS)
     return instants, solution.bodies[body.name].at(instants)
 
 
-def instants_of(times: np.ndarray, number: int) -> np.ndarray:
+def drawn_instants(times: np.ndarray, number: int) -> np.ndarray:
     """Indices of at most `number` times, evenly spaced."""
     return np.unique(np.linspace(0, len(times) - 1, number).astype(int))

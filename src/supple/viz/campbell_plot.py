@@ -24,7 +24,7 @@ _LINE = 0.032
 """Height of a name, as a share of the diagram."""
 
 
-class CriticalSpeed(Protocol):
+class CriticalPoint(Protocol):
     """A speed at which unbalance excites a whirl."""
 
     @property
@@ -57,7 +57,7 @@ class FollowedModes(Protocol):
         ...
 
     @property
-    def critical_speeds(self) -> Sequence[CriticalSpeed]:
+    def critical_speeds(self) -> Sequence[CriticalPoint]:
         """Speeds at which unbalance excites a whirl."""
         ...
 

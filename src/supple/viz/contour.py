@@ -17,7 +17,7 @@ from supple.mesh.skin import Skin
 from supple.results.camera import Camera
 from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.glyphs import Glyphs
-from supple.viz.mesh_plot import N_COLUMNS, NodalField, check_nodes, checked_values, draw_surface
+from supple.viz.mesh_plot import N_COLUMNS, NodalField, check_positions, checked_values, draw_surface
 from supple.viz.shaded_surface import PixelWindow, is_seen
 from supple.viz.style import COLOUR_MAP, INK, save_figure, textbook_style
 
@@ -67,7 +67,7 @@ def plot_contour(
     """
     if n_bands < 2:
         raise ModelError(f"contour of '{field.label}': {n_bands} bands; give at least 2")
-    check_nodes(nodes, skin)
+    check_positions(nodes, skin)
     seen = np.unique(skin.triangles)
     seen = seen[np.isfinite(checked_values(field, len(nodes))[seen])]
     if not len(seen):

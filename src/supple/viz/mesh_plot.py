@@ -19,7 +19,7 @@ from supple.errors import ModelError
 from supple.mesh.feature_edges import feature_edges, silhouette_edges
 from supple.mesh.skin import Skin
 from supple.results.camera import Camera
-from supple.units import UNNAMED, UnitSystem, labelled, measured
+from supple.units import UNNAMED, UnitSystem, labelled, with_unit
 from supple.viz.glyphs import DrawnGlyphs, Glyphs
 from supple.viz.shaded_surface import PixelWindow, page_around, render, show
 from supple.viz.style import (
@@ -130,7 +130,7 @@ def draw_surface(
     """
     for each in (nodes, undeformed):
         if skin is not None and each is not None:
-            check_nodes(each, skin)
+            check_positions(each, skin)
     rest = nodes if undeformed is None else undeformed
     seen = [nodes, rest] if glyphs is None else [nodes, rest, glyphs.points[0]]
     camera = camera or Camera.three_quarter(np.concatenate(seen[1:]))
@@ -176,7 +176,7 @@ def _with_free_corners(page: PixelWindow, plane: Array) -> PixelWindow:
     return PixelWindow(page.low - np.array([0.0, _CORNER * width]), page.high, page.n_columns)
 
 
-def check_nodes(nodes: Array, skin: Skin) -> None:
+def check_positions(nodes: Array, skin: Skin) -> None:
     """Raise ModelError where positions (N, 3) do not fit the skin."""
     if nodes.ndim != 2 or nodes.shape[1] != 3:
         raise ModelError(f"cannot draw positions of shape {nodes.shape}: give (N, 3)")
@@ -224,7 +224,7 @@ def draw_length_bar(axes: Axes, page: PixelWindow, units: UnitSystem) -> None:
     right, bottom = page.high[0] - 0.02 * width, page.low[1] + 0.03 * height
     axes.plot([right - length, right], [bottom, bottom], color=INK, linewidth=1.5, zorder=3.0)
     axes.annotate(
-        measured(f"{length:g}", units.length),
+        with_unit(f"{length:g}", units.length),
         (right - 0.5 * length, bottom),
         xytext=(0.0, 2.5),
         textcoords="offset points",

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from supple.errors import ModelError
 from supple.mesh.skin import Skin
 from supple.results.camera import Camera
-from supple.units import UNNAMED, UnitSystem, measured, plain_number
+from supple.units import UNNAMED, UnitSystem, plain_number, with_unit
 from supple.viz.glyphs import DrawnGlyphs, Glyphs
-from supple.viz.mesh_plot import BAR_GAP, check_nodes, draw_cross, draw_outline
+from supple.viz.mesh_plot import BAR_GAP, check_positions, draw_cross, draw_outline
 from supple.viz.shaded_surface import page_around, render, show
 from supple.viz.style import COLOUR_MAP, TEXT_WIDTH, new_figure, save_figure, textbook_style
 
@@ -30,7 +30,7 @@ def mode_titles(frequencies: Array, units: UnitSystem = UNNAMED) -> list[str]:
     """Titles such as "mode 1:  0.675 Hz", for frequencies (m,) in one over the unit of time."""
     unit, factor = units.frequency_shown
     return [
-        measured(f"mode {i}:  {plain_number(factor * frequency)}", unit)
+        with_unit(f"mode {i}:  {plain_number(factor * frequency)}", unit)
         for i, frequency in enumerate(frequencies, start=1)
     ]
 
@@ -67,7 +67,7 @@ def plot_mode_shapes(
     ModelError          arrays of wrong shapes, a mode without displacement or not finite, n_columns below one
     ResultFileError     the file cannot be written
     """
-    check_nodes(nodes, skin)
+    check_positions(nodes, skin)
     length = _checked_lengths(nodes, modes, titles, n_columns)
     largest = length.max(axis=1)
     camera = camera or Camera.three_quarter(nodes)

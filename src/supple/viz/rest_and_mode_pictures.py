@@ -18,7 +18,7 @@ from supple.quantities import deflections, node_positions, observer_of
 from supple.results.body_surface import Look
 from supple.results.colouring import DEFLECTION, Colouring, stress_colouring
 from supple.results.view import AS_IT_IS, View, enlarged_words
-from supple.units import UNNAMED, UnitSystem, measured
+from supple.units import UNNAMED, UnitSystem, with_unit
 from supple.viz.body_pictures import visible_enlargement
 from supple.viz.run_animation import animate_run
 from supple.viz.run_pictures import draw_machine
@@ -127,7 +127,7 @@ def animate_mode(
 
 
 def _drawn_as(system: System, motion: Solution, rest: Solution, units: UnitSystem) -> str:
-    largest = measured(f"{_largest(system, motion, rest):.3g}", units.length)
+    largest = with_unit(f"{_largest(system, motion, rest):.3g}", units.length)
     return f"largest displacement drawn as {largest}"
 
 

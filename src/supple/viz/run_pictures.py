@@ -21,7 +21,7 @@ from supple.results.camera import Camera
 from supple.results.colouring import Colouring
 from supple.results.view import AS_IT_IS, View
 from supple.storage import file_name
-from supple.units import UNNAMED, UnitSystem, measured
+from supple.units import UNNAMED, UnitSystem, with_unit
 from supple.viz.body_pictures import (
     DrawnBody,
     draw_deformed,
@@ -143,7 +143,7 @@ def draw_machine(
     )
     if scene.is_empty:
         return None
-    instant = measured(f"t = {solution.times[0]:.4g}", units.time)
+    instant = with_unit(f"t = {solution.times[0]:.4g}", units.time)
     return plot_mesh(
         path,
         scene.positions[0],

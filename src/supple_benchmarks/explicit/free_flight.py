@@ -20,7 +20,7 @@ from supple.methods.explicit import (
     PublishedScheme,
     modal_subdomain,
 )
-from supple.methods.explicit.frame_invariants import angular_momentum, kinetic_energy, strain_energy
+from supple.methods.explicit.frame_invariants import angular_momentum, step_kinetic_energy, strain_energy
 from supple.methods.explicit.frame_model import FrameModel, FrameState, Generalized, StepLengths
 from supple.methods.explicit.frame_moments import arms, moments
 from supple.methods.explicit.mass_fields import mass_fields
@@ -64,11 +64,11 @@ def free_flight(_quick: bool) -> dict[str, float]:
     step = TURN / float(np.linalg.norm(spin))
     state = _start(box, scheme, model, step, spin)
     L = angular_momentum(model, state, step)
-    E = kinetic_energy(model, state, step) + strain_energy(model, state, step)
+    E = step_kinetic_energy(model, state, step) + strain_energy(model, state, step)
     links = momentum = energy = 0.0
     for _ in range(20):
         state = _flown(scheme, model, state, step, step, round(2 * np.pi / TURN))
-        now = kinetic_energy(model, state, step) + strain_energy(model, state, step)
+        now = step_kinetic_energy(model, state, step) + strain_energy(model, state, step)
         open_ = jnp.abs(link_residual(state.p, model.squared_lengths)).max() / box.points.arm**2
         change = jnp.linalg.norm(angular_momentum(model, state, step) - L) / jnp.linalg.norm(L)
         links, momentum = max(links, float(open_)), max(momentum, float(change))

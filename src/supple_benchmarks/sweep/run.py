@@ -90,9 +90,14 @@ def run_benchmark(
     details |= {"cores": cores, "seconds_all_cores": together, "seconds_one_process": alone}
     yield report, details
     if find_spec("distributed"):
+        import dask
         from distributed import LocalCluster
 
-        with LocalCluster(cores, threads_per_worker=1, dashboard_address=None) as cluster:
+        # As docs/how-to/sweeps.md recommends; see there.
+        with (
+            dask.config.set({"distributed.worker.profile.enabled": False}),
+            LocalCluster(cores, threads_per_worker=1, dashboard_address=None) as cluster,
+        ):
             details["seconds_dask"], _ = timed("Dask", Cluster(cluster.scheduler_address))
         report["per_core_efficiency"]["dask"] = alone / (cores * details["seconds_dask"])
         yield report, details

@@ -17,7 +17,7 @@ from supple.body import (
     superelement,
 )
 from supple.fem import CellMass, HomogeneousSection, Isotropic, shell_model, solid_model
-from supple.fem.mass import mass_matrix
+from supple.fem.mass import nodal_mass_matrix
 from supple.fem.solid_element import SolidElement, solid_mass
 from supple.integrate import FixedStep, Run
 from supple.machine import (
@@ -155,7 +155,7 @@ def singular_mass() -> Sequence[Comparison]:
     cells = mesh.cells[CellType.TETRA10]
     rule = four_point_tetrahedron()
     of_cells = solid_mass(SolidElement(CellType.TETRA10, rule, rule), mesh.nodes[cells], STEEL.density)
-    mass = mass_matrix((CellMass(cells, of_cells),), mesh.n_nodes, 3)
+    mass = nodal_mass_matrix((CellMass(cells, of_cells),), mesh.n_nodes, 3)
     bar = superelement("bar", mesh.nodes, solid_model(mesh, STEEL).stiffness, mass, dofs_per_node=3)
     modes = lowest_modes(bar.stiffness, bar.mass, 20)
     along = np.abs((bar.expansion @ modes.vectors).reshape(mesh.n_nodes, 3, -1)).sum(axis=0)

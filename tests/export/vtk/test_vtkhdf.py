@@ -11,7 +11,7 @@ from supple.body import RigidBody
 from supple.errors import ModelError, ResultFileError
 from supple.export import write_vtkhdf
 from supple.export.vtk import vtkhdf
-from supple.export.vtk.cells import cells_of
+from supple.export.vtk.cells import vtk_cells
 from supple.export.vtk.pieces import pieces_of
 from supple.integrate import FloatingMotion, Solution, Statistics
 from supple.machine import GROUND, Placed, Revolute, System
@@ -273,7 +273,7 @@ def solid_of(kind):
 def test_vtk_sees_cells_the_right_way_round(kind):
     """VTK's faces turn about their outward normals, and its volume is that of the body."""
     vtk = pytest.importorskip("vtk")
-    mesh, cells = solid_of(kind), cells_of(solid_of(kind))
+    mesh, cells = solid_of(kind), vtk_cells(solid_of(kind))
     grid, points = vtk.vtkUnstructuredGrid(), vtk.vtkPoints()
     for point in mesh.nodes:
         points.InsertNextPoint(point)

@@ -16,7 +16,7 @@ from supple.mesh import CellType, block
 from supple.methods.explicit import ExplicitEngine
 from supple.methods.explicit.explicit_subdomain import explicit_subdomain
 from supple.methods.explicit.march.element_block import ElementInstant
-from supple.methods.explicit.march.nodal_forces import nodal_forces
+from supple.methods.explicit.march.nodal_forces import explicit_forces
 from supple.methods.explicit.materials import J2Plasticity, LinearHardening, NeoHookean, StVenantKirchhoff
 
 LAWS = (StVenantKirchhoff(SOFT), NeoHookean(SOFT), J2Plasticity(SOFT, LinearHardening(1.0, 10.0)))
@@ -34,7 +34,7 @@ def forces(subdomain, x, dx=None):
     moves[numbers] = x - subdomain.nodes if dx is None else dx
     start = own.start
     at = ElementInstant(jnp.asarray(back.T), jnp.asarray(moves.T), jnp.ones(()), start.turning.triads)
-    compiled = jax.jit(lambda at: nodal_forces(own.model, own.methods, start.time, at, start.blocks, ()))
+    compiled = jax.jit(lambda at: explicit_forces(own.model, own.methods, start.time, at, start.blocks, ()))
     out = compiled(at)
     return np.asarray(out.forces[:2])[:, :, numbers], out
 
@@ -95,7 +95,7 @@ def true_limit(part):
         at = ElementInstant(
             x.reshape(3, -1), jnp.zeros_like(own.start.x), jnp.ones(()), own.start.turning.triads
         )
-        out = nodal_forces(own.model, own.methods, own.start.time, at, own.start.blocks, ())
+        out = explicit_forces(own.model, own.methods, own.start.time, at, own.start.blocks, ())
         return -out.forces.sum(axis=0).ravel()
 
     K = np.asarray(jax.jit(jax.jacobian(force))(own.start.x.ravel()))

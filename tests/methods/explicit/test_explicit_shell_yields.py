@@ -23,7 +23,7 @@ from supple.methods.explicit import (
     explicit_shell,
 )
 from supple.methods.explicit.elements import layered_force, layered_von_mises, rest_layers, shell_force
-from supple.methods.explicit.materials.plane_stress import mises_of, plane_stress, rest_state
+from supple.methods.explicit.materials.plane_stress import elastic_state, mises_of, plane_stress
 
 METAL = Isotropic(1000.0, 0.3, 1.0)
 THICKNESS, YIELD = 0.05, 1.0
@@ -64,7 +64,7 @@ def test_what_yields_returns_to_the_yield_surface_along_its_normal(hardening):
     """The residuals of backward Euler: the surface, the flow rule, and the work of the stress on the flow."""
     law = J2Plasticity(METAL, hardening)
     strain = jnp.asarray(4e-3 * np.random.default_rng(1).standard_normal((3, 400)))
-    stress, state, work = plane_stress(law, strain, rest_state((400,)))
+    stress, state, work = plane_stress(law, strain, elastic_state((400,)))
     yields = np.asarray(state.strain) > 0
     assert 100 < yields.sum() < 400
     mises, limit = mises_of(stress), hardening.yield_stress(state.strain)

@@ -24,10 +24,10 @@ from supple.algebra import read_only
 from supple.body import FlexibleBody, Frame
 from supple.errors import LoadSpectrumWarning, ModelError
 from supple.machine import Constant, TimeLaw
-from supple.machine.laws.sampled_law import sampled
+from supple.machine.laws.sampled_law import law_samples
 from supple.machine.system import System
 from supple.reduction import ReducedBody
-from supple.units import UNNAMED, UnitSystem, measured
+from supple.units import UNNAMED, UnitSystem, with_unit
 
 __all__ = ["BandCoverage", "LoadSpectrum", "band_coverage", "load_spectra", "warn_of_missing_modes"]
 
@@ -96,9 +96,9 @@ def load_spectra(system: System, times: np.ndarray) -> tuple[LoadSpectrum, ...]:
     if len(times) < 3 or not np.allclose(steps, steps[:1], rtol=1e-6, atol=0.0):
         raise ModelError("spectrum of the loads: give at least three evenly spaced times")
     histories = [
-        (load.label, sampled(law, times)[0]) for load in system.loads if _varies(law := load.law)
+        (load.label, law_samples(law, times)[0]) for load in system.loads if _varies(law := load.law)
     ] + [
-        (f"joint '{joint.name}'", sampled(law, times, order=2)[2])
+        (f"joint '{joint.name}'", law_samples(law, times, order=2)[2])
         for joint in system.joints
         if _varies(law := joint.law)
     ]
@@ -175,8 +175,8 @@ def warn_of_missing_modes(
     if coverage is not None and coverage.missing:
         unit, factor = units.frequency_shown
         lacking = ", ".join(f"{factor * each / (2 * np.pi):.3g}" for each in coverage.missing[:5])
-        lacking = measured(lacking + (", ..." if len(coverage.missing) > 5 else ""), unit)
-        reach = measured(f"{factor * coverage.band / (2 * np.pi):.3g}", unit)
+        lacking = with_unit(lacking + (", ..." if len(coverage.missing) > 5 else ""), unit)
+        reach = with_unit(f"{factor * coverage.band / (2 * np.pi):.3g}", unit)
         warnings.warn(
             f"{coverage.load} contains up to {reach}: {len(coverage.missing)} of {coverage.n_modes} modes of "
             f"body '{body.name}' below that are missing from its basis ({lacking}). Ask for "

@@ -11,8 +11,8 @@ from supple.equations.checks.strictness import warn_or_raise
 from supple.errors import ResolutionWarning
 from supple.integrate import Run
 from supple.machine import Constant, System, TimeLaw
-from supple.machine.laws.instants import KnownLaw, instants_of, shortest_scale_of
-from supple.machine.laws.sampled_law import N_SAMPLES, Jumps, jumps, sampled
+from supple.machine.laws.instants import KnownLaw, instants_of_law, shortest_scale_of
+from supple.machine.laws.sampled_law import N_SAMPLES, Jumps, jumps, law_samples
 
 __all__ = ["RateJump", "rate_jumps", "warn_of_rate_jumps"]
 
@@ -37,14 +37,14 @@ def rate_jumps(law: TimeLaw, begin: float, end: float) -> tuple[list[RateJump], 
     times = np.linspace(begin, end, N_SAMPLES + 1)
 
     def of_times(at: np.ndarray) -> np.ndarray:
-        return np.hstack(sampled(law, at, order=2))
+        return np.hstack(law_samples(law, at, order=2))
 
     samples = of_times(times)
     _, fastest, hardest = np.abs(samples).max(axis=0)
     if not np.isfinite(samples).all():
         return [], fastest, hardest  # the run reports where it fails
     if isinstance(law, KnownLaw):
-        instants = instants_of(law, begin, end)
+        instants = instants_of_law(law, begin, end)
         beside = BESIDE * min(shortest_scale_of(law, begin, end), end - begin)
         sides = Jumps(np.maximum(instants - beside, begin), np.minimum(instants + beside, end))
     else:

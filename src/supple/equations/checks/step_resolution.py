@@ -21,8 +21,8 @@ from supple.equations.checks.strictness import warn_or_raise
 from supple.errors import ResolutionWarning
 from supple.integrate import FixedStep, Run
 from supple.machine import Constant, System, TimeLaw
-from supple.machine.laws.instants import instants_of, shortest_scale_of
-from supple.machine.laws.sampled_law import MOST_NUMBERS, sampled
+from supple.machine.laws.instants import instants_of_law, shortest_scale_of
+from supple.machine.laws.sampled_law import MOST_NUMBERS, law_samples
 
 __all__ = ["UnresolvedShare", "fixed_step", "jumps_in_steps", "missed_between_steps", "warn_of_missed_loads"]
 
@@ -69,14 +69,14 @@ def jumps_in_steps(system: System, run: Run) -> bool:
 
 
 def _jumps_in(law: TimeLaw, begin: float, end: float, step: float, derivative: int) -> bool:
-    instants = instants_of(law, begin, end)
+    instants = instants_of_law(law, begin, end)
     instants = instants[:MOST_STEPS]
     if not len(instants):
         return False
     beside = np.clip(instants[:, None] + BESIDE * step * np.array([-1.0, 1.0]), begin, end)
-    sides = sampled(law, beside.ravel(), order=derivative)[derivative]
+    sides = law_samples(law, beside.ravel(), order=derivative)[derivative]
     sides = sides.reshape(len(instants), 2, -1)
-    size = np.abs(sampled(law, np.linspace(begin, end, 257), order=derivative)[derivative]).max()
+    size = np.abs(law_samples(law, np.linspace(begin, end, 257), order=derivative)[derivative]).max()
     return bool(np.abs(sides[:, 1] - sides[:, 0]).max() > JUMPS * max(size, np.abs(sides).max()))
 
 
@@ -102,7 +102,7 @@ def missed_between_steps(
         inner[len(spread) :, :3] = np.clip(nearby, low + NEAR * step / 2, high - NEAR * step / 2)
     ends = begin + (chosen + 1) * step
     at = np.concatenate([start[:, None], inner, ends[:, None]], axis=1)
-    values = sampled(law, at.ravel(), order=derivative)[derivative].reshape(*at.shape, -1)
+    values = law_samples(law, at.ravel(), order=derivative)[derivative].reshape(*at.shape, -1)
     size = float(np.abs(values).max())
     first, within, last = values[:, :1], values[:, 1:-1], values[:, -1:]
     where = ((inner - start[:, None]) / step)[..., None]
@@ -133,7 +133,7 @@ def _warn(what: str, law: Any, run: Run, *, of_motion: bool) -> None:
     if law is None or isinstance(law, Constant):
         return
     step, begin, end = fixed_step(run), float(run.times[0]), float(run.times[-1])
-    instants = instants_of(law, begin, end)
+    instants = instants_of_law(law, begin, end)
     if of_motion and _hardly_accelerated(law, begin, end, step):
         return
     n_steps, derivative = round((end - begin) / step), 2 if of_motion else 0
@@ -154,5 +154,5 @@ def _warn(what: str, law: Any, run: Run, *, of_motion: bool) -> None:
 def _hardly_accelerated(law: Any, begin: float, end: float, step: float) -> bool:
     """Whether the speed of a motion changes within a step by rounding only."""
     times = np.linspace(begin, end, 257)
-    _, fastest, hardest = (np.abs(each).max() for each in sampled(law, times, order=2))
+    _, fastest, hardest = (np.abs(each).max() for each in law_samples(law, times, order=2))
     return bool(hardest * step <= 1e-9 * fastest)

@@ -8,11 +8,11 @@ from supple.export.linear.linear_form import LinearForm
 from supple.stepping import StepProgram
 from supple.stepping.variables import Variable
 
-__all__ = ["Interface"]
+__all__ = ["FmuInterface"]
 
 
 @dataclass(frozen=True)
-class Interface:
+class FmuInterface:
     """Variables and run times of a machine, for the importer of an FMU.
 
     fixed_parameters : indices of the parameters that can be set before the start only
@@ -30,7 +30,7 @@ class Interface:
     has_contacts: bool = False
 
     @classmethod
-    def of_steps(cls, step: StepProgram) -> Interface:
+    def of_steps(cls, step: StepProgram) -> FmuInterface:
         """The interface of a nonlinear machine, which is integrated in time steps."""
         return cls(
             step.inputs.variables,
@@ -44,6 +44,6 @@ class Interface:
         )
 
     @classmethod
-    def of_linear(cls, form: LinearForm) -> Interface:
+    def of_linear(cls, form: LinearForm) -> FmuInterface:
         """The interface of a linear machine."""
         return cls(form.inputs, form.outputs, form.time, form.size, form.duration)

@@ -7,7 +7,7 @@ from importlib.metadata import version
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from supple.export.fmu.interface import Interface
+from supple.export.fmu.interface import FmuInterface
 from supple.stepping.variables import Variable
 
 __all__ = ["IDENTIFIER", "build_description", "model_description_2", "model_description_3"]
@@ -27,7 +27,7 @@ def _root(fmi: str, title: str, **token: str) -> Element:
     return Element("fmiModelDescription", own | by)
 
 
-def _units(root: Element, machine: Interface) -> None:
+def _units(root: Element, machine: FmuInterface) -> None:
     names = sorted({each.variable.unit for each in _referenced(machine)} - {""})
     if names:
         units = SubElement(root, "UnitDefinitions")
@@ -35,7 +35,7 @@ def _units(root: Element, machine: Interface) -> None:
             SubElement(units, "Unit", name=name)
 
 
-def _experiment(root: Element, machine: Interface) -> None:
+def _experiment(root: Element, machine: FmuInterface) -> None:
     start = machine.time
     SubElement(
         root,
@@ -73,7 +73,7 @@ class _Referenced(NamedTuple):
         return unit | start
 
 
-def _referenced(machine: Interface) -> list[_Referenced]:
+def _referenced(machine: FmuInterface) -> list[_Referenced]:
     """Parameters, inputs and outputs, with value references from 1; 0 is the time."""
     fixed = machine.fixed_parameters
     kinds = [
@@ -87,7 +87,7 @@ def _referenced(machine: Interface) -> list[_Referenced]:
     return [_Referenced(place + 1, *each) for place, each in enumerate(kinds)]
 
 
-def model_description_3(machine: Interface, title: str, token: str) -> str:
+def model_description_3(machine: FmuInterface, title: str, token: str) -> str:
     """The text of `modelDescription.xml` of FMI 3.0."""
     root = _root("3.0", title, instantiationToken=token)
     simulation = {
@@ -121,11 +121,11 @@ def model_description_3(machine: Interface, title: str, token: str) -> str:
     return _written(root)
 
 
-def _output_references(machine: Interface) -> list[int]:
+def _output_references(machine: FmuInterface) -> list[int]:
     return [each.reference for each in _referenced(machine) if each.causality == "output"]
 
 
-def model_description_2(machine: Interface, title: str, token: str, sources: Sequence[str]) -> str:
+def model_description_2(machine: FmuInterface, title: str, token: str, sources: Sequence[str]) -> str:
     """The text of `modelDescription.xml` of FMI 2.0."""
     root = _root("2.0", title, guid=token)
     attributes = {

@@ -17,7 +17,7 @@ import numpy as np
 from supple.errors import ModelError
 from supple.export.c.machine_source import machine_sources
 from supple.export.fmu.derivative_source import derivative_source
-from supple.export.fmu.interface import Interface
+from supple.export.fmu.interface import FmuInterface
 from supple.export.fmu.model_description import (
     IDENTIFIER,
     build_description,
@@ -64,7 +64,7 @@ def write_fmu(
         sources["derivative.c"] = derivative_source(step)
     sources |= _wrapper(fmi)
     libraries = _compiled(sources, compilers)
-    return _write(path, Interface.of_steps(step), title, token, sources, {}, fmi, libraries)
+    return _write(path, FmuInterface.of_steps(step), title, token, sources, {}, fmi, libraries)
 
 
 def write_linear_fmu(
@@ -91,7 +91,7 @@ def write_linear_fmu(
         sources, compilers_of(platforms, fmi)
     )
     resources = {"linear.bin": token.encode() + numbers}
-    return _write(path, Interface.of_linear(form), title, token, sources, resources, fmi, libraries)
+    return _write(path, FmuInterface.of_linear(form), title, token, sources, resources, fmi, libraries)
 
 
 def linear_sources(fmi: int) -> dict[str, str]:
@@ -114,7 +114,7 @@ def _token(content: bytes) -> str:
 
 def _write(
     path: Path,
-    machine: Interface,
+    machine: FmuInterface,
     title: str,
     token: str,
     sources: Mapping[str, str],

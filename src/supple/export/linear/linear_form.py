@@ -14,7 +14,7 @@ from supple.algebra.rotation import rotation_log
 from supple.equations.compiled_machine import CompiledStart, compiled_start
 from supple.equations.steady_motion import in_turning_axes
 from supple.errors import ModelError
-from supple.export.linear.small_motions import Changes, SmallMotions, small_motions, varies_in_time
+from supple.export.linear.small_motions import MotionChanges, SmallMotions, small_motions, varies_in_time
 from supple.integrate import Run
 from supple.linearization import LinearMachine, linearize
 from supple.machine import JointFriction, PrismaticFriction, RevoluteFriction, System
@@ -136,7 +136,7 @@ def _named(sensed: SensedOutputs, values: Array) -> tuple[Variable, ...]:
     return tuple(replace(variable, start=float(value)) for variable, value in pairs)
 
 
-def _equations(machine: LinearMachine, small: SmallMotions) -> tuple[Array, Array, Changes]:
+def _equations(machine: LinearMachine, small: SmallMotions) -> tuple[Array, Array, MotionChanges]:
     """A and B for states (e, e', z), and changes of the machine per unit of these states and inputs."""
     control, k, n_inputs = machine.control, machine.size, small.outputs.inputs.shape[1]
     symmetric = (machine.stiffness + machine.stiffness.T) / 2
@@ -157,7 +157,7 @@ def _equations(machine: LinearMachine, small: SmallMotions) -> tuple[Array, Arra
     b = np.vstack([np.zeros((k, n_inputs)), pushed, np.zeros((control.size, n_inputs))])
     every = np.eye(m + n_inputs)
     states = np.split(every, [k, 2 * k, m])
-    changes = Changes(
+    changes = MotionChanges(
         position=shapes @ states[0],
         velocity=shapes @ states[1],
         acceleration=shapes @ accelerations,
@@ -171,7 +171,7 @@ def _equations(machine: LinearMachine, small: SmallMotions) -> tuple[Array, Arra
 def _start(
     machine: LinearMachine,
     small: SmallMotions,
-    changes: Changes,
+    changes: MotionChanges,
     rest: CompiledStart,
     begun: CompiledStart,
 ) -> tuple[Array, float]:

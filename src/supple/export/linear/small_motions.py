@@ -17,7 +17,7 @@ from supple.equations.steady_motion import in_turning_axes
 from supple.stepping.external_inputs import ExternalInputs
 from supple.stepping.sensed_outputs import SensedOutputs
 
-__all__ = ["Changes", "SmallMotions", "small_motions", "varies_in_time"]
+__all__ = ["MotionChanges", "SmallMotions", "small_motions", "varies_in_time"]
 
 Array = np.ndarray
 _INSTANTS = 101
@@ -26,7 +26,7 @@ _ROUNDING = 1e-9
 """Largest change that counts as rounding, as a fraction of the largest entry."""
 
 
-class Changes(NamedTuple):
+class MotionChanges(NamedTuple):
     """Small changes about the equilibrium, in the axes of the bodies; or derivatives with respect to them."""
 
     position: Any
@@ -51,11 +51,11 @@ class SmallMotions(NamedTuple):
     rest : (o,) outputs in the equilibrium
     """
 
-    residual: Changes
-    outputs: Changes
+    residual: MotionChanges
+    outputs: MotionChanges
     rest: Array
 
-    def along(self, changes: Changes) -> tuple[Array, Array]:
+    def along(self, changes: MotionChanges) -> tuple[Array, Array]:
         """Changes of reactions (m, k) and of outputs (o, k) for k columns of other changes.
 
         The reactions follow from `G^T dl = - dr`; the motions must satisfy the joints.
@@ -75,7 +75,7 @@ def small_motions(
     axes = in_turning_axes(model, rest.configuration)
     sizes = [np.size(law.initial) for law in model.controllers]
 
-    def motion(at: Changes) -> SystemMotion:
+    def motion(at: MotionChanges) -> SystemMotion:
         still = _at_rest(rest, np.asarray(time))
         control = still.control
         if control is not None:
@@ -93,19 +93,19 @@ def small_motions(
             control=control,
         )
 
-    def outputs(at: Changes, before: Any) -> Any:
+    def outputs(at: MotionChanges, before: Any) -> Any:
         return sensed.at(given.given(model, given.start + at.inputs), motion(at), before, 0.0)
 
-    def residual(at: Changes) -> Any:
+    def residual(at: MotionChanges) -> Any:
         return axes.T @ balance(given.given(model, given.start + at.inputs), motion(at)).residual
 
-    def derivatives(at: Changes) -> Any:
+    def derivatives(at: MotionChanges) -> Any:
         before = outputs(at, jnp.zeros(len(sensed.variables)))
         both = jax.jacfwd(lambda change: (residual(change), outputs(change, before)))(at)
         return *both, before
 
     lengths = (n, n, n, sum(sizes), len(rest.multipliers), len(given.start))
-    still = Changes(*map(np.zeros, lengths))
+    still = MotionChanges(*map(np.zeros, lengths))
     found = jax.jit(derivatives).lower(still).compile(STARTING)(still)
     return SmallMotions(*jax.tree.map(np.asarray, found))
 

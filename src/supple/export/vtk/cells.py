@@ -76,6 +76,6 @@ def joined(all_cells: Sequence[Cells], n_points: Sequence[int]) -> Cells:
     )
 
 
-def cells_of(mesh: Mesh) -> Cells:
+def vtk_cells(mesh: Mesh) -> Cells:
     """All cells of a mesh, type by type; the node order is that of VTK."""
     return Cells.of(*((_TYPES[kind], nodes) for kind, nodes in mesh.cells.items()))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from supple.body import BodyForm, RigidBody, in_space
 from supple.errors import ModelError, did_you_mean
-from supple.export.vtk.cells import LINE, TRIANGLE, VERTEX, Cells, cells_of
+from supple.export.vtk.cells import LINE, TRIANGLE, VERTEX, Cells, vtk_cells
 from supple.integrate import FloatingMotion, Solution
 from supple.machine import GROUND, Placed, System
 from supple.mesh import Mesh
@@ -87,7 +87,7 @@ def _at_rest(placed: Placed, local: Array) -> Array:
 def _elastic_piece(placed: Placed, mesh: Mesh | None) -> Piece:
     body: Any = placed.body
     vertices = (VERTEX, np.arange(len(body.nodes))[:, None])
-    cells = Cells.of(vertices) if mesh is None else cells_of(mesh)
+    cells = Cells.of(vertices) if mesh is None else vtk_cells(mesh)
     return Piece(
         body.name,
         _at_rest(placed, body.nodes),

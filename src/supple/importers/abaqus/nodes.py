@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from supple.importers.abaqus.assembly import Scope, ScopedBlock
 from supple.importers.keyword_file import KeywordBlock, KeywordFile, fields, numbered_points, numbers
-from supple.importers.numbering import numbers_of
+from supple.importers.numbering import positions_of_ids
 from supple.importers.plain_number import is_plain_digits
 
 __all__ = ["NODE_KEYWORDS", "NodesFound", "most_generated", "plain_ids", "read_nodes"]
@@ -150,7 +150,7 @@ def _generated(
     positions = np.concatenate([np.empty((0, 3)), *(part[2] for part in parts)])
 
     def places(line: int, wanted: IntArray) -> FloatArray:
-        found, known = numbers_of(ids, wanted)
+        found, known = positions_of_ids(ids, wanted)
         if not known.all():
             raise file.error(
                 line, f"*{block.name} starts from node {wanted[~known][0]}, which is not above it"
@@ -222,7 +222,7 @@ def _copied(
     old = sets.get(options.get("OLDSET", "").upper(), np.empty(0, dtype=np.int64))
     ids = np.concatenate([np.empty(0, dtype=np.int64), *(part[1] for part in parts)])
     positions = np.concatenate([np.empty((0, 3)), *(part[2] for part in parts)])
-    place, known = numbers_of(ids, old)
+    place, known = positions_of_ids(ids, old)
     change = options.get("CHANGENUMBER", "")
     if not len(old) or not known.all() or not is_plain_digits(change):
         raise file.error(line, "*NCOPY takes CHANGE NUMBER and an OLD SET of nodes above it; correct them")
@@ -234,7 +234,7 @@ def _copied(
         pivot = values[1, :3]
     elif "POLE" in options:
         node = int(values[0, 0])
-        at, known = numbers_of(ids, np.array([node]))
+        at, known = positions_of_ids(ids, np.array([node]))
         if node and not known[0]:
             raise file.error(line, f"*NCOPY, POLE starts from node {node}, which is not above it")
         pole = positions[at[0]] if node else values[0, 1:4]

@@ -25,7 +25,7 @@ from supple.copied_hdf5 import open_copied
 from supple.errors import ImportFormatError
 from supple.importers.matrices.labelled_matrix import SINGLE_PRECISION, LabelledMatrix, MatrixRole
 from supple.importers.node_table import NodeTable
-from supple.importers.numbering import first_repeated, numbers_of
+from supple.importers.numbering import first_repeated, positions_of_ids
 from supple.importers.text_file import is_file
 
 
@@ -57,7 +57,7 @@ def read_hdf5_nodes(path: str | Path) -> NodeTable:
         group = file.get("node_sets")
         for name in group if isinstance(group, h5py.Group) else ():
             wanted = array_of(file, path, f"node_sets/{name}", np.int64)
-            sets[name], known = numbers_of(ids, wanted)
+            sets[name], known = positions_of_ids(ids, wanted)
             if not known.all():
                 raise ImportFormatError(
                     f"{path}: node set '{name}' names node {wanted[~known][0]}, which /node_ids lacks; "

@@ -23,7 +23,7 @@ from supple.importers.matrices.hdf5_matrices import array_of, opened
 from supple.importers.matrices.matrix_file import HDF5_SUFFIXES
 from supple.importers.matrices.output4 import named_matrix
 from supple.importers.node_table import NodeTable
-from supple.importers.numbering import numbers_of
+from supple.importers.numbering import positions_of_ids
 
 __all__ = ["RecoveryMatrix", "read_recovery"]
 
@@ -92,7 +92,7 @@ def _of_output4(path: Path, nodes: NodeTable, name: str) -> RecoveryMatrix:
             f"{source}: {matrix.shape[0]} rows, but {len(ids)} grids of {nodes.source} are not in the "
             "analysis set; a recovery matrix has three or six rows for each of them, by their ids"
         )
-    number, _ = numbers_of(nodes.ids, ids)
+    number, _ = positions_of_ids(nodes.ids, ids)
     moved = matrix.toarray().reshape(len(ids), each, -1)[:, :3]
     if nodes.axes is not None:
         moved = nodes.axes[number] @ moved

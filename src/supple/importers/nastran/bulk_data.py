@@ -138,7 +138,7 @@ def _content(fields: tuple[str, ...]) -> list[str | float]:
     return values
 
 
-def integers(cards: Sequence[BulkCard], place: int, what: str, default: int | None = None) -> IntArray:
+def integer_column(cards: Sequence[BulkCard], place: int, what: str, default: int | None = None) -> IntArray:
     """One field of many cards as integers, as `BulkCard.integer` reads it."""
     words = _column(cards, place)
     if is_plain("".join(words)):

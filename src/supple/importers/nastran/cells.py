@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.importers.deck import DeckElements, IsotropicMaterial, Property, ShellProperty, SolidProperty
-from supple.importers.nastran.bulk_data import BulkCard, integers
+from supple.importers.nastran.bulk_data import BulkCard, integer_column
 from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.materials import Materials
 from supple.importers.nastran.walls import WALL_CARDS, WallOptions, read_wall
@@ -100,7 +100,7 @@ SHELL_CARDS = tuple(_SHELLS)
 
 def grids_named(cards: Sequence[BulkCard], reading: DeckReading, first: int, count: int) -> IntArray:
     """Numbers (cards, count) of the grids in fields of element cards; an unknown one is an error."""
-    ids = np.stack([integers(cards, first + i, f"grid G{i + 1}") for i in range(count)], axis=1)
+    ids = np.stack([integer_column(cards, first + i, f"grid G{i + 1}") for i in range(count)], axis=1)
     nodes, known = reading.grids.lookup(ids)
     if not known.all():
         row, corner = np.argwhere(~known)[0]
@@ -220,7 +220,7 @@ def _solid_cells(
         if wanted:
             nodes = np.concatenate([nodes, middles.of(chosen, solid, nodes)], axis=1)[:, list(solid.order)]
         nodes = _oriented_outwards(kind, nodes, reading)
-        ids, lines = integers(chosen, 0, "the element id"), np.array([card.line for card in chosen])
+        ids, lines = integer_column(chosen, 0, "the element id"), np.array([card.line for card in chosen])
         axes = _material_axes(properties.found[of], system, nodes, reading, chosen)
         bends = kind is CellType.HEXA8 and (bubble or psolid.name != "PSOLID")
         found.append(DeckElements(name, kind, nodes, ids, lines, of, axes, incompatible=bends))
@@ -290,7 +290,7 @@ class _Middles:
     def of(self, cards: Sequence[BulkCard], solid: _Solid, corners: IntArray) -> IntArray:
         """Middle nodes (C, m) in the order of the card."""
         first, count = 2 + solid.corners, len(solid.edges)
-        ids = np.stack([integers(cards, first + i, "a middle grid", 0) for i in range(count)], axis=1)
+        ids = np.stack([integer_column(cards, first + i, "a middle grid", 0) for i in range(count)], axis=1)
         nodes, known = self._reading.grids.lookup(ids)
         wrong = np.argwhere(~known & (ids != 0))
         if wrong.size:
@@ -335,8 +335,8 @@ def read_shells(
     for name, shell in _SHELLS.items():
         groups: dict[str, list[BulkCard]] = {}
         all_cards = reading.file.named(name)
-        elements = integers(all_cards, 0, "the element id").tolist()
-        numbers = integers(all_cards, 1, "the property id", 0).tolist()
+        elements = integer_column(all_cards, 0, "the element id").tolist()
+        numbers = integer_column(all_cards, 1, "the property id", 0).tolist()
         for card, element, number in zip(all_cards, elements, numbers, strict=True):
             options = _wall_options(card, shell, added.get(element, 0.0))
             of, why = properties.name(
@@ -394,7 +394,7 @@ def _shell_cells(
     directions = None
     if not isinstance(made, ShellProperty):
         directions = _material_directions(cards, shell, corners, reading)[of_card]
-    ids, lines = integers(cards, 0, "the element id"), np.array([card.line for card in cards])
+    ids, lines = integer_column(cards, 0, "the element id"), np.array([card.line for card in cards])
     share = _mass_share(positions, corners)[of_card] if shell.corners == 4 and not shell.middles else None
     return DeckElements(
         *(name, CellType.TRIANGLE3, cells, ids[of_card], lines[of_card], of, directions),

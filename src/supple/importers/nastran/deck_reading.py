@@ -13,7 +13,7 @@ from supple.importers.nastran.bulk_data import BulkCard, BulkFile
 from supple.importers.nastran.case_control import CaseControl
 from supple.importers.nastran.coordinate_system import CoordinateSystem
 from supple.importers.nastran.grids import GridPoints
-from supple.importers.numbering import numbers_of
+from supple.importers.numbering import positions_of_ids
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
@@ -156,7 +156,7 @@ class DeckReading:
 
     def is_scalar(self, number: int) -> bool:
         """Whether an id is that of a scalar point."""
-        return bool(numbers_of(self.scalar_points, np.array([number]))[1][0])
+        return bool(positions_of_ids(self.scalar_points, np.array([number]))[1][0])
 
     def freedom(self, card: BulkCard, point: int, component: int) -> list[Term]:
         """Terms of a displacement component (1 to 6, in the axes CD of a grid) in basic freedoms.
@@ -164,7 +164,7 @@ class DeckReading:
         A scalar point is one freedom, whatever the component.
         """
         if self.is_scalar(point):
-            number, _ = numbers_of(self.scalar_points, np.array([point]))
+            number, _ = positions_of_ids(self.scalar_points, np.array([point]))
             return [(6 * (_SCALARS + int(number[0])), 1.0)]
         (node,) = self.grids.numbers(card, [point]).tolist()
         if not 1 <= component <= 6:

@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
-from supple.importers.nastran.bulk_data import BulkCard, BulkFile, integers, reals
+from supple.importers.nastran.bulk_data import BulkCard, BulkFile, integer_column, reals
 from supple.importers.nastran.coordinate_system import (
     BASIC,
     CoordinateKind,
     CoordinateSystem,
     through_points,
 )
-from supple.importers.numbering import numbers_of
+from supple.importers.numbering import positions_of_ids
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
@@ -49,7 +49,7 @@ class GridPoints:
 
     def lookup(self, ids: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
         """Numbers from 0 of grid ids, and whether the grids exist."""
-        return numbers_of(self.ids, ids)
+        return positions_of_ids(self.ids, ids)
 
     def numbers(self, card: BulkCard, ids: list[int]) -> IntArray:
         """Numbers from 0 of the grid points that a card names; ImportFormatError for a missing grid."""
@@ -74,10 +74,10 @@ def read_grids(file: BulkFile) -> GridPoints:
     cards = _once(file.named("GRID"))
     if not cards and not file.parts:
         raise ImportFormatError(f"{file.path}: no GRID card; is this a mesh file, and complete?")
-    ids = integers(cards, 0, "the grid id")
+    ids = integer_column(cards, 0, "the grid id")
     given_in, moved_in, supported = _defaults(file)
-    given_in = integers(cards, 1, "the coordinate system CP", given_in)
-    moved_in = integers(cards, 5, "the coordinate system CD", moved_in)
+    given_in = integer_column(cards, 1, "the coordinate system CP", given_in)
+    moved_in = integer_column(cards, 5, "the coordinate system CD", moved_in)
     moved_in[moved_in == -1] = 0  # -1 marks a grid of a fluid
     local = np.stack([reals(cards, 2 + i, f"coordinate X{i + 1}", 0.0) for i in range(3)], axis=1)
     systems, positions = _resolve(file, ids, given_in, local)
@@ -106,7 +106,7 @@ def _defaults(file: BulkFile) -> tuple[int, int, str]:
 
 def _once(cards: list[BulkCard]) -> list[BulkCard]:
     """The cards without repetitions; cards with the same id must be equal."""
-    ids = integers(cards, 0, "the grid id")
+    ids = integer_column(cards, 0, "the grid id")
     if np.unique(ids).size == len(ids):
         return cards
     found: dict[int, BulkCard] = {}
@@ -181,7 +181,7 @@ def _system(
         )
     else:
         wanted = np.array([card.integer(place + i, "a grid") for i in (1, 2, 3)])
-        numbers, known = numbers_of(ids, wanted)
+        numbers, known = positions_of_ids(ids, wanted)
         points = positions[numbers]
         if not known.all() or np.isnan(points).any():
             return None

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.importers.deck import Deck, NodalMatrix, RigidTie, ScalarTerms, WeightedMean
-from supple.importers.nastran.bulk_data import BulkCard, integers
+from supple.importers.nastran.bulk_data import BulkCard, integer_column
 from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.superelements import superelement_name
 from supple.importers.restricted_deck import kept_elements, kept_terms, restricted_deck, used_nodes
@@ -57,7 +57,7 @@ def _interior(deck: Deck, reading: DeckReading) -> IntArray:
     found = np.zeros(len(deck.nodes), dtype=np.int64)
     default = next((card.integer(7, "SEID", 0) for card in file.named("GRDSET")), 0)
     grids = reading.grids.cards
-    found[: len(grids)] = integers(grids, 7, "SEID", default)
+    found[: len(grids)] = integer_column(grids, 7, "SEID", default)
     for card in file.named("SESET"):
         found[np.isin(deck.node_ids, _ids(card))] = card.integer(0, "the superelement")
     return found

@@ -14,7 +14,7 @@ from supple.importers.merged_decks import CommonNodes, merged_decks
 from supple.importers.moved_deck import moved_deck
 from supple.importers.nastran.bulk_data import BulkCard, BulkFile
 from supple.importers.nastran.grids import GridPoints
-from supple.importers.numbering import numbers_of
+from supple.importers.numbering import positions_of_ids
 from supple.importers.restricted_deck import used_nodes
 
 __all__ = ["SUPERELEMENT_CARDS", "assembled", "repeated_parts", "superelement_name"]
@@ -166,7 +166,7 @@ def _main_points(card: BulkCard, places: Iterable[int], file: BulkFile, grids: G
 
 
 def _numbers(deck: Deck, ids: IntArray, card: BulkCard, number: int) -> IntArray:
-    at, known = numbers_of(deck.node_ids, ids)
+    at, known = positions_of_ids(deck.node_ids, ids)
     if not known.all():
         raise card.error(
             f"names grid {ids[~known][0]} of superelement {number}, which does not define it; correct the id"

@@ -12,7 +12,7 @@ from supple.importers.deck import NodalMatrix
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.retained_freedoms import retained_freedoms
-from supple.importers.plain_number import plain_number
+from supple.importers.plain_number import number_of_word
 
 __all__ = ["SUPPORT_CARDS", "read_matrices", "read_supports"]
 
@@ -159,7 +159,7 @@ def read_matrices(reading: DeckReading) -> dict[str, list[NodalMatrix]]:
 def _scaled(word: str) -> tuple[float, str]:
     factor, star, name = word.rpartition("*")
     try:
-        return (plain_number(factor) if star else 1.0), name.strip()
+        return (number_of_word(factor) if star else 1.0), name.strip()
     except ValueError:
         return 1.0, word
 

@@ -13,7 +13,7 @@ from pydantic_core import ErrorDetails
 
 from supple.importers.toml.checked_table import CheckedTable
 from supple.importers.toml.line_index import KeyPath, LineIndex
-from supple.importers.toml.raw_tables import did_you_mean
+from supple.importers.toml.raw_tables import nearest_hint
 
 __all__ = ["WORD_OR_TABLE", "checked", "listed_mistakes"]
 
@@ -82,7 +82,7 @@ def _schema_mistake(root: type[CheckedTable], item: ErrorDetails) -> tuple[KeyPa
     unit = f" ({schema['description']})" if "description" in schema else ""
     if kind == "extra_forbidden":
         known = _follow(tree, item["loc"][:-1])[1].get("properties", {})
-        return place, f"unknown key{did_you_mean(str(place[-1]), known)}; known keys: {', '.join(known)}"
+        return place, f"unknown key{nearest_hint(str(place[-1]), known)}; known keys: {', '.join(known)}"
     if kind == "missing":
         if isinstance(place[-1], int):
             items = _follow(tree, item["loc"][:-1])[1]["minItems"]
@@ -107,7 +107,7 @@ def _wrong_choice(place: KeyPath, item: ErrorDetails, schema: _Schema) -> tuple[
         seen = context["tag"]
     return (
         place,
-        f"{_shown(seen)} is not known{did_you_mean(str(seen), choices)}; choose one of {', '.join(choices)}",
+        f"{_shown(seen)} is not known{nearest_hint(str(seen), choices)}; choose one of {', '.join(choices)}",
     )
 
 

@@ -17,8 +17,8 @@ __all__ = [
     "Raw",
     "Rule",
     "RuleOfOne",
-    "did_you_mean",
     "names",
+    "nearest_hint",
     "on_each",
     "table",
     "tables",
@@ -64,7 +64,7 @@ def names(raw: Raw, key: str) -> list[str]:
     return [str(item.get("name")) for _, item in tables(raw, key)]
 
 
-def did_you_mean(name: str, known: Iterable[str]) -> str:
+def nearest_hint(name: str, known: Iterable[str]) -> str:
     """`, did you mean 'NEAREST'?` or nothing when no known name is near."""
     nearest = nearest_name(name, known)
     return f", did you mean {nearest!r}?" if nearest else ""
@@ -73,4 +73,4 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 def unknown(what: str, name: str, known: Sequence[str]) -> str:
     """The message for a name that does not exist."""
     listed = ", ".join(dict.fromkeys(known)) or "none"
-    return f"there is no {what} named {name!r}{did_you_mean(name, known)}; there is: {listed}"
+    return f"there is no {what} named {name!r}{nearest_hint(name, known)}; there is: {listed}"

@@ -11,7 +11,7 @@ import scipy  # its parts are imported when first used
 from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
-from supple.importers.plain_number import plain_integer, plain_number
+from supple.importers.plain_number import number_of_word, plain_integer
 from supple.importers.section_table import SectionTable, check_sections, twisted_axes
 from supple.importers.text_file import file_lines
 from supple.importers.turbine.fine_grid import fine_grid, matrices_at
@@ -95,7 +95,7 @@ class _BeamdynFile:
         """The first numbers of a line."""
         words = self.lines[number].split() if number < len(self.lines) else []
         try:
-            values = [plain_number(word.lower().replace("d", "e")) for word in words[:count]]
+            values = [number_of_word(word.lower().replace("d", "e")) for word in words[:count]]
         except ValueError:
             values = []
         if len(values) < count:

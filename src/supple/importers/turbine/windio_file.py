@@ -12,7 +12,7 @@ import yaml
 from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
-from supple.importers.plain_number import plain_number
+from supple.importers.plain_number import number_of_word
 from supple.importers.text_file import file_text
 
 FloatArray = NDArray[np.float64]
@@ -105,6 +105,6 @@ class WindioFile:
             words = values if isinstance(values, list) else [values]
             if not all(isinstance(word, str) for word in words):
                 raise ValueError(what)
-            return np.array([plain_number(word) for word in words])
+            return np.array([number_of_word(word) for word in words])
         except ValueError as error:
             raise ImportFormatError(f"{self.path}: {what} holds entries that are not numbers") from error

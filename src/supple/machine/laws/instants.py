@@ -10,7 +10,7 @@ import numpy as np
 from supple.machine.laws.sampled_law import sampled_instants
 from supple.machine.laws.time_law import TimeLaw
 
-__all__ = ["KnownLaw", "instants_of", "rows_that_bend", "shortest_scale_of", "within"]
+__all__ = ["KnownLaw", "instants_of_law", "rows_that_bend", "shortest_scale_of", "times_within"]
 
 BENDS = 1e-6
 """Smallest bend of a table's curve, relative to its range, that counts as a kink."""
@@ -29,7 +29,7 @@ class KnownLaw(Protocol):
         ...
 
 
-def instants_of(law: TimeLaw, begin: float, end: float) -> np.ndarray:
+def instants_of_law(law: TimeLaw, begin: float, end: float) -> np.ndarray:
     """Ascending times (k,) strictly between `begin` and `end` that steps should end at."""
     if isinstance(law, KnownLaw):
         return law.instants(begin, end)
@@ -41,7 +41,7 @@ def shortest_scale_of(law: TimeLaw, begin: float, end: float) -> float:
     return law.shortest_scale(begin, end) if isinstance(law, KnownLaw) else float("inf")
 
 
-def within(times: Iterable[float] | np.ndarray, begin: float, end: float) -> np.ndarray:
+def times_within(times: Iterable[float] | np.ndarray, begin: float, end: float) -> np.ndarray:
     """The times strictly between two limits, without duplicates, ascending."""
     unique = np.unique(np.asarray(times, dtype=float))
     return unique[(unique > begin) & (unique < end)]

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.typing import ArrayLike
 
-from supple.machine.laws.instants import within
+from supple.machine.laws.instants import times_within
 from supple.machine.laws.law_numbers import are_numbers, finite, finite_and_positive
 from supple.machine.laws.unbounded_law import UnboundedLaw
 
@@ -46,7 +46,7 @@ class Ramp(UnboundedLaw):
 
     def instants(self, begin: float, end: float) -> np.ndarray:
         """Begin and end of the ramp."""
-        return within([0.0, self.duration], begin, end)
+        return times_within([0.0, self.duration], begin, end)
 
     def shortest_scale(self, begin: float, end: float) -> float:
         """The duration; infinite for a span without any part of the rise."""

@@ -18,7 +18,7 @@ import numpy as np
 
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["Jumps", "jumps", "sampled", "sampled_instants"]
+__all__ = ["Jumps", "jumps", "law_samples", "sampled_instants"]
 
 BLOCK = 64 * 33
 """Number of times that are evaluated together: the subdivisions of all jumps in one round."""
@@ -48,7 +48,7 @@ class Jumps(NamedTuple):
     after: np.ndarray
 
 
-def sampled(law: _OfTime, times: np.ndarray, *, order: int = 0) -> list[np.ndarray]:
+def law_samples(law: _OfTime, times: np.ndarray, *, order: int = 0) -> list[np.ndarray]:
     """Values (k, m) of a law at times (k,), and its derivatives up to an order, (k, m) each."""
     # Blocks of one size: one program for any number of times.
     size = max(1, min(BLOCK, MOST_NUMBERS // _numbers(law)))
@@ -114,7 +114,7 @@ def sampled_instants(law: _OfTime, begin: float, end: float) -> np.ndarray:
     mix = np.random.default_rng(0).standard_normal((numbers, 3))
 
     def of_times(at: np.ndarray) -> np.ndarray:
-        (values,) = sampled(law, at)
+        (values,) = law_samples(law, at)
         return values if values.shape[1] <= mix.shape[1] else values @ mix
 
     values = of_times(times)

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.typing import ArrayLike
 
-from supple.machine.laws.instants import instants_of, shortest_scale_of
+from supple.machine.laws.instants import instants_of_law, shortest_scale_of
 from supple.machine.laws.law_numbers import are_numbers, finite
 from supple.machine.laws.time_law import as_time_law, check_law_shape
 
@@ -52,7 +52,7 @@ class Scaled:
 
     def instants(self, begin: float, end: float) -> np.ndarray:
         """Instants of the factor."""
-        return instants_of(self.factor, begin, end)
+        return instants_of_law(self.factor, begin, end)
 
     def shortest_scale(self, begin: float, end: float) -> float:
         """Shortest time scale of the factor."""

@@ -12,7 +12,7 @@ from jax.typing import ArrayLike
 
 from supple.arguments import check_number
 from supple.errors import ModelError
-from supple.machine.laws.instants import within
+from supple.machine.laws.instants import times_within
 from supple.machine.laws.law_numbers import are_numbers
 from supple.machine.laws.unbounded_law import UnboundedLaw
 
@@ -65,7 +65,7 @@ class SpinUp(UnboundedLaw):
 
     def instants(self, begin: float, end: float) -> np.ndarray:
         """The end of the rise."""
-        return within([self.rise_time], begin, end)
+        return times_within([self.rise_time], begin, end)
 
     def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002 - begin decides
         """The rise time; infinite once the speed is reached."""

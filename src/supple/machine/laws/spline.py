@@ -12,7 +12,7 @@ import scipy  # its parts are imported when first used
 from jax.typing import ArrayLike
 
 from supple.algebra import read_only
-from supple.machine.laws.instants import rows_that_bend, within
+from supple.machine.laws.instants import rows_that_bend, times_within
 from supple.machine.laws.law_numbers import OfRows, increasing_rows
 
 __all__ = ["Spline"]
@@ -55,7 +55,7 @@ class Spline(OfRows):
         """Times of the rows, except those at which the cubic continues unchanged."""
         times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
         third = 6.0 * np.asarray(self.coefficients)[0].reshape(len(times) - 1, -1)
-        return within(rows_that_bend(times, values, np.diff(third, axis=0), 3), begin, end)
+        return times_within(rows_that_bend(times, values, np.diff(third, axis=0), 3), begin, end)
 
     def excursions(self) -> np.ndarray:
         """Overshoot (k - 1,) of each piece beyond the rows around it, relative to the range of all rows.

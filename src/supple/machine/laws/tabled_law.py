@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.typing import ArrayLike
 
-from supple.machine.laws.instants import rows_that_bend, within
+from supple.machine.laws.instants import rows_that_bend, times_within
 from supple.machine.laws.law_numbers import OfRows, are_numbers, increasing_rows
 
 __all__ = ["Table"]
@@ -49,4 +49,4 @@ class Table(OfRows):
         """Times of the rows, except those in line with their neighbours."""
         times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
         slopes = np.diff(values.reshape(len(times), -1), axis=0) / np.diff(times)[:, None]
-        return within(rows_that_bend(times, values, np.diff(slopes, axis=0), 1), begin, end)
+        return times_within(rows_that_bend(times, values, np.diff(slopes, axis=0), 1), begin, end)

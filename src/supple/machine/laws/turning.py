@@ -13,9 +13,9 @@ from jax.typing import ArrayLike
 from supple.algebra import read_only
 from supple.arguments import check_numbers
 from supple.errors import ModelError
-from supple.machine.laws.instants import instants_of, shortest_scale_of
+from supple.machine.laws.instants import instants_of_law, shortest_scale_of
 from supple.machine.laws.law_numbers import are_numbers
-from supple.machine.laws.sampled_law import sampled
+from supple.machine.laws.sampled_law import law_samples
 from supple.machine.laws.time_law import as_time_law
 
 __all__ = ["Turning"]
@@ -70,12 +70,12 @@ class Turning:
 
     def instants(self, begin: float, end: float) -> np.ndarray:
         """Instants of the vectors and of the angle."""
-        own = (instants_of(law, begin, end) for law in (self.vectors, self.angle))
+        own = (instants_of_law(law, begin, end) for law in (self.vectors, self.angle))
         return np.unique(np.concatenate([*own]))
 
     def shortest_scale(self, begin: float, end: float) -> float:
         """Shortest time scale of vectors and angle, or the time of a revolution at the highest speed."""
         times = np.linspace(begin, end, N_SPEEDS)
-        fastest = float(np.max(np.abs(sampled(self.angle, times, order=1)[1]), initial=0.0))
+        fastest = float(np.max(np.abs(law_samples(self.angle, times, order=1)[1]), initial=0.0))
         turn = 2 * np.pi / fastest if fastest > 0 else float("inf")
         return min(turn, *(shortest_scale_of(law, begin, end) for law in (self.vectors, self.angle)))

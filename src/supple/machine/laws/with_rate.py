@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.typing import ArrayLike
 
-from supple.machine.laws.instants import instants_of, shortest_scale_of
+from supple.machine.laws.instants import instants_of_law, shortest_scale_of
 from supple.machine.laws.time_law import TimeLaw
 
 __all__ = ["WithRate"]
@@ -40,7 +40,7 @@ class WithRate:
 
     def instants(self, begin: float, end: float) -> np.ndarray:
         """Instants of the law."""
-        return instants_of(self.of, begin, end)
+        return instants_of_law(self.of, begin, end)
 
     def shortest_scale(self, begin: float, end: float) -> float:
         """Shortest time scale of the law."""

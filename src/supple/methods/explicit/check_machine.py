@@ -25,7 +25,7 @@ from supple.methods.explicit.modal_subdomain import ModalSubdomain
 from supple.methods.explicit.projected_difference import ProjectedDifference
 from supple.methods.explicit.start_motion import rigid_velocities, undeformed
 
-__all__ = ["check_machine", "check_run", "check_spin_stiffness"]
+__all__ = ["check_explicit_run", "check_machine", "check_spin_stiffness"]
 
 _APART = 1e-9
 """Largest initial velocity difference of two tied modal parts, relative to the fastest point."""
@@ -155,7 +155,7 @@ def _check_tie(system: System, tie: Tie) -> None:
         )
 
 
-def check_run(run: Run) -> None:
+def check_explicit_run(run: Run) -> None:
     """Raise ModelError for run options that explicit time integration does not support."""
     if not isinstance(run.method, ExplicitRule) and run.method != GeneralizedAlpha():
         raise ModelError(

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from supple.body.floating_kinematics import node_numbers
+from supple.body.floating_kinematics import checked_nodes
 from supple.body.form_defaults import FormDefaults
 from supple.body.interface import interface_named
 from supple.body.point_motion import InterfaceMotion, NodeMotion
@@ -100,12 +100,12 @@ class ElementPart(FormDefaults):
 
     def positions(self, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> FloatArray:
         """Positions (t, k, 3) in space of some nodes, or all."""
-        own = nodes if isinstance(nodes, slice) else node_numbers(nodes, len(self.nodes))
+        own = nodes if isinstance(nodes, slice) else checked_nodes(nodes, len(self.nodes))
         return motion.of_type(NodalMotion).nodes[:, own]
 
     def node_motion(self, motion: Motion, nodes: ArrayLike) -> NodeMotion:
         """Positions, velocities and accelerations (t, k, 3) of some nodes in space."""
-        own, moved = node_numbers(nodes, len(self.nodes)), motion.of_type(NodalMotion)
+        own, moved = checked_nodes(nodes, len(self.nodes)), motion.of_type(NodalMotion)
         return NodeMotion(moved.nodes[:, own], moved.velocities[:, own], moved.accelerations[:, own])
 
     def interface_motion(self, motion: Motion, name: str) -> InterfaceMotion:

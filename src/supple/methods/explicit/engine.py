@@ -16,10 +16,10 @@ from supple.equations.sampling import march_sampled, sampling_of
 from supple.errors import ModelError
 from supple.integrate import FixedStep, Leg, Motion, Run, Solution, Statistics
 from supple.machine import System
-from supple.methods.explicit.check_machine import check_machine, check_run
+from supple.methods.explicit.check_machine import check_explicit_run, check_machine
 from supple.methods.explicit.frame_chart import floating_motion
 from supple.methods.explicit.march.build import Built, built
-from supple.methods.explicit.march.frame_forces import frame_motion
+from supple.methods.explicit.march.frame_forces import frame_states
 from supple.methods.explicit.march.interval import (
     Recorded,
     chosen_steps,
@@ -50,7 +50,7 @@ class ExplicitEngine:
 
     def __init__(self, system: System, run: Run) -> None:
         before_compiled_code()
-        check_run(run)
+        check_explicit_run(run)
         method = explicit_method(run)
         check_machine(system, method)
         self._fixed = _fixed_step(run)
@@ -111,7 +111,7 @@ class ExplicitEngine:
         assert self._sampling is not None
         assert own.machine is not None
         assert state.control is not None
-        now = frame_motion(own.machine, own.frames, state.frames, state.time)
+        now = frame_states(own.machine, own.frames, state.frames, state.time)
         control = self._sampling.called(own.machine, now, jax.tree.map(np.asarray, state.control))
         return state if control is None else state._replace(control=jax.tree.map(jnp.asarray, control))
 

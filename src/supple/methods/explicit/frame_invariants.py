@@ -8,7 +8,7 @@ from jax import Array
 from supple.methods.explicit.frame_model import FrameModel, FrameState
 from supple.methods.explicit.frame_moments import arms, spread
 
-__all__ = ["angular_momentum", "kinetic_energy", "linear_momentum", "strain_energy"]
+__all__ = ["angular_momentum", "linear_momentum", "step_kinetic_energy", "strain_energy"]
 
 
 def _moved(model: FrameModel, state: FrameState, h: Array | float) -> tuple[Array, Array, Array]:
@@ -30,7 +30,7 @@ def angular_momentum(model: FrameModel, state: FrameState, h: Array | float) -> 
     return jnp.cross(p, momentum).sum(axis=0)
 
 
-def kinetic_energy(model: FrameModel, state: FrameState, h: Array | float) -> Array:
+def step_kinetic_energy(model: FrameModel, state: FrameState, h: Array | float) -> Array:
     """1/2 sum m |x_n - x_n-1|^2 / h^2."""
     vp, vy = state.vp, state.vy
     sums = spread(model.moments, state.y - h * vy)

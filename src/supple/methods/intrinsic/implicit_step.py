@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-__all__ = ["StepResult", "Tangent", "first_order_coefficients", "implicit_step", "no_tangent"]
+__all__ = ["StepResult", "Tangent", "first_order_coefficients", "first_tangent", "implicit_step"]
 
 ROUNDING = 1e-14
 """Rounding error of a rate, relative to its terms."""
@@ -60,7 +60,7 @@ class StepResult(NamedTuple):
     residual: jax.Array
 
 
-def no_tangent(n: int) -> Tangent:
+def first_tangent(n: int) -> Tangent:
     """Tangent before the first step of n states."""
     return Tangent(jnp.eye(n), jnp.asarray(-1.0), jnp.zeros(()))
 

@@ -16,7 +16,7 @@ from supple.importers import (
     MatrixRole,
     NodeTable,
     freedom_name,
-    numbers_of,
+    positions_of_ids,
     read_labelled_matrix,
     read_nodes,
 )
@@ -133,7 +133,7 @@ def _tree(name: str, paths: Sequence[Sequence[int]]) -> tuple[IntArray, IntArray
 
 
 def _points(name: str, table: NodeTable, stations: IntArray) -> NDArray[np.float64]:
-    number, known = numbers_of(table.ids, stations)
+    number, known = positions_of_ids(table.ids, stations)
     if not known.all():
         raise ModelError(
             f"line '{name}': grid {stations[~known][0]} of its path is not defined in {table.source}: "
@@ -156,5 +156,5 @@ def _rows(name: str, matrices: NodalMatrices, stations: IntArray) -> IntArray:
             f"line '{name}': grid {beside[0]} of {matrices.source} is on no load path ({beside.size} such "
             "grids): add it to a path, or leave it out of the ASET, so that it is condensed"
         )
-    number, _ = numbers_of(matrices.node_ids, stations)
+    number, _ = positions_of_ids(matrices.node_ids, stations)
     return (6 * number[:, None] + np.arange(6)).ravel()

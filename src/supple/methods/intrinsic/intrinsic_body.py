@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from supple.algebra import read_only
 from supple.body import Damping
-from supple.body.floating_kinematics import node_numbers
+from supple.body.floating_kinematics import checked_nodes
 from supple.body.form_defaults import FormDefaults
 from supple.body.interface import UntiedInterface, interface_named
 from supple.body.mass_properties import centre_of_gram
@@ -28,7 +28,7 @@ from supple.methods.intrinsic.condensed_line import CondensedLine
 from supple.methods.intrinsic.expansion import Expansion, expansion_of_stations
 from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes, intrinsic_modes
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
-from supple.methods.intrinsic.line_equations import section_forces, section_strains
+from supple.methods.intrinsic.line_equations import line_forces, section_strains
 from supple.methods.intrinsic.line_freedoms import LineFreedoms, line_freedoms
 from supple.methods.intrinsic.line_model import LineModel, line_model
 from supple.methods.intrinsic.line_sections import line_section_loads
@@ -37,7 +37,7 @@ from supple.methods.intrinsic.second_order_modes import completed_modes, second_
 from supple.methods.intrinsic.station_motion import StationMotion, station_motion
 from supple.methods.intrinsic.strain_integration import StationPlaces, station_places
 from supple.programs.program_cache import CachedProgram
-from supple.summary import Summarized, Summary, point
+from supple.summary import Summarized, Summary, place_text
 
 __all__ = ["IntrinsicBody", "intrinsic_body"]
 
@@ -93,7 +93,7 @@ class IntrinsicBody(FormDefaults, Summarized):
             ("lowest frequencies", f"{lowest} cycles per unit of time"),
         ]
         size = float(abs(self.nodes).max())
-        rows += [(f"interface {one.name}", f"at {point(one.position, size)}") for one in self.interfaces]
+        rows += [(f"interface {one.name}", f"at {place_text(one.position, size)}") for one in self.interfaces]
         return Summary(f"IntrinsicBody '{self.name}', {self.n_coordinates} modes", rows)
 
     @property
@@ -208,7 +208,7 @@ class IntrinsicBody(FormDefaults, Summarized):
 
     def positions(self, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> Array:
         """Positions (t, k, 3) in space of some nodes, or all, by `Expansion`."""
-        given = nodes if isinstance(nodes, slice) else node_numbers(nodes, len(self.nodes))
+        given = nodes if isinstance(nodes, slice) else checked_nodes(nodes, len(self.nodes))
         chosen = np.arange(len(self.nodes))[given]
         arms, own = self.expansion.arms(self.line.tree)[chosen], self.expansion.stations[chosen]
         weights, warping = self.expansion.weights[chosen], self.expansion.warping[chosen]
@@ -240,7 +240,7 @@ class IntrinsicBody(FormDefaults, Summarized):
 
         Accelerations are nan where the motion has none.
         """
-        chosen = node_numbers(nodes, len(self.nodes))
+        chosen = checked_nodes(nodes, len(self.nodes))
         own, weights = self.expansion.stations[chosen], self.expansion.weights[chosen]
         warping, arms = self.expansion.warping[chosen], self.expansion.arms(self.line.tree)[chosen]
         known, amplitudes = self.station_motion(motion), motion.of_type(IntrinsicMotion).coordinates
@@ -302,7 +302,7 @@ class IntrinsicBody(FormDefaults, Summarized):
         They are the elastic part alone, without damping forces.
         """
         q2 = self.forces_of(motion.of_type(IntrinsicMotion).coordinates)
-        return np.asarray(jax.vmap(lambda q: section_forces(self.model, q))(jnp.asarray(q2)))
+        return np.asarray(jax.vmap(lambda q: line_forces(self.model, q))(jnp.asarray(q2)))
 
     def section_strains(self, motion: Motion) -> Array:
         """Strains and curvatures (t, n - 1, 6) of the segments, along material axes."""

@@ -43,10 +43,10 @@ __all__ = [
     "all_velocities",
     "coupled_forces",
     "coupled_wrenches",
-    "joint_equations",
     "joint_rates",
     "motion_residuals",
-    "moved",
+    "moved_instant",
+    "residuals_of_joints",
     "seen_motion",
     "shape_rates",
     "station_twists",
@@ -125,10 +125,10 @@ def all_velocities(arrays: JoinedArrays, now: JoinedInstant) -> jax.Array:
 
 def joint_rates(arrays: JoinedArrays, now: JoinedInstant) -> jax.Array:
     """G V + dg/dt of the active equations, (m,)."""
-    return joint_equations(arrays, now)[1]
+    return residuals_of_joints(arrays, now)[1]
 
 
-def joint_equations(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array, jax.Array]:
+def residuals_of_joints(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array, jax.Array]:
     """Residuals g, and G V + dg/dt, of the active equations, (m,) each; stations of `now` are placed."""
     model, time, at = arrays.model, jnp.asarray(now.time, dtype=float), now.floating
     joints = joint_force.linearized(model, time, at)
@@ -138,7 +138,7 @@ def joint_equations(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array
     return joint_force.residuals(model, joints), rates
 
 
-def moved(arrays: JoinedArrays, now: JoinedInstant, change: JoinedRates, time: Any) -> JoinedInstant:
+def moved_instant(arrays: JoinedArrays, now: JoinedInstant, change: JoinedRates, time: Any) -> JoinedInstant:
     """The instant later by `time`, with the increment `change`: rates multiplied by this time."""
     increment = jnp.concatenate([change.frames, jnp.zeros(6 * arrays.n_coupled)])
     lines = jax.tree.map(jnp.add, now.lines, change.lines)

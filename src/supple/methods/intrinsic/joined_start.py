@@ -32,7 +32,7 @@ from supple.methods.intrinsic.joined_equations import (
     JoinedRates,
     joint_rates,
     motion_residuals,
-    moved,
+    moved_instant,
     shape_rates,
 )
 from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine, with_stations
@@ -259,7 +259,7 @@ def instant_rates(
     else:
 
         def later(s: jax.Array) -> jax.Array:
-            return joint_rates(arrays, moved(arrays, now, jax.tree.map(lambda r: s * r, steady), s))
+            return joint_rates(arrays, moved_instant(arrays, now, jax.tree.map(lambda r: s * r, steady), s))
 
         _, bias = jax.jvp(later, (jnp.zeros(()),), (jnp.ones(()),))
         rows, _ = _rows(arrays, now)

@@ -17,9 +17,9 @@ from supple.methods.intrinsic.implicit_step import ROUNDING, FirstOrderCoefficie
 from supple.methods.intrinsic.joined_equations import (
     JoinedInstant,
     JoinedRates,
-    joint_equations,
     motion_residuals,
-    moved,
+    moved_instant,
+    residuals_of_joints,
     seen_motion,
 )
 from supple.methods.intrinsic.joined_machine import JoinedArrays
@@ -73,8 +73,8 @@ def joined_step(
     def missing(unknown: jax.Array) -> jax.Array:
         after = unravel(unknown[:size])
         multipliers, closing = unknown[size : size + m], unknown[size + m :]
-        between = moved(arrays, now, mixed(alpha_f * h, 1 - gamma, after), alpha_f * h)
-        end = moved(arrays, now, mixed(h, 1 - gamma, after), h)
+        between = moved_instant(arrays, now, mixed(alpha_f * h, 1 - gamma, after), alpha_f * h)
+        end = moved_instant(arrays, now, mixed(h, 1 - gamma, after), h)
         left = motion_residuals(
             arrays,
             between,
@@ -84,7 +84,7 @@ def joined_step(
             lambda f: inverse @ f,
             state.control and ControlStep(state.control, alpha_f * h),
         )
-        return jnp.concatenate([ravel_pytree(left)[0], *joint_equations(arrays, end)])
+        return jnp.concatenate([ravel_pytree(left)[0], *residuals_of_joints(arrays, end)])
 
     kinds, states = _kinds(arrays, before, m), _sizes(arrays, now, m)
 
@@ -117,7 +117,7 @@ def joined_step(
     unknown, error, count = jax.lax.while_loop(goes_on, improve, begin)
     after = unravel(unknown[:size])
     # A step of zero length repeats its start.
-    end = moved(arrays, now, mixed(h, 1 - gamma, after), h)
+    end = moved_instant(arrays, now, mixed(h, 1 - gamma, after), h)
     multipliers = unknown[size : size + m]
     ending = seen_motion(
         arrays, end, after, multipliers, state.control and ControlStep(state.control, jnp.asarray(h))

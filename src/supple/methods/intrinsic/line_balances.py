@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from supple.equations.checks.energy import Balances, body_balances
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
-from supple.methods.intrinsic.station_motion import station_twists
+from supple.methods.intrinsic.station_motion import driven_twists
 
 __all__ = ["line_balances"]
 
@@ -26,7 +26,7 @@ def line_balances(body: IntrinsicBody, motion: IntrinsicMotion, gravity: Array) 
     """
     n = body.line.n
     rotations, positions = body.places(motion)
-    twists = station_twists(body.model, body.line.tree.points[0], motion)
+    twists = driven_twists(body.model, body.line.tree.points[0], motion)
     momenta = (twists.reshape(-1, 6 * n) @ body.line.mass).reshape(twists.shape)
     linear, own = (np.einsum("tnij,tnj->tni", rotations, momenta[..., part]) for part in _HALVES)
     q2 = body.forces_of(motion.coordinates)

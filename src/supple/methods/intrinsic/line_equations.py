@@ -27,11 +27,11 @@ __all__ = [
     "force_rates",
     "l1",
     "l2",
+    "line_forces",
     "line_rates",
     "momenta",
     "on_ends",
     "on_stations",
-    "section_forces",
     "section_strains",
     "station_velocities",
     "turning_forces",
@@ -58,7 +58,7 @@ def section_strains(model: LineModel, q2: jax.Array) -> jax.Array:
     return _by_sixes(model.strains @ q2)
 
 
-def section_forces(model: LineModel, q2: jax.Array) -> jax.Array:
+def line_forces(model: LineModel, q2: jax.Array) -> jax.Array:
     """Internal forces and moments (n - 1, 6) at the middles of the segments, x_2, along material axes."""
     return _by_sixes(model.forces @ q2)
 
@@ -103,7 +103,7 @@ def on_stations(
     model: LineModel, x1: jax.Array, q1: jax.Array, stress: jax.Array, e: jax.Array, root: RootTwist | None
 ) -> jax.Array:
     """Forces of inertia and bending on the stations (n, 6): L_1(x_1) M x_1 + L_2(x_2) e."""
-    half = 0.5 * _along(model.lengths, e) * l2(section_forces(model, stress), e)
+    half = 0.5 * _along(model.lengths, e) * l2(line_forces(model, stress), e)
     return on_ends(model, turning_forces(model, x1, q1, root), half)
 
 

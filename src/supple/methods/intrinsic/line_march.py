@@ -16,8 +16,8 @@ from supple.integrate import GeneralizedAlpha, ResidualRungeKutta4, RungeKutta4
 from supple.methods.intrinsic.implicit_step import (
     Tangent,
     first_order_coefficients,
+    first_tangent,
     implicit_step,
-    no_tangent,
 )
 from supple.methods.intrinsic.line_slope import system_slope
 from supple.methods.intrinsic.line_system import LineSystem, States, system_rates
@@ -76,7 +76,7 @@ def march_lines(
     The function can be mapped over cases (`jax.vmap`), and differentiated in forward and reverse mode.
     """
     step = _step_of(system, rule, tolerance, max_iterations)
-    tangent = no_tangent(start.rates.size) if isinstance(rule, GeneralizedAlpha) else None
+    tangent = first_tangent(start.rates.size) if isinstance(rule, GeneralizedAlpha) else None
 
     def to_output(
         carry: tuple[LineMarchState, Any], end: jax.Array

@@ -20,9 +20,9 @@ from supple.methods.intrinsic.line_equations import (
     force_rates,
     l1,
     l2,
+    line_forces,
     momenta,
     on_ends,
-    section_forces,
     section_strains,
     station_velocities,
 )
@@ -47,9 +47,9 @@ def line_slope(model: LineModel, q1: jax.Array, q2: jax.Array, root: RootTwist |
     p = momenta(model, x1, q1, root)
     turning = l1(Phi, p[..., None]) + l1(x1[..., None], momenta(model, Phi, jnp.eye(m), None))
     half = 0.5 * model.lengths[:, None, None]
-    first = on_ends(model, turning, half * l2(section_forces(model, stress_by_q1), strains[..., None]))
-    bent = l2(section_forces(model, stress_by_q2), strains[..., None])
-    bent = bent + l2(section_forces(model, stress)[..., None], C)
+    first = on_ends(model, turning, half * l2(line_forces(model, stress_by_q1), strains[..., None]))
+    bent = l2(line_forces(model, stress_by_q2), strains[..., None])
+    bent = bent + l2(line_forces(model, stress)[..., None], C)
     second = on_ends(model, jnp.zeros((*x1.shape, e)), half * bent)
     inertial = jnp.concatenate([first, second], axis=2).reshape(-1, m + e)
     top = -(model.velocities.T @ inertial)

@@ -32,7 +32,13 @@ from supple.methods.intrinsic.joined_machine import (
 from supple.methods.intrinsic.joined_solution import joined_solution
 from supple.methods.intrinsic.joined_start import closed_machine
 from supple.methods.intrinsic.line_model import LineState
-from supple.methods.intrinsic.line_steady import SmallMotions, moved_by, small_motions, steady, unbalanced_at
+from supple.methods.intrinsic.line_steady import (
+    LineSmallMotions,
+    moved_by,
+    small_motions,
+    steady,
+    unbalanced_at,
+)
 from supple.methods.intrinsic.machine_of_lines import MachineOfLines
 from supple.methods.intrinsic.root_drive import RootDrive
 from supple.methods.intrinsic.root_reaction import reactions
@@ -268,7 +274,7 @@ class LineStatics(SteadyEquations):
         rate = np.linalg.norm(self.turning.angular_velocities, axis=1).max()
         return float(mass * (rate * self._length) ** 2)
 
-    def _small_motions(self, state: StaticState) -> SmallMotions:
+    def _small_motions(self, state: StaticState) -> LineSmallMotions:
         return jax.device_get(small_motions(*self._terms, state.configuration, state.multipliers))
 
 

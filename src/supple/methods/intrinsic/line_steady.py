@@ -33,7 +33,7 @@ from supple.methods.intrinsic.joined_equations import (
     JoinedRates,
     all_velocities,
     motion_residuals,
-    moved,
+    moved_instant,
     seen_motion,
     shape_rates,
     station_twists,
@@ -51,7 +51,7 @@ from supple.methods.intrinsic.line_system import system_wrenches
 from supple.methods.intrinsic.strain_integration import rotation_of
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["SmallMotions", "Unbalanced", "moved_by", "small_motions", "steady", "unbalanced_at"]
+__all__ = ["LineSmallMotions", "Unbalanced", "moved_by", "small_motions", "steady", "unbalanced_at"]
 
 
 class Unbalanced(NamedTuple):
@@ -67,7 +67,7 @@ class Unbalanced(NamedTuple):
     gaps: Any
 
 
-class SmallMotions(NamedTuple):
+class LineSmallMotions(NamedTuple):
     """`M y'' + C y' + K y + G^T l = 0`, `G y = 0`; frames' translations along global axes."""
 
     mass: Any
@@ -89,7 +89,7 @@ def _moved_by(arrays: JoinedArrays, at: JoinedInstant, y: jax.Array) -> JoinedIn
         LineState(jnp.zeros_like(state.q1), *shape_rates(model, state, change))
         for model, state, change in zip(arrays.lines, at.lines, own, strict=True)
     )
-    return moved(arrays, at, JoinedRates(lines, jnp.zeros_like(at.velocity), floating), jnp.zeros(()))
+    return moved_instant(arrays, at, JoinedRates(lines, jnp.zeros_like(at.velocity), floating), jnp.zeros(()))
 
 
 def _turning_line(
@@ -194,7 +194,7 @@ def _unbalanced(
 
 def _small_motions(
     arrays: JoinedArrays, turning: SteadyRotation | None, at: JoinedInstant, multipliers: jax.Array
-) -> SmallMotions:
+) -> LineSmallMotions:
     none = jnp.zeros(arrays.n_floating + sum(len(state.q1) for state in at.lines))
 
     def residual(y: jax.Array, dy: jax.Array) -> jax.Array:
@@ -204,7 +204,7 @@ def _small_motions(
         return constraints(arrays.model, at.time, _moved_by(arrays, at, y).floating)
 
     stiffness, damping = jax.jacfwd(residual, (0, 1))(none, none)
-    return SmallMotions(velocity_metric(arrays, at), damping, stiffness, jax.jacfwd(gaps)(none))
+    return LineSmallMotions(velocity_metric(arrays, at), damping, stiffness, jax.jacfwd(gaps)(none))
 
 
 def _steady(

@@ -18,7 +18,7 @@ from supple.methods.intrinsic.line_model import LineModel
 from supple.methods.intrinsic.strain_integration import StationPlaces, station_places
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["StationMotion", "station_motion", "station_twists"]
+__all__ = ["StationMotion", "driven_twists", "station_motion"]
 
 Array = NDArray[np.float64]
 
@@ -89,7 +89,7 @@ def station_motion(model: LineModel, root: Array, q2: Array, motion: IntrinsicMo
     return found
 
 
-def station_twists(model: LineModel, root: Array, motion: IntrinsicMotion) -> Array:
+def driven_twists(model: LineModel, root: Array, motion: IntrinsicMotion) -> Array:
     """x_1 = Phi_1 q_1 + T t_d (t, n, 6): velocities of stations along their axes, by modes and a drive."""
     driven, _ = _driven(model, root, motion)
     return (motion.rates @ np.asarray(model.velocities).T + driven @ np.asarray(model.twists).T).reshape(

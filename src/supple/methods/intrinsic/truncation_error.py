@@ -60,7 +60,7 @@ class TruncationError:
         return max(of_places, self.drift / max(self.deflection, STIFF * self.length))
 
 
-def instants_of(system: System, solution: Solution) -> NDArray[np.intp]:
+def error_instants(system: System, solution: Solution) -> NDArray[np.intp]:
     """Sampled output times (t,): spread over the run, and at the largest strain of each body."""
     n = len(solution.times)
     spread = np.linspace(0, n - 1, INSTANTS + 1).round().astype(int)[1 if n > 1 else 0 :]
@@ -103,7 +103,7 @@ def truncation_error(
         system,
         bodies=[replace(placed, body=bodies.get(placed.body.name, placed.body)) for placed in system.bodies],
     )
-    rows = instants_of(machine, solution)
+    rows = error_instants(machine, solution)
     complete = complete_motion(machine, solution, rows)
     found = {}
     for body in few:

@@ -15,8 +15,8 @@ from supple.machine import GROUND, At, Ball, DeadForce, Placed, SpringDamper, Sy
 from supple.methods.floating.compiled.contraction import (
     MEASURED_EVERY,
     Contraction,
-    measured,
-    no_estimate,
+    new_contraction,
+    no_contraction,
     predicted_to_converge,
 )
 from supple.methods.floating.compiled.engine import controls, initial_state
@@ -118,7 +118,7 @@ def test_a_residual_unlike_that_measured_is_seen():
 
 
 def test_nothing_is_predicted_before_something_was_measured():
-    known = no_estimate()._replace(phase=1, step=0.1)
+    known = no_contraction()._replace(phase=1, step=0.1)
     assert not predicted_to_converge(known, jnp.asarray(1e-9), jnp.asarray(0.1))
 
 
@@ -128,7 +128,9 @@ def test_nothing_is_predicted_before_something_was_measured():
 )
 def test_only_a_step_of_one_correction_that_was_evaluated_tells(corrections, evaluated, before):
     known = Contraction(1e3, 1e-4, 0.1, MEASURED_EVERY - 1)
-    after = measured(known, jnp.array([1e2, 1e-5]), jnp.asarray(0.05), corrections, jnp.asarray(evaluated))
+    after = new_contraction(
+        known, jnp.array([1e2, 1e-5]), jnp.asarray(0.05), corrections, jnp.asarray(evaluated)
+    )
     assert float(after.before) == before
     assert float(after.phase) == 0
     assert float(after.step) == (0.05 if before == 1e2 else 0.1)

@@ -11,10 +11,10 @@ from supple.methods.explicit.elements.solid_block import SolidBlock, deformation
 from supple.methods.explicit.materials.law import Law
 from supple.methods.explicit.tensor3 import double_dot, product, scaled, tensor, transposed
 
-__all__ = ["von_mises"]
+__all__ = ["element_von_mises"]
 
 
-def von_mises(law: Law, block: SolidBlock, x: Array, state: Any) -> Array:
+def element_von_mises(law: Law, block: SolidBlock, x: Array, state: Any) -> Array:
     """Stress sqrt(3/2 s : s) (g, E), Pa, at positions x (3, N); s is the deviator of sigma = P F^T / J.
 
     With a zero increment, the law returns its present stress, also beyond yield.

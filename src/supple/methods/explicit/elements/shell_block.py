@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from supple.methods.explicit.elements.incidence import gathered, incidence
 from supple.methods.explicit.materials.j2_plasticity import J2Plasticity
-from supple.methods.explicit.materials.plane_stress import LayerState, mises_of, plane_stress, rest_state
+from supple.methods.explicit.materials.plane_stress import LayerState, elastic_state, mises_of, plane_stress
 
 __all__ = [
     "LayerArrays",
@@ -142,7 +142,7 @@ def shell_force(block: ShellBlock, x: Array, triads: Array) -> ShellForce:
 def rest_layers(block: ShellBlock) -> LayerState:
     """State without plastic strain at any point of any layer, (p, l, E)."""
     assert block.layers is not None
-    return rest_state((len(block.layers.bending), len(block.layers.heights), block.nodes.shape[1]))
+    return elastic_state((len(block.layers.bending), len(block.layers.heights), block.nodes.shape[1]))
 
 
 def layered_force(

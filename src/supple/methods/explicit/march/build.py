@@ -16,7 +16,7 @@ from supple.methods.explicit.march.build_blocks import explicit_blocks
 from supple.methods.explicit.march.build_frames import Framed, MarchNodes, build_frames, check_outside
 from supple.methods.explicit.march.build_shells import explicit_shells
 from supple.methods.explicit.march.build_surfaces import TiedNodes, modal_skins
-from supple.methods.explicit.march.build_ties import met_material, within
+from supple.methods.explicit.march.build_ties import largest_distance, met_material
 from supple.methods.explicit.march.frame_step import tied_positions
 from supple.methods.explicit.march.march_model import (
     Energies,
@@ -218,7 +218,7 @@ def _numbered(system: System, explicit: list[Placed]) -> tuple[dict[str, IntArra
 
 
 def _met(tie: Tie, points: FloatArray, nodes: FloatArray, numbers: IntArray) -> IntArray:
-    found = meeting_nodes(points, nodes, within(tie, points))
+    found = meeting_nodes(points, nodes, largest_distance(tie, points))
     if (found < 0).any():
         lost = points[found < 0][0]
         raise ModelError(

@@ -26,7 +26,7 @@ from supple.methods.explicit.frame_chart import frame_chart, placed_state
 from supple.methods.explicit.frame_model import FrameModel, FrameState
 from supple.methods.explicit.march.build_joined import JoinedFrames, joined_frames
 from supple.methods.explicit.march.build_surfaces import ModalSkin, TiedNodes, touching_surfaces
-from supple.methods.explicit.march.frame_forces import frame_motion, stored_energy, storing_elements
+from supple.methods.explicit.march.frame_forces import frame_states, stored_energy, storing_elements
 from supple.methods.explicit.march.march_model import FrameArrays, NodesTouching
 from supple.methods.explicit.march.touching_surface import TouchingSurface
 from supple.methods.explicit.method import Explicit
@@ -121,7 +121,7 @@ def build_frames(system: System, method: Explicit, nodes: MarchNodes, time: floa
         at = joined.machine, tuple(arrays), tuple(states), jnp.asarray(time)
         stored = stored_energy(elements, stores, *at)
         if system.controllers:
-            first = first_control(floating, joined.machine, jax.tree.map(np.asarray, frame_motion(*at)))
+            first = first_control(floating, joined.machine, jax.tree.map(np.asarray, frame_states(*at)))
             control = jax.tree.map(jnp.asarray, first)
     return Framed(
         frames,

@@ -15,13 +15,13 @@ from supple.methods.explicit.modal_frame import ModalFrame
 from supple.methods.explicit.modal_tie import ModalTie, TiedSide
 from supple.methods.explicit.start_motion import undeformed
 
-__all__ = ["met_material", "modal_ties", "within"]
+__all__ = ["largest_distance", "met_material", "modal_ties"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-def within(tie: Tie, points: FloatArray) -> float:
+def largest_distance(tie: Tie, points: FloatArray) -> float:
     """Largest allowed distance between the two sides of a tie, m."""
     return tie.within * max(float(np.linalg.norm(np.ptp(points, axis=0))), 1e-300)
 
@@ -35,7 +35,7 @@ def met_material(system: System, tie: Tie, x: FloatArray) -> tuple[IntArray, Flo
     place[nodes] = np.arange(len(nodes))
     faces = place[outer_triangles(tied, nodes)]
     what = f"tie of '{tie.nodes}' on '{tie.on}'"
-    return tie.transfer.weights(local, faces, system.mesh_of(tie.on), within(tie, local), what)
+    return tie.transfer.weights(local, faces, system.mesh_of(tie.on), largest_distance(tie, local), what)
 
 
 def modal_ties(

@@ -10,10 +10,10 @@ from supple.methods.explicit.march.march_model import MarchModel, MarchState, Me
 from supple.methods.explicit.march.nodal_forces import penalty
 from supple.methods.explicit.march.touching_surface import projected, pushes
 
-__all__ = ["contact_forces"]
+__all__ = ["march_contact_forces"]
 
 
-def contact_forces(model: MarchModel, methods: Methods, state: MarchState) -> Array:
+def march_contact_forces(model: MarchModel, methods: Methods, state: MarchState) -> Array:
     """Force on the nodes of each contact, N, and their mean position weighted by the size of their forces.
 
     Returns (c, 6), contacts with rigid obstacles first, then those between parts. Without contact, the

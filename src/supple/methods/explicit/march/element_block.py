@@ -12,13 +12,13 @@ from supple.methods.explicit.elements import (
     ShellBlock,
     SolidBlock,
     block_force,
+    element_von_mises,
     layered_force,
     layered_von_mises,
     rest_layers,
     shell_force,
     shell_von_mises,
     smallest_stretch,
-    von_mises,
 )
 from supple.methods.explicit.elements.bulk_viscosity import bulk_share
 from supple.methods.explicit.elements.solid_block import deformation
@@ -151,7 +151,7 @@ class Solids:
     def recorded(self, own: SolidArrays, x: Array, _triads: Array, state: BlockState) -> tuple[Array, Array]:
         """Plastic strain and von Mises stress (E,) at the worst point of each element."""
         strain = self.law.plastic_strain(state.material)
-        stress = von_mises(self.law, own.block, x, state.material).max(axis=0)
+        stress = element_von_mises(self.law, own.block, x, state.material).max(axis=0)
         return jnp.zeros_like(state.alive) if strain is None else strain.max(axis=0), state.alive * stress
 
 

@@ -25,7 +25,7 @@ from supple.methods.explicit.march.march_model import FrameArrays, MarchModel
 __all__ = [
     "FrameForces",
     "frame_forces",
-    "frame_motion",
+    "frame_states",
     "gravity_at",
     "joint_gaps",
     "joint_rows",
@@ -64,7 +64,7 @@ def frame_forces(
     machine : the frames as bodies, with their loads and force elements
     stores : whether each group of elements stores energy
     """
-    motion = frame_motion(machine, frames, states, time, control)
+    motion = frame_states(machine, frames, states, time, control)
     at_rest = motion._replace(velocity=jnp.zeros_like(motion.velocity))
     storing = _some(machine, stores, True)
     n, others = machine.n_velocities, _some(machine, stores, False)
@@ -80,7 +80,7 @@ def _some(machine: Model, stores: tuple[bool, ...], wanted: bool) -> Model:
     return replace(machine, forces=tuple(group for group, own in groups if own is wanted))
 
 
-def frame_motion(
+def frame_states(
     machine: Model,
     frames: tuple[FrameArrays, ...],
     states: tuple[FrameState, ...],
@@ -119,7 +119,7 @@ def stored_energy(
 ) -> Array:
     """Stored energy of force elements, J."""
     energies = {type(load).wrenches: type(load).energy for load in loads}
-    motion, total = frame_motion(machine, frames, states, time), jnp.zeros(())
+    motion, total = frame_states(machine, frames, states, time), jnp.zeros(())
     for group in _some(machine, stores, True).forces:
 
         def own(law: Any, parameters: Any, *ends: Marker, of: Any = energies[group.wrenches]) -> Array:

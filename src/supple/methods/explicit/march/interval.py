@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from supple.equations.compiler_options import STARTING
-from supple.methods.explicit.march.contact_forces import contact_forces
+from supple.methods.explicit.march.contact_forces import march_contact_forces
 from supple.methods.explicit.march.element_block import with_contact
 from supple.methods.explicit.march.frame_step import frame_step, tied_positions
 from supple.methods.explicit.march.march_model import MarchModel, MarchState, Methods
@@ -30,7 +30,7 @@ class Recorded(NamedTuple):
     """Results recorded at an output time.
 
     frames : points and modes of each, their rates and accelerations;   pulls : (m,) multipliers of joints
-    contacts : (c, 6) see `contact_forces`
+    contacts : (c, 6) see `march_contact_forces`
     trouble : 0, or 1 an element inverted, 2 not finite, 3 the energy drifts, 4 spurious energy, 5 the
         interface energy drifts
     """
@@ -258,7 +258,7 @@ def _recorded(
         tuple(frames),
         pulls,
         tuple((at.offset, at.velocity) for at in state.obstacles),
-        contact_forces(model, methods, state),
+        march_contact_forces(model, methods, state),
         jnp.stack(state.energies._replace(kinetic=kinetic(model, state))),
         state.time,
         state.steps,

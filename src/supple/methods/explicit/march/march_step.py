@@ -13,12 +13,12 @@ from jax import Array, lax
 
 from supple.equations.compiler_options import STARTING
 from supple.equations.control_force import stepped
-from supple.methods.explicit.frame_invariants import kinetic_energy
+from supple.methods.explicit.frame_invariants import step_kinetic_energy
 from supple.methods.explicit.march.element_block import ElementInstant
-from supple.methods.explicit.march.frame_forces import frame_motion, gravity_at
+from supple.methods.explicit.march.frame_forces import frame_states, gravity_at
 from supple.methods.explicit.march.frame_step import frame_step, tied_positions
 from supple.methods.explicit.march.march_model import Energies, MarchModel, MarchState, Methods, ObstacleState
-from supple.methods.explicit.march.nodal_forces import nodal_forces
+from supple.methods.explicit.march.nodal_forces import explicit_forces
 from supple.methods.explicit.march.turning_nodes import turned
 from supple.programs.program_cache import CachedProgram
 
@@ -49,7 +49,7 @@ def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array,
     state = state._replace(energies=energies)
     if state.control is not None:
         assert model.machine is not None
-        end = frame_motion(model.machine, model.frames, done.frames, state.time + long, state.control, long)
+        end = frame_states(model.machine, model.frames, done.frames, state.time + long, state.control, long)
         state = state._replace(control=stepped(model.machine, end))
     state = lax.fori_loop(
         0, ratio, lambda _, s: nodal_step(model, methods, s, h, tied_rates, done.on_obstacles), state
@@ -79,7 +79,7 @@ def nodal_step(
     x = state.x + h * v
     turning, spun, dragged = turned(model.spins, state.turning, mean, h)
     at = ElementInstant(x, h * v, h, turning.triads)
-    out = nodal_forces(model, methods, state.time + h, at, state.blocks, obstacles)
+    out = explicit_forces(model, methods, state.time + h, at, state.blocks, obstacles)
     works = mean * (state.forces * middle).sum(axis=(1, 2))
     on_tied = mean * jnp.sum(jnp.where(tied, state.forces.sum(axis=0) * middle, 0.0))
     gravity = gravity_at(model, state.time)
@@ -139,7 +139,7 @@ def _fall(model: MarchModel, number: int, gravity: Array) -> Array:
 def _begun(model: MarchModel, methods: Methods, state: MarchState) -> MarchState:
     """The initial state of a run with its forces and energy."""
     at = ElementInstant(state.x, jnp.zeros_like(state.x), jnp.ones(()), state.turning.triads)
-    out = nodal_forces(model, methods, state.time, at, state.blocks, state.obstacles)
+    out = explicit_forces(model, methods, state.time, at, state.blocks, state.obstacles)
     turning = state.turning._replace(moments=out.moments)
     initial = kinetic(model, state) + state.energies.internal
     return state._replace(
@@ -154,7 +154,7 @@ def kinetic(model: MarchModel, state: MarchState) -> Array:
         own = own.at[arrays.nodes].set(0.0)
     total = 0.5 * jnp.sum(own * state.v**2) + 0.5 * jnp.sum(model.spins.inertia * state.turning.rates**2)
     for arrays, frame in zip(model.frames, state.frames, strict=True):
-        total = total + kinetic_energy(arrays.model, frame, state.frame_before)
+        total = total + step_kinetic_energy(arrays.model, frame, state.frame_before)
     for number, at in enumerate(state.obstacles):
         mass = model.obstacle_mass[number]
         total = total + jnp.where(jnp.isinf(mass), 0.0, 0.5 * mass * at.velocity @ at.velocity)

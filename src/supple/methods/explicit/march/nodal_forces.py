@@ -13,7 +13,7 @@ from supple.methods.explicit.march.frame_forces import gravity_at
 from supple.methods.explicit.march.march_model import MarchModel, Methods, NodesTouching, ObstacleState
 from supple.methods.explicit.march.touching_surface import surface_penalty
 
-__all__ = ["AssembledForces", "nodal_forces", "penalty"]
+__all__ = ["AssembledForces", "explicit_forces", "penalty"]
 
 
 class AssembledForces(NamedTuple):
@@ -33,7 +33,7 @@ class AssembledForces(NamedTuple):
     smallest: Array
 
 
-def nodal_forces(
+def explicit_forces(
     model: MarchModel,
     methods: Methods,
     time: Array,

@@ -22,7 +22,7 @@ from jax import Array, lax
 
 from supple.methods.explicit.materials.j2_plasticity import J2Plasticity
 
-__all__ = ["LayerState", "mises_of", "plane_stress", "rest_state"]
+__all__ = ["LayerState", "elastic_state", "mises_of", "plane_stress"]
 
 _MOST_PASSES = 60
 _SMALL = 1e-12  # relative correction of the multiplier; the next one would be its square
@@ -35,7 +35,7 @@ class LayerState(NamedTuple):
     strain: Array
 
 
-def rest_state(shape: tuple[int, ...]) -> LayerState:
+def elastic_state(shape: tuple[int, ...]) -> LayerState:
     """No plastic strain."""
     return LayerState(jnp.zeros((3, *shape)), jnp.zeros(shape))
 

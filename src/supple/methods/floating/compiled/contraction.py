@@ -26,7 +26,13 @@ import numpy as np
 
 from supple.equations.machine_model import Model
 
-__all__ = ["Contraction", "is_predictable", "measured", "no_estimate", "predicted_to_converge"]
+__all__ = [
+    "Contraction",
+    "is_predictable",
+    "new_contraction",
+    "no_contraction",
+    "predicted_to_converge",
+]
 
 MARGIN = 100.0
 """The prediction must be below the tolerance by this factor."""
@@ -48,7 +54,7 @@ class Contraction(NamedTuple):
     """Accepted steps since the last regular measurement"""
 
 
-def no_estimate() -> Contraction:
+def no_contraction() -> Contraction:
     """The initial state of a run, without a measurement."""
     return Contraction(*np.zeros(4))
 
@@ -66,7 +72,7 @@ def predicted_to_converge(known: Contraction, size: jax.Array, step: jax.Array) 
     return comparable & (MARGIN * known.after * ratio**2 <= 1.0)
 
 
-def measured(
+def new_contraction(
     known: Contraction, sizes: jax.Array, step: jax.Array, corrections: jax.Array, evaluated: jax.Array
 ) -> Contraction:
     """The contraction after an accepted step.

@@ -25,7 +25,7 @@ from supple.equations.sampling import march_sampled, sampling_of
 from supple.equations.stops import Stops, stepping_instants
 from supple.integrate import Leg, Run, Solution, Statistics, Validity, damps_joint_forces
 from supple.machine import System
-from supple.methods.floating.compiled.contraction import Contraction, no_estimate
+from supple.methods.floating.compiled.contraction import Contraction, no_contraction
 from supple.methods.floating.compiled.frozen_tangent import FrozenInverse, freezes_tangent, no_tangent
 from supple.methods.floating.compiled.padded_motion import (
     in_all_coordinates,
@@ -33,7 +33,7 @@ from supple.methods.floating.compiled.padded_motion import (
     with_padding_coordinates,
 )
 from supple.methods.floating.compiled.programs import COMPILED_MARCH, QUICK_MARCH, STOPS_AT_ONCE, march_for
-from supple.methods.floating.compiled.sampling import sampled
+from supple.methods.floating.compiled.sampling import sampled_control
 from supple.methods.floating.compiled.state import Controls, State
 
 __all__ = ["CompiledEngine"]
@@ -88,7 +88,7 @@ def _state(**known: Any) -> State:
         "largest_error": np.zeros(()),
         "largest_turn": np.zeros(()),
     }
-    known.setdefault("contraction", no_estimate())
+    known.setdefault("contraction", no_contraction())
     arrays: dict[str, Any] = {name: jax.tree.map(np.asarray, value) for name, value in known.items()}
     return State(**arrays, **fresh, relative_residual=np.zeros(4))
 
@@ -158,7 +158,7 @@ class CompiledEngine:
             acceleration=instant.acceleration,
             auxiliary=known.get("auxiliary", instant.acceleration),
             multipliers=instant.multipliers[list(active)],
-            contraction=Contraction(*known.get("contraction", no_estimate())),
+            contraction=Contraction(*known.get("contraction", no_contraction())),
             control=resumed_control(self._system, known),
             kept=_resumed_tangent(model, known),
         )
@@ -168,7 +168,9 @@ class CompiledEngine:
         if self._sampling is None:
             return self._marched(state, times)
         sampling, model = self._sampling, self._model
-        return march_sampled(sampling, self._marched, lambda now: sampled(sampling, model, now), state, times)
+        return march_sampled(
+            sampling, self._marched, lambda now: sampled_control(sampling, model, now), state, times
+        )
 
     def _marched(self, state: State, times: np.ndarray) -> Leg[State]:
         """Integrate to each of the output times, in a few calls of the compiled program."""

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.equations.machine_model import Model
-from supple.equations.stops import Stops, filled_up, stepping_instants
+from supple.equations.stops import Stops, padded_stops, stepping_instants
 from supple.errors import RedundantConstraintWarning, StartWarning
 from supple.integrate import Run, Solution, Statistics
 from supple.machine import System
@@ -52,7 +52,7 @@ def every_step(system: System, run: Run, solution: Solution) -> EveryStep:
         model, state = initial_state(filled, run.times[0], run.step_control.first)
     times = solution.times
     stops, _ = Stops(run.times, stepping_instants([system], run)).on_the_way(float(times[0]), times[1:])
-    stops = filled_up(stops, fewest=_FEWEST_STOPS)
+    stops = padded_stops(stops, fewest=_FEWEST_STOPS)
     soon = ends_before_compiling(solution.statistics.steps, model.n_velocities)
     program = _march_steps_quickly if soon else _march_steps
     model = jax.device_put(model)

@@ -12,10 +12,10 @@ from supple.equations.configuration import SystemMotion
 from supple.equations.sampling import ControllerSampling
 from supple.methods.floating.compiled.state import State
 
-__all__ = ["sampled"]
+__all__ = ["sampled_control"]
 
 
-def sampled(sampling: ControllerSampling, model: Any, state: State) -> State:
+def sampled_control(sampling: ControllerSampling, model: Any, state: State) -> State:
     """The state after calling the controllers that are due, with the accelerations for their new outputs."""
     if state.control is None:
         return state

@@ -22,10 +22,10 @@ from supple.methods.floating.compiled.sensitivity_step import StateChange, chang
 from supple.methods.floating.compiled.state import Controls, State
 from supple.methods.floating.compiled.time_step import substep
 
-__all__ = ["Changes", "MarchedWithChanges", "march_with_changes"]
+__all__ = ["MarchChanges", "MarchedWithChanges", "march_with_changes"]
 
 
-class Changes(NamedTuple):
+class MarchChanges(NamedTuple):
     """Derivatives of all inputs of a time integration along p directions."""
 
     model: Sequence[Any]
@@ -44,7 +44,7 @@ class MarchedWithChanges(NamedTuple):
 
 
 def march_with_changes(
-    model: Model, controls: Controls, start: State, stops: np.ndarray, changes: Changes, n_steps: float
+    model: Model, controls: Controls, start: State, stops: np.ndarray, changes: MarchChanges, n_steps: float
 ) -> MarchedWithChanges:
     """Integrate through stops (k,), ascending, up to the first one that is not reached.
 

@@ -30,10 +30,10 @@ from supple.equations.steady_motion import (
     LinearEquations,
     SteadyEquations,
     SteadyRotation,
+    dynamic_stiffness,
     in_turning_axes,
     linear_equations,
     steady_motion,
-    step_matrix,
     work_of_turning,
 )
 from supple.integrate import Solution, Statistics
@@ -88,7 +88,7 @@ class CompiledStatics(SteadyEquations):
         model, (terms, control) = self.machine.model, unbalance.terms
         motion, linear = self._motion(state, time), control.linear
         if self.turning is None:
-            matrix = step_matrix(model, motion, terms, k, 0.0)
+            matrix = dynamic_stiffness(model, motion, terms, k, 0.0)
         else:
             steady = linear_equations(model, self.turning, motion, terms)
             axes = in_turning_axes(model, state.configuration)

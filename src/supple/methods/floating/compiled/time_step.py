@@ -18,7 +18,7 @@ from supple.equations.coordinate_scales import position_scale
 from supple.equations.machine_model import Model
 from supple.equations.step_size import next_step, position_rounding
 from supple.integrate import StepRule
-from supple.methods.floating.compiled.contraction import is_predictable, measured
+from supple.methods.floating.compiled.contraction import is_predictable, new_contraction
 from supple.methods.floating.compiled.elimination import DenseElimination
 from supple.methods.floating.compiled.frozen_tangent import predicted
 from supple.methods.floating.compiled.iterate import ReachedState, evaluate, motion_of, place
@@ -156,7 +156,9 @@ def substep(
     proposed = jnp.where(converged, proposed, h / 2)
     failed = ~accepted & (proposed < controls.smallest)
     last = is_last(h, remaining)
-    contraction = measured(start.contraction, iteration.sizes, h, iteration.corrections, iteration.converged)
+    contraction = new_contraction(
+        start.contraction, iteration.sizes, h, iteration.corrections, iteration.converged
+    )
     kept = None
     if start.kept is not None:
         contraction, kept = used_in_step(model, start, h, iteration, contraction)

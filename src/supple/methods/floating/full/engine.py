@@ -23,7 +23,7 @@ from supple.equations.step_size import next_step
 from supple.equations.stops import Stops, stepping_instants
 from supple.integrate import Leg, Run, Solution, Statistics, StepRule, damps_joint_forces
 from supple.machine import System
-from supple.methods.floating.full.frozen_tangent import FrozenTangent, numbers_of, tangent_of
+from supple.methods.floating.full.frozen_tangent import FrozenTangent, tangent_numbers, tangent_of
 from supple.methods.floating.full.full_solution import full_solution
 from supple.methods.floating.full.full_state import FullState
 from supple.methods.floating.full.full_system import FullSystem
@@ -33,7 +33,7 @@ from supple.methods.floating.full.predictor import (
     Earlier,
     earlier_numbers,
     earlier_of,
-    predicted,
+    predicted_unknowns,
     unknowns_of,
 )
 
@@ -168,7 +168,7 @@ class FullEngine:
             h = remaining / max(np.ceil(remaining / march.step * (1 - 1e-9)), 1.0)
             rule = StepRule(method.coefficients, h)
             step = ImplicitStep(self._machine, march.state, h, rule, self._run.tolerances)
-            found = self._iteration(step, predicted(march.state, march.earlier, h), march.kept)
+            found = self._iteration(step, predicted_unknowns(march.state, march.earlier, h), march.kept)
             new, converged = found.state, found.converged
             error = self._local_error(march.state, new, h) if converged else np.inf
             proposed = (
@@ -230,7 +230,7 @@ class FullEngine:
                 "step": np.array(last.step),
                 "frame_multipliers": np.array(ending.frame_multipliers),
                 "earlier": earlier_numbers(machine, last.earlier),
-                "kept_tangent": numbers_of(machine, last.kept),
+                "kept_tangent": tangent_numbers(machine, last.kept),
                 **(by_velocity if machine.lines else {}),
                 **kept_control(control.start if control else None),
             },

@@ -17,7 +17,7 @@ from supple.methods.floating.full.full_interior import InteriorState
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.floating.full.full_tangent import FullTangent
 
-__all__ = ["FrozenTangent", "frozen_tangent", "numbers_of", "serves", "tangent_of"]
+__all__ = ["FrozenTangent", "frozen_tangent", "has_similar_factors", "tangent_numbers", "tangent_of"]
 
 SIMILAR = 0.1
 """Largest relative difference of the step factors from those of a frozen tangent."""
@@ -57,12 +57,12 @@ def frozen_tangent(
     return FrozenTangent(machine.eliminated(still, turns, factors, factor), still, turns, factors, symmetric)
 
 
-def serves(tangent: FrozenTangent, factors: StepFactors) -> bool:
+def has_similar_factors(tangent: FrozenTangent, factors: StepFactors) -> bool:
     """Whether the step factors of the tangent are nearly these."""
     return bool(np.allclose(factors, tangent.factors, rtol=SIMILAR, atol=0.0))
 
 
-def numbers_of(machine: FullSystem, tangent: FrozenTangent | None) -> np.ndarray:
+def tangent_numbers(machine: FullSystem, tangent: FrozenTangent | None) -> np.ndarray:
     """State of a frozen tangent as one row of numbers; NaN where there is none."""
     if tangent is None:
         return np.full(_size(machine), np.nan)
@@ -72,7 +72,7 @@ def numbers_of(machine: FullSystem, tangent: FrozenTangent | None) -> np.ndarray
 
 
 def tangent_of(machine: FullSystem, numbers: np.ndarray) -> FrozenTangent | None:
-    """The tangent described by `numbers_of`, factored again."""
+    """The tangent described by `tangent_numbers`, factored again."""
     if len(numbers) != _size(machine) or not np.isfinite(numbers).all():
         return None
     b = len(machine.interiors)

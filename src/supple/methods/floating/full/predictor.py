@@ -9,7 +9,7 @@ import numpy as np
 from supple.methods.floating.full.full_state import FullState
 from supple.methods.floating.full.full_system import FullSystem
 
-__all__ = ["Earlier", "Unknowns", "earlier_numbers", "earlier_of", "predicted", "unknowns_of"]
+__all__ = ["Earlier", "Unknowns", "earlier_numbers", "earlier_of", "predicted_unknowns", "unknowns_of"]
 
 
 class Unknowns(NamedTuple):
@@ -32,7 +32,7 @@ def unknowns_of(state: FullState) -> Unknowns:
     return Unknowns(state.acceleration, state.multipliers, state.frame_multipliers)
 
 
-def predicted(state: FullState, earlier: Earlier | None, h: float) -> Unknowns:
+def predicted_unknowns(state: FullState, earlier: Earlier | None, h: float) -> Unknowns:
     """Unknowns at the end of a step of size h: `x_1 + (h / h_0) (x_1 - x_0)`, or those of its start."""
     now = unknowns_of(state)
     if earlier is None:
