@@ -1,10 +1,10 @@
-"""The quartic tensor as those blocks of pairs that the symmetries of a body leave nonzero.
+"""The quartic tensor as its nonzero blocks of pairs, from symmetries of a body or a truncated energy.
 
 In a body with planes of symmetry every shape is even or odd in each of them. A term of the strain energy that
 is odd as a whole is zero, so that the packed products `g_l g_m` fall into classes, two for one plane and four
 for two, and the matrix of pairs does not couple them. Zero blocks are neither stored nor multiplied: with two
-planes a quarter remains. A body without symmetry has one block, the matrix itself. Within a class, rows that
-use few columns form a block of their own, which has only these columns (`second_order_beyond`).
+planes a quarter remains. Without symmetry there is one class. Rows of a class with nonzero entries in few
+columns form a block of only these columns, as after `second_order_beyond`.
 """
 
 from __future__ import annotations
@@ -25,15 +25,18 @@ Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 
 _LARGEST_SHARE = 0.75
-"""Largest share of the matrix in its blocks; above it the order of the pairs is left unchanged."""
+"""Largest share of a matrix, or of a block, in its parts; above it, it is not split."""
 _FEWEST_PAIRS = 100
 """Smallest matrix that is split: below it, the overhead of a product exceeds the saving."""
 _SMALLEST_BLOCK = 16
-"""Smallest number of pairs in a block; smaller classes are merged, for the same reason."""
+"""Smallest number of rows of a part of a split block; smaller classes are merged."""
 
 
 class PairBlocks(NamedTuple):
-    """Blocks of a matrix Q (n2, n2) of packed pairs; `Q m2`, `m2_(lm) = g_l g_m`, is unpacked to (r, r)."""
+    """Blocks of a matrix Q (n2, n2) of packed pairs.
+
+    The product `Q m2`, with `m2_(lm) = g_l g_m`, is unpacked to (r, r).
+    """
 
     first: tuple[NDArray[np.int32], ...]
     """(c_b,) the coordinate l of the pair of every column of a block"""
@@ -42,7 +45,8 @@ class PairBlocks(NamedTuple):
     matrices: tuple[Array, ...]
     """(n_b, c_b)"""
     position: NDArray[np.int32]
-    """(r, r): position of each pair in the concatenated products of all blocks, which end with a zero"""
+    """(r, r): position of each pair in the concatenated products of all blocks; for a pair without a
+    block, that of the zero after them"""
 
 
 def pair_blocks(packed: Array) -> Array | PairBlocks:
@@ -81,7 +85,7 @@ def _coupled(present: Flags) -> list[Indices]:
 
 
 def _by_columns(present: Flags, rows: Indices, columns: Indices) -> list[tuple[Indices, Indices]]:
-    """Rows and columns of the blocks of a block: rows that use few columns apart, as often as that pays."""
+    """Rows and columns of the parts of a block, split by the number of columns used, as long as that pays."""
     own = present[np.ix_(rows, columns)]
     ascending = np.argsort(own.sum(axis=1), kind="stable")
     used = own[ascending]
@@ -90,9 +94,10 @@ def _by_columns(present: Flags, rows: Indices, columns: Indices) -> list[tuple[I
     of_others = np.logical_or.accumulate(used[::-1]).sum(axis=1)[-2::-1]
     n_first = np.arange(1, len(rows))
     sizes = n_first * of_first + (len(rows) - n_first) * of_others
-    if len(rows) < 2 * _SMALLEST_BLOCK or sizes.min() > _LARGEST_SHARE * own.size:
+    large = slice(_SMALLEST_BLOCK - 1, len(rows) - _SMALLEST_BLOCK)
+    if not sizes[large].size or sizes[large].min() > _LARGEST_SHARE * own.size:
         return [(rows, columns)]
-    parts = np.split(ascending, [int(sizes.argmin()) + 1])
+    parts = np.split(ascending, [int(sizes[large].argmin()) + _SMALLEST_BLOCK])
     return [
         block
         for part in map(np.sort, parts)

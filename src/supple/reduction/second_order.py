@@ -12,12 +12,13 @@ __all__ = ["second_order_beyond"]
 
 
 def second_order_beyond(body: ReducedBody, leading: int) -> ReducedBody:
-    """The body without the terms of its energy of third and fourth order in the coordinates beyond the first.
+    """The body without the energy of third and fourth order in d, the coordinates after the `leading` ones.
 
         U(a, d) ~ U(a, 0) + dU/dd(a, 0) d + d . d2U/dd2(a, 0) d / 2,   gamma = (a, d)
 
-    All orders in `a` remain; the damping is truncated alike. Where d is the motion that a basis lacks, the
-    error of d is of second order. With 13 coordinates a of 49, seven tenths of the quartic tensor are zero.
+    All orders in `a` remain; the damping is truncated in the same way. For the small motion d outside a
+    basis, the relative error of d is of the order of d. With 13 of 49 coordinates in a, seven tenths of the
+    quartic tensor are zero.
 
     leading : number of coordinates a
     """
