@@ -49,7 +49,7 @@ _ENERGIES = MappingProxyType({"J": 1.0, "mJ": 1e-3, "uJ": 1e-6, "kJ": 1e3, "MJ":
 _WATTS = MappingProxyType({"W": 1.0, "mW": 1e-3, "uW": 1e-6, "kW": 1e3, "MW": 1e6})
 _SPELLINGS = MappingProxyType({"µm": "um", "μm": "um", "µs": "us", "μs": "us", "sec": "s", "tonne": "t"})
 _IMPERIAL = ("in", "ft")
-# Relative tolerance within which two units are the same; feet and pounds are defined by rounded numbers.
+# Largest relative difference of two units that are the same, within round-off.
 _SAME = 1e-9
 
 
@@ -107,7 +107,7 @@ class UnitSystem:
     def stated(cls, units: Mapping[str, str]) -> UnitSystem:
         """The system for given names of units: length, mass, time, force, stress; all must agree.
 
-        By default the mass follows from length, time and force: lbf s2/in from in, s and lbf.
+        By default the mass follows from length, time and force: slinch from in, s and lbf.
 
         Raises
         ------
@@ -138,7 +138,7 @@ class UnitSystem:
         return ", ".join(f"{f.name} {getattr(self, f.name)}" for f in fields(self) if getattr(self, f.name))
 
     def in_si(self, *, mass: int = 0, length: int = 0, time: int = 0) -> float | None:
-        """The unit of these powers of mass, length and time in SI units; None if one of them has no name."""
+        """Size in SI of the unit with these powers; None if one of its units has no name."""
         powers = {"mass": mass, "length": length, "time": time}
         used = {name: power for name, power in powers.items() if power}
         if not all(getattr(self, name) for name in used):

@@ -78,7 +78,7 @@ class Rslab:
         return self._factor(_rslab().analyze(matrix, path="ldlt"), matrix)
 
     def general(self, matrix: sparse.csc_array) -> RawFactor:
-        """Factor as P_r^T A P_c = L U; rslab matches rows by value, so a new matrix needs a new analysis."""
+        """Factor as P_r^T A P_c = L U; rslab pairs rows and columns by value: new values, new analysis."""
         factor = _rslab().lu(matrix)
         return RawFactor(lambda b: _solve_with_rslab(factor, b), _inertia_of_unsymmetric, self.general)
 
@@ -96,8 +96,8 @@ class Rslab:
 def _rslab() -> Any:
     """The library, loaded by a thread that never ends.
 
-    Its memory allocator (mimalloc 3.3) belongs to the thread that loads it. Once that thread has ended, as
-    those of a `ThreadPoolExecutor` do, a later thread in its place crashes the process.
+    Its memory allocator (mimalloc 3.3) belongs to the thread that loads it. If that thread ends, as threads
+    of a `ThreadPoolExecutor` do, a later thread crashes the process.
     """
     loaded = Event()
 
@@ -121,7 +121,7 @@ class SuperLU:
     """SciPy's SuperLU in symmetric mode, five times faster than its defaults on symmetric patterns."""
 
     def symmetric(self, matrix: sparse.csc_array) -> RawFactor:
-        """Factor with diagonal pivots; rows are exchanged, and signs lost, only if a pivot vanishes."""
+        """Factor with diagonal pivots; rows are exchanged, and the inertia lost, only if a pivot vanishes."""
         return self._factor(matrix, pivot_threshold=0.0)
 
     def general(self, matrix: sparse.csc_array) -> RawFactor:
@@ -168,7 +168,7 @@ def installed_solver() -> DirectSolver:
 
 
 class SparseFactor:
-    """The factors of a sparse matrix, checked by one refinement step when created.
+    """The factors of a sparse matrix, checked by the `factorize_` functions and by `refactorize`.
 
     Their numbers, gigabytes for a large body, can be released; the next solution computes them again.
     """
@@ -180,7 +180,7 @@ class SparseFactor:
         self.n: int = matrix.indptr.size - 1
 
     def release(self) -> None:
-        """Release the memory of the numbers; the symbolic analysis is kept."""
+        """Release the memory of the numbers; a symbolic analysis, if any, is kept."""
         self._raw = None
 
     def _numbers(self) -> RawFactor:
@@ -206,7 +206,10 @@ class SparseFactor:
 
     @cached_property
     def inertia(self) -> Inertia:
-        """Signs of the eigenvalues, by Sylvester's law; AccuracyError if the factors do not contain them."""
+        """Numbers of eigenvalues by sign, by Sylvester's law.
+
+        Raises AccuracyError if the factors do not contain them, ModelError for an unsymmetric matrix.
+        """
         return self._numbers().inertia()
 
     def refactorize(self, matrix: Any) -> SparseFactor:
@@ -255,14 +258,14 @@ def _square_csc(matrix: Any) -> sparse.csc_array:
 
 
 def _checked(factor: Callable[[], RawFactor], matrix: sparse.csc_array) -> SparseFactor:
-    """Solve for a pseudo-random load, refine once, and reject the factors if the solution changes."""
+    """Solve for a pseudo-random load, refine once; a change above LARGEST_REFINEMENT is an AccuracyError."""
     n = matrix.indptr.size - 1
     try:
         raw = factor()
     except RuntimeError as error:
         raise _singular(n, str(error)) from error
 
-    # Scaled by the diagonal, so that metres and radians have equal weight.
+    # Scaled by the square root of the diagonal, so that metres and radians have equal weight.
     diagonal = np.abs(matrix.diagonal())
     scale = np.sqrt(np.where(diagonal > 0, diagonal, diagonal.max(initial=0.0) or 1.0))[:, None]
     load = scale * np.random.default_rng(0).standard_normal((n, 1))

@@ -1,4 +1,4 @@
-"""Inertia of bodies in floating frames, as a term of the equations: force in global axes, exact tangent."""
+"""Inertia of bodies in floating frames, as a term of the equations: forces and their exact tangent."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def floating_states(model: Model, group: BodyGroup, motion: SystemMotion) -> Flo
 
 
 def force(group: BodyGroup, rotations: jax.Array, states: FloatingState) -> tuple[jax.Array, InertiaTerms]:
-    """Inertia forces (k, 6 + r), the first three global, and the data of their tangent."""
+    """Inertia forces (k, 6 + r), the first three global, the moment in body axes; data of their tangent."""
 
     def of_body(arrays, rotation: jax.Array, state: FloatingState) -> tuple[jax.Array, InertiaTerms]:
         terms = inertia_terms(arrays, state)
@@ -66,15 +66,17 @@ def tangent(
     turns: jax.Array,
     factors: StepFactors,
 ) -> jax.Array:
-    """Derivatives of inertia and internal forces by the new accelerations, (k, 6 + r, 6 + r).
+    """Derivatives of inertia and internal forces, (k, 6 + r, 6 + r).
 
-    elastic : (k, r, r)     derivatives of the internal forces
-    turns : (k, 3, 3)       `T` of the rotation increments
+    They are with respect to the accelerations at the end of the step.
+
+    elastic : (k, r, r)     the same, of the internal forces
+    turns : (k, 3, 3)       `T` in `dpsi = T dincrement`, of the frames' rotations
     """
 
     def of_body(arrays, rotation, state, terms, elastic, turn):
         local = inertia_tangent(arrays, state, terms, factors)
-        # a = A^T (Rddot - g) changes with the frame's rotation, da = a x dpsi, and so does the force A p.
+        # By the frame's rotation, a = A^T (Rddot - g) changes by da = a x dpsi, and A p by -A (p x dpsi).
         pushed = small_product(skew(factors.by_position * state.acceleration), turn)
         by_frame = small_product(local[:, :3], jnp.concatenate([rotation.T, pushed], axis=1))
         turned_force = jnp.pad(

@@ -3,9 +3,9 @@
 Constraint equations depend on the two joint frames through the second's position and orientation relative to
 the first, and are affine in both:
 
-    g = L (d, Q) + c,      d = A_1^T (r_2 - r_1),     Q = A_1^T A_2
+    g = L (d, Q) + b,      d = A_1^T (r_2 - r_1),     Q = A_1^T A_2
 
-so that `L` and `c`, which depend at most on time, determine a joint completely, and the derivatives have the
+so that `L` and `b`, which depend at most on time, determine a joint completely, and the derivatives have the
 same form for every kind. For small motions `(dr, dphi)` of the frames, `dA = A skew(dphi)`:
 
     dd = A_1^T (dr_2 - dr_1) + d x dphi_1,      dQ = Q skew(dphi_2) - skew(dphi_1) Q
@@ -74,7 +74,7 @@ def joint_equations(constraint: Constraint, first: Marker, second: Marker, value
 
 
 def _affine(constraint: Constraint, value: Any) -> tuple[jax.Array, jax.Array]:
-    """`L` (m, 12) and `c` (m,) of the joint's equations."""
+    """`L` (m, 12) and `b` (m,) of the joint's equations."""
 
     def of_relative(relative: jax.Array) -> jax.Array:
         still = jnp.zeros(3)
@@ -86,13 +86,13 @@ def _affine(constraint: Constraint, value: Any) -> tuple[jax.Array, jax.Array]:
 
 
 Affine = tuple[Any, Any]
-"""`L` (m, 12), for `d` and for `Q` row by row, and `c` (m,)"""
+"""`L` (m, 12), for `d` and for `Q` row by row, and `b` (m,)"""
 
 
 def affine_form(constraint: Constraint, value: Any) -> Affine:
     """The affine form of a joint's equations.
 
-    For a joint without a law (`value` is None), `L` and `c` are constants of the compiled program.
+    For a joint without a law (`value` is None), `L` and `b` are constants of the compiled program.
     """
     return _constant(constraint) if value is None else _affine(constraint, value)
 

@@ -1,6 +1,6 @@
 """Joint forces: the six components that each joint exerts on its second end, from its multipliers.
 
-The joint's equations are affine, `g = L (d, Q) + c` (`joint_linearization`), in the position d and the
+The joint's equations are affine, `g = L (d, Q) + b` (`joint_linearization`), in the position d and the
 rotation Q of the second end relative to the first, along the joint axes on the first end. With the
 multipliers lambda, `p = L_d^T lambda`, `P = L_Q^T lambda`, and
 

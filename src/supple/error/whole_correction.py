@@ -1,12 +1,12 @@
 """Self-correction with a target for the sum of errors: basis, time step, Newton's tolerance and model.
 
 The rounds reduce the error of the basis at the given steps. Two more runs of the accepted bodies then measure
-the other parts. If the sum exceeds the target, the parts are reduced one by one, the cheapest first: a
-tighter tolerance costs iterations, a shorter step costs steps, a smaller error of the basis costs rounds and
-coordinates. The difference between the allowed error and the error of the model is divided into shares; no
-part is reduced below its share. As soon as the sum is small enough, the remaining parts stay unchanged. The
-rounds then continue from the existing bases. No run can reduce the error of the model; if this error alone is
-too large, it is reported.
+the errors of step and Newton's tolerance; that of the model is estimated (`model_error`). If the sum exceeds
+the target, the parts are reduced one by one, the cheapest first: a tighter tolerance costs iterations, a
+shorter step costs steps, a smaller error of the basis costs rounds and coordinates. The allowed error minus
+that of the model, times `ROOM`, is divided into shares; no part is reduced below its share. As soon as the
+sum is small enough, the remaining parts stay unchanged. The rounds then continue from the existing bases. No
+run can reduce the error of the model: above `ROOM` times the allowed error it raises SelfCorrectionError.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from supple.integrate import ErrorPart, ErrorStatement, Run, Solution
 __all__ = ["correct_wholly"]
 
 SHARES = {"newton": 0.1, "step": 0.4, "basis": 0.5}
-"""Shares of the parts in the allowed error minus that of the model, the cheapest part first."""
+"""Shares of the parts in `ROOM` times (allowed error - error of the model), the cheapest part first."""
 ROOM = 0.8
-"""Safety factor on the target of a part, so that one reduction is enough."""
+"""Safety factor on the target of the sum, so that one reduction is enough."""
 SHORTEST = 1 / 8
 """Smallest factor on the step in one pass; errors that fall more slowly than h^2 take several passes."""
 PASSES = 6
@@ -41,7 +41,7 @@ MANY = 10
 
 @dataclass(frozen=True)
 class _Reductions:
-    """Changes for the next pass: factors, 1 for no change."""
+    """Changes for the next pass: factors (1: no change), and a reserve (None: no change of the basis)."""
 
     tolerance: float = 1.0
     step: float = 1.0
@@ -54,8 +54,8 @@ def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
 
     Raises
     ------
-    SelfCorrectionError     the error of the model alone is too large; too many passes; errors of `correct`.
-                            Its `rounds` are those of all passes
+    SelfCorrectionError     the error of the model alone is too large; too many passes. Its `rounds` are those
+                            of all passes. Errors of `correct` have the rounds of their own pass only
     """
     before: dict[str, tuple[Round, ...]] = {name: () for name in problem.fulls}
     unmet: dict[str, ErrorStatement] = {}
@@ -91,7 +91,7 @@ def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
 
 
 def _stated(problem: Problem, corrected: CorrectedSystem, study: ErrorStudy) -> dict[str, ErrorStatement]:
-    """Error statements for the quantities of the targets, for every body and for further quantities."""
+    """Error statements for the target of every body, and for further quantities."""
     system, solution = corrected.system, corrected.solution
     of_basis: dict[str, ErrorPart] = dict(corrected.of_basis)
     allowed: dict[str, float] = {}
@@ -154,7 +154,7 @@ def _next_pass(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str,
         run=run,
         spent=spent,
         first=RoundBases(reached),
-        number=last + 2,  # the number between has bases but no run
+        number=last + 2,  # number last + 1 has bases but no run
         confirmed=problem.confirmed
         | {name for name, own in corrected.bodies.items() if not own.rounds[-1].unconfirmed},
     )

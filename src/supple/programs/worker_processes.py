@@ -126,7 +126,7 @@ def shared_out(work: Work, tasks: Sequence[Task]) -> Iterator[Finished]:
 
     The time of the first task predicts the remaining time, and with it the useful number of processes. No
     process is started if the remaining time is short, if no worker can do the work, or on devices other than
-    a CPU. Tasks that a worker leaves unfinished because it ends early are done by this process.
+    a CPU. If a worker ends early, its unfinished task returns to the queue, for any worker or this process.
     """
     waiting = deque(range(len(tasks)))
     number = _next(waiting)
@@ -196,7 +196,7 @@ class _Worker:
             while (number := _next(waiting)) is not None:
                 seconds, answer = self._ask(self._work.question(tasks[number]()))
                 done.put(Finished(number, seconds, self._work.result(answer)))
-        except Exception:  # of any kind: this process repeats the task and meets the same error
+        except Exception:  # of any kind: another worker or this process repeats the task
             if number is not None:
                 waiting.append(number)
         finally:

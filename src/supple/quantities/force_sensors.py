@@ -41,7 +41,7 @@ def six_channels(axes: str) -> tuple[Channel, ...]:
 
 @dataclass(frozen=True)
 class JointForceSensor:
-    """Force and moment of a joint on its second end, along its axes on the first end, (t, 6).
+    """Force and moment of a joint on its second end, (t, 6), along the joint axes that rotate with the first.
 
     As a quantity of interest it is the force alone.
 
@@ -123,8 +123,8 @@ class SpringForceSensor(_OfElement):
 class ElementEnergySensor(_OfElement):
     """Energy stored in a spring, stop, contact, ..., and the power of its forces on both of its ends, (t, 2).
 
-    The dissipated power is `-power - d(stored)/dt`, which includes the power supplied by a law of time. The
-    output of a controller is unknown here, and not included.
+    `-power - d(stored)/dt` is the dissipated power minus the power supplied by a law of time. The output of a
+    controller is unknown here, and not included.
 
     element : ForceElement      a load of the machine, or a hypothetical element
     """

@@ -1,8 +1,7 @@
 """A nodal field over time as a few shapes times amplitudes: proper orthogonal decomposition.
 
-The decomposition applies to every form of a body: a reduced body relative to an interface that rotates
-against its frame, a full body, an intrinsic body, elements with plasticity. Shapes are stored once, and
-amplitudes per time.
+The decomposition applies to every form of a body: a reduced body, also relative to a rotating interface, a
+full body, an intrinsic body, elements with plasticity. Shapes are stored once, and amplitudes per time.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ _SEARCHED = 200
 class NodalShapes:
     """field(t, n) = sum_k amplitudes[t, k] shapes[k, n].
 
-    shapes : (k, N, c)          orthonormal, the largest first
+    shapes : (k, N, c)          orthonormal, by descending singular value
     amplitudes : (t, k)
     largest : largest magnitude of the field's components, over all nodes and times
     """
@@ -62,7 +61,7 @@ def nodal_shapes(blocks: Iterable[Array], *, tolerance: float) -> NodalShapes:
         known = flat @ basis.T
         rest = flat - known @ basis
         added = np.linalg.qr(_directions(rest, 0.5 * tolerance * largest).T)[0].T
-        # A second projection removes the components in the basis that round-off leaves.
+        # A second projection removes what round-off leaves inside the basis.
         added = np.linalg.qr((added - (added @ basis.T) @ basis).T)[0].T
         basis = np.vstack([basis, added])
         rows.append(np.hstack([known, rest @ added.T]))
@@ -103,7 +102,10 @@ def _truncated(basis: Array, amplitudes: Array, allowed: float) -> tuple[Array, 
 
 
 def _fewest(left: Callable[[int], float], most: int, allowed: float) -> int:
-    """The smallest number with an allowed error `left`, by bisection; the error decreases monotonically."""
+    """The smallest number with an error `left(number)` of at most `allowed`, by bisection.
+
+    The bisection assumes that the error decreases monotonically.
+    """
     low, high = 0, 0 if left(0) <= allowed else most
     while low < high:
         middle = (low + high) // 2

@@ -56,7 +56,7 @@ class PageSection:
 
 @dataclass(frozen=True)
 class Clip:
-    """Some times of a machine's motion that are played separately, such as one mode.
+    """A part of a machine's motion that is played separately, such as one mode.
 
     first : index of the first time;   number : number of times
     repeats : whether the last time is followed by the first

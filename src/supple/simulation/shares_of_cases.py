@@ -8,10 +8,10 @@ With a frozen tangent, all mapped cases would compute a new tangent at every ite
 branch for the case that needs one. For a body with 25 coordinates each case would cost up to three times a
 single case. Such cases are therefore not mapped, and share the program of a single case.
 
-The cases are not the innermost axis of the arrays, although vector instructions could then work on several
-cases at once. The most expensive part, the inverse of a tangent, would be slower: with 31 unknowns it took
-33 us per case for 8 or 16 cases together, and 18 us for one case after the other. One matrix stays in the
-nearest cache, the matrices of many cases do not.
+The cases are not the innermost axis of the arrays. If they were, vector instructions could work on several
+cases at once, but the most expensive part, the inverse of a tangent, would be slower: with 31 unknowns it
+took 33 us per case for 8 or 16 cases together, and 18 us for one case after the other. One matrix stays in
+the nearest cache, the matrices of many cases do not.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Groups of a sweep with their certificates, computed once and stored; repeated runs have enriched bases."""
+"""Groups of a sweep with certificates, computed once and stored; repeated runs may have enriched bases."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ __all__ = ["CertifiedGroup", "certified_group", "swept_case"]
 
 _CERTIFICATE = "certificate.h5"
 MANY = 256
-"""Fewest cases of a group for which smaller bases are searched; for a blade 150 cases pay for the search."""
+"""Smallest group for which smaller bases are searched; for a blade the search pays from 150 cases on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,10 +50,10 @@ class CertifiedGroup:
 def certified_group(
     folder: Path, plan: SweepPlan, number: int, level: int = 0, case: int | None = None
 ) -> CertifiedGroup:
-    """A group of a sweep with the bases and the certificate of its runs; errors as for `swept_group`.
+    """A group of a sweep with the bases and the certificate of its runs; raises as `swept_group` does.
 
-    level : number of earlier runs of its cases; each repeated run has enriched bases
-    case : one of its cases that run at this level, above level 0
+    level : number of earlier runs of its cases; repeated runs may have enriched bases
+    case : for level 1 or more, a case that runs at this level
     """
     is_alone = level and case is not None and sweep_shares(folder, plan).is_certified_alone(case, level)
     return _certified_group(folder, plan, number, level, case if is_alone else None)
@@ -63,7 +63,7 @@ def certified_group(
 def _certified_group(
     folder: Path, plan: SweepPlan, number: int, level: int, alone: int | None
 ) -> CertifiedGroup:
-    """As `certified_group`; alone : the case of a certificate for a single case."""
+    """As `certified_group`; alone : the only case of the certificate, None for the group."""
     group = swept_group(folder, plan, number)
     reason = _why_not(group)
     if reason:
@@ -92,7 +92,7 @@ def swept_case(folder: Path | str, number: int, *, allow_code: bool = False) -> 
         solution = simulate(swept.system, swept.run)
 
     allow_code : run the Python file of `control`, if the case names one
-    Raises ResultFileError for an unknown case; SuppleError as when the case is built.
+    Raises ResultFileError for an unknown case; SuppleError where the case cannot be built.
     """
     folder = Path(folder).resolve()
     plan = read_plan(folder, allow_code=allow_code)
@@ -124,7 +124,7 @@ def _why_not(group: SweptGroup) -> str:
 
 
 def _certify(folder: Path, group: SweptGroup, number: int, level: int, own: Path, alone: int | None) -> None:
-    """Compute and store the certificate of a group, or of one case, and its bodies with changed bases."""
+    """Compute and store the certificate of a group or of one case, and the bodies whose bases changed."""
     plan = group.plan
     attempts = Attempts(own, 0)
     if attempts.are_many:

@@ -3,8 +3,8 @@
 Some cases of a group are simulated first. The error of the case with the largest motion is estimated in full.
 If it exceeds the accuracy, the bases are enriched for this case, and the search starts again. Otherwise the
 motion that the bases lack gives columns of an indicator, which estimates the errors of all cases. The case
-with the largest estimate is the next; if it has a full estimate already, the search ends
-(docs/theory/greedy_certification.md).
+with the largest estimate is the next; if it has a full estimate already, the case with the smallest one is
+the second representative, and a later search ends (docs/theory/greedy_certification.md).
 """
 
 from __future__ import annotations

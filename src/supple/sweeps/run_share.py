@@ -83,7 +83,7 @@ def run_cases(
 ) -> Part:
     """The results of cases of one group, simulated in this process.
 
-    level : number of their earlier runs; each repeated run has enriched bases
+    level : number of their earlier runs; repeated runs may have enriched bases
     """
     plan = read_plan(folder, allow_code=allow_code)
     words: dict[str, None] = {}

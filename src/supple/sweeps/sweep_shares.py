@@ -1,4 +1,4 @@
-"""The shares of a sweep: those of its plan, and those of cases that run again with enriched bases.
+"""The shares of a sweep: those of its plan, and of cases that run again, with enriched bases if needed.
 
 The cases that run again are determined from the stored parts only. Therefore every process finds the same
 cases, also after an interruption.
@@ -23,8 +23,8 @@ MOST_LEVELS = 2
 """Largest number of repeated runs of a case."""
 
 CERTIFIED_ALONE = 3
-"""Largest number of cases of a group that run again each with an own certificate, in parallel. A certificate
-for all of them would estimate the errors of so many cases in full as well, one after the other."""
+"""Largest number of repeated cases of a group with one certificate each, computed in parallel. One common
+certificate would need about as many full estimates, one after the other."""
 
 IntArray = NDArray[np.int64]
 
@@ -56,7 +56,7 @@ class SweepShares:
         return np.unique(np.concatenate(own)) if own else np.zeros(0, dtype=np.int64)
 
     def level_of(self, case: int) -> int:
-        """Level of the last run of a case."""
+        """Level of the last complete run of a case; 0 if there is none."""
         return max((self.level[share] for share in self.whole if case in self.cases[share]), default=0)
 
     def is_certified_alone(self, case: int, level: int) -> bool:
@@ -94,7 +94,7 @@ def sweep_shares(folder: Path, plan: SweepPlan) -> SweepShares:
 
 
 def largest_ratio(folder: Path, shares: SweepShares, cases: Sequence[int], level: int) -> int:
-    """The case with the largest ratio of basis error to allowed error in the runs of a level."""
+    """The one of some cases with the largest ratio of basis error to allowed error at a level."""
     ratios = dict.fromkeys(cases, 0.0)
     for share, own in enumerate(shares.level):
         if own == level:

@@ -22,7 +22,7 @@ class Curve:
     """`z(x)` through rows of a table, linear between them, constant beyond its ends.
 
     x : (n,) ascending      z : (n,)
-    Raises ModelError for another shape, and for numbers that are not finite or do not ascend.
+    Raises ModelError for another shape, numbers that are not finite, and x that does not ascend.
     """
 
     x: Any
@@ -49,7 +49,7 @@ class Surface:
     """`z(x, y)` through a table, bilinear between its rows and columns, constant beyond its edges.
 
     x : (n,) ascending      y : (m,) ascending      z : (n, m)
-    Raises ModelError for another shape, and for numbers that are not finite or do not ascend.
+    Raises ModelError for another shape, numbers that are not finite, and x or y that does not ascend.
     """
 
     x: Any
@@ -99,7 +99,7 @@ def _interval(x: ArrayLike, places: jax.Array) -> tuple[jax.Array, jax.Array]:
 
 
 def _freeze(table: Any, *names: str) -> None:
-    # As tuples, so that elements of equal numbers are equal.
+    # As tuples, so that force elements with equal tables compare equal.
     for name in names:
         check_numbers(f"{type(table).__name__}, {name}", getattr(table, name))
         array = np.asarray(getattr(table, name), dtype=float)
