@@ -103,8 +103,8 @@ def _described(value: Any) -> Any:
             _described(value.args),
             _described([*value.keywords.items()]),
         )
-    if isinstance(value, (type, FunctionType, _Compiled)):
-        return _found(value)
+    if isinstance(value, (type, FunctionType, _Compiled, jax.tree_util.PyTreeDef)):
+        return _of_structure(value) if isinstance(value, jax.tree_util.PyTreeDef) else _found(value)
     if is_dataclass(value):
         return _name(type(value)), tuple(_described(getattr(value, each.name)) for each in fields(value))
     raise _StrangerError

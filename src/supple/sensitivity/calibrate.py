@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from supple.algebra.jax_settings import before_compiled_code
 from supple.arguments import checked_arguments
@@ -89,7 +89,7 @@ def calibrate(
 
     # Small enough to affect only parameters that the data do not determine, which keep their initial values.
     weight = _KEPT * np.linalg.norm(jacobian(begin), 2)
-    found = least_squares(
+    found = scipy.optimize.least_squares(
         lambda z: np.concatenate([fit.residuals(z * unit), weight * (z - begin)]),
         begin,
         jac=lambda z: np.vstack([jacobian(z), weight * np.eye(len(z))]),

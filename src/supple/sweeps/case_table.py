@@ -8,9 +8,8 @@ from itertools import product
 from typing import Any, Protocol
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import stats
-from scipy.stats import qmc
 
 from supple.errors import CaseError
 from supple.fatigue import Weibull
@@ -87,7 +86,7 @@ class Normal:
 
     def quantiles(self, shares: Array) -> Array:
         """Values x = mean + deviation Phi^-1(p) at probabilities p."""
-        return stats.norm.ppf(shares, self.mean, self.deviation)
+        return scipy.stats.norm.ppf(shares, self.mean, self.deviation)
 
 
 class Sampling(Protocol):
@@ -107,7 +106,7 @@ class LatinHypercube:
 
     def points(self, dimensions: int) -> Array:
         """Points (number, dimensions)."""
-        return qmc.LatinHypercube(dimensions, rng=self.seed).random(self.number)
+        return scipy.stats.qmc.LatinHypercube(dimensions, rng=self.seed).random(self.number)
 
 
 @dataclass(frozen=True)
@@ -124,7 +123,7 @@ class Sobol:
                 f"Sobol's sequence is balanced for powers of two: give number = "
                 f"{2 ** (self.number.bit_length() - 1)} or {2 ** self.number.bit_length()}, not {self.number}"
             )
-        return qmc.Sobol(dimensions, rng=self.seed).random(self.number)
+        return scipy.stats.qmc.Sobol(dimensions, rng=self.seed).random(self.number)
 
 
 def full_factorial(values: Mapping[str, Sequence[Any]]) -> CaseTable:

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy import stats
-from scipy.stats import qmc
 
 from supple.errors import ModelError
 from supple.sweeps.case_table import CaseTable, Distribution
@@ -73,7 +72,7 @@ class SaltelliDesign:
     def table(self) -> CaseTable:
         """The table of cases: A, B, then for each parameter A with its column of B."""
         d, n = len(self.of), self.number
-        points = qmc.Sobol(2 * d, rng=self.seed).random(n)
+        points = scipy.stats.qmc.Sobol(2 * d, rng=self.seed).random(n)
         shares = np.tile(points[:, :d], (d + 2, 1)).reshape(d + 2, n, d)
         shares[1] = points[:, d:]
         for parameter in range(d):
@@ -108,7 +107,7 @@ class SaltelliDesign:
         d = len(self.of)
         blocks = rows.reshape(d + 2, self.number, -1).transpose(0, 2, 1)
         known = {"f_A": blocks[0], "f_B": blocks[1], "f_AB": blocks[2:]}
-        found = stats.sobol_indices(func=known, n=self.number, rng=self.seed)
+        found = scipy.stats.sobol_indices(func=known, n=self.number, rng=self.seed)
         spread = found.bootstrap(confidence_level=0.95, n_resamples=_RESAMPLES)
         intervals = (spread.first_order.confidence_interval, spread.total_order.confidence_interval)
 

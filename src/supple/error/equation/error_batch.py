@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import jax
@@ -131,12 +131,20 @@ def _stacked(trees: Sequence[Any]) -> Any:
 @lru_cache(maxsize=16)
 def _mapped_march(model_structure: Any, axes: Axes) -> CachedProgram:
     """The compiled march over cases, for one pattern of shared and differing arguments."""
+    return CachedProgram(partial(_march_over_cases, model_structure, axes), MARCHING)
 
-    def over_cases(leaves: list[Any], gains: Any, coefficients: Any, states: Any, blocks: Any) -> Any:
-        def one_case(own: list[Any], state: Any, block: Any) -> Any:
-            model = jax.tree.unflatten(model_structure, own)
-            return march_error(model, gains, coefficients, state, block)[1]
 
-        return jax.vmap(one_case, in_axes=(list(axes), 0, 0))(leaves, states, blocks)
+def _march_over_cases(
+    model_structure: Any,
+    axes: Axes,
+    leaves: list[Any],
+    gains: tuple[ElasticGain, ...],
+    coefficients: Any,
+    states: ErrorState,
+    blocks: Any,
+) -> ErrorState:
+    def one_case(own: list[Any], state: ErrorState, block: Any) -> ErrorState:
+        model = jax.tree.unflatten(model_structure, own)
+        return march_error(model, gains, coefficients, state, block)[1]
 
-    return CachedProgram(over_cases, MARCHING)
+    return jax.vmap(one_case, in_axes=(list(axes), 0, 0))(leaves, states, blocks)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, NamedTuple, TypeAlias
 
 import jax
@@ -148,12 +148,14 @@ def _forces(models: list[Model], state: State) -> np.ndarray:
 
 @lru_cache(maxsize=32)
 def _mapped_forces(model_structure: Any, axes: Axes) -> CachedProgram:
-    def of_case(leaves: list[Any], time: Any, configuration: Any, velocity: Any) -> jax.Array:
-        model = jax.tree.unflatten(model_structure, leaves)
+    return CachedProgram(partial(_forces_of_cases, model_structure, axes), STARTING)
+
+
+def _forces_of_cases(
+    model_structure: Any, axes: Axes, leaves: list[Any], time: Any, configuration: Any, velocity: Any
+) -> jax.Array:
+    def of_case(own: list[Any]) -> jax.Array:
+        model = jax.tree.unflatten(model_structure, own)
         return forces_without_acceleration(model, time, configuration, velocity)
 
-    def of_cases(leaves: list[Any], time: Any, configuration: Any, velocity: Any) -> jax.Array:
-        mapped = jax.vmap(of_case, in_axes=(list(axes), None, None, None), axis_size=_AT_ONCE)
-        return mapped(leaves, time, configuration, velocity)
-
-    return CachedProgram(of_cases, STARTING)
+    return jax.vmap(of_case, in_axes=(list(axes),), axis_size=_AT_ONCE)(leaves)
