@@ -100,13 +100,13 @@ def check_run(
         step = "the same run with richer bases"
         report(step, 0.0)
 
-        def checked(finer: System) -> Solution:
+        def simulated(machine: System) -> Solution:
             own = replace(run, validity=Validity())
-            return watched_run(finer, own, progress=lambda x: report(step, x), check=False)
+            return watched_run(machine, own, progress=lambda x: report(step, x), check=False)
 
-        check = checked(finer)
+        check = simulated(finer)
         if not all(_suffices(whole, finer, check, name, basis.r) for name, basis in bases.items()):
-            finer, check = whole, checked(whole)
+            finer, check = whole, simulated(whole)
     besides = "static shapes with derivatives" if system.controllers else "corrections"
     how = f"a run with {MODES} more modes and {DIRECTIONS} more {besides}"
     if check.stopped is not None:

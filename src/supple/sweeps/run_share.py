@@ -92,8 +92,8 @@ def run_cases(
         warnings.simplefilter("always", SuppleWarning)
         try:
             began(cases)
-            # With one group, other processes wait for its certificate, so that this one can use their cores.
-            with one_core() if plan.group.any() else nullcontext():
+            # Other processes wait for the first certificate of a single group: this one can use their cores.
+            with one_core() if level or plan.group.any() else nullcontext():
                 group = certified_group(folder, plan, number, level, cases[0])
             if group.group.requests_errors and group.certificate.reason:
                 warnings.warn(
