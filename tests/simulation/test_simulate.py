@@ -56,7 +56,7 @@ def test_velocities_are_the_rates_of_positions(pendulum):
 def test_chunks_are_recorded_in_order_and_make_the_solution(pendulum):
     chunks = []
     solution = simulate(pendulum, Run(duration=5.0, output_step=0.05), record=chunks.append)
-    assert len(chunks) == 51
+    assert len(chunks) == 9  # the initial state, and the fewest legs, for the steps take a moment
     np.testing.assert_array_equal(chunks[0].times, [0.0])
     joined = concatenate(chunks)
     np.testing.assert_array_equal(joined.times, solution.times)
@@ -80,7 +80,7 @@ def test_progress_rises_to_one(pendulum):
     simulate(pendulum, Run(duration=1.0, output_step=0.02), progress=seen.append)
     assert seen == sorted(seen)
     assert seen[-1] == 1.0
-    assert len(seen) == 50
+    assert len(seen) == 8
 
 
 @pytest.mark.parametrize("step", [FixedStep(0.01), AdaptiveStep(first=1e-3, largest=0.05)])

@@ -34,6 +34,8 @@ class Thrown(RigidBody):
 class Explicit:
     """A free rigid body without moments, by the leapfrog rule: the state is (time, position, velocity)."""
 
+    least_leg = 1
+
     def __init__(self, system, run):
         (self.placed,) = system.bodies
         self.gravity, self.h = system.gravity, run.step_control.first

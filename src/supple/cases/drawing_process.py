@@ -17,6 +17,7 @@ from time import perf_counter
 from types import MappingProxyType
 from typing import Any
 
+from supple.blas_threads import one_blas_thread
 from supple.cases.drawing import Drawing
 from supple.integrate import StepProgress
 from supple.other_processes import available_cores, python_command, python_environment
@@ -103,4 +104,5 @@ def _report(step: str, share: float) -> None:
 
 
 if __name__ == "__main__":
-    pickle.load(sys.stdin.buffer).draw(_report)
+    with one_blas_thread():
+        pickle.load(sys.stdin.buffer).draw(_report)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from supple.blas_threads import one_blas_thread
 from supple.cases.case import Case
 from supple.cases.condense import with_sufficient_modes
 from supple.cases.damping import warn_of_ratios
@@ -97,7 +98,7 @@ def run_case(
     case.check_control(allow_code=allow_code)
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
-    with ExclusiveLock(folder), DrawingProcess() as beside:
+    with ExclusiveLock(folder), DrawingProcess() as beside, one_blas_thread():
         refuse_overwrite(case, folder, resume=resume, force=force)
         return _run_case(
             case,

@@ -43,6 +43,14 @@ class Leg(Generic[S]):
 class Engine(Protocol[S]):
     """A machine prepared for one method; S is the type of its state."""
 
+    @property
+    def least_leg(self) -> int:
+        """Number of output times below which the steps of a leg cost less than its conversion and recording.
+
+        Called after `start` or `resumed`.
+        """
+        ...
+
     def start(self, time: float) -> S:
         """The initial state, consistent: joints closed, constraints independent."""
         ...

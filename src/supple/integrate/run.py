@@ -19,6 +19,8 @@ S = TypeVar("S")
 
 LEGS = 50
 """Largest number of legs of a run after its initial state."""
+FEWEST_LEGS = 8
+"""Smallest number of legs of a run whose legs would be brief: progress, and results for other programs."""
 
 
 def run(
@@ -50,12 +52,13 @@ def run(
     """
     began = perf_counter()
     if resume is None:
-        # The initial state is a leg of its own: it is recorded before the first step is tried.
-        legs = [times[:1], *_legs(times, times[1:])]
         state = engine.start(float(times[0]))
+        # The initial state is a leg of its own: it is recorded before the first step is tried.
+        legs = [times[:1], *_legs(times, times[1:], engine.least_leg)]
     else:
-        legs = _legs(times, _times_left(times, float(resume.times[-1])))
+        left = _times_left(times, float(resume.times[-1]))
         state = engine.resumed(resume)
+        legs = _legs(times, left, engine.least_leg)
     preparing = Statistics(compile_seconds=perf_counter() - began)
     parts: list[Solution] = []
     n_times = sum(len(leg) for leg in legs)
@@ -81,9 +84,9 @@ def run(
     return concatenate(parts)
 
 
-def _legs(times: np.ndarray, left: np.ndarray) -> list[np.ndarray]:
-    """Remaining output times of a run, leg by leg."""
-    size = leg_size(len(times))
+def _legs(times: np.ndarray, left: np.ndarray, least: int) -> list[np.ndarray]:
+    """Remaining output times of a run, leg by leg; `least` as for an engine."""
+    size = max(leg_size(len(times)), min(least, int(np.ceil((len(times) - 1) / FEWEST_LEGS))))
     return [left[begin : begin + size] for begin in range(0, len(left), size)]
 
 

@@ -51,6 +51,8 @@ million coordinates takes gigabytes."""
 PROVEN = 3e-4
 """Allowed error of tangents combined from earlier ones, over the stiffness at rest, in any direction; it
 changes the estimated error of a run by the same ratio, in energy."""
+PROVEN_DAMPING = 1e-2
+"""The same for the part through the strains, where it is needed for damping only."""
 FACTOR_ROWS = 256
 
 
@@ -169,7 +171,8 @@ def tangent_history(
     ones.
 
     motion : (n, s) X;  coordinates : (t, s);  onto : (n, k) Z
-    material : bool     whether the part through the strains is needed as well (by strain-rate damping)
+    material : bool     whether the part through the strains is needed as well (by strain-rate damping), to
+                        `PROVEN_DAMPING` at least
     proven : float      allowed error of the next tangents over the stiffness at rest, in any direction
     """
     k = onto.shape[1]
@@ -181,22 +184,30 @@ def tangent_history(
     products = monomials(g)
     chosen = few_instants(products, SMALLEST_MONOMIAL, MOST_SAMPLES)
     at_rest = _projected(body.stiffness, onto)
-    through_strains: dict[int, Array] = {}
+    whole_at: dict[int, Array] = {}
+
+    def of_strains(instant: int) -> Array:
+        """The material part; the whole tangent, from the same evaluation of the elements, is stored."""
+        through_strains, of_stress = (
+            _projected(part, onto) for part in body.assembly.tangent_parts(motion @ coordinates[instant])
+        )
+        whole_at[instant] = through_strains + of_stress - at_rest
+        return through_strains - at_rest
 
     def gained(instant: int) -> Array:
-        q = motion @ coordinates[instant]
-        if not material:
-            return _projected(body.assembly.tangent(q), onto) - at_rest
-        of_strains, of_stress = (_projected(part, onto) for part in body.assembly.tangent_parts(q))
-        through_strains[instant] = of_strains - at_rest
-        return of_strains + of_stress - at_rest
+        if instant in whole_at:
+            return whole_at[instant]
+        return _projected(body.assembly.tangent(motion @ coordinates[instant]), onto) - at_rest
 
+    strains = np.zeros((0, k, k))
+    if material:
+        strains = _samples(of_strains, body.n, products, chosen, at_rest, max(proven, PROVEN_DAMPING))
     whole = _samples(gained, body.n, products, chosen, at_rest, proven)
     sampled = chosen[: len(whole)]
-    strains = [through_strains[instant] for instant in sampled.tolist()] if material else []
-    return TangentHistory(
-        whole, np.reshape(strains, (-1, k, k)), weights_of_instants(products, sampled, products)
-    )
+    if material:
+        combined = weights_of_instants(products, chosen[: len(strains)], products[sampled])
+        strains = np.tensordot(combined, strains, axes=1)
+    return TangentHistory(whole, strains, weights_of_instants(products, sampled, products))
 
 
 def _samples(

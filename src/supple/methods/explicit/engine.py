@@ -48,6 +48,8 @@ CONTACTS = "contacts"
 class ExplicitEngine:
     """`Engine` for explicit time integration; `MarchState` is its state."""
 
+    least_leg = 1
+
     def __init__(self, system: System, run: Run) -> None:
         before_compiled_code()
         check_explicit_run(run)

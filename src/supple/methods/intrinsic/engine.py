@@ -63,6 +63,8 @@ _NAMES = ("q1", "q2", "quaternion", "position")
 class IntrinsicEngine:
     """`Engine` for machines whose bodies are all intrinsic; `LineMarchState` is its state."""
 
+    least_leg = 1
+
     def __init__(self, system: System, run: Run) -> None:
         self._system = system
         self.rule = line_rule(run)

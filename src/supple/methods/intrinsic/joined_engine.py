@@ -53,6 +53,8 @@ class JoinedEngine:
     also : further ends whose stations are included besides those of joints and forces
     """
 
+    least_leg = 1
+
     def __init__(self, system: System, run: Run, also: Sequence[At] = ()) -> None:
         run = with_chosen_step(system, run)
         if not isinstance(run.method, GeneralizedAlpha):

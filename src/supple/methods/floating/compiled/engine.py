@@ -32,7 +32,13 @@ from supple.methods.floating.compiled.padded_motion import (
     in_own_coordinates,
     with_padding_coordinates,
 )
-from supple.methods.floating.compiled.programs import COMPILED_MARCH, QUICK_MARCH, STOPS_AT_ONCE, march_for
+from supple.methods.floating.compiled.programs import (
+    COMPILED_MARCH,
+    QUICK_MARCH,
+    STOPS_AT_ONCE,
+    brief_steps,
+    march_for,
+)
 from supple.methods.floating.compiled.sampling import sampled_control
 from supple.methods.floating.compiled.state import Controls, State
 
@@ -124,6 +130,14 @@ class CompiledEngine:
         self._program = COMPILED_MARCH
         self._stops = Stops(run.times, stepping_instants([system], run))
         self._sampling = sampling_of(self._system, run)
+
+    @property
+    def least_leg(self) -> int:
+        """Output times in about 0.1 s."""
+        assert self._model is not None
+        n_outputs = max(1, len(self._run.times) - 1)
+        steps_each = max(1, self._run.n_steps / n_outputs)
+        return max(1, int(brief_steps(self._model, self._program) / steps_each))
 
     def start(self, time: float) -> State:
         """Consistent positions, velocities, accelerations and multipliers."""

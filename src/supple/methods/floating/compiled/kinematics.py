@@ -131,6 +131,8 @@ def not_closed(time: float) -> str:
 class KinematicEngine:
     """`Engine` that solves the joints' equations for the frames of the bodies at each instant."""
 
+    least_leg = 1
+
     def __init__(self, system: System, run: Run) -> None:
         check_held(system, run)
         self._system, self._run = system, run

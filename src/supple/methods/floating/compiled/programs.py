@@ -22,6 +22,7 @@ __all__ = [
     "COMPILED_MARCH",
     "QUICK_MARCH",
     "STOPS_AT_ONCE",
+    "brief_steps",
     "ends_before_compiling",
     "march_for",
     "program_pair",
@@ -41,11 +42,18 @@ STOPS_AT_ONCE = 128
 _QUICK = 250_000
 """Steps times velocities of a run up to which the quick program is used: its slower steps then cost three of
 the four seconds that its compilation saves (12 us for each velocity and step of a blade)."""
+_BRIEF = 10_000
+"""Steps times velocities that the quick program takes in 0.1 s, ten times the cost of recording a leg."""
 
 
 def march_for(model: Model, steps: float) -> CachedProgram:
     """The program for a run of so many steps."""
     return QUICK_MARCH if ends_before_compiling(steps, model.n_velocities) else COMPILED_MARCH
+
+
+def brief_steps(model: Model, program: CachedProgram) -> int:
+    """Number of steps in about 0.1 s."""
+    return _BRIEF * (1 if program is QUICK_MARCH else 10) // model.n_velocities
 
 
 def ends_before_compiling(steps: float, n_velocities: int) -> bool:

@@ -60,6 +60,8 @@ class March(NamedTuple):
 class FullEngine:
     """An `Engine` of sparse bordered Newton steps; `March` is its state."""
 
+    least_leg = 1
+
     def __init__(
         self, machine: System | MachineWithStations, run: Run, iteration: NewtonIteration = modified_newton
     ) -> None:

@@ -57,6 +57,8 @@ class _ConstrainedSystem(FullSystem):
 class FullKinematicEngine:
     """`Engine` that solves the joints' equations for the frames of the bodies at each instant."""
 
+    least_leg = 1
+
     def __init__(self, machine: MachineWithStations, run: Run) -> None:
         check_held(machine.system, run)
         self._every = self._machine = _ConstrainedSystem(machine)
