@@ -141,7 +141,7 @@ class InertiaPolynomial:
     def rate_products(self, fields: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """`B_i^T q` and `B_i q`, (3, n, ...) each, for fields (n, ...)."""
         fields = fields if self._rest is None else self._rest @ fields
-        turned = self._over_blocks("iab,nb...->ina...", _CROSS, fields)
+        turned = self._over_blocks(_CROSS, fields)
         transposed, plain = turned, -turned
         for i, matrix in enumerate(self._rates_beside_points):
             transposed[i] += matrix.T @ fields
@@ -151,18 +151,19 @@ class InertiaPolynomial:
     def spin_products(self, fields: NDArray[np.float64]) -> NDArray[np.float64]:
         """`Z_ij q`, (3, 3, n, ...), for fields (n, ...)."""
         fields = fields if self._rest is None else self._rest @ fields
-        result = self._over_blocks("ijab,nb...->ijna...", _TWICE, fields)
+        result = self._over_blocks(_TWICE, fields)
         for (i, j), matrix in zip(SPIN_PAIRS, self._spins_beside_points, strict=False):
             result[i, j] += matrix @ fields
             if i != j:
                 result[j, i] += matrix.T @ fields
         return self._gathered(result, 2)
 
-    def _over_blocks(self, sums: str, turns: NDArray[np.float64], fields: NDArray[np.float64]) -> Any:
-        """Rotated momenta of the points."""
-        momenta = self._points @ fields
-        found = np.einsum(sums, turns, momenta.reshape(-1, 3, *fields.shape[1:]), optimize=True)
-        return found.reshape(*turns.shape[:-2], *fields.shape)
+    def _over_blocks(self, turns: NDArray[np.float64], fields: NDArray[np.float64]) -> Any:
+        """Momenta of the points, each rotated by `turns` (..., 3, 3): (..., n, ...)."""
+        momenta = (self._points @ fields).reshape(-1, 3, fields[0].size)
+        rotated = turns.reshape(-1, 3) @ momenta.swapaxes(0, 1).reshape(3, -1)
+        by_point = rotated.reshape(-1, 3, len(momenta), fields[0].size).swapaxes(1, 2)
+        return by_point.reshape(*turns.shape[:-2], *fields.shape)
 
     @cached_property
     def by_both(self) -> NDArray[np.float64]:

@@ -70,7 +70,7 @@ class Accuracy(CheckedTable):
         "interface",
     )
     absolute: Positive | None = Field(None, description="largest RMS error of the nodes, a length")
-    instants: int = Field(50, ge=1, description="number of output times at which the residual is evaluated")
+    instants: int = Field(24, ge=1, description="number of output times at which the residual is evaluated")
     directions: int = Field(4, ge=1, description="number of columns added in a round")
     largest_size: int = Field(60, ge=1, description="largest number of coordinates")
     max_rounds: int = Field(8, ge=1, description="largest number of rounds")

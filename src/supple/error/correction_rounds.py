@@ -54,7 +54,7 @@ class SelfCorrection:
 
     absolute: float | None = None
     relative: float | None = None
-    instants: int = 50
+    instants: int = 24
     directions: int = 4
     largest_size: int = 60
     max_rounds: int = 8

@@ -56,8 +56,8 @@ from supple.reduction import ReducedBody, ReductionBasis
 
 __all__ = ["ErrorEstimate", "ErrorEstimator", "MissingMotionAlongRun", "estimate_error"]
 
-INSTANTS = 50
-FRESH = 16
+INSTANTS = 24
+FRESH = 8
 """Number of `INSTANTS` not used to build the error space: corrections there measure the part outside it."""
 DIVERGED = 10.0
 """Ratio of error to deformation above which the error is a numerical instability."""
