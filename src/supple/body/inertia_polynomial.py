@@ -15,13 +15,14 @@ translations to rotations is that of a point beside its node, at u + theta x c.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import bsr_array, csr_array
+from scipy.sparse import bsr_array, csr_array, vstack
 
 from supple.algebra.cross import cross_matrices, cross_matrix
 
@@ -105,16 +106,22 @@ class InertiaPolynomial:
         return tuple(self._reduced(self._by_spin(i, j, every)) for i, j in SPIN_PAIRS)
 
     @cached_property
-    def _rates_beside_points(self) -> tuple[csr_array, ...]:
+    def _rates_beside_points(self) -> tuple[csr_array, csr_array] | None:
+        """`B_i^T` and `B_i` without the blocks of points, (3 n, n) each; None where there are no others."""
         beside = ~self._blocks.points
-        return (
-            tuple(self._blocks.matrix(self._rate_blocks(i), beside) for i in range(3)) if beside.any() else ()
-        )
+        if not beside.any():
+            return None
+        each = [self._blocks.matrix(self._rate_blocks(i), beside) for i in range(3)]
+        return _stacked([matrix.T for matrix in each]), _stacked(each)
 
     @cached_property
-    def _spins_beside_points(self) -> tuple[csr_array, ...]:
+    def _spins_beside_points(self) -> csr_array | None:
+        """`Z_ij` without the blocks of points, (9 n, n); None where there are no others."""
         beside = ~self._blocks.points
-        return tuple(self._by_spin(i, j, beside) for i, j in SPIN_PAIRS) if beside.any() else ()
+        if not beside.any():
+            return None
+        each = {(i, j): self._by_spin(i, j, beside) for i, j in SPIN_PAIRS}
+        return _stacked([each[i, j] if i <= j else each[j, i].T for i in range(3) for j in range(3)])
 
     def _rate_blocks(self, i: int) -> NDArray[np.float64]:
         blocks, mass = self._blocks, self._blocks.mass.data
@@ -143,19 +150,18 @@ class InertiaPolynomial:
         fields = fields if self._rest is None else self._rest @ fields
         turned = self._over_blocks(_CROSS, fields)
         transposed, plain = turned, -turned
-        for i, matrix in enumerate(self._rates_beside_points):
-            transposed[i] += matrix.T @ fields
-            plain[i] += matrix @ fields
+        if self._rates_beside_points is not None:
+            back, forth = self._rates_beside_points
+            transposed += (back @ fields).reshape(turned.shape)
+            plain += (forth @ fields).reshape(turned.shape)
         return self._gathered(transposed, 1), self._gathered(plain, 1)
 
     def spin_products(self, fields: NDArray[np.float64]) -> NDArray[np.float64]:
         """`Z_ij q`, (3, 3, n, ...), for fields (n, ...)."""
         fields = fields if self._rest is None else self._rest @ fields
         result = self._over_blocks(_TWICE, fields)
-        for (i, j), matrix in zip(SPIN_PAIRS, self._spins_beside_points, strict=False):
-            result[i, j] += matrix @ fields
-            if i != j:
-                result[j, i] += matrix.T @ fields
+        if self._spins_beside_points is not None:
+            result += (self._spins_beside_points @ fields).reshape(result.shape)
         return self._gathered(result, 2)
 
     def _over_blocks(self, turns: NDArray[np.float64], fields: NDArray[np.float64]) -> Any:
@@ -188,6 +194,11 @@ class InertiaPolynomial:
         # From the whole mass of the body, including modal coordinates, which are not in triples.
         skew = np.einsum("aij,na->ijn", _CROSS, self.body.mass @ self.body.rigid_modes[:, 3:])
         return (self._gathered(result + result.swapaxes(0, 1), 2) - skew) / 2
+
+
+def _stacked(matrices: Sequence[csr_array]) -> csr_array:
+    """Matrices below each other: one product with a vector, instead of one for each matrix."""
+    return csr_array(vstack(matrices, format="csr"))
 
 
 class _Blocks(NamedTuple):

@@ -141,7 +141,7 @@ class FullInertia:
             growth=growth,
             inertia=inertia,
             inertia_rate=growth @ rates,
-            linear=self._rigid[:3, 3:] @ w + np.cross(w, momenta[:3] @ q) + moving,
+            linear=self._rigid[:3, 3:] @ w + cross_matrix(w) @ (momenta[:3] @ q) + moving,
             angular=(momenta[3:] + turned) @ rates + inertia @ w,
         )
 
@@ -151,7 +151,7 @@ class FullInertia:
 
     def _terms(self, motion: FullMotion, state: _State) -> FullInertiaForces:
         w, dw, a = motion.angular_velocity, motion.angular_acceleration, motion.frame_acceleration
-        momenta = self._rigid_momenta.T
+        momenta, spin = self._rigid_momenta.T, cross_matrix(w)
         own = (
             self.body.mass @ motion.accelerations
             + dw @ (momenta[3:] + state.turned)
@@ -163,8 +163,8 @@ class FullInertia:
         linear_rate = (
             self._rigid[:3, :3] @ a
             + self._rigid[:3, 3:] @ dw
-            + np.cross(dw, moved)
-            + np.cross(w, moving)
+            + cross_matrix(dw) @ moved
+            + spin @ moving
             + momenta[:3] @ motion.accelerations
         )
         angular_rate = (
@@ -173,8 +173,8 @@ class FullInertia:
             + state.inertia @ dw
             + state.inertia_rate @ w
         )
-        force = linear_rate + np.cross(w, state.linear)
-        moment = angular_rate + np.cross(w, state.angular) + self._rigid[3:, :3] @ a + np.cross(moved, a)
+        force = linear_rate + spin @ state.linear
+        moment = angular_rate + spin @ state.angular + self._rigid[3:, :3] @ a + cross_matrix(moved) @ a
         return FullInertiaForces(own, np.concatenate([force, moment]))
 
     def momenta(

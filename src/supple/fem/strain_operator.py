@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import bsr_array, csr_array
+from scipy.sparse import bsr_array, csc_array, csr_array
 
 from supple.fem.assembly import Assembly
 from supple.fem.quadratic_strain import QuadraticStrain
@@ -32,6 +32,8 @@ class _Part(NamedTuple):
     block: QuadraticStrain
     linear: csr_array
     """`L`, ((s + d) P, n)"""
+    gather: csc_array
+    """`L^T`, of the same arrays: transposing takes as long as a product for a small body"""
     first: NDArray[np.intp]
     second: NDArray[np.intp]
     """`i` and `j` of the products, (k,)"""
@@ -95,7 +97,7 @@ class StrainOperator:
         weights = part.on_products(stress)
         at_first, at_second = part.sums
         on_gradients = at_first @ (weights * at_j) + at_second @ (weights * at_i)
-        return part.linear.T @ np.concatenate([stress, on_gradients]).ravel()
+        return part.gather @ np.concatenate([stress, on_gradients]).ravel()
 
 
 def strain_operator(assembly: Assembly) -> StrainOperator:
@@ -119,4 +121,5 @@ def _part(block: QuadraticStrain, gather: csr_array) -> _Part:
     products = csr_array(products) if products.ndim == 2 else products.reshape(-1, *products.shape[2:])
     n_gradients, each = block.G.shape[2], np.arange(len(i))
     first, second = (csr_array((np.ones(len(i)), (at, each)), shape=(n_gradients, len(i))) for at in (i, j))
-    return _Part(block, csr_array(by_element[order] @ gather), i, j, products, (first, second))
+    linear = csr_array(by_element[order] @ gather)
+    return _Part(block, linear, linear.T, i, j, products, (first, second))

@@ -45,9 +45,9 @@ large changes estimates by less than 0.1 %."""
 MOST_SAMPLES = 120
 AT_ONCE = 4
 """Number of sample times added before each test whether the previous matrices are sufficient."""
-MOST_IN_THREADS = 200_000
-"""Largest number of coordinates of a body whose tangents are assembled by several threads: an assembly for a
-million coordinates takes gigabytes."""
+FEWEST_IN_THREADS, MOST_IN_THREADS = 2_000, 200_000
+"""Numbers of coordinates of a body between which its tangents are assembled by several threads: for a smaller
+one the threads wait longer than they compute; an assembly for a million coordinates takes gigabytes."""
 PROVEN = 3e-4
 """Allowed error of tangents combined from earlier ones, over the stiffness at rest, in any direction; it
 changes the estimated error of a run by the same ratio, in energy."""
@@ -223,7 +223,7 @@ def _samples(
     n : number of coordinates of the body
     at_rest : (k, k)    stiffness, reference of the allowed error
     """
-    compute = in_threads if n <= MOST_IN_THREADS else map
+    compute = in_threads if FEWEST_IN_THREADS <= n <= MOST_IN_THREADS else map
     scaled = unit_stiffness(at_rest)
     samples = np.zeros((0, *at_rest.shape))
     for start in range(0, len(chosen), AT_ONCE):

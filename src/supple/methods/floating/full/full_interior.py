@@ -135,20 +135,22 @@ class FullInterior:
 
     def forces(self, state: InteriorState) -> InteriorForces:
         """All terms of the body's own equations of motion."""
-        body, rotation = self.full.body, state.rotation
         terms = self.inertia.terms(self._motion(state))
-        inertia = np.concatenate([rotation @ terms.frame[:3], terms.frame[3:], terms.own])
+        inertia = np.concatenate([state.rotation @ terms.frame[:3], terms.frame[3:], terms.own])
         internal = np.concatenate([np.zeros(6), self._internal_force(state.coordinates, state.rates)])
-        moved = self._nodal(state.coordinates)
+        joint = np.concatenate([np.zeros(6), self.frame_rows.T @ state.frame_multipliers])
+        applied = self._applied(state) if self.loads else np.zeros_like(joint)
+        return InteriorForces(inertia, internal, applied, joint, self.frame_rows @ state.coordinates)
+
+    def _applied(self, state: InteriorState) -> np.ndarray:
+        """Minus the loads on nodes, on frame and coordinates (6 + n,)."""
+        body, moved = self.full.body, self._nodal(state.coordinates)
         nodal, moment, place = np.zeros_like(moved), np.zeros(3), body.nodes + moved[:, :3]
         for nodes, values, _ in self._load_forces(state, place):
             np.add.at(nodal[:, :3], nodes, values)
             moment += np.cross(place[nodes], values).sum(axis=0)
-        applied = -np.concatenate(
-            [rotation @ nodal[:, :3].sum(axis=0), moment, body.expansion.T @ nodal.ravel()]
-        )
-        joint = np.concatenate([np.zeros(6), self.frame_rows.T @ state.frame_multipliers])
-        return InteriorForces(inertia, internal, applied, joint, self.frame_rows @ state.coordinates)
+        force = state.rotation @ nodal[:, :3].sum(axis=0)
+        return -np.concatenate([force, moment, body.expansion.T @ nodal.ravel()])
 
     def _internal_force(self, coordinates: np.ndarray, rates: np.ndarray) -> np.ndarray:
         """Elastic and damping forces, (n,)."""
