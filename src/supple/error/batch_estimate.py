@@ -29,8 +29,6 @@ from supple.error.equation import (
 from supple.error.equation.error_batch import first_together
 from supple.error.equation.linearised_march import ErrorState
 from supple.error.error_estimate import (
-    FRESH,
-    INSTANTS,
     ErrorEstimator,
     body_error,
     check_linearised,
@@ -52,6 +50,9 @@ from supple.reduction import ReducedBody, ReductionBasis
 from supple.simulation.stored_basis import stored_bases
 
 __all__ = ["estimate_batch_errors", "state_batch_errors"]
+
+LOOKED, FRESH = 34, 16
+"""Numbers of sample times of all runs together: for the error space, and to measure the part outside it."""
 
 
 @one_blas_thread()
@@ -152,7 +153,7 @@ class _Batch:
 
     def errors(self) -> list[BasisError]:
         """Reduction errors of every run."""
-        looked, fresh = self._corrections(INSTANTS - FRESH, 0), self._corrections(FRESH, 1)
+        looked, fresh = self._corrections(LOOKED, 0), self._corrections(FRESH, 1)
         bodies = {name: self._assessed(name, looked[name]) for name in self.bases}
         equations = [self._equation(number, bodies) for number in range(len(self.cases))]
         # In one compiled march all runs have the same number of steps.

@@ -15,7 +15,7 @@ from supple.machine.laws.sampled_law import law_samples
 __all__ = ["followed", "load_peaks", "stratified_samples"]
 
 MOST_PEAKS = 8
-"""Largest number of load peaks and kinks; with 50 samples and a body's modes, some sixty factorisations."""
+"""Largest number of load peaks and kinks, added to the stratified samples."""
 
 FOLLOWED = 100
 """Number of intermediate times."""
