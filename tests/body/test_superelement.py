@@ -94,6 +94,15 @@ def test_a_missing_file_is_named(tmp_path):
         read_superelement("arm", nodes=missing, stiffness=missing, mass=missing, dofs_per_node=3)
 
 
+def test_a_recovery_matrix_needs_its_points(solid, tmp_path):
+    """Without the points it was ignored."""
+    for name, content in (("nodes", solid.mesh.nodes), ("K", solid.stiffness), ("M", solid.mass)):
+        mmwrite(tmp_path / f"{name}.mtx", content)
+    files = {"nodes": tmp_path / "nodes.mtx", "stiffness": tmp_path / "K.mtx", "mass": tmp_path / "M.mtx"}
+    with pytest.raises(ModelError, match="'arm': recovery without points: give both files, or neither"):
+        read_superelement("arm", **files, dofs_per_node=3, recovery=tmp_path / "K.mtx")
+
+
 def test_an_unsymmetric_matrix_is_named_with_its_file(solid, tmp_path):
     K = solid.stiffness.copy()
     K[0, 1] += 1e9

@@ -51,7 +51,9 @@ def test_an_exact_run_needs_no_advice():
 
 @pytest.mark.parametrize("value", [1.25e-5, np.inf])
 def test_json_brings_it_back(value):
-    one = ErrorStatement("positions", 0.5, basis=part(value), newton=part(1e-6), allowed=1e-3)
+    one = ErrorStatement(
+        "positions", 0.5, basis=part(value), newton=part(1e-6), allowed=1e-3, quantity="length"
+    )
     assert ErrorStatement.from_plain(json.loads(json.dumps(one.plain()))) == one
 
 

@@ -107,6 +107,9 @@ def read_superelement(
     """
     places, K, M = read_matrix(nodes).toarray(), read_matrix(stiffness), read_matrix(mass)
     inside = None
+    if (recovery is None) != (points is None):
+        given, other = ("points", "recovery") if recovery is None else ("recovery", "points")
+        raise ModelError(f"superelement '{name}': {given} without {other}: give both files, or neither")
     if recovery is not None and points is not None:
         at = read_matrix(points).toarray()
         inside = Recovery(at, len(places) + np.arange(len(at)), read_matrix(recovery).toarray())

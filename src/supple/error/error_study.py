@@ -145,6 +145,7 @@ def statements(
             newton=integration[each.name].newton,
             model=model.get(each.name),
             allowed=None if allowed is None else allowed.get(each.name),
+            quantity=each.quantity.value,
         )
         for each in quantities
     }

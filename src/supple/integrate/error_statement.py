@@ -40,6 +40,7 @@ class ErrorStatement(Summarized):
     newton : ErrorPart  of the Newton tolerance; at least the rounding error of the integration
     model : ErrorPart   of the kinematics: strains caused by rotations relative to the frame, ties included
     allowed : float     tolerance of the sum; None without one
+    quantity : str      kind of the quantity, which determines its unit: "length", "force", ...
 
     A part that was not estimated is None; the error is then at least the sum of the parts.
     """
@@ -51,6 +52,7 @@ class ErrorStatement(Summarized):
     newton: ErrorPart | None = None
     model: ErrorPart | None = None
     allowed: float | None = None
+    quantity: str = ""
 
     def summary(self) -> Summary:
         """Sum, tolerance, parts and remedy."""
@@ -118,6 +120,7 @@ class ErrorStatement(Summarized):
         """Numbers and texts for JSON; None for values that are not finite."""
         return {
             "of": self.of,
+            "quantity": self.quantity,
             "size": self.size,
             "parts": {
                 name: {"value": _finite(part.value), "how": part.how, "remedy": part.remedy}
@@ -144,6 +147,7 @@ class ErrorStatement(Summarized):
             numbers["of"],
             numbers["size"],
             allowed=numbers["allowed"],
+            quantity=numbers.get("quantity", ""),  # absent in files of earlier versions
             **{name: part for name, part in parts.items() if name in known},
         )
 

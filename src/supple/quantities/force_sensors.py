@@ -65,6 +65,11 @@ class JointForceSensor:
         return np.asarray(solution.joint_forces[self.joint])
 
     @property
+    def quantity(self) -> QuantityKind:
+        """A force, as a quantity of interest."""
+        return QuantityKind.FORCE
+
+    @property
     def body(self) -> None:
         """None: a joint connects two bodies."""
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from supple.body import BodyForm
 from supple.integrate import FramedMotion, Solution
 from supple.machine import System
+from supple.quantities.reading import QuantityKind
 
 __all__ = ["QuantityOfInterest", "WholeBody"]
 
@@ -32,6 +33,11 @@ class QuantityOfInterest(Protocol):
     @property
     def words(self) -> str:
         """Description of the quantity and its norm."""
+        ...
+
+    @property
+    def quantity(self) -> QuantityKind:
+        """Its kind, which determines the unit of its error."""
         ...
 
     @property
@@ -77,6 +83,11 @@ class WholeBody:
     def words(self) -> str:
         """Description of the quantity and its norm."""
         return f"positions of body '{self.body}': RMS over its nodes, largest over the run"
+
+    @property
+    def quantity(self) -> QuantityKind:
+        """A length."""
+        return QuantityKind.LENGTH
 
     def at_points(self, system: System, solution: Solution) -> Array:
         """Positions (t, N, 3)."""

@@ -225,7 +225,7 @@ def correction_table(numbers: Sequence[Mapping[str, Any]], units: UnitSystem = U
 
 def error_table(numbers: Mapping[str, Any]) -> TextTable:
     """The parts of the error and their sum, one row per quantity; numbers from `summarize`."""
-    rows = []
+    rows, units = [], numbers["units"]
     for name, stated in numbers["errors"].items():
         parts = [
             _error(stated["parts"][part]["value"]) if part in stated["parts"] else "not estimated"
@@ -234,7 +234,8 @@ def error_table(numbers: Mapping[str, Any]) -> TextTable:
         total = _error(stated["at_least"])
         at_least = "" if len(stated["parts"]) == len(PARTS) else "at least "
         allowed = "" if stated["allowed"] is None else _error(stated["allowed"])
-        rows.append([name, *parts, f"{at_least}{total}", allowed, _error(stated["size"])])
+        of = headed(name, units.get(stated.get("quantity", ""), ""))
+        rows.append([of, *parts, f"{at_least}{total}", allowed, _error(stated["size"])])
     heads = ("error of", "basis", "step", "Newton", "model", "sum", "allowed", "reference size")
     return TextTable("Error", heads, rows)
 

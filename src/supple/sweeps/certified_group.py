@@ -109,7 +109,8 @@ def _why_not(group: SweptGroup) -> str:
     others = [name for name in elastic if name not in group.bodies.reduced]
     named = f"body '{others[0]}'" if others else ""
     reasons = {
-        "the error of a basis is not known with a controller": case.tables.control is not None,
+        "errors of machines with a controller are estimated in single runs only": case.tables.control
+        is not None,
         "a kinematic run is not integrated, and no body deforms": isinstance(case.run.method, Kinematic),
         "the error of explicit time integration is not estimated": is_explicit(case.system, case.run),
         "no body is elastic: there is no basis, and the integration of rigid machines is not assessed": (

@@ -256,7 +256,7 @@ def test_axes_by_the_text_of_schema_2_are_refused(files):
 def test_an_axis_that_is_shorter_than_the_matrices(files):
     folder = files(("first.yaml", f"z: {curve(Z)}", f"z: {curve(Z[:-1], GRID[:-1])}"))
     with pytest.raises(
-        ImportFormatError, match=r"reference_axis\.z is given from 0 to 0\.9, the matrices from 0 to 1"
+        ImportFormatError, match=r"reference_axis\.z is given from 0 to 0\.9, the sections from 0 to 1"
     ):
         read_section_table(folder / "first.yaml")
 

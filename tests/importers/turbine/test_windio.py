@@ -81,6 +81,11 @@ def test_an_imported_blade_can_be_meshed():
             "the grid ascending",
         ),
         (
+            "twist: {grid: [0.0, 1.0]",
+            "twist: {grid: [0.1, 1.0]",
+            r"outer_shape\.twist is given from 0\.1 to 1, the sections from 0 to 1; extend its grid",
+        ),
+        (
             "values: [18.0, 0.0]",
             "values: [18.0, flat]",
             r"outer_shape\.twist\.values holds entries that are not numbers",

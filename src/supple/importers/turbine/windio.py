@@ -46,17 +46,17 @@ def read_windio_blade(path: str | Path) -> BladeStations:
 
     names, places = file.airfoil_positions(shape, second)
     grid = np.union1d(file.numbers(*shape, "chord", "grid"), places)
-    chord = file.distribution(*shape, "chord")(grid)
-    twist = file.distribution(*shape, "twist")(grid)
-    x, y, z = (file.distribution(*axis, name)(grid) for name in "xyz")
+    chord = file.covering(grid, *shape, "chord")(grid)
+    twist = file.covering(grid, *shape, "twist")(grid)
+    x, y, z = (file.covering(grid, *axis, name)(grid) for name in "xyz")
     twist = np.radians(twist) if second else twist
     if second:
-        pitch_axis = file.distribution(*shape, "section_offset_y")(grid) / chord
+        pitch_axis = file.covering(grid, *shape, "section_offset_y")(grid) / chord
         if file.has(*shape, "section_offset_x"):
-            offset = file.distribution(*shape, "section_offset_x")(grid)
+            offset = file.covering(grid, *shape, "section_offset_x")(grid)
             x, y = x + offset * np.cos(twist), y - offset * np.sin(twist)
     else:
-        pitch_axis = file.distribution(*shape, "pitch_axis")(grid)
+        pitch_axis = file.covering(grid, *shape, "pitch_axis")(grid)
     try:
         return BladeStations(
             span=z - z[0],

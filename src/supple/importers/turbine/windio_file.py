@@ -87,6 +87,16 @@ class WindioFile:
             )
         return self.blended(grid, values, ".".join(keys), extrapolate=False)
 
+    def covering(self, grid: FloatArray, *keys: str) -> scipy.interpolate.PchipInterpolator:
+        """The same; ImportFormatError unless its grid covers another ascending one."""
+        curve = self.distribution(*keys)
+        if grid[0] < curve.x[0] or grid[-1] > curve.x[-1]:
+            raise ImportFormatError(
+                f"{self.path}: {'.'.join(keys)} is given from {curve.x[0]:g} to {curve.x[-1]:g}, "
+                f"the sections from {grid[0]:g} to {grid[-1]:g}; extend its grid as far"
+            )
+        return curve
+
     def blended(
         self, grid: FloatArray, values: FloatArray, what: str, *, extrapolate: bool
     ) -> scipy.interpolate.PchipInterpolator:

@@ -53,13 +53,7 @@ def read_windio_sections(path: str | Path) -> SectionTable:
     stiffness, inertia = matrices_at(union, grid, stiffness), matrices_at(union, own, inertia)
     check_sections([f"{path}: blade, section at {place:.4g}" for place in union], stiffness, inertia)
     fine = fine_grid(union)
-    curves = [file.distribution(*axis, name) for name in "xyz"] + [file.distribution(*twist)]
-    for curve, keys in zip(curves, (*[(*axis, name) for name in "xyz"], twist), strict=True):
-        if fine[0] < curve.x[0] or fine[-1] > curve.x[-1]:
-            raise ImportFormatError(
-                f"{path}: {'.'.join(keys)} is given from {curve.x[0]:g} to {curve.x[-1]:g}, the matrices "
-                f"from {fine[0]:g} to {fine[-1]:g}; extend its grid as far"
-            )
+    curves = [file.covering(fine, *axis, name) for name in "xyz"] + [file.covering(fine, *twist)]
     points = np.column_stack([curve(fine) for curve in curves[:3]])
     tangents = np.column_stack([curve(fine, 1) for curve in curves[:3]])
     turn = curves[3](fine)
