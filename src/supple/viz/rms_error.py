@@ -55,8 +55,8 @@ def plot_rms_error(
         axes = figure.subplots()
         for rank, (label, error) in enumerate(errors.items()):
             draw_curve(axes, error.times, drawable(error.rms, label), Stroke(width=1.1), rank, label)
-        _draw_bounds(axes, published, list(errors))
         axes.set_yscale("log")
+        _draw_bounds(axes, published, list(errors))
         axes.set_xlim(min(e.times[0] for e in errors.values()), max(e.times[-1] for e in errors.values()))
         axes.set_xlabel(labelled("time", units.time))
         axes.set_ylabel(labelled("RMS error", units.length))
@@ -113,6 +113,8 @@ def drawable(values: NDArray[np.float64], label: str) -> NDArray[np.float64]:
 
 
 def _draw_bounds(axes: Axes, published: Bounds, labels: list[str]) -> None:
+    """Dashed lines on a logarithmic axis, which is extended for the label above the highest one."""
+    axes.set_ylim(top=max(axes.get_ylim()[1], 2 * max(published.values(), default=0.0)))
     for label, value in published.items():
         colour = COLOURS[labels.index(label) % len(COLOURS)] if label in labels else COLOURS[-1]
         axes.axhline(value, color=colour, linewidth=1.0, dashes=(4.0, 2.0))
