@@ -16,7 +16,7 @@ from supple.body import (
     ModalDamping,
     NodalFixedFrame,
     RayleighDamping,
-    rayleigh_at_modes,
+    rayleigh_from_ratios,
 )
 from supple.cases.table import Key, table_of
 from supple.errors import SuppleWarning
@@ -42,8 +42,9 @@ class _RatioOfTwoModes(CheckedTable):
 
     def _fitted(self, body: FlexibleBody, frame: Frame) -> RayleighDamping:
         constraint = (NodalFixedFrame(self.held) if self.held else frame).constraint(body)
-        fitted = rayleigh_at_modes(body.stiffness, body.mass, constraint, self.ratio, self.modes)
-        return replace(fitted, held=self.held)
+        known = body.lowest_frequencies(max(self.modes), constraint)
+        first, second = (float(known[mode - 1]) for mode in self.modes)
+        return replace(rayleigh_from_ratios(self.ratio, first, second), held=self.held)
 
 
 class RayleighRatio(_RatioOfTwoModes):
