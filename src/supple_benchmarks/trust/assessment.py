@@ -88,6 +88,8 @@ def _cost(system: System, corrected: CorrectedSystem, run: Run) -> dict[str, Any
     The estimate includes factorisations of the full system; as many factorisations are timed separately.
     """
     bases = {name: own.basis for name, own in corrected.bodies.items()}
+    simulate(corrected.system, run, check=False)  # the first time compiles
+    ErrorEstimator(system, run).assess(corrected.system, bases, corrected.solution)
     began = process_time()
     simulate(corrected.system, run, check=False)
     simulated = process_time()
