@@ -179,6 +179,13 @@ class ErrorEstimator:
             missing, reduced, bases, solution, allowed=allowed, proven=proven, progress=progress
         )
 
+    def modes(self, name: str) -> ModesInFrame:
+        """The lowest modes of a body in its frame, computed once."""
+        if name not in self._modes:
+            full = self._system.bodies_of(FullBody)[name]
+            self._modes[name] = modes_in_frame(full.body, full.frame)
+        return self._modes[name]
+
     @one_blas_thread()
     def missing_motion(
         self,
@@ -297,8 +304,6 @@ class ErrorEstimator:
         n_looked: int,
         start: Mapping[str, StartError],
     ) -> AssessedBody:
-        if name not in self._modes:
-            self._modes[name] = modes_in_frame(full.body, full.frame)
         body = reduced_form(reduced, name)
         motion = run_columns(full.body, body, basis, steps.motion(name, FloatingMotion))
         corrections = missed.deformation[:, :n_looked]
@@ -306,7 +311,7 @@ class ErrorEstimator:
             at_start = np.column_stack([start[name].position[6:], start[name].velocity[6:]])
             corrections = np.hstack([corrections, at_start])
         deformed = motion.vectors @ motion.coordinates[deformed_rows(len(steps.times))[1:]].T
-        space = error_space(self._modes[name], motion.vectors, corrections, deformed)
+        space = error_space(self.modes(name), motion.vectors, corrections, deformed)
         return AssessedBody(full, motion, space, full.damping or modal_damping(body))
 
     def start_errors(self, steps: Solution, bases: Mapping[str, ReductionBasis]) -> dict[str, StartError]:

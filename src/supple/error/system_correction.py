@@ -135,7 +135,7 @@ def correct(problem: Problem) -> CorrectedSystem:
     number = problem.number
     kept = problem.archive.read_bases(number, problem.fulls)
     model = _reduced(problem, number, kept or problem.first or _first_bases(problem))
-    _check_load_band(problem, model)
+    _check_load_band(problem, model, estimator)
     while True:
         run = _simulated(problem, model)
         number = model.number + 1
@@ -185,9 +185,10 @@ def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
     return _Model(number, bases, bodies, system, perf_counter() - began)
 
 
-def _check_load_band(problem: Problem, model: _Model) -> None:
+def _check_load_band(problem: Problem, model: _Model, estimator: ErrorEstimator) -> None:
     times = problem.run.times
     for name, full in problem.fulls.items():
+        estimator.modes(name)  # more modes than the check needs; the body stores their frequencies
         warn_of_missing_modes(model.system, times, full.body, model.bodies[name])
 
 
