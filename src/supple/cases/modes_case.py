@@ -205,8 +205,8 @@ def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes:
                 )
             if linear.is_in_space:
                 raise CaseError(
-                    f"{case.path}: the machine is linearised in fixed axes, where basis errors are not "
-                    f"known: give body '{next(iter(fulls))}' a basis of fixed size (remove accuracy)"
+                    f"{case.path}: the machine is linearised in fixed axes, in which no reduction corrects "
+                    f"itself: give body '{next(iter(fulls))}' a basis of fixed size (remove accuracy)"
                 )
             error = machine_modes(linear, n_modes).error
             if error is None or linear.full is None:

@@ -1,4 +1,4 @@
-"""Self-correction of all flexible bodies at once: run, find the motion outside bases, enrich, run again."""
+"""Self-correction of reduced bodies: simulate, estimate the motion outside their bases, enrich, repeat."""
 
 from __future__ import annotations
 
@@ -42,10 +42,11 @@ Accepted = Callable[[CorrectedSystem], None]
 """Called with the run whose basis meets the target, before other parts of the error are estimated."""
 
 PASSING = 1e-2
-"""`PROVEN` of a first round that cannot be the last: its error is needed to a factor of two only."""
+"""Allowed error of tangents, instead of `PROVEN`, in a first round that cannot be the last; a factor of two
+in its estimated error is tolerable."""
 MOST_PADDED_STEPS = 20_000
-"""Largest number of steps with padding coordinates (`padded`), by which rounds share compiled programs; in
-longer runs these coordinates cost more time than another compilation."""
+"""Largest number of steps of a run with padding coordinates (`padded`). Padding lets rounds share a compiled
+program; in longer runs it costs more time than another compilation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +57,7 @@ class Problem:
     fulls, starts : full bodies, and starts of their reductions, by body
     run : settings of every round
     announce, accepted, progress, archive : as for `self_correct`
-    first : bases to start with, from an earlier pass
+    first : bases of the first run, from an earlier pass of `correct_wholly`; None: those of `starts`
     number : number of the first run in the archive
     spent : part of the allowed error reserved for errors other than that of the basis, by body
     confirmed : bodies whose estimates an earlier pass has confirmed
@@ -89,7 +90,7 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class _Model:
-    """The system reduced to the bases of one round, padded in short runs; `bodies` are not padded."""
+    """The system reduced to the bases of one round; padded in short runs, except `bodies`."""
 
     number: int
     bases: RoundBases
@@ -188,12 +189,12 @@ def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
 def _check_load_band(problem: Problem, model: _Model, estimator: ErrorEstimator) -> None:
     times = problem.run.times
     for name, full in problem.fulls.items():
-        estimator.modes(name)  # more modes than the check needs; the body stores their frequencies
+        estimator.modes(name)  # more modes than the check needs; it reads their frequencies from the body
         warn_of_missing_modes(model.system, times, full.body, model.bodies[name])
 
 
 def _simulated(problem: Problem, model: _Model) -> _Run:
-    """Simulate a round. A run without derivatives may stop early; its motion outside the basis is used."""
+    """Simulate a round. Without modal derivatives a run may stop early; its motion until then is used."""
     began = perf_counter()
     step = f"{model.label}: simulating"
     problem.report(step, 0.0)
@@ -207,14 +208,14 @@ def _simulated(problem: Problem, model: _Model) -> _Run:
 
 
 def _is_unconfirmed(problem: Problem, model: _Model) -> bool:
-    """Whether a first round cannot be the last, because a body locks."""
+    """Whether a body locks and no earlier pass has confirmed its estimate: a second round follows."""
     return any(name not in problem.confirmed and locks(body) for name, body in model.bodies.items())
 
 
 def _enriched(
     problem: Problem, estimator: ErrorEstimator, run: _Run, allowed: Mapping[str, float], proven: float
 ) -> RoundBases:
-    """The bases of the next run, and the estimated errors of this one; `proven` as for the estimator."""
+    """The bases of the next run, and the estimated errors of this one; `proven` as in `estimator.assess`."""
     began = perf_counter()
     model = run.model
     step = f"{model.label}: motion outside their bases"
@@ -255,7 +256,7 @@ def _enriched(
         asked = stated_of(model.system, problem.fulls, problem.besides)
         besides = distances(model.system, run.solution, estimate, asked)
     next_bases = RoundBases(bases, found, run.seconds + perf_counter() - began, besides)
-    # The result of the last run is archived as well, although the next run is never made.
+    # Stored even if no next run follows: the errors of this run are stored with the bases of the next.
     problem.archive.keep_bases(model.number + 1, next_bases)
     return next_bases
 
@@ -263,7 +264,8 @@ def _enriched(
 def _error(quantity: QuantityOfInterest, name: str, run: _Run, estimate: ErrorEstimate) -> float:
     """Error of a quantity, from the corrected motion and the part outside the error space.
 
-    Infinite if the second correction exceeds a third of the first: then only an order of magnitude is known.
+    Infinite without a second correction, or if it exceeds a third of the first: then at most an order of
+    magnitude is known.
     """
     own = estimate.error.bodies[name]
     if estimate.corrected is None or own.second is None or own.second > FIRST_ORDER:
@@ -275,7 +277,10 @@ def _error(quantity: QuantityOfInterest, name: str, run: _Run, estimate: ErrorEs
 def _confirmed(
     problem: Problem, name: str, past: list[_Assessed], before: _Run | None, run: _Run, allowed: float
 ) -> bool:
-    """Whether the distance to a run with fewer coordinates agrees with the error estimated for that run."""
+    """Whether the distance to the previous run, which has fewer coordinates, confirms the error of that run.
+
+    In the first round: whether an earlier pass has confirmed the error.
+    """
     if before is None:
         return name in problem.confirmed
     distance = quantity_distance(

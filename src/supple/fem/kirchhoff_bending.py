@@ -1,17 +1,19 @@
-"""Discrete Kirchhoff triangle (DKT): plate bending with a deflection and two rotations at three nodes.
+"""Discrete Kirchhoff triangle (DKT): plate bending; deflection and two rotations at each of three nodes.
 
 The slopes beta of the normal (u = z beta_x, v = z beta_y) are quadratic over the triangle. Kirchhoff's
 condition, beta = -grad w, holds at the corners and, for the component along a side, at its middle. On a side
-w is cubic, and the slope normal to the side at its middle is the mean of the slopes at its ends. No
-deflection is needed inside.
+w is cubic, and the slope normal to the side at its middle is the mean of the slopes at its ends. The
+deflection inside the triangle is not interpolated.
 
-Right-handed rotations: beta_x = ry, beta_y = -rx. Along a side of direction s the cubic deflection w makes
-the slope at the middle mean(beta) - 3/2 s m, with the mismatch m = dw/l + s.mean(beta) of Kirchhoff's
-condition.
+Right-handed rotations: beta_x = ry, beta_y = -rx. On a side of length l and direction s, dw is the difference
+of the deflections at its ends. With linear slopes, Kirchhoff's condition along the side is violated by the
+mismatch m = dw/l + s.mean(beta); with the cubic deflection, the slopes at the middle are
+mean(beta) - 3/2 s m.
 
-A wall with transverse shear (discrete Kirchhoff-Mindlin triangle, DKMT) divides the mismatch of a side as a
-beam along the side would: with phi = 12 D / (H l^2), bending takes m / (1 + phi), transverse shear
-m phi / (1 + phi). For a wall rigid in shear, phi = 0, the element is the DKT, so thin walls do not lock.
+With transverse shear (discrete Kirchhoff-Mindlin triangle, DKMT) the mismatch of a side is divided as in a
+Timoshenko beam along the side, with phi = 12 D / (H l^2) from the bending stiffness D and the transverse
+shear stiffness H in that direction: bending takes m / (1 + phi), shear m phi / (1 + phi). For phi = 0 (rigid
+in shear) the element is the DKT, so thin walls do not lock.
 
 Sources: J.-L. Batoz, K.-J. Bathe, L.-W. Ho, "A study of three-node triangular plate bending elements",
 Int. J. Numer. Methods Eng. 15 (1980) 1771-1812; I. Katili, "A new discrete Kirchhoff-Mindlin element based on
@@ -46,9 +48,9 @@ def curvature(xy: FloatArray, points: FloatArray, phi: FloatArray) -> FloatArray
     phi : float array (E, 3)        shear flexibility of the sides, zero where shear is rigid
     Returns
     -------
-    float array (E, p, 3, 12)       curvature xx, yy, xy (twice the twist) from rx ry of the three corners,
-                                    then from a plane vector for each side (12, 23, 31), whose component
-                                    along the side is the mismatch
+    float array (E, p, 3, 12)       rows: curvatures xx, yy, xy (twice the twist); columns: rx ry of the three
+                                    corners, then x y of an in-plane vector for each side (12, 23, 31), whose
+                                    component along the side is the mismatch
     """
     gradients = _quadratic_gradients(xy, points)
     slopes = _slopes(xy, phi)
@@ -68,9 +70,9 @@ def linear_curvature(xy: FloatArray) -> FloatArray:
 
 
 def side_shear_flexibility(xy: FloatArray, bending: FloatArray, shear: FloatArray | None) -> FloatArray:
-    """Phi (E, 3) = 12 D_s / (H_s l^2) of the sides 12, 23, 31, stiffnesses in their directions.
+    """Ratios phi (E, 3) = 12 D_s / (H_s l^2) of sides 12, 23, 31; D_s, H_s: stiffnesses along the side.
 
-    bending : (3, 3) of a wall that is free to stretch, N m;  shear : (2, 2), N/m; None where it is rigid
+    bending : (3, 3) at zero membrane forces, N m;  shear : (2, 2), N/m; None: rigid in shear
     """
     if shear is None:
         return np.zeros((len(xy), 3))

@@ -1,7 +1,8 @@
-"""Deck: the finite-element model of another program as described in its file.
+"""Deck: a finite-element model of another program, as described in its input file.
 
-Readers of all formats produce it; `supple.body.deck_body` builds mesh, elements and body from it. Lengths,
-forces and masses are in the units of the file; positions, directions and freedoms in its basic (global) axes.
+Readers of all formats produce it; `supple.body.deck_body` builds mesh, elements and body from it. Values are
+in the units of the file (Pa, kg, m below are those of a file in SI units); positions, directions and freedoms
+in its basic (global) axes.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ class AnisotropicMaterial:
 
 @dataclass(frozen=True, eq=False)
 class SolidProperty:
-    """Material of solid cells, in the axes `DeckElements.directions` or in basic axes."""
+    """Material of solid cells, in the axes `DeckElements.directions` or in basic axes if these are None."""
 
     material: IsotropicMaterial | AnisotropicMaterial
 
@@ -79,13 +80,13 @@ class ShellProperty:
 
 @dataclass(frozen=True, eq=False)
 class WallProperty:
-    """A wall given by its stiffness: [N; M] = [A B; B D] [eps; kappa] about the surface of the nodes.
+    """A wall given by its stiffness: [N; M] = [A B; B D] [eps; kappa] about its reference surface (nodes).
 
     membrane, coupling, bending : (3, 3) A, N/m; B, N; D, N m; order xx, yy, xy
     shear : (2, 2) transverse shear stiffness, order xz, yz, N/m; None if rigid
-    mass_per_area : kg/m^2;  rotary_inertia_per_area : kg, about the surface of the nodes
-    thickness : m, for pictures
-    mass_moment_per_area : first moment of the mass along the normal, kg/m; 0 if the nodes are in the middle
+    mass_per_area : kg/m^2;  rotary_inertia_per_area : kg, about the reference surface
+    thickness : m, for pictures only; 0 if unknown
+    mass_moment_per_area : first moment of the mass along the normal about the reference surface, kg/m
     """
 
     membrane: FloatArray
@@ -102,7 +103,7 @@ class WallProperty:
 class BeamValues:
     """The section of a beam at one position, about its shear centre; y lies in plane 1, z in plane 2.
 
-    I1, I2, I12 : second moments for bending in planes 1 and 2 about the neutral axis, and their product
+    I1, I2, I12 : second moments of area about the neutral axis for bending in planes 1, 2; product moment
     K1, K2 : shear factors of the planes, 0 if rigid in shear
     mass_per_length : with non-structural mass, kg/m
     neutral, mass_centre : (y, z) of the neutral axis and of the mass from the shear centre, m
@@ -152,20 +153,20 @@ Property = SolidProperty | ShellProperty | WallProperty | BeamProperty | RodProp
 
 @dataclass(frozen=True, eq=False)
 class DeckElements:
-    """Elements of one type and property as the library's cells.
+    """Elements of one type and one property, as cells of this library.
 
     name : the type in the file (CQUAD4, C3D20R)
     kind : cell type; a quadrilateral becomes two triangles, a quadratic line two lines
     nodes : (C, k) node numbers, in the order of `kind`
     ids, lines : (C,) element id of each cell, and line of this element in the file
     property : key of `Deck.properties`
-    directions : (C, 3) beams: a vector in plane 1; shells: the material's x axis before its projection.
+    directions : (C, 3) beams: a vector in plane 1; shells: its projection is the material's x axis.
                  (C, 3, 3) solids: the material's axes as columns. None if nothing depends on them
     offsets : (C, 2, 3) offsets of beam ends from their nodes
     released : (C, 12) released freedoms of beam ends, in the beam's axes
     reduced : whether HEXA20 cells have reduced integration
     incompatible : whether HEXA8 cells have incompatible modes
-    mass_share : (C,) fraction of the area of shells that has mass; None if all
+    mass_share : (C,) shells: ratio of the area with mass to the area of the cell; None if 1 everywhere
     """
 
     name: str
@@ -198,10 +199,11 @@ class NodalMatrix:
 class ScalarTerms:
     """Linear combinations of freedoms, one a row:  s = sum_j factor_j u_j,  j = 6 * node + component.
 
-    They are springs, dampers or masses with the energy  1/2 k s^2,  or constraints s = 0.
+    With values k, c or m they are springs, dampers or masses: forces k s, c ds/dt, m d2s/dt2 along s. Without
+    values they are constraints s = 0.
 
     rows : (T,) the row of each term;  freedoms, factors : (T,);  lines : (rows,) line of each row in the file
-    values : (rows,) k; empty for constraints
+    values : (rows,) k, c or m; empty for constraints
     dependent : (rows,) the freedom that the file eliminates in a constraint, or -1
     """
 
@@ -217,7 +219,7 @@ class ScalarTerms:
 class RigidTie:
     """Nodes tied rigidly to a reference node in all freedoms (RBE2, RBAR, *RIGID BODY).
 
-    name : rbe2_ID; its node set and its interface have this name, too
+    name : such as rbe2_ID; its node set and its interface have this name, too
     """
 
     name: str
@@ -259,7 +261,7 @@ class Deck:
     node_sets : {name: (k,) numbers};  element_sets : {name: (k,) element ids}
     masses, stiffnesses, dampings : matrices between freedoms
     springs, dashpots, inertias : terms with values k, c, m;  constraints : terms without values
-    held : constraints of the deck's own supports, which a free body does not have
+    held : constraints s = 0 by the supports in the file; a free body omits them
     read : {card: number} of cards that were read;  passed_over : likewise, of cards without effect on a body
     left_out : cards that would change the body
     notes : assumptions of the reader, one sentence each
@@ -299,7 +301,7 @@ class Deck:
         matrix: Callable[[NodalMatrix], NodalMatrix | None],
         terms: Callable[[ScalarTerms], ScalarTerms],
     ) -> Deck:
-        """The deck with changed matrices and terms; None and empty ones are removed."""
+        """The deck with matrices and terms replaced by these functions; None and empty terms are removed."""
         matrices = {
             name: tuple(new for old in getattr(self, name) if (new := matrix(old)) is not None)
             for name in ("masses", "stiffnesses", "dampings")

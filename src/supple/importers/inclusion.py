@@ -1,4 +1,4 @@
-"""Inclusion of input files by others, with limits of number and size far above those of models."""
+"""Included input files; limits of their number and size, far above those of real models."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from pathlib import Path
 from supple.errors import ImportFormatError
 from supple.importers.text_file import file_lines, is_file
 
-DEEPEST_INCLUSION = 20  # nested; more means a file that includes itself
+DEEPEST_INCLUSION = 20  # levels; deeper nesting is taken for a file that includes itself
 MOST_INCLUSIONS = 1000
-"""Largest number in one model. Twenty files that each include the next one three times would make 3^20."""
+"""Largest number in one model: twenty files that each include the next one three times make over 10^9."""
 MOST_INCLUDED_CHARACTERS = 2**30
 """Largest number in all included files together, each counted as often as it is included."""
 
@@ -17,8 +17,8 @@ MOST_INCLUDED_CHARACTERS = 2**30
 def included_file(name: str, *folders: Path) -> Path:
     """The file with this name in the first folder that has it; if none has, upper and lower case are ignored.
 
-    Backslashes also separate folders. A prefix `PLACE:` of more than one letter is a logical name of the
-    author's computer and is dropped. If no folder has the file, its path in the first folder is returned.
+    Backslashes also separate folders. A prefix `PLACE:` of more than one letter, the logical name of a folder
+    on the author's computer, is dropped. If no folder has the file, its path in the first folder is returned.
     """
     words = name.replace("\\", "/")
     place, colon, rest = words.partition(":")
@@ -35,7 +35,7 @@ def included_file(name: str, *folders: Path) -> Path:
 
 
 def _any_case(folder: Path, words: str) -> Path | None:
-    """The only file of that name regardless of case; None without one, or with several."""
+    """The file at this path; parts without an exact match may differ in case. None if none or several do."""
     at = folder
     for part in Path(words).parts:
         if part in ("..", ".") or (at / part).exists():
@@ -64,11 +64,13 @@ class Inclusions:
         return file_lines(path, self._remedy)
 
     def included(self, path: Path, number: int, target: Path, depth: int) -> list[str]:
-        """Lines of the file `target`, which line `number` of `path` includes, `depth` files deep.
+        """Lines of `target`, which line `number` of the file `path` includes.
+
+        depth : nesting level of `target`; 1 if the main file includes it
 
         Raises
         ------
-        ImportFormatError   no such file; too deep, too many or too large inclusions
+        ImportFormatError   no such file, or no text file; too deep, too many or too large inclusions
         """
 
         def error(message: str) -> ImportFormatError:

@@ -1,13 +1,13 @@
-"""Modes of a machine in standing axes, with motion outside the bases of its bodies.
+"""Modes of a machine in standing (non-rotating) axes, with motion outside the bases of its bodies.
 
-In its own axes a body does not vary with rotation; joints and forces act at its interfaces alone. For a
-motion x of a mode, at any frequency s relative to the body, `( s^2 M + s C + K ) x = f`. The responses
+In its own axes a body has the same matrices at every angle; joints and forces act at its interfaces alone. In
+a mode it moves with shapes x at frequencies s relative to its own axes, `( s^2 M + s C + K ) x = f`, thus
 
-    K(z)^-1 M x,    K(z)^-1 C x,    K(z) = K + z C + z^2 M,
+    K(z) x = f + (z^2 - s^2) M x + (z - s) C x,    K(z) = K + z C + z^2 M.
 
-of the machine with all coordinates therefore contain the motion outside a basis, for every s. They are added
-to the bases until the modes converge: those of one blade to all equal blades, those of cyclic bodies together
-with their rotated copies.
+The motion outside a basis is therefore sought, for every s, in the responses K(z)^-1 M x and K(z)^-1 C x of
+the machine with unreduced bodies, at a fixed shift z. They are added to the bases until the modes converge:
+those of one blade to all equal blades, those of cyclic bodies together with their rotated copies.
 Source: [Voss2004], as for `slowest_motions`.
 """
 
@@ -40,13 +40,13 @@ ROUNDS = 8
 STAYS = 1e-6
 """Relative change of an eigenvalue per round below which modes have converged."""
 STILL = 1e-6
-"""Ratio to the fastest eigenvalue below which motions count as rigid."""
+"""Smaller eigenvalues, relative to the largest, count as zero (rigid motions) in the test of convergence."""
 NEW = 1e-5
-"""Ratio to a response below which its new part is rounding."""
+"""Norm of the part of a response outside a basis, relative to the response, below which it is rounding."""
 ALIKE = 1e-9
 """Allowed difference between the bases of equal bodies, relative to the bases."""
 PAIRED = 0.99
-"""Ratio of sizes above which two columns are a shape and its rotated copy: both are kept, or none."""
+"""Ratio of squared norms above which two columns are a shape and its rotated copy: both are kept, or none."""
 
 
 class _Shapes(NamedTuple):
@@ -62,10 +62,10 @@ class _Shapes(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class StandingTurn:
-    """A machine with all coordinates at angles of its rotation, in standing axes.
+    """A machine with unreduced bodies at several angles of its rotation, for equations in standing axes.
 
     found : RestingState        its equilibrium
-    fulls, vectors : by name    the full bodies of reduced ones, and the columns (n, r) of their bases
+    fulls, vectors : by name    the full body of each reduced one, and the columns (n, r) of its basis
     """
 
     found: RestingState
@@ -84,7 +84,7 @@ class StandingTurn:
         return every
 
     def expansion(self, vectors: Mapping[str, Array]) -> Array:
-        """Map from motions in some bases to those of all coordinates, (N, n)."""
+        """Matrix (N, n) from coordinates of bodies reduced to given bases to those of unreduced bodies."""
         blocks = []
         for placed, part in zip(self.found.system.bodies, self.found.equations.slices, strict=True):
             own = np.eye(part.stop - part.start)
@@ -94,12 +94,12 @@ class StandingTurn:
         return scipy.linalg.block_diag(*blocks)
 
     def along(self, vectors: Mapping[str, Array]) -> LinearMachine:
-        """The machine with bodies on some bases; `basis` of the result maps to coordinates on these bases.
+        """The machine with bodies reduced to given bases; `basis` of the result maps to these coordinates.
 
         Raises AccuracyError if its equations in standing axes are not constant.
         """
         expansion = self.expansion(vectors)
-        # The columns satisfy the conditions of the frames, which are the last six rows of each full body.
+        # The columns satisfy the frame conditions: the last rows of the constraints, six for each full body.
         joints = self.turned[0].constraint.shape[0] - 6 * len(self.fulls)
         sampled = Sampled(
             mass=np.array([expansion.T @ (each.mass @ expansion) for each in self.turned]),
@@ -127,7 +127,7 @@ class StandingTurn:
         return BodyColumns(slices, bodies)
 
     def enlarged(self, vectors: Mapping[str, Array], responses: Array) -> dict[str, Array]:
-        """The bases, extended by the new parts of some motions (N, k) of all coordinates."""
+        """The bases, extended by the parts of responses (N, k) of unreduced bodies outside them."""
         own = {
             placed.body.name: responses[part.start + 6 : part.stop]
             for placed, part in zip(self.found.system.bodies, self.found.equations.slices, strict=True)
@@ -175,9 +175,9 @@ def slowest_in_standing_axes(
     n_modes: int,
     modes_of: Callable[[LinearMachine], tuple[Any, Any, Any]],
 ) -> tuple[Any, Any]:
-    """Eigenvalues and shapes (N, k), at the first angle, of the slowest modes with all coordinates.
+    """Eigenvalues and shapes (N, k) at the first angle of the slowest modes, with unreduced bodies.
 
-    machine : the same machine in co-rotating axes, whose factor is used for the responses
+    machine : the same machine in co-rotating axes, whose factorisation at a shift is used for the responses
     modes_of : function for eigenvalues and coordinates of the modes of a `LinearMachine`, slowest first
     Raises AccuracyError for modes that do not converge, or equations that are not constant.
     """

@@ -62,7 +62,7 @@ class JoinedSteps:
         return jax.lax.while_loop(goes_on, one, (jnp.zeros(()), state))[1]
 
     def motion(self, arrays: JoinedArrays, state: SteppedState) -> SystemMotion:
-        """The motion of a state, with accelerations and joint forces that balance at its time."""
+        """The motion of a state, with accelerations and joint forces from the equations of motion."""
         march: JoinedState = state.march
         now, lines = march.now, march.now.lines
         rates, multipliers = instant_rates(arrays, now, march.control)
@@ -87,7 +87,7 @@ class JoinedSteps:
 def joined_steps(
     system: System, run: Run, also: Sequence[At]
 ) -> tuple[JoinedSteps, JoinedMachine, SteppedState]:
-    """The time steps of a machine, its prepared form, and the consistent initial state of its run.
+    """The time integration of a machine, its `JoinedMachine`, and the consistent initial state of its run.
 
     also : further stations, which sensors read
     """

@@ -1,4 +1,4 @@
-"""Sums, products and extremes along axes, also cumulative, and sorting."""
+"""C code for sums, products and extremes along axes, also cumulative, and for sorting."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Matrix Market files (.mtx): the stiffness and mass of a body reduced elsewhere."""
+"""Matrix Market files (.mtx): matrices of a body reduced by another program, such as stiffness and mass."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["read_matrix"]
 FloatArray = NDArray[np.float64]
 
 MOST_EMPTY = 100_000
-"""Largest excess of the rows or columns of a sparse matrix over its entries."""
+"""Largest number by which the rows or columns of a sparse matrix may exceed its entries."""
 
 _FORM = "write the complete matrix again, as coordinate real"
 
@@ -28,7 +28,7 @@ class _Header:
     """The first lines of a file.
 
     line : number, from 1, of the line with the size
-    entries : stated number of entries
+    entries : number of entries in the file; stated, or for the array format from the size
     """
 
     path: Path
@@ -128,7 +128,7 @@ def _header(path: Path, lines: list[str]) -> _Header:
 
 
 def _stored(rows: int, columns: int, symmetry: str) -> int:
-    """Entries that the array format writes: all, or those of one triangle."""
+    """Number of entries in the array format: all, or those of one triangle."""
     if symmetry == "general":
         return rows * columns
     return rows * (rows + 1 if symmetry == "symmetric" else rows - 1) // 2
@@ -164,7 +164,7 @@ def _is_entry(text: str, width: int) -> bool:
 
 
 def _places(header: _Header, lines: list[str], given: FloatArray, n: int) -> NDArray[np.int64]:
-    """Numbers from 0, of rows or columns that count from 1."""
+    """Row or column indices from 0, for numbers in the file that count from 1."""
     # Written so that NaN counts as outside, too.
     outside = np.flatnonzero(~((given >= 1) & (given <= n) & (given == np.round(given))))
     if outside.size:

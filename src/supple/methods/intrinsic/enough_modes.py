@@ -22,7 +22,7 @@ FEWEST = 6
 class EnoughModes(NamedTuple):
     """A machine whose bodies have enough modes, its run, and its truncation error.
 
-    errors : truncation error by body name; empty where all modes are retained
+    errors : truncation error by body name; empty if the bodies of the search retain all modes
     """
 
     system: System
@@ -47,7 +47,8 @@ def enough_modes(
     ----------
     system : a machine with intrinsic bodies; their present number of modes has no effect
     run : function that simulates a machine, such as `lambda system: simulate(system, Run(..))`
-    tolerance : largest error of station positions relative to the deflection
+    tolerance : largest `TruncationError.largest`: error of station positions, or drift of the centre of mass,
+        relative to the deflection
     first : initial number of elastic modes
     bodies : names of the bodies in the search; default all
 
@@ -75,7 +76,7 @@ def enough_modes(
         fewer = of(number)
         if not any(body_of(placed).complete for placed in intrinsic_of(fewer) if placed.body.name in names):
             break
-        with warnings.catch_warnings():  # about truncation, which the search reduces
+        with warnings.catch_warnings():  # no warnings of truncation, which the search reduces
             warnings.simplefilter("ignore", ValidityWarning)
             solution = run(fewer)
         errors = truncation_error(fewer, solution)

@@ -1,4 +1,4 @@
-"""Expected amplitude of each modal derivative: the weights for picking and compression."""
+"""Weights of modal derivatives for selection and compression: their expected amplitudes."""
 
 from __future__ import annotations
 
@@ -74,9 +74,9 @@ class StaticLoad:
 
 @dataclass(frozen=True)
 class AmplitudeProduct:
-    """Weight of a pair in the quadratic motion sum_jk theta_jk p_j p_k: p_j p_k, twice for j < k.
+    """Weight of a pair in the quadratic motion 1/2 sum_jk theta_jk p_j p_k: p_j p_k, twice for j < k.
 
-    With UnitLoad() this is 1/(omega_j^2 omega_k^2).
+    The factor 1/2 is left out. With UnitLoad(), p_j p_k = 1/(omega_j^2 omega_k^2).
     """
 
     expected: ModalAmplitudes = UnitLoad()
@@ -97,8 +97,8 @@ class ModalVirtualWork:
 
         W_jk = |(w_jk theta_jk)^T w_jk f''(X_j, X_k)| = w_jk^2 theta_jk^T K theta_jk
 
-    with w_jk = p_j p_k, twice for j < k. The multipliers do no work, as D theta = 0, so the rank is twice
-    the energy that the derivative releases; a zero derivative has rank zero.
+    with w_jk = p_j p_k, twice for j < k. The multipliers do no work, as D theta = 0, so W_jk is twice the
+    linear strain energy of w_jk theta_jk.
     Source: after the modal virtual work of [Jain2017], here at static amplitudes instead of simulated ones.
     """
 
