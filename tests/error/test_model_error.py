@@ -7,14 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from supple.body import FullBody, NodalFixedFrame, RigidInterface, flexible_body
+from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
 from supple.equations.checks.validity import watch
 from supple.error.model_error import model_errors, model_errors_by_limit
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FloatingMotion, Solution, Statistics, Validity
 from supple.machine import GROUND, At, Fixed, Placed, System
 from supple.mesh import strip
-from supple.quantities import WholeBody
+from supple.quantities import PositionSensor, WholeBody
+from supple.quantities.place import Place
 from supple.quantities.quantity_of_interest import quantity_distance
 from supple.reduction import CraigBampton, NoDerivatives, reduce
 from supple.simulation import equilibrium
@@ -91,3 +92,27 @@ def test_a_linear_plate_states_what_its_quadratic_strains_would_change(clamped, 
     true = quantity_distance(whole, system, solution, *at_rest(FullBody(curved, full.frame)))
     stated = model_errors(system, fulls, stored_bases(system, fulls), solution, [whole])["plate"]
     assert stated.value == pytest.approx(true, rel=0.03)
+
+
+@pytest.mark.parametrize("frame", [NodalFixedFrame("root"), MeanAxisFrame()], ids=["root", "mean axes"])
+def test_positions_of_places_include_the_motion_of_the_frame(frame):
+    """In mean axes the frame of a clamped, bent strip moves with the change; the clamp must not."""
+    wall = HomogeneousSection(Isotropic(70e9, 0.3, 2700.0), 0.004)
+    ends = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
+    body = flexible_body("strip", shell_model(strip(0.4, 0.1, 8, 2), wall), ends)
+    full = FullBody(body, frame)
+    small = reduce(body, frame, CraigBampton(6), derivatives=NoDerivatives())
+    clamp = Fixed(name="clamp", first=GROUND, second=At("strip", "root"))
+    system = System((Placed(small),), (clamp,), gravity=np.array([0.0, 0.0, -400.0]))
+    solution = equilibrium(system).solution
+    every = tuple(range(len(body.nodes)))
+    asked = [
+        WholeBody("strip"),
+        PositionSensor("nodes", Place("strip", every)),
+        PositionSensor("root", Place("strip", "root")),
+        PositionSensor("tip", Place("strip", "tip")),
+    ]
+    found = model_errors(system, {"strip": full}, stored_bases(system, {"strip": full}), solution, asked)
+    assert found["nodes"].value == pytest.approx(found["strip"].value, rel=1e-9)
+    assert found["root"].value < 1e-6 * found["tip"].value
+    assert found["tip"].value > 1.5 * found["strip"].value

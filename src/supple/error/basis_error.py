@@ -36,7 +36,7 @@ class BodyError:
     history : (t,)          RMS over the nodes at the output times
     indicator : float       largest RMS over the nodes of the quasi-static motion outside the basis; infinite
                             where no equilibrium was found; 0: not estimated
-    locking_loss : float        relative deficit of a static deflection due to locking
+    locking_loss : float    largest relative deficit of a static deflection due to locking; 0: not computed
     """
 
     rms: float
@@ -63,12 +63,12 @@ class BodyError:
         return bool(np.isfinite(self.estimate)) and (self.second is None or self.second <= FIRST_ORDER)
 
     def is_doubtful(self, limit: float) -> bool:
-        """Whether the estimate may be far too small: the body locks, or lacks more motion than estimated.
+        """Whether the estimate may be far too small: the body locks, or much motion is outside its basis.
 
         The equation is linearised about the run. Example: a strip should buckle sideways, but locks and stays
         straight. This state is almost in equilibrium, so the estimated error is small.
 
-        limit : RMS over the nodes below which motion outside the basis is ignored
+        limit : RMS over the nodes; doubtful only if `indicator` exceeds this limit (or the body locks)
         """
         return self.locking_loss > TOLERATED or not self.indicator <= max(self.estimate, limit)
 

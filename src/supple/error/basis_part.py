@@ -67,7 +67,7 @@ def assessed_basis(
     instants: int = INSTANTS,
     progress: StepProgress | None = None,
 ) -> tuple[dict[str, ErrorPart], Mapping[str, np.ndarray]]:
-    """The same as `basis_parts`, and the displacement fields (n, m) outside the basis of each body.
+    """The errors as from `basis_parts`, and the displacement fields (n, m) outside the basis of each body.
 
     whole : the machine with all coordinates of the assessed bodies, in its start configuration
     instants : as for `ErrorEstimator.assess`
@@ -120,10 +120,11 @@ def stated_of(
 def distances(
     system: System, solution: Solution, estimate: ErrorEstimate, quantities: Sequence[QuantityOfInterest]
 ) -> dict[str, float]:
-    """Error of a run by name of the quantity; infinite where the equation has no solution."""
+    """Error caused by the bases, by name of the quantity; infinite where the equation has no solution."""
     if estimate.corrected is None:
         return {each.name: np.inf for each in quantities}
-    # The part outside the error space is known per body. Quantities are scaled in the same proportion.
+    # The part outside the error space is known per body only. All quantities are scaled by the largest ratio
+    # of the total error to the part in the error space.
     bodies = estimate.error.bodies.values()
     lack = max(each.estimate / each.rms if each.rms else 1.0 for each in bodies)
     return {

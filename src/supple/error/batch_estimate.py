@@ -1,4 +1,4 @@
-"""Errors of many runs of one machine caused by the bases, from one march of the error equation of all runs.
+"""Errors caused by the bases in many runs of one machine; their error equations are solved together.
 
 The runs share their bodies and bases. They therefore share the expensive parts: one error space, built from
 corrections at sample times of all runs, and the matrices of the deformed bodies. Each run has its own
@@ -74,7 +74,7 @@ def state_batch_errors(
         bodies = own.bodies.values()
         if solution.stopped is not None:
             parts = {}
-        elif any(each.is_doubtful(np.inf) or not each.is_converged for each in bodies):  # e.g. they lock
+        elif any(each.is_doubtful(np.inf) or not each.is_converged for each in bodies):  # e.g. it locks
             asked = stated_of(system, bases, quantities)
             parts, _ = check_run(system, run, solution, fulls, bases, asked)
         else:
@@ -95,7 +95,8 @@ def estimate_batch_errors(
 ) -> tuple[BasisError, ...]:
     """Errors caused by the bases of reduced bodies in each run of a batch, as `estimate_error` for one run.
 
-    About sixty factorisations serve all runs. The error is marched for all runs in one compiled call.
+    About sixty factorisations serve all runs. Runs with equal numbers of steps are marched together, up to 64
+    in one compiled call.
 
     Parameters
     ----------
@@ -108,7 +109,8 @@ def estimate_batch_errors(
 
     Raises
     ------
-    ModelError      bodies that differ between cases or from the full ones given; no body to assess
+    ModelError      bodies that differ between cases or from the full ones given; no body to assess; a machine
+                    with controllers or intrinsic bodies
     """
     check_linearised(cases[0])
     bases = stored_bases(cases[0], fulls)
@@ -166,7 +168,7 @@ class _Batch:
         ]
 
     def _corrections(self, number: int, seed: int) -> dict[str, np.ndarray]:
-        """Motion outside the bases at sample times of all runs, (n, number) by body."""
+        """Motion outside the bases at up to `number` sample times of all runs together, (n, m) by body."""
         n_cases, lengths = len(self.cases), [len(each.solution.times) for each in self.steps]
         # The sample times are distributed over the runs; with many runs some have none.
         chosen = (np.arange(number) * n_cases) // number if n_cases > 1 else np.zeros(number, dtype=int)

@@ -48,16 +48,16 @@ __all__ = ["ErrorIndicator", "IndicatorBody", "case_indicators", "indicator_body
 Array = NDArray[np.float64]
 
 MORE = 12
-"""Smallest number of error columns besides those of the motion; half of them for the given fields. With 11
-columns, the ratios of estimate and indicator of two runs of a blade were 1.8 and 1.4, with 19 they were 1.2
-and 1.1."""
+"""Smallest number of error columns besides those of the motion; at most half of them are for the given
+fields. With 11 such columns, the estimate over the indicator was 1.8 and 1.4 in two runs of a blade; with 19
+columns it was 1.2 and 1.1."""
 SLOWNESS = 1e2
-"""Product of the time for all bodies to come to rest and their lowest frequency in rad/s."""
+"""Length of a first step that brings all bodies to equilibrium, times their lowest frequency in rad/s."""
 AT_ONCE = 16
-"""Runs marched together: 0.2 GB for 5000 steps in 14 coordinates."""
+"""Number of runs marched together; 5000 steps in 14 coordinates need 0.2 GB."""
 MOST_INSTANTS = 1250
-"""Largest number of steps of the error's march in a run. Full estimates use all steps; the effectivity
-corrects the difference."""
+"""Largest number of steps of the error's march in a run. Full estimates use all steps; the ratio of estimate
+to indicator (effectivity) corrects the difference."""
 MANY_STEPS = np.inf
 """Number of steps assumed for `padded_size`, for little padding: each column costs time in every run of a
 sweep, and all runs share one program."""
@@ -65,7 +65,7 @@ PROVEN = 1e-2
 """Allowed error of tangents along a run, as in `ErrorEquation`. The indicators of 16 runs of a blade differ
 by less than 0.5 % from those with a limit thirty times as small, and 15 matrices suffice instead of 32."""
 FEWEST_SAMPLES = 8
-"""As in `ErrorEquation`; thousands of runs share a program, so that little padding pays."""
+"""`fewest_samples` of `ErrorEquation`: little padding, as thousands of runs share a compiled program."""
 LOOKED = 200
 """Number of times at which the size of a motion is evaluated."""
 
@@ -153,7 +153,7 @@ def case_indicators(
     *,
     at_rest: bool,
 ) -> list[dict[str, ErrorIndicator]]:
-    """Reduction error of each of many runs, by body, to first order and in few columns.
+    """Indicators of the reduction error of each run, by body, to first order and in few columns.
 
     Parameters
     ----------

@@ -3,11 +3,12 @@
 The richer bases contain the old basis, the 24 lowest modes in the frame and 12 leading directions of the
 motion outside the basis (`system_corrections`). With controllers that motion is unknown, because the
 controller forces are known during the run only. Then the richer bases contain the static shapes of the
-interfaces and compressed derivatives instead. Where the error equation estimated 0.2 to 0.6 of the true error
-of an accepted run, the distance to a run with richer bases was 0.75 to 1.0 of it.
+interfaces and compressed derivatives instead. For accepted runs whose error the error equation estimated as
+0.2 to 0.6 of the true error, the distance to a run with richer bases was 0.75 to 1.0 of the true error.
 
-The first run has a strain energy of second order in the added coordinates (`second_order_beyond`). If it
-stops early, or the forces of the neglected terms along it are too large, it is repeated with all terms.
+The first richer run has a strain energy of second order in the added coordinates (`second_order_beyond`). If
+it stops early, or the motion due to the neglected terms is too large (`NEGLECTED`), it is repeated with all
+terms.
 """
 
 from __future__ import annotations
@@ -50,9 +51,10 @@ __all__ = ["check_run"]
 MODES, DIRECTIONS = 24, 12
 INSTANTS = 50
 NEGLECTED = 0.05
-"""Allowed motion due to neglected terms of the energy, as a fraction of the motion in added coordinates."""
+"""Largest motion due to neglected terms of the energy, as a fraction of the motion in added coordinates;
+above it, the run is repeated with all terms."""
 SOFTEST = 1e-12
-"""Smallest stiffness that is not zero, as a fraction of the largest one."""
+"""Fraction of the largest eigenvalue of the tangent; smaller eigenvalues count as zero stiffness."""
 SHORTER_STEPS = "take shorter steps, or softer stops and springs, so that the richer bases reach the end"
 """Remedy where the run with richer bases stops early."""
 
@@ -72,7 +74,7 @@ def check_run(
     """Error of a finished run caused by its bases, by quantity of interest, and its shapes by body.
 
     The shapes are the leading directions (n, m) of the difference between the richer run and this one, each
-    with its RMS size. There are none where the run with richer bases stopped early.
+    with its RMS size. If the richer run stopped early, the errors are infinite and there are no shapes.
 
     fulls, bases : full bodies and bases of the assessed reduced bodies, by name
     missed : (n, m) displacement fields outside each basis; None: found here at `INSTANTS` times, except
@@ -130,7 +132,7 @@ def _onto(full: FullBody, basis: ReductionBasis, richer: ReductionBasis) -> np.n
 
 
 def _richer(full: FullBody, basis: ReductionBasis, missed: np.ndarray | None) -> ReductionBasis:
-    """The basis with modes and the motion outside it; if unknown, with static shapes and derivatives."""
+    """The basis with modes and the motion outside it; missed None: with static shapes and derivatives."""
     n_modes = min(MODES, max(full.n_coordinates - 8, 1))
     modes = reduction_basis(full.body, full.frame, NormalModes(n_modes), derivatives=NoDerivatives())
     more = enrich(full.body, basis, modes.vectors, n_modes).basis
@@ -171,11 +173,12 @@ def _to_second_order(placed: Placed, bases: Mapping[str, ReductionBasis]) -> Pla
 
 
 def _suffices(whole: System, finer: System, check: Solution, name: str, leading: int) -> bool:
-    """Whether the neglected energy of a body changes the run with an energy of second order only slightly.
+    """Whether the terms of a body's energy beyond second order would change the richer run only slightly.
 
         |K_t^+ (f - f_2)| <= NEGLECTED |d|      largest of each side over `INSTANTS` times, in the M-norm
 
-    f : internal force with all terms;  f_2, K_t : force of the energy of second order, and its tangent
+    f : internal force with all terms;  f_2, K_t : force of the energy of second order, and its tangent, with
+    the pseudo-inverse K_t^+
     d : coordinates after the first `leading` ones
     """
     body, short = (cast("ReducedBody", each.placed(name).body) for each in (whole, finer))

@@ -24,7 +24,8 @@ __all__ = [
 SMALL_SECOND = 0.02
 """Ratio of the second correction to the first, below which the first-order error is accepted."""
 CLEAR_SECOND = 0.1
-"""The same for an error that is `CLEARLY` larger than the allowed error."""
+"""Largest such ratio, and largest rotation error of a frame in rad, for which first order suffices if the
+error is `CLEARLY` larger than the allowed error."""
 CLEARLY = 2.0
 SWEEPS = 3
 """Largest number of iterations about the corrected motion."""
@@ -47,9 +48,12 @@ def converged(
     """Iterate the error equation about the corrected motion until the differences converge.
 
     Each iteration is a Newton step for the motion itself. Without convergence the first differences are
-    returned, as an order of magnitude. The iteration continues to a smaller change in two cases: where forces
-    have kinks (a small change can be an oscillation between two sides of a kink), and for large errors
-    (`is_large`).
+    returned, as an order of magnitude. The iteration continues until the change is at most `SMALL_SECOND`
+    instead of `FIRST_ORDER` in two cases: where forces have kinks (a small change can be an oscillation
+    between two sides of a kink), and for large errors (`is_large`).
+
+    tangents : as for `ErrorEquation.first`
+    smooth : bool   whether forces have no kinks
     """
     found, own, changes = first, histories, dict.fromkeys(histories, np.inf)
     if not is_finite(histories):
@@ -85,7 +89,7 @@ def is_clearly_larger(
 ) -> bool:
     """Whether an error exceeds the allowed error so clearly that its first order suffices.
 
-    A round with such an error is not the last one, and needs one iteration less: a third of its cost.
+    A round with such an error is not the last one; without the iteration it costs a third less.
     """
     small = max(second.values()) <= CLEAR_SECOND and _largest_turn(histories) <= CLEAR_SECOND
     larger = any(
@@ -95,7 +99,7 @@ def is_clearly_larger(
 
 
 def deformed_rows(n_steps: int) -> np.ndarray:
-    """Steps of a run at which its deformation is sampled, including the first."""
+    """Indices of the steps of a run at which its deformation is sampled, including the first."""
     return np.unique(np.linspace(0, n_steps - 1, DEFORMED + 1).round().astype(int))
 
 
@@ -123,7 +127,7 @@ def _largest_turn(histories: Mapping[str, ErrorHistory]) -> float:
 
 
 def _change(first: ErrorHistory, again: ErrorHistory) -> float:
-    """Largest difference of two estimates of an error, relative to the first."""
+    """Difference (RMS over nodes) of two estimates at the times of their maxima, relative to the first."""
     if not np.isfinite(again.rms).all():
         return np.inf
     rows = np.unique([int(np.argmax(first.rms)), int(np.argmax(again.rms))])

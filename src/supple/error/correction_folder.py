@@ -2,8 +2,8 @@
 
 round-<k>.h5        the motion of run k, a result file (see `storage`)
 round-<k>.stopped   the reason why run k ended before its last output time, if it did
-round-<k>.npz       written before run k starts: per body its basis V, the origin of its columns, and its
-                    error and indicator in run k - 1; the file ends in a seal
+round-<k>.npz       written before run k starts: per body its basis V, the report of the reduction, and its
+                    error and indicator in run k - 1; the file ends in a checksum
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class CorrectionFolder:
     def create(cls, folder: Path | str, *, case: str, inputs: Inputs | None = None) -> Self:
         """Start a new archive, and delete the rounds in the folder.
 
-        inputs : data on which the rounds depend, stored with each; by default its system, run and case
+        inputs : data on which the rounds depend, stored in each result file; default: system, run and case
 
         Raises
         ------
@@ -184,7 +184,7 @@ def _basis(kept: Mapping[str, np.ndarray], name: str, full: FullBody) -> Reducti
 
 
 def _plain_report(report: ReductionReport) -> dict[str, Any]:
-    """The mappings and tuples of a report in a form for JSON."""
+    """The mappings and tuples of a report as dictionaries and tuples, for JSON."""
     every = {item.name: getattr(report, item.name) for item in fields(report)}
     return {
         name: dict(value) if isinstance(value, Mapping) else value

@@ -38,16 +38,17 @@ __all__ = [
 class SelfCorrection:
     """The target error of a self-correction, and its limits.
 
-    absolute : float        largest RMS error of the nodal positions over the run, unit of length; or
-    relative : float        the same error over the largest displacement of a node; displacements are relative
-                            to the body's first interface, or to its floating frame without an interface
+    absolute : float        largest allowed RMS error of the nodal positions over the run, unit of length; or
+    relative : float        this error over the largest displacement of a node; displacements are relative to
+                            the body's first interface, or to its floating frame without an interface
     instants : int          number of stratified samples of the run at which the residual is balanced, in
                             addition to the times of load peaks and kinks
-    directions : int        columns added per round; fewer may save single columns, but omission of a stiff
-                            direction causes locking and costs a further round
+    directions : int        columns added per round and body; fewer may save a few columns, but a missing
+                            stiff direction causes locking and costs a further round
     largest_size : int      largest number of coordinates of the basis
     max_rounds : int        largest number of enrichments
-    of : QuantityOfInterest     quantity whose error is limited; by default the positions of all nodes
+    of : QuantityOfInterest     quantity whose error is limited; by default the positions of all nodes. It
+                            determines the unit of absolute; relative refers to its size
 
     Raises ModelError when both or none of absolute and relative are given, or a number is not positive.
     """
@@ -69,7 +70,7 @@ class SelfCorrection:
                 raise ModelError(f"self-correction: {name} must be a positive number, not {value}")
 
     def allowed(self, size: float) -> float:
-        """The target error of a quantity of given size; for a whole body, its largest displacement."""
+        """The target error; size : reference size of the quantity (whole body: its largest displacement)."""
         return self.absolute or (self.relative or 0.0) * size
 
     def quantity(self, body: str) -> QuantityOfInterest:
@@ -89,8 +90,8 @@ class ReductionStart:
     """Start of the reduction of one body, and its target error.
 
     target : SelfCorrection
-    basis, derivatives, quartic : as for `reduce`, except that tensors are plain (not condensed) by default:
-        the rounds add the missing directions to the basis, so that loads act on all motion
+    basis, derivatives, quartic : as for `reduce`, with other defaults. Tensors are plain (not condensed) by
+        default: the rounds add the missing directions to the basis, and loads act on motion in the basis only
     """
 
     target: SelfCorrection = field(default_factory=lambda: SelfCorrection(relative=1e-3))
@@ -111,15 +112,16 @@ class Round:
     estimated_error : float         of the quantity of interest (by default the largest RMS error of the nodal
                                     positions), by the error equation; infinite where the run stopped early
                                     or the error is too large for the equation
-    indicator : float               largest RMS of the motion outside the basis, at the sample times
-    singular_values : (k,)          of that motion outside the basis, in the M-norm, descending; empty for a
-                                    body that is not enriched further
-    seconds : float                 wall time of the reduction, the run and its correction, of all bodies
+    indicator : float               largest RMS over the nodes of the quasi-static motion outside the basis,
+                                    at the sample times; infinite where no equilibrium was found
+    singular_values : (k,)          of the displacement fields outside the basis, in the M-norm, descending
+    seconds : float                 wall time of reduction, run and error estimate, for all bodies
     allowed : float                 the target error, in the unit of the quantity of interest
     useless : bool                  no improvement over the previous round
-    unconfirmed : bool              the body locks, or the quasi-static motion outside the basis exceeds the
-                                    estimated error, and no second run has confirmed that error
-    number : int | None             number of the run in the archive; None: the number of the round
+    unconfirmed : bool              the estimated error is doubtful (the body locks, or the quasi-static
+                                    motion outside the basis exceeds both the estimated and the allowed
+                                    error), and no second run has confirmed it
+    number : int | None             number of the run in the archive; None: equal to that of the round
     run : Run | None                the settings with which the run was made
     """
 
@@ -167,7 +169,7 @@ class SelfCorrected:
 
     @property
     def estimated_error(self) -> float:
-        """Error of that run, in the unit of the quantity of interest."""
+        """Estimated error of the last round, in the unit of the quantity of interest."""
         return self.rounds[-1].estimated_error
 
 
@@ -193,7 +195,7 @@ class CorrectedSystem:
 
 
 class SelfCorrectionError(AccuracyError):
-    """The target error was not met; `rounds` holds every run that was made and assessed."""
+    """The target error was not met; `rounds` holds the assessed runs (none for a correction at rest)."""
 
     def __init__(self, message: str, rounds: tuple[Round, ...]) -> None:
         super().__init__(message)

@@ -1,4 +1,4 @@
-"""Self-correction at rest: find an equilibrium or modes, and enrich the bases by the motion outside them.
+"""Self-correction at rest: find an equilibrium or modes, and enrich the bases by motion outside the bases.
 
 No time integration is needed. One factorisation gives the equilibrium in all coordinates from the reduced
 equilibrium, and the enriched basis contains it. One or two rounds therefore suffice.
@@ -75,7 +75,7 @@ def correct_at_rest(
     spin: Spin | None = None,
     search: StaticSearch | None = None,
 ) -> tuple[Equilibrium, StaticallyCorrected]:
-    """Reduce bodies of a system together until their error in an equilibrium is allowed.
+    """The last equilibrium, and bodies of a system reduced together until their error in it is allowed.
 
     system : System     contains each body to reduce as a FullBody, with its frame and damping
     target : the target error of every full body (SelfCorrection), or also its start basis (ReductionStart);
@@ -101,7 +101,7 @@ def correct_at_rest(
 
 
 def missed_at_rest(found: Equilibrium, starts: Mapping[str, ReductionStart]) -> dict[str, MotionOutsideBasis]:
-    """Motion outside the bases in an equilibrium; errors are those of the targets' quantities of interest."""
+    """Motion outside the bases in an equilibrium, and the errors of the quantities of interest, by body."""
     missed = {}
     for name, start in starts.items():
         quantity = start.target.quantity(name)
@@ -117,7 +117,7 @@ def missed_at_rest(found: Equilibrium, starts: Mapping[str, ReductionStart]) -> 
 def correct_statically(
     system: System, starts: Mapping[str, ReductionStart], look: Look
 ) -> StaticallyCorrected:
-    """Repeat `look` and enrichment until every body meets its target; errors as for `correct_at_rest`."""
+    """Repeat `look` and enrichment until every body meets its target; raises as `correct_at_rest`."""
     fulls = system.bodies_of(FullBody)
     if not starts or not starts.keys() <= fulls.keys():
         other = next((name for name in starts if name not in fulls), None)

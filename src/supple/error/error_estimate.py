@@ -58,9 +58,10 @@ __all__ = ["ErrorEstimate", "ErrorEstimator", "MissingMotionAlongRun", "estimate
 
 INSTANTS = 24
 FRESH = 8
-"""Number of `INSTANTS` not used to build the error space: corrections there measure the part outside it."""
+"""Sample times out of every `INSTANTS` that are not used to build the error space. The corrections at these
+times measure the part of the error outside that space."""
 DIVERGED = 10.0
-"""Ratio of error to deformation above which the error is a numerical instability."""
+"""Ratio of error to deformation above which the error equation counts as diverged."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,10 +70,10 @@ class ErrorEstimate:
 
     error : BasisError
     histories : ErrorHistory, by body       the error at every step of the run
-    missed : (n, m), by body                displacement fields outside the basis, scaled as in the run
+    missed : (n, m), by body                displacement fields outside the basis, with their size in the run
     corrections : ResidualCorrections, by body      the quasi-static motion outside the basis
-    corrected : the system in the columns of the error, and the estimate of its true motion; these give
-                the error of any quantity of interest; None without an estimate
+    corrected : the system reduced to the columns of the error, and the estimate of its true motion; its
+                distance from the run is the error of any quantity of interest; None without an estimate
     factorizations : int    number of factorisations of the whole system or of a full body
     """
 
@@ -89,9 +90,9 @@ class MissingMotionAlongRun:
     """Motion outside the bases of a run at some times, from equilibria of the full bodies.
 
     steps : the run at every step, or at its output times if it stopped early
-    corrections : by body, at the times used to build the error space and at further times
+    corrections : by body, first at the times used to build the error space, then at further times
     n_looked : number of the times used to build the error space
-    along : indices of many steps, for tangents that contain this motion
+    along : indices of the sample times and of the intermediate times between them, among the steps
     """
 
     steps: EveryStep
@@ -114,7 +115,7 @@ def estimate_error(
     *,
     progress: Progress | None = None,
 ) -> BasisError:
-    """Error of a reduced run caused by its bases, without a full run; for self-corrected and other runs.
+    """Error of a reduced run caused by its bases, estimated without a full-order run.
 
     To first order the error obeys the full equations of the system, linearised about the run and driven by
     the run's own residual. These equations are solved in about a hundred coordinates per body
@@ -131,21 +132,24 @@ def estimate_error(
 
     Returns
     -------
-    BasisError      by body; infinite where the run stopped early or the equation has no finite solution
+    BasisError      by body; infinite if the run stopped early or the solution of the equation diverges
 
     Raises
     ------
-    ModelError      bodies that are not full in `system`, or not reduced in `reduced`
-    AccuracyError   a tangent is singular, as for `system_corrections`
+    ModelError      bodies that are not full in `system`, or not reduced in `reduced`; a machine with
+                    controllers or intrinsic bodies
+    AccuracyError   no equilibrium was found and a tangent is singular, as for `system_corrections`
     """
     return ErrorEstimator(system, run).assess(reduced, bases, solution, progress=progress).error
 
 
 class ErrorEstimator:
-    """Estimates the errors of runs of one system; its full bodies are factored once.
+    """Estimates the errors of runs of one system; the modes of its full bodies are computed once.
 
     system : System     with the bodies to assess as FullBody
     run : Run           settings of all these runs
+
+    Raises ModelError for a machine with controllers or intrinsic bodies.
     """
 
     def __init__(self, system: System, run: Run) -> None:
@@ -169,8 +173,9 @@ class ErrorEstimator:
         """Error of one run caused by its bases; parameters as for `estimate_error`.
 
         instants : number of times at which the residual is balanced, in addition to load peaks and kinks
-        allowed : RMS over the nodes, by body; clearly larger errors are estimated to first order
-        proven : largest error of the tangents along the run, over the stiffness at rest
+        allowed : allowed RMS error of the nodes, by body; a clearly larger error (`is_clearly_larger`) is
+            estimated to first order only
+        proven : allowed error of the elastic tangents along the run, relative to the stiffness at rest
         """
         missing = self.missing_motion(reduced, bases, solution, instants=instants, progress=progress)
         if solution.stopped is not None:
@@ -196,7 +201,7 @@ class ErrorEstimator:
         instants: int = INSTANTS,
         progress: Progress | None = None,
     ) -> MissingMotionAlongRun:
-        """Motion outside the bases at some times, by equilibria; also of a run that stopped early."""
+        """Motion outside the bases at sample times, from equilibria; the run may have stopped early."""
         fulls = self._to_assess(bases)
         steps = every_step(reduced, self._run, solution) if solution.stopped is None else as_outputs(solution)
         looked, fresh = self._instants(steps.solution.times, instants)
@@ -270,7 +275,7 @@ class ErrorEstimator:
         }
         added = {name: _missing(history, second[name], fields[name]) for name, history in histories.items()}
         corrected = equation.corrected(found, steps.outputs)
-        # Factorisations: of the corrections; and per body one of the modes and one of the couplings.
+        # Factorisations: those of the corrections, and per body one for the modes and one for the couplings.
         factorizations = max(own.factorizations for own in missed.values()) + 2 * len(fulls)
         return ErrorEstimate(BasisError(errors), histories, added, missed, corrected, factorizations)
 
@@ -315,7 +320,7 @@ class ErrorEstimator:
         return AssessedBody(full, motion, space, full.damping or modal_damping(body))
 
     def start_errors(self, steps: Solution, bases: Mapping[str, ReductionBasis]) -> dict[str, StartError]:
-        """True start less the start of the run, by body; empty where both start as placed."""
+        """True start state less that of the run, by body; empty if all start as placed and undeformed."""
         placed = {each.body.name: each for each in self._system.bodies}
         as_given = all(
             np.array_equal(np.asarray(given), motion[0])
@@ -345,7 +350,7 @@ class ErrorEstimator:
 
 
 def reduced_form(system: System, name: str) -> ReducedBody:
-    """A body of a run in its reduced form; ModelError for another form."""
+    """The reduced form of a body; raises ModelError if the body is not reduced in this system."""
     body, reduced = system.placed(name, "error estimate").body, system.bodies_of(ReducedBody)
     if name not in reduced:
         raise ModelError(
@@ -373,13 +378,17 @@ def check_linearised(system: System) -> None:
 def is_smooth(system: System) -> bool:
     """Whether a machine has no force elements, hence no contacts, friction or limits.
 
-    Even a small error may exceed a contact depth or the distance to a limit.
+    With force elements the first order is not enough: even a small error may exceed a contact depth or the
+    distance to a limit.
     """
     return not any(isinstance(load, ForceElement) for load in system.loads)
 
 
 def modal_damping(body: ReducedBody) -> ModalDamping | None:
-    """Modal damping of a reduced body whose full body has none; higher modes have the last ratio."""
+    """Damping for a full body without damping: modal ratios of its reduced body; None if undamped.
+
+    Modes of the full body above those of the reduced body have the last ratio.
+    """
     if not body.damping.any():
         return None
     squares, modes = np.linalg.eigh(body.stiffness)
@@ -419,10 +428,10 @@ def _differences(
 ) -> Differences | None:
     """True motion less the run's, the errors by body, and their last relative change by body.
 
-    None where the differences grow far beyond the deformation: the order of magnitude is then unknown, too.
-    missed_along : quasi-static motion outside the bases, at many times
+    None if the error exceeds `DIVERGED` times the deformation: not even its order of magnitude is known then.
+    missed_along : function that returns the quasi-static motion outside the bases at many times
     allowed : as for `ErrorEstimator.assess`
-    smooth : bool   whether elastic second corrections suffice to show that an error is small
+    smooth : bool   whether small elastic second corrections suffice as proof that an error is small
     """
     found = equation.first()
     histories = equation.histories(found)
@@ -434,8 +443,8 @@ def _differences(
         first = (found, histories, second) if known else converged(equation, found, histories, smooth=smooth)
     nonlinear = not all(history.body.full.is_linear for history in histories.values())
     if nonlinear and max(first[2].values()) > FIRST_ORDER:
-        # Tangents at the run's own state can be unstable: where walls should have buckled but have not in
-        # the run, any difference grows. At the run plus the motion outside its bases, tangents are stable.
+        # Tangents at the state of the run can be unstable: if walls of a body buckle, but not in the run, all
+        # differences grow. At the state of the run plus the motion outside its bases, tangents are stable.
         tangents = equation.with_missed({name: _known(own) for name, own in missed_along().items()})
         about = equation.first(tangents)
         other = converged(equation, about, equation.histories(about), tangents, smooth=smooth)
@@ -465,10 +474,12 @@ def body_error(
     indicator: float = 0.0,
     locking_loss: float = 0.0,
 ) -> BodyError:
-    """Error of a body from its history.
+    """`BodyError` of a body from the history of its error.
 
+    second : ratio of the second correction to the first
+    outputs : indices of the output times among the steps
     fresh : (n, m)          corrections that were not used to build the error space
-    indicator, locking_loss :   as of BodyError
+    indicator, locking_loss :   as in `BodyError`
     """
     rms = history.rms[outputs]
     row = int(outputs[np.argmax(rms)])
@@ -479,7 +490,7 @@ def body_error(
         worst_node=int(np.argmax(sizes)),
         worst_time=float(history.times[row]),
         rest=_rest(history, fresh),
-        # Without the quasi-static motion outside the basis, the columns of such a large error may lock.
+        # If an equilibrium is missing, the columns of the error may lock; a large error is then not known.
         second=np.inf if is_large(history) and not np.isfinite(indicator) else second,
         history=rms,
         indicator=indicator,
@@ -502,10 +513,10 @@ def _rest(history: ErrorHistory, fresh: np.ndarray) -> float:
 
 
 def _missing(history: ErrorHistory, second: float, corrections: np.ndarray) -> np.ndarray:
-    """Fields (n, m) for new columns: the corrections, and the error where it is known.
+    """Fields (n, m) for new columns: the corrections, and the leading directions of a converged error.
 
-    Where the march of the error has diverged, its shapes are those of the instability. For a blade with
-    buckling walls, such shapes would displace columns found by the corrections.
+    If the second correction to the error is large, the march may have diverged; the error then has the shapes
+    of the instability. For a blade with buckling walls, these would take the place of the corrections.
     """
     if second > FIRST_ORDER and not history.body.full.is_linear:
         return corrections

@@ -32,8 +32,8 @@ class ErrorStudy:
                         reduced bodies whose full bodies are given
     integration : bool  errors of step and tolerance, by two more runs: the first with a tighter tolerance,
                         the second also with half the step; False: only the floor of the integration error
-    model : bool        error of the kinematics, from the forces of all elements and one solution of the whole
-                        system at six times
+    model : bool        error of the kinematics, from the forces of all elements and a solution of the whole
+                        system at each of six times
     quantities : quantities of interest besides the positions of every elastic body
     """
 
@@ -69,8 +69,9 @@ def state_errors(
     ----------
     system, run, solution : the machine as simulated, the settings of the run, and its result
     study : ErrorStudy      by default all parts, of every elastic body
-    fulls : the full bodies of the reduced ones; without them the error of the basis is not estimated, and the
-        error of the model follows from the rotation limit
+    fulls : the full bodies of the reduced ones; without them, and in a machine with intrinsic bodies, the
+        error of their bases is not estimated, and the error of the model follows from the rotation limit. The
+        error of the basis is not estimated either if the run stopped early
     progress : called with the name of the current step and its completed fraction
 
     Raises
@@ -84,7 +85,7 @@ def state_errors(
     study, run = study or ErrorStudy(), with_chosen_step(system, run)
     if not isinstance(fulls, Mapping):
         fulls = {full.name: full for full in fulls}
-    # The equations of floating bodies give no estimates in a machine with an intrinsic body.
+    # In a machine with an intrinsic body the error equation of floating bodies is not available.
     known = {} if system.bodies_of(IntrinsicBody) else _of_machine(system, fulls)
     quantities = quantities_of_interest(system, study)
     bases = stored_bases(system, known)
@@ -120,7 +121,7 @@ def statements(
 ) -> dict[str, ErrorStatement]:
     """The error statements of a run, by name of the quantity.
 
-    of_basis : given error of the basis, by quantity; a full body has no such part
+    of_basis : error of the basis, by quantity; for a full body the part is zero
     allowed : largest allowed sum of the parts, by quantity
     """
     quantities = quantities_of_interest(system, study) if quantities is None else quantities
@@ -152,7 +153,7 @@ def statements(
 
 
 def _of_machine(system: System, fulls: Mapping[str, FullBody]) -> dict[str, FullBody]:
-    """The full bodies of the reduced bodies of the machine."""
+    """The full bodies of bodies that are not full in the machine; ModelError for a differing node count."""
     for name, full in fulls.items():
         body = system.placed(name, "stated error").body
         if len(body.nodes) != len(full.nodes):

@@ -1,18 +1,18 @@
 """Error of a run caused by the time integration: its step, and the tolerance of Newton's iteration.
 
 Two more runs of the same machine measure this error, the first with a hundredth of the tolerance, the second
-in addition with half the step. With q(h) and q(h/2) their motions, and q(h) = q + c h^2 + .. for an
-integrator of second order,
+in addition with half the step. With q the exact motion, q(h) and q(h/2) the motions of these runs, and
+q(h) = q + c h^2 + .. for an integrator of second order,
 
     step = 4/3 |q(h) - q(h/2)|,        newton = max( |q_run - q(h)|, 10 tol |u| ),
 
-both in the norm of the quantity of interest. Where a load jumps, a fixed step meets the jump up to half a
-step too early or too late. This error is of first order, q(h) = q + c h + .., and halves with the step. The
-stated error of the step is then its bound 2 |q(h) - q(h/2)|. Adaptive steps with local error tol have a
-global error of about tol^(2/3). For these, the second run has an eighth of the local error and half the
-largest step. Newton's tolerance is relative to the forces in balance. The remaining error is therefore at
-least about ten times tol |u|, u the displacement. This floor of the integration error is the smallest value
-stated.
+both in the norm of the quantity of interest, with tol Newton's tolerance and u the displacement. Where a load
+or a prescribed acceleration jumps, a fixed step meets the jump up to half a step too early or too late. This
+error is of first order, q(h) = q + c h + .., and halves with the step. The stated error of the step is then
+its bound 2 |q(h) - q(h/2)|. Adaptive steps with local error e have a global error of about e^(2/3). For
+these, the second run has an eighth of the local error and half the largest step. Newton's tolerance is
+relative to the forces in balance. The remaining error is therefore at least about ten times tol |u|: the
+floor of the integration error, and the smallest value stated for Newton's tolerance.
 """
 
 from __future__ import annotations
@@ -43,20 +43,20 @@ __all__ = ["IntegrationError", "floor_of", "integration_errors", "with_shorter_s
 
 HALF = 0.5
 TIGHTER = 1e-2
-"""Tolerance of the two runs over that of the assessed run."""
+"""Newton's tolerance of the two runs over that of the assessed run."""
 RICHARDSON = 4 / 3
 """1 / (1 - HALF^2): error of second order over its change from h to h/2."""
 AT_JUMPS = 2.0
-"""1 / (1 - HALF): the same for an error of first order."""
+"""1 / (1 - HALF): error of first order over its change from h to h/2."""
 FLOOR = 10.0
-"""Floor of the error, over displacement times tolerance."""
+"""Ratio of the floor of the error to displacement times Newton's tolerance."""
 TIGHTEST = 1e-12
 """Smallest relative residual above round-off."""
 
 
 @dataclass(frozen=True)
 class IntegrationError:
-    """Errors of the step and of Newton's tolerance for one quantity; None where not estimated."""
+    """Errors of the step (None if not estimated) and of Newton's tolerance for one quantity."""
 
     step: ErrorPart | None
     newton: ErrorPart

@@ -14,7 +14,7 @@ def leading_fields(columns: Array, coordinates: Array, number: int = 1, most: in
     """Principal directions (n, m) of a motion X c(t), each with its root mean square size times sqrt(number).
 
     columns : (n, r) X;  coordinates : (t, r)
-    number : weight of all directions together, as a number of fields
+    number : the directions together have the weight of this number of fields
     most : largest m; default all
     """
     _, sizes, rows = np.linalg.svd(coordinates, full_matrices=False)

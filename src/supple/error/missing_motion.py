@@ -1,23 +1,26 @@
 """Equilibrium of the full equations at a time of a reduced run, by modified Newton's method.
 
-With the residual r at the run's expanded state (`residual_correction`), the missing motion delta satisfies
+With the residual r of the full equations at the run's expanded state (`residual_correction`), the frame
+conditions D and the joint equations g, the missing motion delta satisfies
 
     r( q + delta, accelerations + delta / p ) = 0,      D delta = 0,      g( q + delta ) = 0
 
-with the run's velocities and time. One Newton step is enough where the body responds linearly. Elsewhere one
-step can be wrong by 100 % and even have the wrong sign, for example for the wall of a shell that is pulled
-straight or about to buckle. A basis enriched by such directions does not improve.
+with the run's velocities and time; p is the ratio of displacement to acceleration. One Newton step is enough
+where the body responds linearly. Elsewhere one step can be wrong by 100 % and even have the wrong sign, for
+example for the wall of a shell that is pulled straight or about to buckle. Such directions do not improve a
+basis.
 
 The solution at one time is the start value at the next: missing motion grows from zero and is followed as it
 grows. A shell whose walls buckle has several equilibria close together, and the motion follows one of them.
 If sample times are far apart, the search leaves this equilibrium (61.5 m blade at 8 rad/s: at intervals of
 0.6 s, but not of 0.2 s). At intermediate times a relative correction of a tenth is accurate enough, because
-the search at the next sample time has the strict tolerance again. A tangent is frozen over several times
-while it reduces corrections to less than a third.
+the search at the next sample time has the strict tolerance again. A tangent is used again at later times
+while it reduces every correction to 0.3 of the previous one or less.
 
-Not all sample times need intermediate times. If every correction by one tangent, from the last solution on,
-is less than a third of the previous one, the iteration is a contraction. Its limit is then the only solution
-nearby, the same as with intermediate times. Otherwise the motion is followed along the intermediate times.
+Not all sample times need intermediate times. If one tangent reduces every correction, from the last solution
+on, to 0.3 of the previous one or less, the iteration is a contraction. Its limit is then the only solution
+nearby, which the search along intermediate times would also find. Otherwise the motion is followed along the
+intermediate times.
 Source: original to this project.
 """
 
@@ -39,24 +42,26 @@ __all__ = ["CONVERGED", "FOLLOWED", "MissingMotion", "MissingMotionSearch"]
 CONVERGED = 1e-3
 """Convergence tolerance: ratio of the last correction to the motion found."""
 FOLLOWED = 0.1
-"""The same at intermediate times."""
+"""Convergence tolerance at intermediate times: the same ratio."""
 IRRELEVANT = 1e-7
-"""Ratio of correction to deformation below which a correction is always the last."""
+"""Ratio of a correction to the deformation; a smaller correction is always the last."""
 FAST, SLOW = 0.3, 0.8
-"""Largest ratio of successive corrections with a frozen tangent, and with a new one."""
+"""Ratios of a correction to the previous one. Above `FAST` the frozen tangent is discarded. Above `SLOW` a
+correction with an old tangent is repeated with a new one; the second correction above `SLOW` with a new
+tangent ends the search."""
 MOST_CORRECTIONS = 12
 MOST_RELAXATIONS = 4
 """Largest number of searches by `_relaxed` in one run: each needs many factorisations."""
 MOST_STEPS_DOWNHILL = 16
 HEAVIER = 1e4
-"""Factor of the inertia in the first downhill step."""
+"""Factor on the inertia M / p in the first downhill step."""
 LARGEST_MOVE = 0.02
 """Largest ratio of a downhill step to the deformation."""
 
 
 @dataclass(frozen=True, eq=False)
 class MissingMotion:
-    """Change of the state to equilibrium.
+    """Change of a state that leads to equilibrium.
 
     displacement : (n,)                     of all degrees of freedom; for each body those of its frame first
     multipliers, frame_multipliers :        changes of the joint forces and of the frame forces of full bodies
@@ -80,7 +85,7 @@ Search = Callable[[FullState, MissingMotion, float], MissingMotion | None]
 
 
 class MissingMotionSearch:
-    """Finds the missing motion at ascending times; keeps the last solution and the tangent.
+    """Finds the missing motion at ascending times; each search starts from the last solution and tangent.
 
     machine : FullSystem
     by_position : float     p, the ratio of displacement to acceleration; large for slow motion
@@ -113,13 +118,13 @@ class MissingMotionSearch:
         return None
 
     def directly(self, state: FullState, tolerance: float = CONVERGED) -> MissingMotion | None:
-        """Missing motion by iteration from the last solution; None where this is no contraction."""
+        """Missing motion by iteration from the last solution; None if it does not contract or is singular."""
         begin = self._beginning(state)
         for _ in range(2 if self._tangent is not None else 1):
             try:
                 found = self._contracted(state, begin, tolerance)
             except AccuracyError:
-                # A singular tangent is then reported by the search at the intermediate times.
+                # The search at the intermediate times then reports the singular tangent.
                 found = None
             if found is not None:
                 self._last = found
@@ -158,7 +163,7 @@ class MissingMotionSearch:
         )
 
     def _beginning(self, state: FullState) -> MissingMotion:
-        """The last deformation without frame motion: frames and force directions have moved since."""
+        """Start value: the last deformation, without motion or forces of frames, which have moved since."""
         none = self._none(state)
         if self._last is None:
             return none
@@ -177,7 +182,7 @@ class MissingMotionSearch:
             if not rate <= FAST:
                 return None
             at = at + more
-            # The next correction is smaller by the same ratio, which is unknown for the first correction.
+            # The next correction is smaller by the same ratio; after the first one, `FAST` is assumed.
             if (rate or FAST) * size <= self._last_correction(state, at, tolerance):
                 return at
         return None
@@ -203,14 +208,14 @@ class MissingMotionSearch:
                     continue
             at = at + more
             # Where corrections shrink fast, the next one would be smaller by the same ratio, which is unknown
-            # for the first correction.
+            # after the first one.
             left = rate * size if 0.0 < rate < FAST else size
             if left <= self._last_correction(state, at, tolerance):
                 return at
         return None
 
     def _relaxed(self, state: FullState, begin: MissingMotion, tolerance: float) -> MissingMotion | None:
-        """Implicit steps of falling energy that become Newton steps and end in a stable equilibrium."""
+        """Implicit steps that reduce the energy, become Newton steps and end in a stable equilibrium."""
         limit = LARGEST_MOVE * self._deformation(state)
         at, by_position = begin, self._by_position / HEAVIER
         self._tangent = None
@@ -267,7 +272,7 @@ class MissingMotionSearch:
         return max(tolerance * self._size(found), IRRELEVANT * self._deformation(state))
 
     def _factored(self, at: Evaluation, by_position: float) -> FrozenTangent:
-        """Frozen symmetric part of the tangent; the whole tangent where the factorisation needs pivots."""
+        """Frozen symmetric part of the tangent; the whole tangent if that part cannot be factored."""
         factors = StepFactors(by_position=by_position, by_velocity=0.0)
         still = np.zeros((len(self._machine.interiors), 3))
         self.factorizations += 1

@@ -2,44 +2,48 @@
 
 Elements that rotate relative to their body's frame, and rigid interfaces that rotate with them, have spurious
 strains of third order in the rotation. At the times of the largest rotations, the force f of the elements is
-compared with that of the same elements in axes of their own (`turned_force`). One Newton step of the whole
-system gives the resulting change of the motion,
+compared with the force f_turned of the same elements in corotational axes (`turned_force`). One Newton step
+of the whole system gives the resulting change of the motion,
 
     K_t delta = - ( f_turned(q) - f(q) ),
 
 with joints and frames constrained as for the motion outside a basis. q is the run's motion plus quasi-static
 motion outside its basis (`missing_motion`). In the run's own motion, elements may be compressed, because the
 basis cannot relax the compression; K_t would be nearly singular there. For a strip of 1 m, bent by a quarter
-of its length, it would be 5 mm, not 0.1 mm. The estimate is quasi-static. It does not include changed
-frequencies, which affect the phase of long vibrations, nor the discretisation error of the mesh.
+of its length, the estimate would then be 5 mm instead of 0.1 mm. The estimate is quasi-static. It does not
+include changed frequencies, which affect the phase of long vibrations, nor the discretisation error of the
+mesh.
 
 A body without elements, and any body of a machine with controllers, is assessed by its rotation limit: the
 relative error of a deflection is about 2e-3 at the `rotation_limit` (strips of h/t = 10) and grows with the
 third power of the rotation.
 
-A linear body is compared with the original body, whose quadratic strains include the shortening by bending
-and the stiffening of the membrane. If the body bends by more than its thickness, its linear motion has a
-large residual from stretching alone (plate 4 mm thick, nodes displaced by 14 mm: an error of 0.3 m, not
-0.14 mm). The linear motion is therefore corrected to second order first; Newton's method continues from the
-result (`MissingMotionSearch`). The error of a linear body without elements is theta^2 / 2 of its length, with
-theta its largest rotation. Where rotations are unknown, theta = 3 u / 2 L, that of a cantilever with the
-same displacement u.
+A linear body is compared with the body before linearisation, whose quadratic strains include the shortening
+by bending and the membrane stiffening. If the body bends by more than its thickness, its linear motion has a
+large residual from stretching alone (plate 4 mm thick, nodes displaced by 14 mm: the estimate would be 0.3 m
+instead of 0.14 mm). The linear motion is therefore corrected to second order first; Newton's method continues
+from the result (`MissingMotionSearch`). Without elements or with controllers, the error of a linear body is
+theta^2 / 2 of its length L, with theta its largest rotation. Where rotations are unknown,
+theta = 3 u / (2 L), that of a cantilever with the same end displacement u.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from supple.body import BodyForm, FlexibleBody, MeanAxisFrame, frame_projector, smaller_rotations
+from supple.body import BodyForm, FlexibleBody, MeanAxisFrame, smaller_rotations
 from supple.body.full_body import FullBody
 from supple.body.turned_elements import turned_force
 from supple.error.missing_motion import MissingMotionSearch
 from supple.error.residual_correction import (
+    ExpandedStates,
     ResidualCorrections,
     corrections_of,
+    displacements,
     expanded_states,
 )
 from supple.integrate import ErrorPart, FramedMotion, Solution
@@ -47,6 +51,7 @@ from supple.integrate.engine import Progress
 from supple.machine import System
 from supple.methods.floating.full.full_state import FullState
 from supple.quantities import PositionSensor, QuantityOfInterest, WholeBody
+from supple.quantities.place import Place
 from supple.quantities.quantity_of_interest import blocks_of_times, largest_displacement
 from supple.reduction import ReductionBasis
 
@@ -55,7 +60,7 @@ __all__ = ["model_errors", "model_errors_by_limit", "widest_instants"]
 INSTANTS = 6
 """Number of times at which forces are compared: those of the largest rotation in six parts of the run."""
 CANTILEVER = 1.5
-"""Rotation of a cantilever's end under a force, over its deflection divided by its length."""
+"""Ratio of the end rotation of a cantilever under an end force to its deflection over length."""
 AT_LIMIT = 2e-3
 """Relative error of the deflection at the rotation limit of the kinematics."""
 
@@ -74,19 +79,46 @@ def model_errors(
     Parameters
     ----------
     system, solution : the machine as simulated, with its bodies reduced, and the result
-    fulls : the same bodies with all coordinates, by name; without elements the rotation limit is used
+    fulls : the full bodies of the reduced ones, by name; the rotation limit is used for other bodies, bodies
+        without elements, and machines with controllers
     bases : of the reduced bodies, by name
-    quantities : the error of positions of one of these bodies follows from the body's own motion; the error
-        of another quantity from the relative error of its body, or from the largest one if it has no body
+    quantities : the error of positions of a body in `fulls` is the RMS of the computed change of its nodes;
+        for another quantity it is the size of the quantity times the relative error of its body, or times
+        the largest relative error of all bodies if the quantity has no body
     """
     seen_bodies = [full for name, full in fulls.items() if full.body.model is not None and name in bases]
     if system.controllers:  # their forces are known during the run only
         seen_bodies = []
-    missed: dict[str, ResidualCorrections] = {}
+    changes: _Changes | None = None
     if seen_bodies:
-        missed = _with_exact_rotations(system, seen_bodies, bases, solution, progress)
+        changes = _with_exact_rotations(system, seen_bodies, bases, solution, progress)
+    missed = {} if changes is None else changes.corrections
     limits = model_errors_by_limit(system, solution, but=missed)
-    return {each.name: _part(each, system, solution, fulls, missed, limits) for each in quantities}
+    errors = {**limits, **{body: float(own.rms.max()) for body, own in missed.items()}}
+    return {each.name: _part(each, system, solution, changes, errors) for each in quantities}
+
+
+@dataclass(frozen=True, eq=False)
+class _Changes:
+    """Quasi-static changes `steps` (k, n) of k states of the machine; `fulls` are its assessed bodies."""
+
+    seen: ExpandedStates
+    fulls: Sequence[FullBody]
+    states: Sequence[FullState]
+    steps: np.ndarray
+
+    @cached_property
+    def corrections(self) -> dict[str, ResidualCorrections]:
+        """The changes of each body."""
+        return corrections_of(self.seen, self.fulls, self.states, self.steps)
+
+    def rms_at(self, place: Place) -> float:
+        """Largest displacement of a place: of an interface, or RMS over nodes."""
+        number = [full.name for full in self.fulls].index(place.body)
+        index, full = self.seen.indices[number], self.fulls[number]
+        at = place.at if isinstance(place.at, str) else list(place.at)
+        moved = displacements(self.seen, index, full, at, self.states, self.steps)
+        return float(np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1)).max())
 
 
 def _with_exact_rotations(
@@ -95,8 +127,8 @@ def _with_exact_rotations(
     bases: Mapping[str, ReductionBasis],
     solution: Solution,
     progress: Progress | None,
-) -> dict[str, ResidualCorrections]:
-    """Quasi-static change of the motion if elements rotate exactly, at the largest rotations; by body."""
+) -> _Changes:
+    """Quasi-static change of the motion if elements rotate exactly, at the largest rotations."""
     instants = widest_instants(system, solution)
     seen = expanded_states(system, fulls, bases, solution, instants)
     search = MissingMotionSearch(seen.prepared, seen.by_position)
@@ -131,7 +163,7 @@ def _with_exact_rotations(
         steps[row] += further.response(state, forces(_spurious, state)).displacement
         if progress is not None:
             progress((row + 1) / len(instants))
-    return corrections_of(seen, fulls, states, steps)
+    return _Changes(seen, fulls, states, steps)
 
 
 def _spurious(body: FlexibleBody, q: np.ndarray) -> np.ndarray:
@@ -155,7 +187,10 @@ def _with_quadratic_strains(full: FullBody) -> FullBody:
 def model_errors_by_limit(
     system: System, solution: Solution, *, but: Container[str] = ()
 ) -> dict[str, float]:
-    """RMS error of the nodes of every elastic body, from its largest rotation and its rotation limit.
+    """Error of the nodes of every elastic body, from its largest rotation and its rotation limit.
+
+    The error of a linear body follows from rotation and length; without a rotation limit the error is zero.
+
 
     but : names of bodies to leave out
     """
@@ -180,7 +215,7 @@ def model_errors_by_limit(
 
 
 def widest_instants(system: System, solution: Solution) -> np.ndarray:
-    """Indices of the output times of largest rotation, one in each of several parts of the run."""
+    """Indices of the output times of largest rotation, one in each of `INSTANTS` parts of the run."""
     turns = np.zeros(len(solution.times))
     for placed in system.bodies:
         if placed.body.n_coordinates:
@@ -206,29 +241,26 @@ def _part(
     quantity: QuantityOfInterest,
     system: System,
     solution: Solution,
-    fulls: Mapping[str, FullBody],
-    missed: Mapping[str, ResidualCorrections],
-    limits: Mapping[str, float],
+    changes: _Changes | None,
+    errors: Mapping[str, float],
 ) -> ErrorPart:
+    """The model part of a quantity; `errors` are those of the nodes of the bodies."""
     name = quantity.body
     remedy = _remedy(system, name)
-    if isinstance(quantity, WholeBody | PositionSensor) and name in missed:
-        value = float(missed[quantity.body].rms.max())
+    exactly = "elements and ties rotated exactly"
+    if changes is not None and name in changes.corrections:
+        if isinstance(quantity, WholeBody):
+            return ErrorPart(errors[name], exactly, remedy)
         if isinstance(quantity, PositionSensor):
-            full, at = fulls[quantity.body], quantity.place.at
-            nodes = list(full.interface(at).node_ids if isinstance(at, str) else at)
-            moved = _moved(full, missed[quantity.body])[:, nodes]
-            value = float(np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1)).max())
-        return ErrorPart(value, "elements and ties rotated exactly", remedy)
+            return ErrorPart(changes.rms_at(quantity.place), exactly, remedy)
     shares = [0.0]
-    errors = {**limits, **{body: float(own.rms.max()) for body, own in missed.items()}}
-    for body, own in errors.items():
+    for body, error in errors.items():
         if name not in (None, body):
             continue
         motion = solution.motion(body, FramedMotion)
         size = largest_displacement(system.placed(body).body, motion.coordinates)
         if size > 0:
-            shares.append(own / size)
+            shares.append(error / size)
     return ErrorPart(max(shares) * quantity.size(system, solution), "relative to the body's motion", remedy)
 
 
@@ -238,11 +270,3 @@ def _remedy(system: System, name: str | None) -> str:
     frames = [getattr(body, "frame", None) for body in bodies if name in (None, body.name)]
     others = [frame for frame in frames if not isinstance(frame, MeanAxisFrame)]
     return smaller_rotations((others or frames or [None])[0])
-
-
-def _moved(full: FullBody, missed: ResidualCorrections) -> np.ndarray:
-    """Missing displacement of the nodes (k, N, 3), in the axes of the body; small rotations of the frame."""
-    if not np.any(missed.origin) and not np.any(missed.rotation):
-        return full.expand(frame_projector(full.body, MeanAxisFrame())(missed.deformation).T)
-    turned = np.cross(missed.rotation[:, None], full.nodes)
-    return full.expand(missed.deformation.T) + turned

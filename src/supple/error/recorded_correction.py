@@ -57,7 +57,8 @@ def correct_recorded(
     ----------
     system, run, starts, announce, accepted, progress, study : as for `self_correct`; the validity limits of
         the run apply to the accepted run only, because a run with too small a basis may violate them
-    path : result file to write; `self_correction/` and `NAME-reduced.h5` are written to the same folder
+    path : result file to write; the folder `self_correction/` and, for each body NAME, the file
+        `NAME-reduced.h5` are written to the same folder
     case, metadata : stored in the file
     inputs : data on which the motion depends, as for `CorrectionFolder.create`
     resume : continue with the rounds of an interrupted run
@@ -84,7 +85,7 @@ def correct_recorded(
             **columns_of(corrected.system),
             **errors_metadata(corrected.solution.errors),
         }
-        # The motion is written last: where it exists, its bodies exist.
+        # The motion is written last: if its file exists, the files of the bodies exist.
         store_bodies(corrected.system, starts, path.parent)
         write_solution(
             path, corrected.solution, case=case, metadata=metadata, inputs=inputs or {"the case": case}
@@ -102,7 +103,7 @@ def _opened(
 ) -> CorrectionFolder:
     if resume:
         if path.exists():
-            # Raises an error for a complete run, or one that names a changed input.
+            # Raises an error if the run is complete or an input has changed.
             ResultFile.resume(path, case=case, inputs=inputs or {"the case": case}).close()
         return CorrectionFolder.resume(folder, case=case, inputs=inputs)
     if overwrite:

@@ -1,21 +1,21 @@
 """Motion outside a basis: the full-order residual along a reduced run, and the motion that balances it.
 
 At a time of the run the motion is expanded to all coordinates of the body, `q = V gamma + z(gamma)`, with its
-rates and accelerations; z is the motion that condensed tensors add to the columns. The full-order equations
-are evaluated with the run's joint forces. Along V the residual r vanishes. The remaining residual is balanced
-by Newton's method for the whole system (`missing_motion`), with corrections
+rates and accelerations; z is the motion outside the columns V that condensed tensors add (otherwise zero).
+The full-order equations are evaluated with the run's joint forces. Along V the residual r vanishes. The
+remaining residual is balanced by Newton's method for the whole system (`missing_motion`), with corrections
 
     [ K_t(q) + M / p   D^T   G^T ] [ delta  ]     [ r ]
     [ D                          ] [ mu     ] = - [ 0 ]
     [ G                          ] [ lambda ]     [ 0 ]
 
 K_t is the tangent of the deformed body and of the inertia forces at given accelerations (the centrifugal term
-softens, the tension it causes stiffens). The frame rows D and the joint rows G are constraints; the motion of
-the frame and of the other bodies and the joint forces are unknowns. One clamped interface, closed loops and
-free flight need no distinction. The inertia M / p resists rigid motion, which a static equilibrium
-would leave free. delta is the quasi-static missing motion. In displacements of the run, z is zero at the
-first interface; in these equations z is relative to the body's frame. The rigid motion between the two is
-subtracted from delta.
+softens, the tension it causes stiffens), M the mass matrix, p the ratio of displacement to acceleration. The
+frame rows D and the joint rows G are constraints, with multipliers mu and lambda; the motion of the frame and
+of the other bodies and the joint forces are unknowns. One clamped interface, closed loops and free flight are
+treated in the same way. The inertia M / p resists rigid motion, which a static equilibrium would leave free.
+delta is the quasi-static missing motion. In displacements of the run, z is zero at the first interface; in
+these equations z is relative to the body's frame. The rigid motion between the two is subtracted from delta.
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ from supple.simulation.full_rest import fixes_rigid_motion
 __all__ = ["ResidualCorrections", "active_constraints", "residual_corrections", "system_corrections"]
 
 _SLOWNESS = 100.0
-"""Ratio of the lowest natural frequency to 1 / sqrt(p): so large that M / p changes no deflection by a per
-cent, so small that a free body's tangent is regular."""
+"""Ratio of the lowest natural frequency to 1 / sqrt(p): large enough that M / p changes every deflection by
+less than one per cent, small enough that the tangent of a free body is regular."""
 _SLOWNESS_IN_FLIGHT = (3.0, 30.0)
-"""Bounds of this ratio where joints leave rigid motion free; the smaller one for rotating bodies. Only M / p
-resists rigid motion there: with larger ratios, a residual within the run's tolerance rotated a spinning beam
-by a radian."""
+"""Bounds of this ratio if the joints leave rigid motion free; fast rotation reduces it to the smaller bound.
+Only M / p resists the free rigid motion: with larger ratios, a residual within the run's tolerance rotated a
+spinning beam by a radian."""
 _FASTER_THAN_SPIN = 3.0
 """Ratio of 1 / sqrt(p) to the angular velocity, so that M / p exceeds the inertia forces of the rotation."""
 
@@ -130,9 +130,9 @@ def system_corrections(
 
     Raises
     ------
-    ModelError      the system has no such body, or one of another size
-    AccuracyError   tangents are singular at all times: the body has buckled, or its joints are in a
-                    singular position (dead centre)
+    ModelError      the system has no such body, or its number of coordinates is not that of the basis
+    AccuracyError   no equilibrium was found at any time and a tangent is singular: the body has buckled, or
+                    its joints are in a singular position (dead centre)
     """
     instants = np.asarray(instants)
     others = np.setdiff1d(np.zeros(0, dtype=np.intp) if between is None else between, instants)
@@ -170,23 +170,59 @@ def system_corrections(
 def corrections_of(
     seen: ExpandedStates, fulls: Sequence[FullBody], states: Sequence[FullState], steps: np.ndarray
 ) -> dict[str, ResidualCorrections]:
-    """Newton steps (k, n) of the whole system from k of its states, body by body."""
-    coordinates = np.array([state.configuration.coordinates for state in states])
-    rotations = np.array([state.configuration.rotations for state in states])
+    """The parts of single bodies in changes `steps` (k, n) of k states of the whole system, by name."""
     times = np.array([state.time for state in states])
-    prepared = seen.prepared
-    determined = fixes_rigid_motion(prepared.system, prepared.model)
-    return {
-        full.name: _of_body(
-            full,
-            times,
-            coordinates[:, prepared.coordinate_slices[index]],
-            rotations[:, index],
-            steps[:, prepared.slices[index]],
-            determined,
+    found = {}
+    for index, full in zip(seen.indices, fulls, strict=True):
+        own = steps[:, seen.prepared.slices[index]]
+        moved = displacements(seen, index, full, slice(None), states, steps)
+        found[full.name] = ResidualCorrections(
+            times=times,
+            deformation=own[:, 6:].T,
+            origin=own[:, :3],
+            rotation=own[:, 3:6],
+            rms=np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1)),
         )
-        for index, full in zip(seen.indices, fulls, strict=True)
-    }
+    return found
+
+
+def displacements(
+    seen: ExpandedStates,
+    index: int,
+    full: FullBody,
+    at: str | slice | Sequence[int],
+    states: Sequence[FullState],
+    steps: np.ndarray,
+) -> np.ndarray:
+    """Displacements (k, p, 3) of p nodes, or of an interface (p = 1), in changes `steps` (k, n) of k states.
+
+    If the joints fix all rigid motion they are global. Otherwise no static equilibrium determines the rigid
+    motion: they are those of the deformation in mean axes.
+
+    index : of the body in the machine
+    at : nodes, or the name of an interface
+    """
+    prepared = seen.prepared
+    if isinstance(at, str):
+        interface = full.interface(at)
+        places = interface.position[None]
+
+        def expand(coordinates: np.ndarray) -> np.ndarray:
+            return (coordinates @ interface.motion[:3].T)[:, None]
+    else:
+        places = full.nodes[at]
+
+        def expand(coordinates: np.ndarray) -> np.ndarray:
+            return full.expand(coordinates)[:, at]
+
+    own = steps[:, prepared.slices[index]]
+    if not fixes_rigid_motion(prepared.system, prepared.model):
+        return expand(frame_projector(full.body, MeanAxisFrame())(own[:, 6:].T).T)
+    part = prepared.coordinate_slices[index]
+    coordinates = np.array([state.configuration.coordinates[part] for state in states])
+    rotations = np.array([state.configuration.rotations[index] for state in states])
+    turned = np.cross(own[:, None, 3:6], places + expand(coordinates))
+    return in_space(own[:, :3], rotations, expand(own[:, 6:]) + turned)
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,7 +242,7 @@ class ExpandedStates:
     expanded: Mapping[str, _ExpandedMotion]
 
     def state(self, row: int) -> FullState:
-        """The state at one of the times, by its index."""
+        """The state at the output time with index `instants[row]`."""
         return _expanded(self.prepared, self.solution, self.expanded, row, int(self.instants[row]))
 
 
@@ -275,26 +311,8 @@ def _found(system: System, full: FullBody, basis: ReductionBasis) -> tuple[int, 
     return index, body
 
 
-def _of_body(
-    full: FullBody,
-    times: np.ndarray,
-    coordinates: np.ndarray,
-    rotations: np.ndarray,
-    steps: np.ndarray,
-    determined: bool,
-) -> ResidualCorrections:
-    """The part of one body in the steps (k, 6 + n) of the system."""
-    return ResidualCorrections(
-        times=times,
-        deformation=steps[:, 6:].T,
-        origin=steps[:, :3],
-        rotation=steps[:, 3:6],
-        rms=_nodal_rms(full, coordinates, rotations, steps, determined),
-    )
-
-
 class _ExpandedMotion(NamedTuple):
-    """Coordinates (k, n) of one body at the times; `rigid` (k, 6) as in `RunColumns`."""
+    """Coordinates (k, n) of one body at k times; `rigid` (k, 6): rigid part of z, as in `RunColumns`."""
 
     coordinates: np.ndarray
     coordinate_rates: np.ndarray
@@ -313,7 +331,7 @@ def _expanded_motion(
     rigid = np.zeros((len(gamma), 6))
     if reduced.condensed is not None:
         condensation = Condensation(full.body, basis)
-        z = condensation.bilinear  # z(gamma) = z(gamma, gamma), so its derivatives:
+        z = condensation.bilinear  # z(gamma) = z(gamma, gamma); rates by the product rule
         following = z(gamma, gamma)
         rigid = condensation.rigid_part(following).T
         moved[0] = moved[0] + following.T
@@ -359,17 +377,3 @@ def _expanded(
         # Frame conditions carry no force: the six frame equations already balance the sum of nodal forces.
         frame_multipliers=tuple(np.zeros(6) for _ in prepared.interiors),
     )
-
-
-def _nodal_rms(
-    full: FullBody, coordinates: np.ndarray, rotations: np.ndarray, steps: np.ndarray, determined: bool
-) -> np.ndarray:
-    """Root-mean-square displacement of the nodes, (k,); with the rigid motion if joints determine it."""
-    if not determined:
-        without = frame_projector(full.body, MeanAxisFrame())(steps[:, 6:].T)
-        moved = full.expand(without.T)
-    else:
-        places = full.nodes + full.expand(coordinates)
-        seen = full.expand(steps[:, 6:]) + np.cross(steps[:, None, 3:6], places)
-        moved = in_space(steps[:, :3], rotations, seen)
-    return np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1))

@@ -1,4 +1,4 @@
-"""Archives of the rounds of a self-correction, which can be resumed from them."""
+"""Archives of the rounds of a self-correction, from which an interrupted self-correction is continued."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class RoundArchive(Protocol):
         ...
 
     def simulate(self, number: int, system: System, run: Run, *, progress: Progress) -> Solution:
-        """Simulate from the start or the stored part; `Solution.stopped` is the reason of an early end."""
+        """Simulate a run, or continue its stored part; `Solution.stopped` is the reason of an early end."""
         ...
 
 

@@ -36,9 +36,9 @@ def correction_numbers(rounds: Sequence[Round]) -> list[dict[str, Any]]:
 
 
 def best_round(numbers: Sequence[Mapping[str, Any]]) -> int:
-    """Index of the round whose largest ratio of error to allowed error is smallest; the last if all unknown.
+    """Number of the round with the smallest ratio of error to allowed error; the last one if all are unknown.
 
-    An unconfirmed error counts as unknown.
+    With several bodies, the largest ratio of a round counts. An unconfirmed error counts as unknown.
     """
     worst: dict[int, float] = {}
     for each in numbers:

@@ -36,11 +36,13 @@ def self_correct(
     """Reduce bodies of a system together until the estimated error of their run is allowed.
 
     Start with small bases and run. Estimate the error and the motion outside the bases (`estimate_error`).
-    Append the leading directions of that motion to the bases, and run again. Neither a full-order time
-    integration nor a run with a finer basis is needed: the run's own residual at every step drives its
-    linearised integrator. The appended directions include the quasi-static motion that balances the residual
-    at some sample times (`system_corrections`); its size is reported as `Round.indicator`. Modes within the
-    frequency band of the loads belong in the basis from the start (checked by `load_spectrum`).
+    Append the leading directions of that motion to the bases, and run again. The estimate needs neither a
+    full-order time integration nor a run with a finer basis: it integrates the equations linearised about the
+    run, driven by the residual of the run at every step. If the estimate is doubtful, the next round must
+    confirm it (`stopping`). The appended directions include the quasi-static motion that balances the
+    residual at some sample times (`system_corrections`); its size is reported as `Round.indicator`. Modes
+    within the frequency band of the loads belong in the basis from the start (`load_spectrum` warns of
+    missing modes).
 
     Every round simulates all reduced bodies together and enriches all their bases, until every body meets its
     target in the same round: through the joints, each body contributes to the errors of the others.
@@ -52,8 +54,8 @@ def self_correct(
     target : the target error of every full body (SelfCorrection), or also its start basis (ReductionStart);
         or a ReductionStart for each named body, with all other bodies unchanged
     announce : function     called with every round as it is finished
-    accepted : function     called with the run whose basis meets the target, in every pass, before the
-        other parts of the error in the study are estimated
+    accepted : function     called in every pass with the CorrectedSystem whose bases meet the target, before
+        the other parts of the error in the study are estimated; not called without a study
     progress : function     called with the name of the current step and its completed fraction
     archive : RoundArchive  stores the results, and is read first; None: results are in memory only
     study : ErrorStudy      if given, the target limits the sum of all parts in the study: steps are shortened
@@ -67,8 +69,9 @@ def self_correct(
     Raises
     ------
     SelfCorrectionError     (an AccuracyError) a target is not met; its `rounds` hold the completed rounds
-    ModelError              nothing to reduce, a body that is not full; errors of `reduce`
-    ConvergenceError        a run stopped before its first output time
+    ModelError              nothing to reduce, a body that is not full, a machine with controllers or
+                            intrinsic bodies; errors of `reduce`
+    ConvergenceError        a run stopped before its first output time after the start
 
     Warns
     -----
@@ -95,7 +98,7 @@ def self_correct(
 
 
 def _without_padding(corrected: CorrectedSystem) -> CorrectedSystem:
-    """The reduced bodies without padding coordinates."""
+    """The corrected system, with the reduced bodies without padding coordinates."""
     bodies = corrected.bodies
     placed = tuple(
         replace(each, body=bodies[each.body.name].body) if each.body.name in bodies else each

@@ -1,11 +1,13 @@
-"""Useless and doubtful rounds of a self-correction, and the motion outside a basis where rounds stall.
+"""Useless and doubtful rounds of a self-correction, and the motion outside a basis if its target is not met.
 
 The error of a useless round is not smaller than that of the round before. The round after a useless one is
-not accepted, because its columns are of the same kind: a loop that ended with the first small estimate would
-accept estimates that are too small by chance.
+not accepted, because its columns were found in the same way: a loop that ended with the first small estimate
+would accept estimates that are too small by chance. If an earlier round met the target, this rule does not
+apply.
 
-A doubtful estimate (`BodyError.is_doubtful`) is accepted once two runs confirm it: their distance must agree
-with the estimated error of the first, or both must be within the allowed error.
+A doubtful estimate (`BodyError.is_doubtful`) is accepted if the run and the previous one confirm it: their
+distance must agree with the estimated error of the previous run, or both this distance and this error must be
+at most the allowed error.
 """
 
 from __future__ import annotations
@@ -22,21 +24,25 @@ from supple.reduction.locking import TOLERATED
 __all__ = ["MissedPart", "doubt", "is_confirmed", "is_useless", "locking_loss", "locks", "missed_part"]
 
 AGREES = 2.0
-"""Largest ratio between the distance of two runs and the estimated error of the first, for agreement."""
+"""Largest factor by which the distance of two runs may be larger or smaller than the estimated error of the
+first run; within this factor, they agree."""
 
 
 def is_useless(errors: Sequence[float]) -> bool:
-    """Whether the last of the errors is no smaller than that of the round before."""
+    """Whether the last error is no smaller than the one before; False if that one is infinite or missing."""
     return len(errors) > 1 and bool(np.isfinite(errors[-2])) and not errors[-1] < errors[-2]
 
 
 def locking_loss(body: ReducedBody) -> float:
-    """Relative loss of a static deflection of a reduced body by locking (stiff motion outside the basis)."""
+    """Largest relative deficit of a static deflection caused by locking; 0 if it was not computed.
+
+    A reduced body locks if stiff motion that follows the deflection is outside its basis.
+    """
     return 0.0 if body.report.locking is None else body.report.locking.largest_remaining
 
 
 def locks(body: ReducedBody) -> bool:
-    """Whether the loss of a static deflection by locking exceeds the tolerated one."""
+    """Whether locking reduces a static deflection by more than the fraction `TOLERATED`."""
     return locking_loss(body) > TOLERATED
 
 
@@ -50,7 +56,7 @@ def doubt(body: ReducedBody, indicator: float) -> str:
 def is_confirmed(estimated: float, distance: float, allowed: float) -> bool:
     """Whether a run with a richer basis confirms the estimated error of the previous run.
 
-    distance : between the two runs
+    distance : largest distance of the two runs, in the quantity of interest
     """
     agrees = estimated / AGREES <= distance <= AGREES * estimated
     return agrees or max(estimated, distance) <= allowed
@@ -58,10 +64,11 @@ def is_confirmed(estimated: float, distance: float, allowed: float) -> bool:
 
 @dataclass(frozen=True)
 class MissedPart:
-    """The largest motion outside a basis, where rounds stall.
+    """The leading motion outside a basis, for the message that the target is not met.
 
-    node, place : node with the largest displacement; place (3,) of the undeformed node
-    frequency : float   rad/s; Rayleigh quotient of this shape
+    node : node with the largest displacement
+    place : (3,)        its undeformed position
+    frequency : float   rad/s; square root of the Rayleigh quotient of this shape
     """
 
     body: str

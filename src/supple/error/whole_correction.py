@@ -1,12 +1,13 @@
 """Self-correction with a target for the sum of errors: basis, time step, Newton's tolerance and model.
 
 The rounds reduce the error of the basis at the given steps. Two more runs of the accepted bodies then measure
-the errors of step and Newton's tolerance; that of the model is estimated (`model_error`). If the sum exceeds
-the target, the parts are reduced one by one, the cheapest first: a tighter tolerance costs iterations, a
-shorter step costs steps, a smaller error of the basis costs rounds and coordinates. The allowed error minus
-that of the model, times `ROOM`, is divided into shares; no part is reduced below its share. As soon as the
-sum is small enough, the remaining parts stay unchanged. The rounds then continue from the existing bases. No
-run can reduce the error of the model: above `ROOM` times the allowed error it raises SelfCorrectionError.
+the errors of step and Newton's tolerance; the error of the model is estimated (`model_error`). If the sum
+exceeds the target, the parts are reduced one by one, the cheapest first: a tighter tolerance costs
+iterations, a shorter step costs steps, a smaller error of the basis costs rounds and coordinates. The
+difference between the allowed error and the error of the model, times `ROOM`, is divided into shares; no part
+is reduced below its share. As soon as the sum is small enough, the remaining parts stay unchanged. The next
+pass starts from the existing bases. No run can reduce the error of the model: if it exceeds `ROOM` times the
+allowed error, SelfCorrectionError is raised.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ SHORTEST = 1 / 8
 """Smallest factor on the step in one pass; errors that fall more slowly than h^2 take several passes."""
 PASSES = 6
 MANY = 10
-"""Ratio to the given number of steps from which a warning is issued."""
+"""Ratio of the number of steps to the given number; a warning is issued from this ratio on."""
 
 
 @dataclass(frozen=True)
@@ -50,12 +51,13 @@ class _Reductions:
 
 
 def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
-    """Repeat passes of rounds until the sum of all parts is allowed, for every body.
+    """Repeat passes, each with rounds as in `correct`, until the sum of all parts is allowed for every body.
 
     Raises
     ------
-    SelfCorrectionError     the error of the model alone is too large; too many passes. Its `rounds` are those
-                            of all passes. Errors of `correct` have the rounds of their own pass only
+    SelfCorrectionError     the error of the model alone is too large; the sum is too large after `PASSES`
+                            passes, or a further pass would repeat the last one. Its `rounds` are those of all
+                            passes; an error raised by `correct` has the rounds of its own pass only
     """
     before: dict[str, tuple[Round, ...]] = {name: () for name in problem.fulls}
     unmet: dict[str, ErrorStatement] = {}
@@ -91,7 +93,7 @@ def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
 
 
 def _stated(problem: Problem, corrected: CorrectedSystem, study: ErrorStudy) -> dict[str, ErrorStatement]:
-    """Error statements for the target of every body, and for further quantities."""
+    """Error statements of the target quantity of every body, and of further quantities."""
     system, solution = corrected.system, corrected.solution
     of_basis: dict[str, ErrorPart] = dict(corrected.of_basis)
     allowed: dict[str, float] = {}
@@ -125,7 +127,7 @@ def _with_rounds(corrected: CorrectedSystem, before: Mapping[str, tuple[Round, .
 
 
 def _with_solution(corrected: CorrectedSystem, solution: Solution, run: Run) -> CorrectedSystem:
-    """The accepted round of every body with its error statements, and the settings of the run."""
+    """The corrected system with this solution in the last round of every body, and with this run."""
 
     def assessed_rounds(own: SelfCorrected) -> SelfCorrected:
         return replace(own, rounds=(*own.rounds[:-1], replace(own.rounds[-1], solution=solution)))
@@ -140,7 +142,7 @@ def _next_pass(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str,
     run = problem.run
     tolerance = min(each.tolerance for each in needs.values())
     if tolerance < 1:
-        # In decades: a finer choice of a tolerance has no use.
+        # Rounded down to a power of ten; finer graduation has no use.
         decade = np.floor(np.log10(tolerance * run.tolerances.residual) + 1e-9)
         run = with_tolerance(run, max(float(f"1e{decade:.0f}"), TIGHTEST))
     step = min(each.step for each in needs.values())
@@ -154,7 +156,7 @@ def _next_pass(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str,
         run=run,
         spent=spent,
         first=RoundBases(reached),
-        number=last + 2,  # number last + 1 has bases but no run
+        number=last + 2,  # last + 1: bases are stored, but there is no run
         confirmed=problem.confirmed
         | {name for name, own in corrected.bodies.items() if not own.rounds[-1].unconfirmed},
     )
@@ -178,7 +180,7 @@ def _announce_steps(asked: Run, problem: Problem, following: Problem) -> None:
 
 
 def _is_same(following: Problem, problem: Problem) -> bool:
-    """Whether a pass would repeat the last one, because step and tolerance cannot be reduced further."""
+    """Whether a pass would repeat the last one: equal reserves, tolerances and steps."""
     one, other = following.run, problem.run
     return (
         following.spent == problem.spent
