@@ -14,21 +14,22 @@ def averaged_motion(
     position: NDArray[np.float64],
     dofs_per_node: int,
 ) -> NDArray[np.float64]:
-    """Least-squares rigid motion of weighted nodes, referred to a position.
+    """Linear map from the freedoms of weighted nodes to their least-squares rigid motion at a position.
 
         min  sum_a w_a |u_a - u - theta x r_a|^2,     r_a = x_a - centroid
         u = mean of u_a,     J theta = sum_a w_a r_a x u_a,     J = sum_a w_a (r_a.r_a I - r_a r_a^T)
         u_v = u + theta x (position - centroid),     theta_v = theta
 
-    A rotation that moves no node (of a single node, or about the line of collinear nodes) is the weighted
-    mean of the nodes' own rotations. A rigid motion is reproduced exactly; hence the transpose
-    distributes a force and a moment at the position over the nodes with the same resultant.
+    The nodes' displacements do not define the rotation of a single node, or about the line of collinear
+    nodes; there theta is the weighted mean of the nodal rotations. A rigid motion is reproduced exactly;
+    hence the transpose of the map distributes a force and a moment at the position over the nodes, with
+    equal resultants.
 
     Parameters
     ----------
     points   : (k, 3), not all on one line if dofs_per_node is 3
     weights  : (k,) positive
-    position : (3,)
+    position : (3,), where u_v is the displacement
     Returns
     -------
     (6, k, dofs_per_node)   (u_v, theta_v) as a linear map of the nodes' freedoms

@@ -1,18 +1,18 @@
 """Error of an averaging interface on a deformable section that has rotated relative to the frame.
 
-The nodal forces that represent a moment m, F_a = w_a (J^-1 m) x r_a, keep the directions that they have in
-the undeformed body. On a section rotated by phi about the axis n of m, they include a self-equilibrated part
-m phi p, p_a = - n x F_a(n), which deforms the section by d = phi m K^-1 p. The mean rotation is computed with
-these same directions and includes d: the rotation of the joint is sin phi + phi p.d. With c = p K^-1 p and
-the potential
+The nodal forces that represent a moment m, F_a = w_a (J^-1 m) x r_a, keep their directions in the undeformed
+body. On a section rotated by phi about the axis n of m, these forces include a self-equilibrated part
+m phi p, p_a = - n x F_a(n), which deforms the section by d = phi m K^-1 p with the body's stiffness K. The
+mean rotation has the weights F_a(n) too, and so depends on d: the rotation of the joint is sin phi + phi p.d.
+With c = p K^-1 p, the strain energy U(phi) without d, and the potential
 
     Pi = U(phi) + d K d / 2 - m (phi + phi p.d),
 
 the rotation of the joint is too large by m c phi^2, and the moment on the body is too large by m^2 c phi.
 
-Example: a beam of compliance C = L / E I under a force at its other end, to which the frame is fixed, has
-m = 2 phi / C. Each of the two errors changes its deflection by 3 phi^2 c / C. Under a moment alone,
-m = phi / C, the error of the rotation is 2 phi^2 c / C.
+Example: a beam of rotational compliance C = L / E I has the averaging interface at one end, and a force and
+the body's frame at the other. Then m = 2 phi / C, and each of the two errors changes the relative deflection
+by 3 phi^2 c / C. Under a moment alone, m = phi / C, the relative error of the rotation is 2 phi^2 c / C.
 Source: derived here; theory page on interfaces.
 """
 
@@ -33,12 +33,13 @@ DEFLECTION_ERROR = 6.0
 
 
 def section_softness(body: FlexibleBody, interface: BodyInterface) -> Array:
-    """Softness c / C (3,) of an averaging interface about the axes of the body.
+    """Softness c / C (3,) of an averaging interface for moments about the axes of the body.
 
     Zeros for other interfaces, and in a linear body.
-    C : rotation per moment; another interface is fixed, or inertia balances the moment if there is no other
+    C : rotation of the interface per moment on it. The body's first other interface is fixed; without one,
+        inertia balances the moment
     """
-    # cubic_turn > 0 marks interfaces that average displacements: their motion is sin(phi).
+    # cubic_turn > 0 only for interfaces that average displacements, whose rotation freedom is sin(phi).
     if body.is_linear or interface.cubic_turn <= 0:
         return np.zeros(3)
     others = [other for other in body.interfaces if other is not interface]

@@ -20,7 +20,8 @@ __all__ = ["BodyForm"]
 class BodyForm(Protocol):
     """A body in a machine. Code that uses these members does not depend on the form of the body.
 
-    `motion` is the motion of this body in a solution; any other type raises ModelError.
+    The argument `motion` is the motion of this body in a solution; a motion of another form of body raises
+    ModelError.
     """
 
     @property
@@ -50,7 +51,7 @@ class BodyForm(Protocol):
 
     @property
     def nodes(self) -> np.ndarray:
-        """Undeformed positions (N, 3) in the body's frame, m; for a rigid body those of its interfaces."""
+        """Undeformed positions (N, 3) of the nodes, or of a rigid body's interfaces, in its frame, m."""
         ...
 
     @property
@@ -59,13 +60,13 @@ class BodyForm(Protocol):
         ...
 
     def interface(self, name: str) -> Interface:
-        """The interface of that name; ModelError lists the nearest names, or all."""
+        """The interface of that name; the ModelError for an unknown name lists the nearest name, or all."""
         ...
 
     def expand(self, coordinates: np.ndarray, nodes: NDArray[np.intp] | slice = ..., /) -> np.ndarray:
         """Displacements (..., k, 3) of all or some nodes for coordinates (..., r), in the body's frame.
 
-        At most quadratic in the coordinates.
+        The displacements are at most quadratic in the coordinates.
         """
         ...
 
@@ -99,39 +100,41 @@ class BodyForm(Protocol):
         rates: np.ndarray,
         /,
     ) -> FramedMotion:
-        """The motion at small displacements p = (A^T dR, psi, dq) from a pose and coordinates.
+        """The motion at displacements p = (A^T dR, psi, dq) from a pose (R, A) and coordinates q.
 
+        dR is the displacement of the frame's origin, psi the rotation vector of the frame in its own axes.
         Raises ModelError for a form without a frame.
         displacement : p (t, 6 + r)
-        rates : p' (t, 6 + r)     converted to velocities at p = 0
+        rates : p' (t, 6 + r)     taken as velocities: exact at p = 0, so that p must be small
         """
         ...
 
     def interface_motion(self, motion: Motion, name: str) -> InterfaceMotion:
-        """Pose, velocities and acceleration (t, ...) of an interface in space: the input of joints."""
+        """Pose, velocities and acceleration of an interface in space at t times, as needed by joints."""
         ...
 
     @property
     def uses_interface_motions(self) -> bool:
-        """Whether joints and forces use the motions of its interfaces instead of its coordinates."""
+        """Whether joints and forces use the motions of the body's interfaces instead of its coordinates."""
         ...
 
     @property
     def has_frame(self) -> bool:
-        """Whether its deformation is measured in a frame that moves with it."""
+        """Whether the deformation is relative to a frame that moves with the body."""
         ...
 
     @property
     def dofs_per_node(self) -> int:
-        """Freedoms of a node: 3, or 6 with rotations."""
+        """Number of freedoms of a node: 3, or 6 with rotations."""
         ...
 
     def nodal_fields(
         self, coordinates: np.ndarray, freedoms: NDArray[np.intp] | slice = ..., /
     ) -> tuple[np.ndarray, np.ndarray | None]:
-        """All or some nodal freedoms (n, t) for coordinates (t, r); strains follow from them.
+        """Values (n, t) of all or some nodal freedoms for coordinates (t, r), as input of strains.
 
-        The second array is the condensed part, which enters only linear strains; None without condensation.
+        The second array (n, t) is the condensed part of the motion, which is not in the first and enters only
+        linear strains; None without condensation.
         """
         ...
 
@@ -142,28 +145,31 @@ class BodyForm(Protocol):
 
     @property
     def has_stress_modes(self) -> bool:
-        """Whether its stress is a quadratic polynomial of its coordinates (`stress_modes`)."""
+        """Whether the stress is computed as a quadratic polynomial of the coordinates (`stress_modes`)."""
         ...
 
     def sections(self, model: FiniteElementModel | None, /) -> Sections:
-        """Its sections, cut through the elements of `model` if these carry the forces.
+        """Force and moment across sections of the body, from the elements of `model` if the form needs them.
 
-        Raises ModelError for a form without sections.
+        Raises ModelError for a form without section forces, or for `model` None where the form needs it.
         """
         ...
 
     def section_softness(self, interface: str, /) -> np.ndarray:
-        """Softness c / C (3,) of the section of an averaging interface; zeros for any other."""
+        """Softness c / C (3,) of the section at an averaging interface (`averaging_error`); else zeros."""
         ...
 
     @property
     def missing_centrifugal_stiffness(self) -> np.ndarray:
-        """Fraction of stiffness missing per squared angular velocity about each axis, (3,), (rad/s)^-2."""
+        """Largest fraction of the stiffness that is missing per squared angular velocity, (3,), (rad/s)^-2.
+
+        One value for each body axis; nonzero only where a statically condensed motion has no inertia.
+        """
         ...
 
     @property
     def coordinate_size(self) -> float:
-        """Norm of the coordinates (r,) when every node moves by one."""
+        """Approximate norm of the coordinates (r,) for a unit displacement of every node."""
         ...
 
     @property
@@ -177,7 +183,7 @@ class BodyForm(Protocol):
 
     @property
     def rotation_limit(self) -> float:
-        """Largest rotation of material relative to the frame for which the kinematics hold, rad."""
+        """Largest rotation of material relative to the frame for which the kinematics are valid, rad."""
         ...
 
     @property

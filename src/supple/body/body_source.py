@@ -1,4 +1,4 @@
-"""Source of an elastic body: elements or matrices, read and assembled once."""
+"""Sources of elastic bodies: elements or matrices, each read and assembled once."""
 
 from __future__ import annotations
 
@@ -43,13 +43,13 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class BodySource:
-    """Source of an elastic body; each part is read or assembled once, on first use.
+    """Functions that give an elastic body, its check and its data.
 
-    check : function that checks the nodal matrices without interfaces, with a number of elastic modes
-    body : function for the body with a name and interfaces; ModelError for errors of the model
-    connections : function for the RBE2 and RBE3 elements that can be interfaces
-    numbers : function from node ids of its file to node numbers
-    mesh, model : mesh and elements, also for a linear body; None for matrices
+    check : from the number of elastic modes to the check of the nodal matrices without interfaces
+    body : from a name and interfaces to the body; ModelError for errors of the model
+    connections : RBE2 and RBE3 elements that can be interfaces
+    numbers : from node ids of the body's file to node numbers
+    mesh, model : mesh, and function for the finite-element model; None for a body from matrices
     ties_itself : whether rigid connections are constraints even if no interface uses them
     """
 
@@ -65,7 +65,11 @@ class BodySource:
 def elements_source(
     mesh: Mesh, assemble: Callable[[], FiniteElementModel], connections: Sequence[Connection] = ()
 ) -> BodySource:
-    """The body of a mesh; `assemble` returns its finite-element model."""
+    """Source of a body of finite elements.
+
+    assemble : returns the finite-element model of the mesh; called once, on first use
+    connections : RBE2 and RBE3 elements of the mesh file
+    """
     model = cache(assemble)
     return BodySource(
         lambda n_frequencies: check_elements(model(), n_frequencies=n_frequencies),
@@ -84,14 +88,14 @@ def deck_source(
     part: str | None = None,
     leave_out: Sequence[str] = (),
 ) -> BodySource:
-    """The body of a deck; its rigid ties are constraints with or without interfaces.
+    """Source of the body of a deck, whose rigid ties are constraints even if no interface uses them.
 
     part : as for `named_part`;  leave_out : as for `refuse_omitted_cards`
 
     Raises
     ------
     ImportFormatError   a file that cannot be read
-    ModelError          several parts; omitted cards that `leave_out` does not allow
+    ModelError          as for `named_part`; omitted cards that `leave_out` does not allow
     """
     deck = read_deck(path)
     refuse_omitted_cards(deck, leave_out)
@@ -103,15 +107,16 @@ def deck_source(
 
 
 def section_beams_source(path: Path) -> BodySource:
-    """Beams between the sections of a table; errors as for `read_section_table`."""
+    """Source of a chain of beams between the sections of a table; errors as for `read_section_table`."""
     model = section_beams(read_section_table(path))
     return elements_source(model.mesh, lambda: model)
 
 
 def labelled_matrices_source(files: MatrixFiles, *, rigid_tolerance: float | None = None) -> BodySource:
-    """Matrices of another program with the file of their nodes, as for `read_labelled_superelement`.
+    """Source of a body from matrix files of another program, as for `read_labelled_superelement`.
 
-    The matrices may come from any element type, so the mesh of the node file is not read.
+    The matrices may come from any element type, so the elements of the node file are not used.
+    rigid_tolerance : as for `superelement`; None: from the printed precision of the matrices
     """
 
     @cache
@@ -147,7 +152,7 @@ def matrices_source(
     recovery: Path | None = None,
     points: Path | None = None,
 ) -> BodySource:
-    """Matrices in Matrix Market files, as for `read_superelement`."""
+    """Source of a body from Matrix Market files, as for `read_superelement`."""
 
     def check(n_frequencies: int) -> ModelCheck:
         return check_model(

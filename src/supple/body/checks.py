@@ -26,7 +26,10 @@ FREEDOM_NAMES = ("ux", "uy", "uz", "rx", "ry", "rz")
 def checked_nodal_matrix(
     body: str, what: str, matrix: Any, nodes: NDArray[np.float64], dofs_per_node: int, n_modal: int = 0
 ) -> sparse.csc_array:
-    """A nodal matrix as csc, checked for shape, finite entries and symmetry."""
+    """The nodal matrix as csc; ModelError for a wrong shape, infinite entries or asymmetry.
+
+    Entries a_ij and a_ji may differ by SYMMETRY times the largest entry.
+    """
     n_nodal = len(nodes) * dofs_per_node + n_modal
     result = sparse.csc_array(matrix, dtype=np.float64)
     if result.shape != (n_nodal, n_nodal):
@@ -54,7 +57,10 @@ def checked_nodal_matrix(
 
 
 def check_nodes(body: str, nodes: NDArray[np.float64], node_ids: NDArray[np.int64] | None = None) -> None:
-    """Check that nodes are an (N, 3) array of finite numbers."""
+    """Raise ModelError unless `nodes` is an (N, 3) array of finite numbers.
+
+    node_ids : (N,) ids of the nodes for the message; by default node numbers
+    """
     if nodes.ndim != 2 or nodes.shape[1] != 3 or len(nodes) == 0:
         raise ModelError(f"body '{body}': nodes have shape {nodes.shape}; give (N, 3)")
     bad = np.flatnonzero(~np.all(np.isfinite(nodes), axis=1))
@@ -73,7 +79,11 @@ def check_moves_rigidly(
     dofs_per_node: int,
     tolerance: float,
 ) -> None:
-    """Check K R = 0 (or C R = 0), for nodal and modal freedoms, relative to the forces that cancel."""
+    """Raise ModelError unless K R = 0 (or C R = 0 for damping), relative to the forces that cancel.
+
+    matrix, rigid_modes : of nodal freedoms, then modal coordinates
+    tolerance : largest accepted `rigid_force_ratios`
+    """
     ratio = rigid_force_ratios(matrix, rigid_modes)
     row, mode = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     if ratio[row, mode] > tolerance:
@@ -87,9 +97,9 @@ def check_moves_rigidly(
 
 
 def rigid_force_ratios(stiffness: sparse.csc_array, rigid_modes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """|K R| (n, 6) by row, relative to the largest forces that can cancel there.
+    """|K R| (n, 6), relative to a bound on the sum of the forces that cancel in each row.
 
-    The forces that can cancel are bounded by |K_ij| <= sqrt(K_ii K_jj).
+    The bound is sum_j sqrt(K_ii K_jj) |R_j| over the nonzero K_ij, as |K_ij| <= sqrt(K_ii K_jj).
     """
     force = np.abs(stiffness @ rigid_modes)
     root = np.sqrt(np.maximum(stiffness.diagonal(), 0))[:, None]
@@ -101,7 +111,10 @@ def rigid_force_ratios(stiffness: sparse.csc_array, rigid_modes: NDArray[np.floa
 def checked_grounded_stiffness(
     body: str, stiffness: sparse.csc_array, rigid_modes: NDArray[np.float64]
 ) -> GroundedFactor:
-    """The grounded factor of K; checks that the only motions without energy are the six rigid ones."""
+    """The grounded factor of K; ModelError for a mechanism, or for negative strain energy.
+
+    A mechanism is a motion without strain energy in addition to the six rigid motions.
+    """
     try:
         grounded = grounded_factor(stiffness, rigid_modes)
     except AccuracyError as error:

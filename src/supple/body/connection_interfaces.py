@@ -14,7 +14,7 @@ __all__ = ["check_rigid_connections", "connection_interface", "connection_named"
 def connection_interface(
     connection: Connection, name: str | None = None
 ) -> RigidInterface | AveragingInterface:
-    """The interface defined by a connection, under its own name or another."""
+    """The interface defined by a connection; `name` replaces the name of the connection."""
     name = connection.name if name is None else name
     if connection.weights is None:
         return RigidInterface(name, connection.nodes, connection.position)
@@ -22,7 +22,7 @@ def connection_interface(
 
 
 def connection_named(name: str, connections: Sequence[Connection]) -> Connection:
-    """The connection of that name; ModelError lists all names."""
+    """The connection of that name; the ModelError for an unknown name lists all names."""
     for connection in connections:
         if connection.name == name:
             return connection
@@ -36,10 +36,10 @@ def connection_named(name: str, connections: Sequence[Connection]) -> Connection
 def check_rigid_connections(
     body: str, file: str, connections: Sequence[Connection], taken: Container[str | None]
 ) -> None:
-    """ModelError for an RBE2 that is not an interface: without it the body is softer than in the file.
+    """Raise ModelError if an RBE2 is not an interface: without it the body is softer than in the file.
 
     body, file : names, for the message
-    taken : names of the connections, or of equal node sets, that rigid interfaces use
+    taken : names of the connections that rigid interfaces use, directly or by the node set of that name
     """
     left = [each.name for each in connections if each.weights is None and each.name not in taken]
     if left:

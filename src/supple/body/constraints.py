@@ -1,8 +1,8 @@
 """Constraints between the freedoms of a body, eliminated: C q = 0 becomes q = T q_kept.
 
-Each row eliminates one freedom: the one named in its file if possible, another otherwise. Rows whose named
-freedom occurs in no other row are solved separately, so that thousands of ties of nodes to surfaces stay
-sparse. Rows that share freedoms are solved together.
+Each row of C eliminates one freedom: the dependent freedom named in the file if possible, another otherwise.
+A row whose named freedom occurs in no other row is solved separately, so that T remains sparse for thousands
+of nodes tied to surfaces. Other rows that share freedoms are solved together.
 """
 
 from __future__ import annotations
@@ -24,13 +24,15 @@ __all__ = ["eliminate", "together"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Entries below this share of a row's largest are rounding.
+# Entries of C below this fraction of the largest entry of their row are set to zero; entries of T likewise,
+# relative to 1 or the largest entry.
 _NOTHING = 1e-12
-# A pivot below this share of the largest pivot marks a dependent row; rows are scaled to one.
+# A row whose pivot is below this fraction of the largest pivot depends on the others and is omitted. Rows are
+# scaled to a largest entry of 1.
 _REDUNDANT = 1e-9
-# Preference for elimination: first the freedom named in the file, last the freedoms of an interface.
+# Pivot weights: freedoms named in the file are eliminated first, freedoms of interfaces last.
 _NAMED, _LAST = 1e3, 1e-4
-# Allowed residual of a row in a rigid motion, relative to the terms that cancel.
+# Largest accepted residual of a row in a rigid motion, relative to the terms that cancel.
 _RIGID = 1e-6
 
 
@@ -43,16 +45,16 @@ def eliminate(
     *,
     held: bool = False,
 ) -> StaticallyTied:
-    """The coordinates that remain after constraints, and the expansion from these to all q.
+    """The numbers of the coordinates that remain after constraints, and the expansion from them to all q.
 
     Parameters
     ----------
     given : constraints on the nodal freedoms u = expansion @ q;  rigid_modes : (n, 6) of q
-    last : (n,) coordinates to keep where another can be eliminated
-    held : whether the constraints may support the body
+    last : (n,) mask of coordinates that are eliminated only if no other coordinate can be
+    held : whether the constraints may resist rigid motion of the body
     Raises
     ------
-    ModelError   constraints that resist rigid motion of the body
+    ModelError   constraints that resist rigid motion of the body, unless `held`
     """
     rows = sparse.csr_array(given.matrix @ expansion)
     n = expansion.indptr.size - 1
@@ -94,7 +96,7 @@ def _check_free(body: str, given: Constraints, rows: sparse.csr_array, rigid_mod
 
 
 def _named(given: Constraints, expansion: sparse.csc_array) -> IntArray:
-    """The coordinate of each row's dependent freedom, or -1 if it is not a coordinate."""
+    """For each row, the only coordinate (m,) on which its dependent freedom depends, or -1 if not one."""
     rows = sparse.csr_array(expansion)
     counts, wanted = np.diff(rows.indptr), given.dependent
     one = (wanted >= 0) & (counts[wanted] == 1)
@@ -104,9 +106,10 @@ def _named(given: Constraints, expansion: sparse.csc_array) -> IntArray:
 
 
 def together(rows: sparse.csr_array, named: IntArray, last: NDArray[np.bool_]) -> StaticallyTied:
-    """Rows C q = 0, solved in groups that share freedoms; each row eliminates one freedom.
+    """The kept coordinates and the expansion T, from rows C q = 0 solved in groups that share freedoms.
 
-    named : (m,) coordinate that a row should eliminate, or -1;  last : (n,) coordinates to keep if possible
+    named : (m,) coordinate that each row eliminates by preference, or -1
+    last : (n,) mask of coordinates that are eliminated only if no other coordinate can be
     """
     n = len(last)
     eliminated: list[IntArray] = []
@@ -137,7 +140,7 @@ def together(rows: sparse.csr_array, named: IntArray, last: NDArray[np.bool_]) -
 
 
 def _groups(rows: sparse.csr_array) -> Iterator[IntArray]:
-    """Groups of rows (k,) that share freedoms, directly or through other rows."""
+    """Row numbers (k,) of each group of rows that share freedoms, directly or through other rows."""
     if rows.indptr.size == 1:
         return
     shared = sparse.csr_array(abs(rows) @ abs(rows).T)

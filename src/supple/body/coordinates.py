@@ -1,10 +1,10 @@
-"""The coordinates of a body with tied nodes: the eliminations from nodal freedoms to q.
+"""The coordinates q of a body with tied nodes: eliminations from the nodal freedoms u.
 
     u = T q,    T = T_rigid T_constraints T_fixed T_massless
 
-Six freedoms of a virtual node replace those of the nodes of a rigid piece. Each constraint eliminates one
-freedom. Rotations without stiffness (of nodes of solids beside shells) are fixed. Massless freedoms are
-condensed statically.
+T_rigid: six freedoms of a virtual node replace the freedoms of the nodes of a rigid piece. T_constraints:
+each constraint eliminates one freedom. T_fixed: rotations without stiffness (of nodes of solids beside
+shells) are fixed. T_massless: massless freedoms are condensed statically.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ __all__ = ["Coordinates", "coordinates", "rigid_sets"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# A stiffness below this share of the stiffest rotation of a node is rounding.
+# A stiffness in a triple of freedoms counts as zero up to this fraction of the largest one in the triple.
 _NO_STIFFNESS = 1e-10
-# Largest number of entries of a dense tie: 160 MB.
+# Largest number of entries of a dense static condensation (160 MB); a larger one raises ModelError.
 _LARGEST_TIE = 2e7
 
 
@@ -43,13 +43,14 @@ _LARGEST_TIE = 2e7
 class Coordinates:
     """Coordinates q of a body, and their expansion to its nodes.
 
-    whole : csc (n_nodal, n0)   u = whole @ q0; q0: triples of nodes and rigid pieces, then modal coordinates
+    whole : csc (n_nodal + n_modal, n0)   u = whole @ q0; q0 contains the freedoms of free nodes, then of
+        rigid pieces, in triples (translations or rotations), then modal coordinates
     rest : csc (n0, n)          q0 = rest @ q; None where q0 = q, as with rigid pieces only
-    rigid_modes : (n, 6);  stiffness, mass : csc (n, n), T^T A T
+    rigid_modes : (n, 6);  stiffness, mass : csc (n, n), T^T A T of the nodal matrix A
     freedoms : (n,) nodal freedom of each coordinate, for messages; modal coordinates follow the nodal ones
     sets : the rigid pieces
-    n_modal : number of coordinates of q0 without a node
-    bare : nodal freedoms that have no mass and follow statically
+    n_modal : number of modal coordinates in q0
+    bare : freedoms that have no mass and are condensed statically
     n_fixed : number of fixed rotations without stiffness
     """
 
@@ -66,23 +67,23 @@ class Coordinates:
 
     @property
     def n_massless(self) -> int:
-        """Number of freedoms that follow statically."""
+        """Number of statically condensed freedoms."""
         return len(self.bare)
 
     @property
     def expansion(self) -> sparse.csc_array:
-        """T (n_nodal, n)."""
+        """T (n_nodal + n_modal, n) = whole @ rest."""
         return self.whole if self.rest is None else sparse.csc_array(self.whole @ self.rest)
 
     def last_coordinates(self, k: int) -> sparse.csr_array:
-        """Rows (k, n) of q0 = rest @ q: the last k coordinates in triples, those of rigid interfaces."""
+        """Map (k, n) from q to the last k coordinates of q0 in triples: those of the rigid interfaces."""
         rows = self._rows
         end = rows.indptr.size - 1 - self.n_modal
         return sparse.csr_array(rows[end - k : end])
 
     @property
     def threes(self) -> sparse.csr_array | None:
-        """Rows (n0 - n_modal, n) of q0 = rest @ q: the coordinates in triples; None where they equal q."""
+        """Map (n0 - n_modal, n) from q to the coordinates of q0 in triples; None where these equal q."""
         if self.rest is None and not self.n_modal:
             return None
         rows = self._rows
@@ -96,7 +97,7 @@ class Coordinates:
         return sparse.csr_array(sparse.eye_array(self.whole.indptr.size - 1))
 
     def of(self, matrix: sparse.csc_array) -> sparse.csc_array:
-        """T^T A T for a nodal matrix."""
+        """T^T A T (n, n) of a nodal matrix A."""
         product = congruent(self.whole, matrix)
         return product if self.rest is None else congruent(self.rest, product)
 
@@ -107,13 +108,16 @@ def rigid_sets(
     interfaces: Sequence[tuple[str, IntArray, FloatArray]],
     attached: Attached,
 ) -> tuple[RigidSet, ...]:
-    """Rigid sets of nodes with the positions of their reference nodes; those of interfaces last, in order.
+    """Rigid sets (nodes, position of the reference node); those of interfaces last, in the given order.
 
-    interfaces : (name, nodes, position) of rigid interfaces. Pieces that share a node are merged.
+    Rigid pieces and interfaces that share a node are merged.
+
+    interfaces : (name, nodes, position) of rigid interfaces
+    attached : its rigid pieces
 
     Raises
     ------
-    ModelError   two interfaces on one piece
+    ModelError   two interfaces in one merged set
     """
     given = [*interfaces, *((each.name, each.nodes, each.position) for each in attached.rigid)]
     if not attached.rigid:
@@ -156,12 +160,13 @@ def coordinates(
 
     n_interfaces : number of rigid interfaces, which are the last of `sets`; their coordinates are kept
     n_modal : number of modal coordinates, the last rows of the matrices; zero in rigid motions
-    tolerance : relative mass that counts as zero
-    held : whether constraints may support the body; displacements without stiffness are then fixed as well
+    tolerance : eigenvalues of the mass matrix, scaled to a unit diagonal, count as zero up to this value
+    held : whether constraints may resist rigid motion; displacements without stiffness are then fixed as well
 
     Raises
     ------
-    ModelError   constraints that resist rigid motion; motions with neither mass nor stiffness
+    ModelError   constraints that resist rigid motion, unless `held`; negative mass; a rigid interface with a
+                 motion without mass; motions with neither mass nor stiffness; too many massless freedoms
     """
     whole = rigid_elimination(nodes, dofs_per_node, sets)
     if n_modal:
@@ -187,7 +192,7 @@ def coordinates(
     turns = np.concatenate([turns, np.zeros(n_modal, dtype=bool)])
     still = _without_stiffness(state.K, state.kept // 3, turns[state.kept] & ~last[state.kept])
     if still.nnz:
-        # In a rigid motion of the body these freedoms stay at zero.
+        # The rigid motions of the body have no component along the fixed directions.
         state = replace(state, R=state.R - still @ (still.T @ state.R)).after(_fixed(still, len(state.kept)))
     before = state.kept
     bare = _bare(body, state.M, ~last[state.kept], freedoms[state.kept], dofs_per_node)
@@ -212,7 +217,10 @@ def coordinates(
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """Matrices and rigid motions of the remaining coordinates, and their numbers `kept` in q0."""
+    """Matrices and rigid motions of the remaining coordinates.
+
+    kept : numbers of the remaining coordinates in q0;  rest : map from them to q0, None for the identity
+    """
 
     K: sparse.csc_array
     M: sparse.csc_array
@@ -221,7 +229,7 @@ class _State:
     rest: sparse.csc_array | None
 
     def after(self, tied: StaticallyTied, K: Any = None, M: Any = None) -> _State:
-        """The state after an elimination; K, M : its matrices, if already known."""
+        """The state after an elimination; K, M : matrices after the elimination, if already known."""
         T = tied.expansion
         rest = T if self.rest is None else sparse.csc_array(self.rest @ T)
         K = congruent(T, self.K) if K is None else sparse.csc_array(K)
@@ -230,7 +238,7 @@ class _State:
 
 
 def congruent(T: sparse.csc_array, matrix: sparse.csc_array) -> sparse.csc_array:
-    """T^T A T, exactly symmetric."""
+    """T^T A T, made exactly symmetric."""
     product = T.T @ matrix @ T
     return sparse.csc_array(0.5 * (product + product.T))
 
@@ -238,9 +246,11 @@ def congruent(T: sparse.csc_array, matrix: sparse.csc_array) -> sparse.csc_array
 def _without_stiffness(
     stiffness: sparse.csc_array, triplet: IntArray, eligible: NDArray[np.bool_]
 ) -> sparse.csc_array:
-    """Orthonormal directions (n, k) in triples of freedoms, along which there is no stiffness.
+    """Orthonormal directions (n, k), each within one triple of freedoms, without stiffness.
 
-    A motion of zero energy has zero force on all freedoms, as K is positive semidefinite.
+    It is sufficient to test the 3 x 3 diagonal blocks: as K is positive semidefinite, a motion without strain
+    energy has zero force on all freedoms.
+    triplet : (n,) number of the triple of each freedom;  eligible : (n,) mask of the freedoms to test
     """
     n = len(triplet)
     if not eligible.any():
@@ -258,7 +268,7 @@ def _without_stiffness(
     blocks[number[i[near]], slot[i[near]], slot[j[near]]] = entries.data[near]
     exists = np.zeros((len(numbers), 3), dtype=bool)
     exists[own, slot[there]] = True
-    # Missing freedoms get a stiffness, so that they are not found.
+    # A triple's freedoms that are not eligible get a stiffness, so that they are not found.
     size = np.trace(blocks, axis1=1, axis2=2)
     blocks[:, range(3), range(3)] += np.where(exists, 0.0, np.where(size > 0, size, 1.0)[:, None])
     values, vectors = np.linalg.eigh(blocks)
@@ -276,7 +286,7 @@ def _without_stiffness(
 
 
 def _fixed(still: sparse.csc_array, n: int) -> StaticallyTied:
-    """No motion along directions (n, k): each direction eliminates one freedom of its triple."""
+    """Elimination of the motions along directions (n, k), each by one freedom of its triple."""
     rows = sparse.csr_array(still.T)
     return together(rows, np.full(rows.indptr.size - 1, -1), np.zeros(n, dtype=bool))
 
@@ -284,7 +294,7 @@ def _fixed(still: sparse.csc_array, n: int) -> StaticallyTied:
 def _bare(
     body: str, mass: sparse.csc_array, eligible: NDArray[np.bool_], freedoms: IntArray, dofs_per_node: int
 ) -> NDArray[np.bool_]:
-    """Mask of freedoms without mass; ModelError where mass is negative, or missing but needed."""
+    """Mask (n,) of freedoms without mass; ModelError for a negative mass, or no mass where not `eligible`."""
     diagonal = mass.diagonal()
     bare = diagonal <= np.finfo(float).tiny
     wrong = np.flatnonzero((diagonal < 0) | (bare & ~eligible))
@@ -305,7 +315,10 @@ def _bare(
 
 
 def _follow_statically(body: str, stiffness: sparse.csc_array, bare: NDArray[np.bool_]) -> StaticallyTied:
-    """Static condensation of the freedoms without mass:  K_ee u_e + K_ek u_k = 0."""
+    """Static condensation of the freedoms e without mass: K_ee u_e + K_ek u_k = 0 for the kept freedoms k.
+
+    ModelError if all freedoms are massless, the condensation is too large, or K_ee is singular.
+    """
     eliminated, kept = np.flatnonzero(bare), np.flatnonzero(~bare)
     beside = sparse.csc_array(stiffness[eliminated][:, kept])
     reached = np.flatnonzero(np.diff(beside.indptr))
@@ -331,6 +344,6 @@ def _follow_statically(body: str, stiffness: sparse.csc_array, bare: NDArray[np.
 
 
 def _condensed(stiffness: sparse.csc_array, tied: StaticallyTied) -> sparse.csc_array:
-    """K_kk + K_ke T_ek for freedoms in equilibrium: equal to T^T K T, at less cost."""
+    """K_kk + K_ke T_ek, equal to T^T K T for statically condensed freedoms e, at less cost."""
     product = sparse.csc_array(stiffness[tied.kept] @ tied.expansion)
     return sparse.csc_array(0.5 * (product + product.T))

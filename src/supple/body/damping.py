@@ -31,11 +31,12 @@ class RayleighDamping:
 
         K_mat(q) = sum w A^T C A,     eps_dot = A(q) q_dot
 
-    is the stiffness of the material in its current configuration, so that beta damps the strain rate and no
-    rotation. In the undeformed body, D is Rayleigh's alpha M + beta K, with the modal ratio
-    zeta(omega) = alpha / (2 omega) + beta omega / 2 for motions with the interface `held` fixed. P removes
-    the rigid motion of that interface, so that the damping is the same in every frame. Without `held`, alpha
-    damps motion relative to the body's frame, and depends on the frame.
+    is the material stiffness in the current configuration, a sum over integration points with the weights w
+    and the elasticity C. Beta therefore damps strain rates and no rigid rotation. In the undeformed body,
+    motions with the interface `held` fixed have D = alpha M + beta K, with the modal damping ratio
+    zeta(omega) = alpha / (2 omega) + beta omega / 2. P removes the rigid motion of that interface, so that
+    the damping is the same in every frame. Without `held`, P is the identity: alpha damps motion relative to
+    the body's frame, and the damping depends on the choice of frame.
 
     alpha in 1/s, beta in s; neither negative. held : name of an interface
     """
@@ -49,7 +50,7 @@ class RayleighDamping:
         _check_factors("Rayleigh damping", self.alpha, self.beta)
 
     def matrix(self, stiffness: Any, mass: Any) -> Any:
-        """D(0) (n, n), sparse or dense as the matrices given."""
+        """D(0) (n, n), for K and P^T M P; sparse or dense as these."""
         return self.alpha * mass + self.beta * stiffness
 
     @property
@@ -58,13 +59,13 @@ class RayleighDamping:
         return self.beta
 
     def linearized(self) -> LinearRayleighDamping:
-        """The same factors with the constant stiffness of the undeformed body."""
+        """Damping with the same factors and the constant stiffness of the undeformed body."""
         return LinearRayleighDamping(self.alpha, self.beta, self.held)
 
 
 @dataclass(frozen=True)
 class LinearRayleighDamping:
-    """C = alpha P^T M P + beta K with the stiffness of the undeformed body, as in the literature.
+    """Damping matrix alpha P^T M P + beta K with the stiffness K of the undeformed body, as is usual.
 
     Where a part of a stiff body has rotated by theta relative to the frame, beta K resists further rotation
     with forces of order theta^2; RayleighDamping does not. P is as in RayleighDamping.
@@ -81,12 +82,12 @@ class LinearRayleighDamping:
         _check_factors("linear Rayleigh damping", self.alpha, self.beta)
 
     def matrix(self, stiffness: Any, mass: Any) -> Any:
-        """C (n, n), sparse or dense as the matrices given."""
+        """The damping matrix (n, n), for K and P^T M P; sparse or dense as these."""
         return self.alpha * mass + self.beta * stiffness
 
     @property
     def retardation_time(self) -> float:
-        """Zero: this damping does not follow the strain rate."""
+        """Zero: the damping force is not that of viscous stresses beta C eps_dot."""
         return 0.0
 
 
@@ -99,7 +100,7 @@ def _check_factors(what: str, alpha: float, beta: float) -> None:
 def rayleigh_from_ratios(
     ratio: float | tuple[float, float], omega_1: float, omega_2: float
 ) -> RayleighDamping:
-    """Rayleigh damping with given ratios (one for both, or one each) at two frequencies in rad/s.
+    """Rayleigh damping with given damping ratios (one for both, or one each) at two frequencies in rad/s.
 
         zeta_i = alpha / (2 omega_i) + beta omega_i / 2,     i = 1, 2
 
@@ -119,7 +120,7 @@ def rayleigh_from_ratios(
 def rayleigh_at_modes(
     stiffness: sparse.sparray, mass: sparse.sparray, constraint: Any, ratio: float, modes: tuple[int, int]
 ) -> RayleighDamping:
-    """Rayleigh damping with one ratio on two modes, numbered from 1, of a body under a constraint.
+    """Rayleigh damping with one damping ratio for two modes, numbered from 1, of a body under a constraint.
 
     stiffness, mass, constraint : as for `lowest_modes`
     Raises ModelError as for `rayleigh_from_ratios`.
@@ -131,16 +132,16 @@ def rayleigh_at_modes(
 
 @dataclass(frozen=True, eq=False)
 class ModalDamping:
-    """A damping ratio for each mode of the simulated body; its matrix is constant.
+    """A damping ratio for each mode of the simulated body, with a constant damping matrix C.
 
         C = P^T M Phi diag(2 zeta omega) Phi^T M P
 
-    The modes are those with the interface `held` clamped, and P removes the rigid motion of that interface:
-    the damping is the same in every frame. Without `held` they are motions relative to the body's frame, P is
-    the identity, and the damping depends on the frame.
+    Phi are the mass-normalised modes with the interface `held` clamped, and P removes the rigid motion of
+    that interface, so that the damping is the same in every frame. Without `held`, Phi are the modes with the
+    body's frame fixed, P is the identity, and the damping depends on the choice of frame.
 
     ratios : one for all modes, or one per mode from the lowest up; the last applies to all higher modes
-    n_modes : number of damped modes, from the lowest up; by default all, which a full body does not allow
+    n_modes : number of damped modes, from the lowest up; None: all modes, which is an error for a full body
     held : name of an interface
     """
 
@@ -160,11 +161,11 @@ class ModalDamping:
 
     @property
     def retardation_time(self) -> float:
-        """Zero: this damping does not follow the strain rate."""
+        """Zero: the damping force is not that of viscous stresses beta C eps_dot."""
         return 0.0
 
     def matrix(self, stiffness: ArrayLike, mass: ArrayLike) -> NDArray[np.float64]:
-        """C (r, r) from the modes of dense matrices (r, r)."""
+        """C (r, r) from the modes of dense K and P^T M P (r, r)."""
         M = np.asarray(mass, dtype=np.float64)
         squares, modes = linalg.eigh(np.asarray(stiffness, dtype=np.float64), M)
         columns = self._columns(squares, modes, M)
@@ -173,9 +174,9 @@ class ModalDamping:
     def columns(
         self, stiffness: sparse.sparray, mass: sparse.sparray, constraint: Any
     ) -> NDArray[np.float64]:
-        """W (n, n_modes) of C = W W^T, from the lowest modes of sparse matrices under a constraint.
+        """W (n, n_modes) of C = W W^T for P = I, from the lowest modes of sparse matrices under a constraint.
 
-        Parameters as for `lowest_modes`; ModelError when no number of modes is given, or one too large.
+        Parameters as for `lowest_modes`. ModelError if `n_modes` is None, or exceeds the number of modes.
         """
         if self.n_modes is None:
             raise ModelError(
@@ -197,7 +198,7 @@ Damping = RayleighDamping | LinearRayleighDamping | ModalDamping
 
 
 def refuse_relative_damping(damping: Damping | None, what: str) -> None:
-    """ModelError for a damping relative to an interface, for methods without a floating frame."""
+    """Raise ModelError if the damping has an interface `held`, which requires a floating frame."""
     if damping is not None and damping.held is not None:
         raise ModelError(
             f"{what}: its damping is relative to the interface '{damping.held}', which needs a body in a "
@@ -208,13 +209,13 @@ def refuse_relative_damping(damping: Damping | None, what: str) -> None:
 def damping_matrix(
     damping: Damping | None, body: FlexibleBody, columns: NDArray[np.float64], stiffness: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Damping matrix D (k, k) of an undeformed body for motions along columns V; zero without damping.
+    """Damping matrix D (k, k) of an undeformed body for motions V g with k coordinates g; zero if None.
 
-    Relative to an interface `held`, the motions are P V, with the mass matrix V^T P^T M P V.
+    With an interface `held`, the mass matrix is V^T P^T M P V; without it, the unit matrix.
 
     columns : V (n, k)          M-orthonormal
     stiffness : (k, k)          V^T K V
-    Raises ModelError when the body has no interface `held`.
+    Raises ModelError if the body has no interface `held`, or if `held` does not fix the rigid motion.
     """
     mass = np.eye(columns.shape[1])
     if damping is None:

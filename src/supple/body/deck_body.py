@@ -58,9 +58,10 @@ __all__ = ["deck_body", "deck_connections", "deck_mesh", "deck_model", "refuse_o
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Allowed elongation of a spring whose ends move rigidly, relative to the terms that cancel.
+# Largest accepted elongation of a spring in a rigid motion, relative to the terms that cancel.
 _RIGID = 1e-6
-# Smallest sine of the angle between a wall normal and its material direction for a usable projection.
+# Sine of the angle between the normal and the material direction of a surface element. Up to this value the
+# first side of the element replaces the direction.
 _ALONG = 2e-3
 
 
@@ -72,14 +73,17 @@ def deck_body(
     part: str | None = None,
     kinematics: ShellKinematics = GREEN_LAGRANGE,
 ) -> FlexibleBody:
-    """A free body from a deck; joints replace its supports.
+    """A free body from a deck, without the deck's supports.
 
-    interfaces : on nodes or node sets of the deck; None: one for each of its rigid ties and weighted means
-    part : one of several disconnected parts (`deck_parts`)
+    interfaces : on nodes or node sets of the deck; None: one for each rigid tie and weighted mean of the deck
+    part : name of a part or superelement (`named_part`); needed if there are several parts
 
     Raises
     ------
-    MeshError, ModelError   as for `deck_model` and `flexible_body`; springs that resist rigid motion
+    MeshError, ModelError   as for `named_part`, `deck_model` and `flexible_body`
+    Warns
+    -----
+    SuppleWarning   as for `deck_model`
     """
     own = named_part(deck, part)
     model = deck_model(own, kinematics=kinematics)
@@ -98,16 +102,17 @@ def deck_model(
 ) -> FiniteElementModel:
     """Finite-element model of a deck with a single part: its cells, springs, masses and ties.
 
-    held : whether to keep the deck's own supports, as constraints, and its springs to ground; a free body
-        omits both, and joints replace them
+    held : True keeps the deck's supports, as constraints, and its springs and dashpots to ground; False omits
+        them, as joints replace them in a machine
 
     Raises
     ------
-    ModelError   properties that a cell cannot have; springs that resist rigid motion; several parts
-    MeshError    inverted or degenerate cells
+    ModelError   a missing property, or one that a cell cannot have; unless `held`, springs that resist rigid
+                 motion
+    MeshError    inverted or degenerate cells; several parts
     Warns
     -----
-    SuppleWarning   springs and dashpots to ground, which are omitted
+    SuppleWarning   springs and dashpots to ground that are omitted; material directions normal to the surface
     """
     mesh = deck_mesh(deck)
     springs, dashpots = deck.springs, deck.dashpots
@@ -137,7 +142,7 @@ def deck_model(
 
 
 def deck_connections(deck: Deck) -> tuple[Connection, ...]:
-    """The rigid ties and weighted means of a deck, from which interfaces can be made."""
+    """The rigid ties and weighted means of a deck as connections, for `connection_interface`."""
     rigid = (
         Connection(tie.name, np.unique(np.append(tie.nodes, tie.reference)), deck.nodes[tie.reference], None)
         for tie in deck.rigid
@@ -149,9 +154,9 @@ def deck_connections(deck: Deck) -> tuple[Connection, ...]:
 
 
 def refuse_omitted_cards(deck: Deck, allowed: Sequence[str] = ()) -> None:
-    """ModelError for omitted cards that would change the body, unless they are allowed.
+    """Raise ModelError if the reader omitted cards that would change the body.
 
-    allowed : names of cards
+    allowed : names of cards that may be omitted
     """
     left = [each for each in deck.left_out if each.card not in allowed]
     if left:
@@ -166,7 +171,11 @@ def refuse_omitted_cards(deck: Deck, allowed: Sequence[str] = ()) -> None:
 
 
 def deck_mesh(deck: Deck) -> Mesh:
-    """The mesh of a deck with a single part; element sets and properties are cell sets, ties node sets."""
+    """The mesh of a deck with a single part.
+
+    Cell sets are the element sets and properties; node sets are those of the deck, rigid ties and weighted
+    means. Raises MeshError for several parts, or inverted or degenerate cells.
+    """
     cells: dict[CellType, list[DeckElements]] = {}
     for each in deck.elements:
         cells.setdefault(each.kind, []).append(each)
@@ -198,7 +207,7 @@ def deck_mesh(deck: Deck) -> Mesh:
 
 
 def _numbered(own: Sequence[DeckElements]) -> Iterator[tuple[DeckElements, IntArray]]:
-    """Elements of one kind, and their cell numbers in the mesh."""
+    """Each group of elements of one cell type, with the cell numbers of its elements in the mesh."""
     first = 0
     for each in own:
         yield each, np.arange(first, first + len(each.ids))
@@ -238,7 +247,10 @@ def _sections(deck: Deck) -> tuple[Section, ...]:
 
 
 def _along_cells(deck: Deck, given: DeckElements) -> FloatArray | None:
-    """Directions of walls; the first side of a cell replaces a direction normal to the cell."""
+    """Material directions (E, 3) of surface elements; None without.
+
+    The first side of an element replaces a direction normal to its surface, with a SuppleWarning.
+    """
     if given.directions is None:
         return None
     corners, towards = deck.nodes[given.nodes], np.array(given.directions)
@@ -318,12 +330,12 @@ def _isotropic(material: IsotropicMaterial) -> Isotropic:
 
 
 def _has_shear(material: IsotropicMaterial) -> bool:
-    """Whether a material resists shear; otherwise its beams and rods carry no torsion."""
+    """Whether a material resists shear; otherwise its beams and rods have no torsion or shear stiffness."""
     return material.shear_modulus is None or material.shear_modulus > 0
 
 
 def _of_lines(material: IsotropicMaterial) -> Isotropic:
-    """Material of beams and rods, with independent E and G, even if their Poisson's ratio is invalid."""
+    """Material of beams and rods from E and G; an invalid Poisson's ratio is replaced by zero."""
     nu = material.poissons_ratio
     G = material.shear_modulus if _has_shear(material) else None
     if not -1 < nu < 0.5:
@@ -338,9 +350,9 @@ def _material(material: IsotropicMaterial | AnisotropicMaterial) -> Isotropic | 
 
 
 def _has_rotations(deck: Deck) -> bool:
-    """Whether anything beside the elements has a rotational freedom.
+    """Whether springs, masses, constraints or means of a deck act on nodal rotations.
 
-    A weighted mean rotates its reference node, and so the nodes tied rigidly to the reference node.
+    A weighted mean that rotates its reference node also rotates the nodes tied rigidly to this node.
     """
     turned = [mean.reference for mean in deck.means if any(mean.components[3:])]
     if any(np.isin(turned, [*tie.nodes, tie.reference]).any() for tie in deck.rigid):
@@ -353,13 +365,13 @@ def _has_rotations(deck: Deck) -> bool:
 
 
 def _rows(matrix: NodalMatrix) -> tuple[IntArray, FloatArray]:
-    """The freedoms and values of a matrix without its empty rows."""
+    """The freedoms (m,) and values (m, m) of a matrix without empty rows and columns."""
     there = np.flatnonzero(matrix.values.any(axis=1) | matrix.values.any(axis=0))
     return matrix.freedoms[there], matrix.values[np.ix_(there, there)]
 
 
 def _at(freedoms: IntArray, dofs_per_node: int) -> IntArray:
-    """Freedoms 6 * node + component as those of the model."""
+    """Freedom numbers of the model, from numbers 6 * node + component."""
     return freedoms // 6 * dofs_per_node + freedoms % 6
 
 
@@ -378,7 +390,7 @@ def _spring_terms(
 def _matrix_terms(
     matrices: Sequence[NodalMatrix], d: int
 ) -> Iterator[tuple[IntArray, FloatArray, FloatArray]]:
-    """A stiffness between freedoms as springs along its eigenvectors."""
+    """Stiffness matrices as springs: freedoms, eigenvectors as rows, and nonzero eigenvalues of each."""
     for matrix in matrices:
         freedoms, values = _rows(matrix)
         if not len(freedoms):
@@ -391,7 +403,7 @@ def _matrix_terms(
 def _nodal_matrix(
     matrices: Sequence[NodalMatrix], scalars: Sequence[ScalarTerms], n_nodes: int, d: int
 ) -> sparse.csc_array | None:
-    """Sum (n, n) of matrices between freedoms and of scalar terms; None if empty."""
+    """Sum (n, n) of matrices between freedoms and of scalar terms; None if all entries are zero."""
     rows, columns, values = [], [], []
     for matrix in matrices:
         freedoms, own = _rows(matrix)
@@ -414,7 +426,7 @@ def _nodal_matrix(
 
 
 def _matrix(terms: ScalarTerms, n_nodes: int, d: int) -> sparse.csr_array:
-    """Scalar terms as rows over the n nodal freedoms, without rotations that the nodes do not have."""
+    """Factors (m, n) of m linear combinations over n nodal freedoms; no rotations if nodes have none."""
     there = terms.freedoms % 6 < d
     places = terms.rows[there], _at(terms.freedoms[there], d)
     return sparse.csr_array(
@@ -423,7 +435,7 @@ def _matrix(terms: ScalarTerms, n_nodes: int, d: int) -> sparse.csr_array:
 
 
 def _zero_sums(given: Sequence[ScalarTerms], n_nodes: int, d: int, path: object) -> Constraints | None:
-    """Scalar terms that are constrained to zero, as rows."""
+    """Constraints that set each of the linear combinations to zero; None without any."""
     given = [each for each in given if len(each.lines)]
     if not given:
         return None
@@ -441,7 +453,7 @@ def _zero_sums(given: Sequence[ScalarTerms], n_nodes: int, d: int, path: object)
 
 
 def _constraints(deck: Deck, d: int, given: Sequence[ScalarTerms]) -> Constraints | None:
-    """Constraints of the deck, and those by which reference nodes follow weighted means."""
+    """Constraints of `given`, and those by which reference nodes follow weighted means; None if none."""
     n = len(deck.node_ids)
     found = [_zero_sums(given, n, d, deck.path)]
     means = [_mean_rows(deck, number, d) for number in range(len(deck.means))]
@@ -473,7 +485,7 @@ def _followed(components: Sequence[bool], d: int) -> list[int]:
 
 
 def _mean_rows(deck: Deck, number: int, d: int) -> sparse.csr_array:
-    """u_ref - (mean motion of the nodes) = 0, for the components that follow."""
+    """Rows of u_ref - (mean motion of the nodes) = 0 for the components that follow, over all freedoms."""
     mean = deck.means[number]
     used = np.flatnonzero(mean.weights > 0)
     nodes = mean.nodes[used]
@@ -491,13 +503,13 @@ def _mean_rows(deck: Deck, number: int, d: int) -> sparse.csr_array:
 
 
 def _ground(terms: ScalarTerms) -> NDArray[np.bool_]:
-    """Whether a row acts on a single node, in any axes: it is then a spring to ground."""
+    """Mask of the linear combinations on a single node, which are springs or dashpots to ground."""
     nodes = np.unique(np.column_stack([terms.rows, terms.freedoms // 6]), axis=0)
     return np.bincount(nodes[:, 0], minlength=len(terms.lines)) == 1
 
 
 def _free(deck: Deck, terms: ScalarTerms) -> ScalarTerms:
-    """Springs between nodes; ModelError where one resists rigid motion."""
+    """Springs or dashpots without those to ground; ModelError if one resists rigid motion."""
     kept = ~_ground(terms)[terms.rows] if len(terms.rows) else np.empty(0, dtype=bool)
     own = ScalarTerms(terms.rows[kept], terms.freedoms[kept], terms.factors[kept], terms.lines, terms.values)
     rows = _matrix(own, len(deck.node_ids), 6)

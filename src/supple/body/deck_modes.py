@@ -1,4 +1,4 @@
-"""Mass and natural frequencies of a deck with all its parts, free or at its own supports."""
+"""Mass and natural frequencies of a deck with all its parts, free or with its own supports."""
 
 from __future__ import annotations
 
@@ -24,12 +24,16 @@ __all__ = ["deck_frequencies", "deck_mass", "deck_models", "mass_of_models"]
 FloatArray = NDArray[np.float64]
 
 MORE_MODES = 6
-"""Number of modes computed in addition to the wanted and six rigid ones, as a part may have mechanisms."""
+"""Number of modes computed in addition to the n wanted modes and six rigid modes of a free part.
+
+A part with more than this number of mechanisms gives fewer than n frequencies.
+"""
 
 
 def deck_models(deck: Deck, *, held: bool = False) -> dict[str, FiniteElementModel]:
-    """Models of the parts of a deck, by name, largest first.
+    """Finite-element models of the parts of a deck, by part name (`deck_parts`), largest first.
 
+    held : as for `deck_model`; True also gives scalar points a node
     Errors as for `deck_model`, whose warnings are suppressed.
     """
     with warnings.catch_warnings():
@@ -39,7 +43,7 @@ def deck_models(deck: Deck, *, held: bool = False) -> dict[str, FiniteElementMod
 
 
 def mass_of_models(models: Sequence[FiniteElementModel]) -> MassProperties:
-    """Mass, centre of mass, and inertia about it, of several models together."""
+    """Mass, centre of mass, and inertia about the centre of mass, of several models together."""
     own = [rigid_mass_properties(each.mass, each.mesh.nodes, each.dofs_per_node) for each in models]
     total = sum(each.mass for each in own)
     centre = sum((each.mass * each.centre for each in own), np.zeros(3)) / (total or 1.0)
@@ -51,15 +55,16 @@ def mass_of_models(models: Sequence[FiniteElementModel]) -> MassProperties:
 
 
 def deck_mass(deck: Deck) -> MassProperties:
-    """Mass, centre of mass, and inertia about it, of all parts of a deck; errors as for `deck_model`."""
+    """Mass properties of all parts of a deck together, without scalar points; errors as for `deck_model`."""
     return mass_of_models(list(deck_models(without_scalar_points(deck), held=True).values()))
 
 
 def deck_frequencies(deck: Deck, n: int, *, held: bool = False) -> FloatArray:
-    """The n lowest natural frequencies of all parts, cycles per unit of time, ascending.
+    """At most n lowest natural frequencies of all parts, cycles per unit of time, ascending.
 
-    A free deck gives its elastic modes; a deck at its own supports (`held`) gives all modes, including any
-    remaining rigid motion. Parts without mass are skipped.
+    held : True: frequencies of all modes with the deck's supports, including remaining rigid motions; False:
+        frequencies of the elastic modes without supports
+    Parts without mass are omitted.
 
     Raises
     ------

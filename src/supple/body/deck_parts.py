@@ -1,4 +1,4 @@
-"""Parts of a deck, connected by cells, springs, constraints and ties, each as a deck of its own."""
+"""Parts of a deck: groups of nodes connected by cells, springs, masses, constraints or ties, as decks."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ IntArray = NDArray[np.int64]
 
 
 def deck_parts(deck: Deck) -> dict[str, Deck]:
-    """The connected parts of a deck, largest first: {"part_1": .., "part_2": ..}; "" for a single part.
+    """The connected parts of a deck, largest number of nodes first: {"part_1": .., "part_2": ..}.
 
-    No part includes unused nodes or scalar points.
+    The name of a single part is "". Unused nodes and scalar points are in no part.
     """
     deck = without_scalar_points(deck)
     n, links = len(deck.node_ids), deck_links(deck)
@@ -44,7 +44,7 @@ def deck_parts(deck: Deck) -> dict[str, Deck]:
 
 
 def without_scalar_points(deck: Deck) -> Deck:
-    """A deck without scalar points, which have no position, and without the terms that act on them."""
+    """The deck without scalar points, which have no position, and without terms that act on them."""
     n = len(deck.node_ids)
     if not len(deck.scalar_points):
         return deck
@@ -57,7 +57,7 @@ def without_scalar_points(deck: Deck) -> Deck:
 
 
 def with_scalar_points(deck: Deck) -> Deck:
-    """A deck at its own supports, with scalar points as nodes that move only along x."""
+    """The deck with its scalar points as nodes, which added supports restrict to motion along x."""
     n, k = len(deck.node_ids), len(deck.scalar_points)
     if not k:
         return deck
@@ -74,7 +74,10 @@ def with_scalar_points(deck: Deck) -> Deck:
 
 
 def _without(given: ScalarTerms, refused: NDArray[np.bool_]) -> ScalarTerms:
-    """The rows without any of the refused terms."""
+    """The linear combinations that contain none of the refused terms.
+
+    refused : (T,) mask of terms
+    """
     kept = np.ones(len(given.lines), dtype=bool)
     kept[given.rows[refused]] = False
     return kept_terms(given, kept)
@@ -85,7 +88,8 @@ def named_part(deck: Deck, name: str | None) -> Deck:
 
     Raises
     ------
-    ModelError   several parts and no name; an unknown name
+    ModelError   several parts and no name; an unknown name; a deck or superelement without parts, or a
+                 superelement with several parts
     """
     if name is not None and name in deck.superelements:
         return named_part(deck.superelements[name], None)
@@ -107,10 +111,10 @@ def named_part(deck: Deck, name: str | None) -> Deck:
 
 
 def deck_links(deck: Deck) -> IntArray:
-    """Pairs (L, 2) of nodes connected by something other than cells.
+    """Pairs (L, 2) of nodes connected by springs, dashpots, masses, constraints, ties or weighted means.
 
     The first node of a connection is paired with each node of the connection, itself included. The first node
-    of ties and means is their reference node.
+    of a tie or mean is its reference node.
     """
     stars = [np.array(nodes, dtype=np.int64) for nodes in _stars(deck)]
     pairs = [np.column_stack([np.full(len(nodes), nodes[0]), nodes]) for nodes in stars]

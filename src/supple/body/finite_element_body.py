@@ -26,14 +26,15 @@ def flexible_body(
 
     Parameters
     ----------
-    model      : its elements, mass and stiffness; free, without supports
-    interfaces : where joints and loads act; node sets are those of the model's mesh
+    model      : elements, mass and stiffness of the body, without supports
+    interfaces : points at which joints and loads act; node sets are those of the model's mesh
     Raises
     ------
     MeshError    unknown node set
-    ModelError   matrices that are not finite or symmetric, a mass that is not positive, a stiffness that
-                            resists rigid motion or leaves more than six motions free; interfaces that are
-                            empty, share a name, tie a node rigidly twice, or cannot carry a rotation
+    ModelError   matrices that are not finite or symmetric; a mass matrix with negative eigenvalues; motions
+                            with neither mass nor stiffness; a stiffness that resists rigid motion or leaves
+                            more than six motions free; interfaces that are empty, share a name, tie a node
+                            rigidly twice, or cannot carry a rotation
     """
     from supple.fem import nodal_rotation_operator
 

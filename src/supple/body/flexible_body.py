@@ -27,26 +27,27 @@ __all__ = ["FlexibleBody"]
 class FlexibleBody(Summarized):
     """A free elastic body; build it with `flexible_body` or `superelement`, which check it.
 
-    Its n coordinates q are the nodal freedoms that remain after elimination of rigid pieces, constraints and
-    freedoms without mass or stiffness (`coordinates`), then six for each rigid piece:
+    Its n coordinates q are nodal freedoms, then six freedoms for each rigid piece, then modal coordinates,
+    without those eliminated by constraints or for lack of mass or stiffness (`coordinates`):
     u_nodal = expansion @ q.
 
     nodes         : (N, 3) m, in the mesh axes
     dofs_per_node : 3 (ux uy uz) or 6 (.. rx ry rz)
     expansion     : csc (n_nodal, n), T
-    nodal_mass    : csc (n_nodal, n_nodal)
-    mass          : csc (n, n), T^T M T, kg
-    stiffness     : csc (n, n), T^T K T, N/m
+    nodal_mass    : csc (n_nodal, n_nodal), M of the nodal freedoms
+    mass          : csc (n, n), T^T M T, kg, kg m and kg m^2
+    stiffness     : csc (n, n), T^T K T, N/m, N and N m
     interfaces    : virtual nodes, in the order given
     rigid_modes   : (n, 6), R: translations e_i, rotations e_i x x_a about the mesh origin; K R = 0
-    model         : the elements it is made of; None for a body from matrices
-    force         : evaluation of its internal force, linear or from quadratic strains
-    rotation_operator : csc (3 P, n_nodal), rotation vectors at P points; None where rotations are unknown
-    rotation_limit    : rad, largest rotation relative to the body's frame for which its kinematics hold
-    threes : the map `rest` (n0, n) to coordinates in triples q0 = rest @ q, of free nodes and rigid pieces,
-        and their mass (n0, n0); None where q0 = q, as with rigid interfaces only
-    damping       : csc (n, n), N s/m, from its files, or None. Options of a reduction add to it
-    linearized_from : the same body with quadratic strains, if it was linearised; None otherwise
+    model         : finite-element model of the body; None for a body from matrices
+    force         : internal force as a function of q, linear or from quadratic strains
+    rotation_operator : csc (3 P, n_nodal), from u_nodal to rotation vectors at P points; None if unknown
+    rotation_limit    : rad, largest rotation relative to the body's frame for which the kinematics are valid
+    threes : (rest, mass). csc (n0, n) maps q to q0, triples of freedoms of the free nodes, rigid pieces and
+        recovered points with mass; csc (n0, n0) is the mass of q0. None where q0 = q
+    damping       : csc (n, n), N s/m, of dashpots or a damping matrix; None without. Options of a reduction
+        add further damping
+    linearized_from : the body with quadratic strains from which `linearized` made this body; None otherwise
     n_modal : number of modal coordinates in q, of a condensed model. They belong to no node, and their mass
         is not in `nodal_mass`. They enter centrifugal and Coriolis terms only by masses of recovered points
     """
@@ -96,7 +97,7 @@ class FlexibleBody(Summarized):
         return len(self.nodes) * self.dofs_per_node
 
     def interface(self, name: str) -> BodyInterface:
-        """The interface of that name; ModelError lists the nearest names, or all."""
+        """The interface of that name; the ModelError for an unknown name lists the nearest name, or all."""
         return interface_named(self.name, name, self.interfaces)
 
     @property
@@ -105,7 +106,10 @@ class FlexibleBody(Summarized):
         return self.force.is_linear
 
     def linearized(self) -> FlexibleBody:
-        """The same body, of the same elements, without quadratic strains: its internal force is K q."""
+        """The body with the internal force K q, without quadratic strains; `model` stays the same.
+
+        Its interfaces have no tied nodes, and cubic_turn = 0.
+        """
         linear = replace(
             self,
             force=LinearForce(self.stiffness),
@@ -121,7 +125,7 @@ class FlexibleBody(Summarized):
 
     @property
     def assembly(self) -> Assembly:
-        """Nonlinear force and tangent in the body's coordinates; ModelError for a linear body."""
+        """Assembly of the nonlinear force and tangent in the body's coordinates; ModelError if linear."""
         if isinstance(self.force, LinearForce):
             raise ModelError(
                 f"body '{self.name}' is linear: it has matrices but no quadratic strains, so no nonlinear "
@@ -131,15 +135,21 @@ class FlexibleBody(Summarized):
 
     @cached_property
     def grounded_stiffness(self) -> GroundedFactor:
-        """One sparse factor of K, fixed at six freedoms, for every static solution of the body."""
+        """Sparse factor of K with springs to ground at six freedoms, shared by all static solutions.
+
+        ModelError for a mechanism, or a stiffness with negative eigenvalues.
+        """
         return checked_grounded_stiffness(self.name, self.stiffness, self.rigid_modes)
 
     def constrained(self, constraint: ArrayLike | sparse.sparray) -> ConstrainedFactor:
-        """Static equilibrium under D q = c, D (m, n); all constraints share `grounded_stiffness`."""
+        """Factor of static equilibrium under constraints D q = c, D (m, n), from `grounded_stiffness`."""
         return constrained_factor(self.stiffness, constraint, grounded=self.grounded_stiffness)
 
     def lowest_modes(self, n_modes: int, constraint: ArrayLike | sparse.sparray | None = None) -> Eigenpairs:
-        """The lowest modes under D q = 0, D (m, n), proven complete; without D, those of the free body."""
+        """The n_modes lowest modes under D q = 0, D (m, n), with proof that none is missing.
+
+        Without D the modes are those of the free body, including six rigid ones.
+        """
         rows = dense_rows(constraint, self.n)
         found = lowest_modes(
             self.stiffness, self.mass, n_modes, constraint=rows, grounded=self.grounded_stiffness
@@ -151,7 +161,7 @@ class FlexibleBody(Summarized):
     def lowest_frequencies(
         self, n_modes: int, constraint: ArrayLike | sparse.sparray | None = None
     ) -> NDArray[np.float64]:
-        """Lowest frequencies (n_modes,), rad/s, from modes computed earlier if these suffice."""
+        """Lowest angular frequencies (n_modes,), rad/s; modes are computed only if too few are known."""
         values = self._known_values.get(_digest(dense_rows(constraint, self.n)), np.zeros(0))
         if len(values) < n_modes:
             values = self.lowest_modes(n_modes, constraint).values
@@ -159,11 +169,11 @@ class FlexibleBody(Summarized):
 
     @cached_property
     def _known_values(self) -> dict[bytes, NDArray[np.float64]]:
-        """Computed eigenvalues, by a digest of the constraint rows."""
+        """Eigenvalues computed so far; the key is a digest of the constraint rows."""
         return {}
 
     def __getstate__(self) -> dict[str, Any]:
-        # Factors are in the memory of a solver library and cannot be pickled: they are rebuilt.
+        # A factor is in the memory of a solver library and cannot be pickled; it is recomputed on first use.
         made_anew = ("grounded_stiffness", "_known_values")
         return {key: value for key, value in self.__dict__.items() if key not in made_anew}
 

@@ -16,12 +16,13 @@ __all__ = ["floating_positions", "in_space", "node_displacements"]
 
 Array = NDArray[np.float64]
 
-# Numbers of the displacement field in memory at a time (32 MiB); the field of a long run may not fit.
+# Largest number of displacement values in memory at a time (32 MiB), unless one time needs more. All times of
+# a long run may not fit in memory.
 _FIELD_NUMBERS = 2**22
 
 
 class Deforming(Protocol):
-    """The members of a body that the kinematics use."""
+    """The members of a body that the kinematics need."""
 
     @property
     def nodes(self) -> np.ndarray:
@@ -29,13 +30,13 @@ class Deforming(Protocol):
         ...
 
     def interface(self, name: str) -> Interface:
-        """The interface of that name."""
+        """The interface of that name; ModelError for an unknown name."""
         ...
 
     def expand(self, coordinates: np.ndarray, nodes: NDArray[np.intp] | slice = ..., /) -> np.ndarray:
         """Displacements (..., k, 3) of all or some nodes for coordinates (..., r), in the body's frame.
 
-        At most quadratic in the coordinates.
+        The displacements are at most quadratic in the coordinates.
         """
         ...
 
@@ -59,7 +60,7 @@ def in_space(position: Array, rotation: Array, local: Array) -> Array:
     -------
     array (t, k, 3)
     """
-    # With BLAS, a sixth of the time of an einsum.
+    # The product uses BLAS and takes a sixth of the time of an einsum.
     return position[:, None] + local @ np.ascontiguousarray(np.swapaxes(rotation, 1, 2))
 
 
@@ -109,7 +110,7 @@ def node_displacements(body: Deforming, coordinates: Array, nodes: ArrayLike | s
 
 
 def time_slices(body: Deforming, n_times: int) -> Iterator[slice]:
-    """Ranges of output times whose full displacement fields fit in memory together."""
+    """Ranges of output times, each with at most _FIELD_NUMBERS displacement values of all nodes."""
     n_rows = max(1, _FIELD_NUMBERS // max(1, body.nodes.size))
     return (slice(start, start + n_rows) for start in range(0, max(n_times, 1), n_rows))
 
@@ -121,7 +122,7 @@ def _chosen(body: Deforming, nodes: ArrayLike | slice) -> NDArray[np.int64] | sl
 
 
 def checked_nodes(nodes: ArrayLike, n_nodes: int) -> NDArray[np.int64]:
-    """Node numbers (k,) from 0; ModelError where one is outside a body of n_nodes."""
+    """Node numbers (k,) as an integer array; ModelError for a number outside 0 to n_nodes - 1."""
     numbers = np.atleast_1d(np.asarray(nodes, dtype=np.int64))
     if numbers.size and not (0 <= numbers.min() and numbers.max() < n_nodes):
         raise ModelError(

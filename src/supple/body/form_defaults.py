@@ -32,26 +32,26 @@ class _Form(Protocol):
         ...
 
     def expand(self, coordinates: Array, nodes: NDArray[np.intp] | slice = ..., /) -> Array:
-        """Displacements (..., k, 3) of some nodes or all by coordinates (..., r)."""
+        """Displacements (..., k, 3) of all or some nodes for coordinates (..., r)."""
         ...
 
 
 class FormDefaults:
-    """Members of `BodyForm` that are the same in most forms."""
+    """Members of `BodyForm` that most forms have in common."""
 
     @property
     def uses_interface_motions(self) -> bool:
-        """False: its coordinates are unknowns of the machine's equations."""
+        """False: the body's coordinates are unknowns of the machine's equations."""
         return False
 
     @property
     def has_frame(self) -> bool:
-        """True: its deformation is measured in a frame that moves with it."""
+        """True: the deformation is relative to a frame that moves with the body."""
         return True
 
     @property
     def dofs_per_node(self) -> int:
-        """Three displacements."""
+        """3: the displacements of a node."""
         return 3
 
     @property
@@ -66,27 +66,30 @@ class FormDefaults:
 
     @property
     def coordinate_size(self: _Form) -> float:
-        """sqrt(kg): the norm of mass-orthonormal coordinates (r,) when all nodes move by one."""
+        """sqrt(mass): the norm of mass-orthonormal coordinates (r,) for a unit displacement of all nodes."""
         return float(np.sqrt(self.mass))
 
     @property
     def rotation_rows(self) -> Any:
-        """None: no rotation relative to a frame is checked."""
+        """None: the rotation relative to the frame is not checked."""
         return None
 
     @property
     def missing_centrifugal_stiffness(self) -> Array:
-        """Zeros (3,)."""
+        """Zeros (3,): no centrifugal stiffness is missing."""
         return np.zeros(3)
 
     def expand_rates(
         self: _Form, _coordinates: Array, rates: Array, nodes: NDArray[np.intp] | slice = slice(None), /
     ) -> Array:
-        """Displacement rates (..., k, 3), for displacements that are linear in the coordinates."""
+        """Displacement rates (..., k, 3) for displacements linear in the coordinates: expand(rates)."""
         return self.expand(rates, nodes)
 
     def node_rotations(self: Any, motion: Motion) -> Array:
-        """(t, N, 3, 3) rotation of the frame, times that of the node's rotation vector, if it has one."""
+        """Rotations (t, N, 3, 3) of the frame, times those of the nodal rotation vectors, if nodes have them.
+
+        Raises ModelError for a motion without a frame.
+        """
         own = motion.of_type(FramedMotion)
         n_times, n_nodes = len(own.coordinates), len(self.nodes)
         of_frame = np.broadcast_to(own.rotation[:, None], (n_times, n_nodes, 3, 3))
@@ -98,12 +101,12 @@ class FormDefaults:
         return of_frame @ local.reshape(n_times, n_nodes, 3, 3)
 
     def sections(self: Any, _model: FiniteElementModel | None, /) -> Sections:
-        """ModelError, as the form has no section forces."""
+        """Raise ModelError, as this form of body has no section forces."""
         raise ModelError(
             f"body '{self.name}' is {self.kind}, which has no section forces; read the force of a joint, or "
             "split the body there"
         )
 
     def section_softness(self, _interface: str, /) -> Array:
-        """Zeros (3,)."""
+        """Zeros (3,): sections at interfaces have no softness."""
         return np.zeros(3)

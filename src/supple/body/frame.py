@@ -20,13 +20,13 @@ class Frame(Protocol):
     """A choice of frame: six linear conditions D q = 0 on a body's coordinates."""
 
     def constraint(self, body: FlexibleBody) -> NDArray[np.float64]:
-        """D, (6, n), with D R regular."""
+        """D (6, n), with D R (6, 6) regular for the rigid modes R."""
         ...
 
 
 @dataclass(frozen=True)
 class NodalFixedFrame:
-    """The frame is fixed to an interface: q_v = 0 there. [Wu2019 (11)]"""
+    """The frame moves with an interface: its displacement and rotation are zero, q_v = 0. [Wu2019 (11)]"""
 
     interface: str
 
@@ -34,33 +34,36 @@ class NodalFixedFrame:
         check_fields(self)
 
     def constraint(self, body: FlexibleBody) -> NDArray[np.float64]:
-        """D = the interface's motion; ModelError when the body has no such interface."""
+        """D (6, n), the `motion` of the interface; ModelError if the body has no such interface."""
         return body.interface(self.interface).motion.toarray()
 
 
 @dataclass(frozen=True)
 class MeanAxisFrame:
-    """The frame follows the body's mean motion, so that deformation carries no momentum to first order.
+    """The frame follows the body's mean motion: to first order, deformation has no momentum in the frame.
 
-    The linearised Tisserand frame, R^T M q = 0. [Wu2019 (17)-(18)]
+    This is the linearised Tisserand frame, R^T M q = 0. [Wu2019 (17)-(18)]
     """
 
     def constraint(self, body: FlexibleBody) -> NDArray[np.float64]:
-        """D = R^T M."""
+        """D = R^T M (6, n)."""
         return (body.mass @ body.rigid_modes).T
 
 
 def smaller_rotations(frame: Frame | None) -> str:
-    """Remedy that reduces a body's rotation relative to its frame.
+    """Text for messages: the change of model that reduces a body's rotation relative to its frame.
 
-    frame : None for a body without frame option
+    frame : None for a body whose frame cannot be chosen
     """
     split = "split the body (split = { parts = 2 } in a case file, split_body in Python)"
     return split if isinstance(frame, MeanAxisFrame) else f"choose a mean-axis frame, or {split}"
 
 
 def frame_projector(body: FlexibleBody, frame: Frame) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-    """The map x -> x - R (D R)^-1 D x: motions of shape (n,) or (n, k) relative to the frame."""
+    """The map P x = x - R (D R)^-1 D x, from motions (n,) or (n, k) to motions relative to the frame.
+
+    Raises ModelError if D R is singular, so that the frame does not fix the rigid motion.
+    """
     D, R = frame.constraint(body), body.rigid_modes
     fixed = D @ R
     if np.linalg.matrix_rank(fixed / np.linalg.norm(fixed, axis=1)[:, None]) < 6:

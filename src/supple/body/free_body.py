@@ -1,4 +1,4 @@
-"""The step shared by all builders: a checked FlexibleBody from nodal matrices and interfaces."""
+"""A checked FlexibleBody from nodal matrices and interfaces, for all functions that build bodies."""
 
 from __future__ import annotations
 
@@ -47,10 +47,14 @@ def free_body(
     rotation_limit: float = np.inf,
     rigid_tolerance: float = RIGID_TOLERANCE,
 ) -> FlexibleBody:
-    """A checked free body: coordinates after ties, M = T^T M_nodal T and K likewise.
+    """A checked free body: coordinates after ties, M = T^T M_nodal T and K = T^T K_nodal T.
 
     n_modal : number of modal coordinates, the last rows of the matrices; zero in rigid motions
-    recovery : recovers the motion of points, which become nodes without mass
+    recovery : matrix of the motion of points, which become the last nodes, without mass in `nodal_mass`
+
+    Raises
+    ------
+    ModelError   as for `flexible_body` and `superelement`
     """
     node_ids = None if model is None else model.mesh.node_ids
     attached = Attached() if model is None else model.attached
@@ -79,7 +83,7 @@ def free_body(
         tolerance=rigid_tolerance,
     )
     M, K = made.mass, made.stiffness
-    # The nodal matrices are checked: elimination loses the size of the forces that cancel.
+    # The check needs the nodal matrices: the eliminations change the size of the forces that cancel.
     R = np.vstack([nodal_rigid_modes(nodes, dofs_per_node), np.zeros((n_modal, 6))])
     check_moves_rigidly(name, "stiffness", K_nodal, R, dofs_per_node, rigid_tolerance)
     C = None
@@ -133,7 +137,10 @@ def free_body(
 def _threes(
     made: Coordinates, nodal_mass: sparse.csc_array
 ) -> tuple[sparse.csc_array, sparse.csc_array] | None:
-    """Map from q to the coordinates in triples, and their mass; without modal coordinates."""
+    """Map (n0, n) from q to the coordinates in triples q0, and the mass (n0, n0) of q0; None if q0 = q.
+
+    Modal coordinates are not in q0.
+    """
     rest = made.threes
     if rest is None:
         return None
@@ -152,7 +159,7 @@ def _with_points(
     points: sparse.csc_array,
     masses: NDArray[np.float64],
 ) -> tuple[sparse.csc_array, sparse.csc_array] | None:
-    """`_threes`, followed by displacements (3 P, n) of points and their masses (P,)."""
+    """Result of `_threes`, extended by displacements (3 P, n) and masses (P,) of points; None for None."""
     if of_nodes is None:
         return None
     rest, mass = of_nodes
@@ -166,7 +173,7 @@ def _with_points(
 def _widened(
     mass: sparse.csc_array, rotations: sparse.csc_array | None, n: int
 ) -> tuple[sparse.csc_array, sparse.csc_array | None]:
-    """Mass and rotation operator, widened to n nodal freedoms; the added ones have no mass or rotation."""
+    """Mass and rotation operator, extended to n nodal freedoms with zeros for the added freedoms."""
     k = n - (mass.indptr.size - 1)
     wide = sparse.csc_array(sparse.block_diag([mass, sparse.csc_array((k, k))], format="csc"))
     if rotations is None:
@@ -176,7 +183,7 @@ def _widened(
 
 
 def _quadratic_force(model: FiniteElementModel, made: Coordinates) -> QuadraticStrainForce:
-    """Force of the elements, with second-order ties if all strains vanish in a rotation."""
+    """Internal force of the elements, with second-order ties if rotations leave no second-order strain."""
     if not made.sets or not model.strains_vanish_in_rotation:
         return QuadraticStrainForce(model, made.expansion)
     expansion = with_virtual_nodes(made.whole, model.dofs_per_node, len(made.sets))

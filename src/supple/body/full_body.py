@@ -1,4 +1,4 @@
-"""A flexible body simulated with all its finite-element freedoms, as the reference for reduced ones."""
+"""A flexible body simulated with all its finite-element freedoms, as the reference for reduced bodies."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ __all__ = ["FullBody"]
 
 @dataclass(frozen=True, eq=False)
 class FullBody(FloatingForm):
-    """All coordinates of a flexible body in a floating frame, attached to the frame by six multipliers.
+    """A flexible body with all its coordinates; six Lagrange multipliers impose the conditions of its frame.
 
     body : FlexibleBody    nonlinear if it has quadratic strains; give `body.linearized()` for a linear one
     frame : NodalFixedFrame | MeanAxisFrame
@@ -44,12 +44,12 @@ class FullBody(FloatingForm):
 
     @property
     def kind(self) -> Literal["full"]:
-        """Full."""
+        """The name of this form, "full"."""
         return "full"
 
     @property
     def mass(self) -> float:
-        """Mass of the body, kg, from a rigid translation."""
+        """Mass of the body, kg: r^T M r of the rigid translation r along x."""
         along_x = self.body.rigid_modes[:, 0]
         return float(along_x @ (self.body.mass @ along_x))
 
@@ -60,12 +60,12 @@ class FullBody(FloatingForm):
 
     @property
     def n_coordinates(self) -> int:
-        """Number of coordinates: all of them."""
+        """Number of coordinates of the flexible body."""
         return self.body.n
 
     @property
     def nodes(self) -> np.ndarray:
-        """(N, 3) undeformed positions."""
+        """Undeformed positions (N, 3) of the nodes, m."""
         return self.body.nodes
 
     @property
@@ -74,17 +74,17 @@ class FullBody(FloatingForm):
         return self.body.interfaces
 
     def interface(self, name: str) -> BodyInterface:
-        """The interface of that name; ModelError lists the nearest names, or all."""
+        """The interface of that name; the ModelError for an unknown name lists the nearest name, or all."""
         return self.body.interface(name)
 
     @property
     def uses_interface_motions(self) -> bool:
-        """True: joints use interface motions, as only a sparse method solves for all its coordinates."""
+        """True: joints and forces use interface motions, as only sparse methods solve for all coordinates."""
         return True
 
     @property
     def interface_motions(self) -> csr_array:
-        """Displacement and rotation of all interfaces per coordinate, (6 p, n)."""
+        """Displacements and rotations of all p interfaces per unit coordinate, csr (6 p, n)."""
         motions = [interface.motion for interface in self.interfaces]
         return csr_array(vstack(motions)) if motions else csr_array((0, self.n_coordinates))
 
@@ -96,22 +96,22 @@ class FullBody(FloatingForm):
 
     @property
     def dofs_per_node(self) -> int:
-        """Freedoms of a node."""
+        """Number of freedoms of a node: 3, or 6 with rotations."""
         return self.body.dofs_per_node
 
     def nodal_fields(
         self, coordinates: np.ndarray, freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[np.ndarray, None]:
-        """Nodal freedoms (n_nodal, t) for coordinates (t, n); nothing is condensed."""
+        """All or some nodal freedoms (n_nodal, t) for coordinates (t, n), and None: nothing is condensed."""
         return self.body.expansion.tocsr()[freedoms] @ coordinates.T, None
 
     @property
     def coordinate_size(self) -> float:
-        """sqrt(N), of N nodes."""
+        """sqrt(N) for N nodes: approximate norm of the coordinates for a unit displacement of all nodes."""
         return float(np.sqrt(len(self.nodes)))
 
     def section_softness(self, interface: str) -> np.ndarray:
-        """Softness c / C (3,) of the section of an averaging interface; zeros for any other."""
+        """Softness c / C (3,) of the section at an averaging interface (`averaging_error`); else zeros."""
         return section_softness(self.body, self.interface(interface))
 
     @property
@@ -126,7 +126,7 @@ class FullBody(FloatingForm):
 
     @property
     def rotation_limit(self) -> float:
-        """Largest rotation relative to the frame for which the kinematics hold, rad."""
+        """Largest rotation relative to the frame for which the kinematics are valid, rad."""
         return self.body.rotation_limit
 
     @property

@@ -1,4 +1,4 @@
-"""All inertia of a moving, deforming body in one Gram matrix."""
+"""Matrix of the kinetic energy of a body that moves and deforms in a floating frame."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from supple.errors import ModelError
 __all__ = ["inertia_gram"]
 
 _BLOCK_NUMBERS = 2**22
-"""Numbers in memory at once: nine fields for each column of a block."""
+"""Largest number of values of a block of columns in memory at a time; each column needs nine fields (n,)."""
 
 
 def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
-    """The matrix of the kinetic energy of a body whose deformation has the coordinates gamma of a basis.
+    """Matrix G of the kinetic energy of a body with the deformation V gamma, in axes of the frame.
 
         z = (v, w, gamma_1 w, ..., gamma_r w, gamma'),    T = 1/2 z^T G z
 
-    With only nodal point masses it is the Gram matrix W^T M W of the fields
-    W = [Phi_t | Phi_w0 | Phi_1 ... Phi_r | V]: unit translations, unit rotations, e_i x V_k (three columns
-    each) and the basis. Rotary inertia adds to its blocks, to second order in the rotations
-    (`InertiaPolynomial`).
+    v, w are the velocity and angular velocity of the frame. With only nodal point masses, G is the Gram
+    matrix W^T M W of the fields W = [Phi_t | Phi_w0 | Phi_1 ... Phi_r | V]: unit translations, unit
+    rotations, e_i x V_k (three columns each) and the basis. Rotary inertia adds to the blocks of G, to second
+    order in the rotations (`InertiaPolynomial`).
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
     (6 + 4 r, 6 + 4 r)   symmetric
     Raises
     ------
-    ModelError   wrong shape
+    ModelError   a basis of another shape
     """
     V = np.asarray(basis, dtype=np.float64)
     if V.ndim != 2 or V.shape[0] != body.n:
@@ -54,7 +54,8 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
         among[:, :, some] = np.tensordot(V, energy.spin_products(fields), axes=(0, 2)).swapaxes(2, 3)
     rigid, turned = R.T @ (body.mass @ R), turned.reshape(6, 3 * r)
     among, rates = among.reshape(3 * r, 3 * r), rates.reshape(3 * r, r)
-    # The nodal mass shows a disagreement of the two masses; it lacks modal coordinates, which need the other.
+    # From the nodal mass, so that a difference between nodal_mass and mass is visible in the result. Modal
+    # coordinates are not in the nodal mass and need body.mass.
     nodal = V if body.n_modal else body.expansion @ V
     own = nodal.T @ ((body.mass if body.n_modal else body.nodal_mass) @ nodal)
     gram = np.block([[rigid, turned, by_basis], [turned.T, among, rates], [by_basis.T, rates.T, own]])

@@ -8,9 +8,9 @@ angular velocity is `w`. The angular velocity of a node with the inertia J in it
     T_J = 1/2 w J w + w J (w x theta + theta') + 1/2 (w x theta + theta') J (w x theta + theta')
           + 1/2 w J (theta x (theta x w) - theta x theta')                           + O(|theta|^3)
 
-The third power is omitted; `w x theta` represents the gyroscopic moment. A mass that couples the rotations of
-two nodes, consistent or condensed, is a bilinear form of the theta of both nodes. A mass that couples
-translations to rotations is that of a point beside its node, at u + theta x c.
+Terms of third order in theta are omitted; `w x theta` represents the gyroscopic moment. A mass that couples
+the rotations of two nodes (consistent or condensed) is a bilinear form of the theta of both nodes. A mass
+that couples translations to rotations is that of a point beside its node, with displacement u + theta x c.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _CROSS = np.array([cross_matrix(axis) for axis in _AXES])
 _TWICE = np.einsum("ica,jcb->ijab", _CROSS, _CROSS)
 """`(e_i x a) . (e_j x b)`"""
 _ROUNDING = 1e-14
-"""Relative deviation from a multiple of the identity up to which a mass block counts as isotropic."""
+"""Deviation of a mass block from m I, relative to the largest mass entry, up to which it counts as m I."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,9 +48,9 @@ class InertiaPolynomial:
 
         T = 1/2 q' M q' + w_i (P_i . q' + q B_i q') + 1/2 w_i w_j (J_ij + 2 k_ij . q + q Z_ij q)
 
-    where `P_i` are the columns of M R for rotations. All follow from the 3 x 3 blocks of the mass matrix.
-    Blocks m I between two translations, those of points, have B_i = - m e_i x and Z_ij = - m e_i x e_j x;
-    products with all of these need only one product with M.
+    where `P_i` are the columns of M R for rotations. All coefficients follow from the 3 x 3 blocks of the
+    mass matrix. Blocks m I between two translations (point masses) have B_i = - m e_i x and
+    Z_ij = - m e_i x e_j x; one product with these blocks of M gives the products with all B_i and Z_ij.
     """
 
     body: FlexibleBody
@@ -73,7 +73,7 @@ class InertiaPolynomial:
         return matrix if self._rest is None else csr_array(self._rest.T @ matrix @ self._rest)
 
     def _gathered(self, fields: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
-        """Forces whose `axis` counts coordinates in triples, transformed to the body's coordinates."""
+        """Forces in triples along `axis`, transformed to forces in the body's coordinates along this axis."""
         if self._rest is None:
             return fields
         ahead = np.moveaxis(fields, axis, 0)
@@ -101,13 +101,13 @@ class InertiaPolynomial:
 
     @cached_property
     def by_spin(self) -> tuple[csr_array, ...]:
-        """`Z_ij` of `SPIN_PAIRS`, 6 of (n, n); Z_ji is its transpose."""
+        """`Z_ij` of `SPIN_PAIRS`, 6 of (n, n); Z_ji is the transpose of Z_ij."""
         every = np.ones_like(self._blocks.points)
         return tuple(self._reduced(self._by_spin(i, j, every)) for i, j in SPIN_PAIRS)
 
     @cached_property
     def _rates_beside_points(self) -> tuple[csr_array, csr_array] | None:
-        """`B_i^T` and `B_i` without the blocks of points, (3 n, n) each; None where there are no others."""
+        """`B_i^T` and `B_i` of all blocks except point masses, (3 n, n) each; None without such blocks."""
         beside = ~self._blocks.points
         if not beside.any():
             return None
@@ -116,7 +116,7 @@ class InertiaPolynomial:
 
     @cached_property
     def _spins_beside_points(self) -> csr_array | None:
-        """`Z_ij` without the blocks of points, (9 n, n); None where there are no others."""
+        """`Z_ij` of all blocks except point masses, (9 n, n); None without such blocks."""
         beside = ~self._blocks.points
         if not beside.any():
             return None
@@ -165,7 +165,10 @@ class InertiaPolynomial:
         return self._gathered(result, 2)
 
     def _over_blocks(self, turns: NDArray[np.float64], fields: NDArray[np.float64]) -> Any:
-        """Momenta of the points, each rotated by `turns` (..., 3, 3): (..., n, ...)."""
+        """Products of `turns` (..., 3, 3) with the momenta of the point masses for fields (n, ...).
+
+        The result has the shape (..., n, ...), the leading axes from `turns`.
+        """
         momenta = (self._points @ fields).reshape(-1, 3, fields[0].size)
         rotated = turns.reshape(-1, 3) @ momenta.swapaxes(0, 1).reshape(3, -1)
         by_point = rotated.reshape(-1, 3, len(momenta), fields[0].size).swapaxes(1, 2)
@@ -186,12 +189,12 @@ class InertiaPolynomial:
         own = (rotary @ rotations).reshape(-1, 3, 3)
         turns, result = blocks.turns[:, None, None], np.zeros((3, 3, len(rotations)))
         for j, cross in enumerate(_CROSS):
-            # (e_j x u) . p = u . (p x e_j). For a rotation only J e_i is rotated; other terms depend on
-            # positions.
+            # (e_j x u) . p = u . (p x e_j). For a rotation, only J e_i enters in place of p; the other terms
+            # depend on positions.
             places = np.where(turns, 0.0, cross.T @ rotations.reshape(-1, 3, 3))
             through = (beside.T @ places.reshape(-1, 3)).reshape(-1, 3, 3)
             result[:, j] = np.where(turns, cross.T @ own + through, cross.T @ momenta).reshape(-1, 3).T
-        # From the whole mass of the body, including modal coordinates, which are not in triples.
+        # From the mass matrix of the body, which includes modal coordinates; these are not in triples.
         skew = np.einsum("aij,na->ijn", _CROSS, self.body.mass @ self.body.rigid_modes[:, 3:])
         return (self._gathered(result + result.swapaxes(0, 1), 2) - skew) / 2
 
@@ -217,7 +220,7 @@ class _Blocks(NamedTuple):
     """True for blocks m I of a translation by a translation"""
 
     def matrix(self, data: NDArray[np.float64], chosen: NDArray[np.bool_] | None = None) -> csr_array:
-        """Sparse (n, n) with new values in all or some blocks."""
+        """Sparse (n, n) with the blocks `data`; blocks that are not chosen are zero."""
         if chosen is not None:
             data = np.where(chosen[:, None, None], data, 0.0)
         blocks = bsr_array((data, self.mass.indices, self.mass.indptr), shape=self.mass.shape)

@@ -28,11 +28,12 @@ __all__ = [
 class RigidInterface:
     """Nodes that move as one rigid body with a virtual node (RBE2): u_a = u_v + theta_v x (x_a - x_v).
 
-    On shells the nodes also rotate with the virtual node, theta_a = theta_v. The freedoms of the nodes are
-    eliminated. The strains of adjacent elements include theta_v to second order (`second_order_tie`).
+    Nodes with rotations rotate with the virtual node, theta_a = theta_v. The freedoms of the nodes are
+    eliminated. The strains of adjacent elements include theta_v to second order (`second_order_tie`), except
+    in linear bodies and shells with von Karman strain.
 
     nodes    : name of a node set, or node numbers
-    position : (3,) of the virtual node; the centroid of the nodes when omitted
+    position : (3,) m, of the virtual node; by default the mean position of the nodes
     """
 
     name: str
@@ -50,7 +51,7 @@ class AveragingInterface:
     The mean is a weighted least-squares fit; see `averaged_motion`.
 
     nodes    : name of a node set, or node numbers
-    position : (3,) of the virtual node; the weighted centroid of the nodes when omitted
+    position : (3,) m, of the virtual node; by default the weighted mean position of the nodes
     weights  : (k,) positive, one per node; equal by default. Where the mesh is uneven, give nodal areas.
     """
 
@@ -64,7 +65,7 @@ class AveragingInterface:
 
 
 def _check_interface(given: RigidInterface | AveragingInterface, *numbers: ArrayLike | None) -> None:
-    """ArgumentError for an invalid name, and for text in place of numbers."""
+    """Raise ArgumentError for an invalid name, or for text in place of numbers."""
     check_text(f"{type(given).__name__}, name", given.name)
     for values in (None if isinstance(given.nodes, str) else given.nodes, *numbers):
         if values is not None:
@@ -78,13 +79,13 @@ class BodyInterface:
     position : (3,) in the mesh axes
     motion   : csr (6, n), q_v = (u_v, theta_v) = motion @ q
     node_ids : (k,) numbers of its nodes
-    cubic_turn : c of the rotation vector theta_v (1 + c theta_v.theta_v) of a joint there
-    tied_nodes : numbers of the nodes tied rigidly to it, to second order (`second_order_tie`)
+    cubic_turn : c in the rotation vector theta_v (1 + c theta_v.theta_v) of a joint at this interface
+    tied_nodes : numbers of the nodes tied rigidly to the interface, to second order (`second_order_tie`)
 
-    The strains of the elements at a rigid interface are truncated to second order (`second_order_tie`), so
-    that their energy is least where |theta_v| = tan(phi) for a rotation phi: c = -1/3. Where nodes rotate by
-    phi, the mean motion of an averaging interface is sin(phi): c = 1/6. Where theta_v is the rotation of the
-    nodes themselves, c = 0.
+    Rigid interface: the strains of the adjacent elements are truncated to second order (`second_order_tie`).
+    After a rotation by phi the energy of the elements is least for |theta_v| = tan(phi), hence c = -1/3.
+    Averaging interface: if its nodes rotate by phi, |theta_v| = sin(phi), hence c = 1/6. If theta_v is the
+    rotation of the nodes themselves (single or collinear nodes), or the body is linear, c = 0.
     """
 
     name: str
@@ -100,18 +101,18 @@ class UntiedInterface:
 
     @property
     def cubic_turn(self) -> float:
-        """Zero: its rotation vector is theta itself."""
+        """Zero: the rotation vector of the interface is theta itself."""
         return 0.0
 
     @property
     def tied_nodes(self) -> NDArray[np.int64]:
-        """Empty."""
+        """Empty (0,)."""
         return np.empty(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
 class PointInterface(UntiedInterface):
-    """A point of a rigid body, independent of coordinates.
+    """A point of a rigid body, whose motion in the body's frame is zero.
 
     position : (3,) in the body's axes
     """
@@ -121,7 +122,7 @@ class PointInterface(UntiedInterface):
 
     @property
     def motion(self) -> NDArray[np.float64]:
-        """(6, 0)."""
+        """Empty (6, 0), as a rigid body has no coordinates."""
         return np.zeros((6, 0))
 
 
@@ -130,12 +131,12 @@ class Interface(Protocol):
 
     @property
     def name(self) -> str:
-        """Its name, unique in the body."""
+        """Name of the interface, unique in the body."""
         ...
 
     @property
     def position(self) -> np.ndarray:
-        """(3,) in the body's frame, undeformed."""
+        """Undeformed position (3,) in the body's frame, m."""
         ...
 
     @property
@@ -145,21 +146,21 @@ class Interface(Protocol):
 
     @property
     def cubic_turn(self) -> float:
-        """Coefficient c of its rotation vector theta (1 + c theta.theta)."""
+        """Coefficient c in the rotation vector theta (1 + c theta.theta) of the interface."""
         ...
 
     @property
     def tied_nodes(self) -> np.ndarray:
-        """Numbers of the nodes tied rigidly to it, to second order."""
+        """Numbers of the nodes tied rigidly to the interface, to second order."""
         ...
 
 
 def place_in_frame(interface: Interface, coordinates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pose of an interface in its body's frame: x + u (t, 3), and exp(phi) (t, 3, 3).
+    """Pose of an interface in its body's frame: position x + u (t, 3), rotation exp(phi) (t, 3, 3).
 
         phi = theta (1 + c theta.theta),      (u, theta) = motion q
 
-    coordinates : (t, r) of the body
+    coordinates : (t, r) q of the body
     """
     moved = coordinates @ interface.motion.T
     theta = moved[:, 3:]
@@ -171,7 +172,10 @@ _Interface = TypeVar("_Interface", bound=Interface)
 
 
 def interface_named(body: str, name: str, interfaces: Sequence[_Interface]) -> _Interface:
-    """The interface of that name; ModelError lists the nearest of the body's names, or all."""
+    """The interface of that name; the ModelError for an unknown name lists the nearest name, or all.
+
+    body : name of the body, for the message
+    """
     for interface in interfaces:
         if interface.name == name:
             return interface

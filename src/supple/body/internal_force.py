@@ -1,6 +1,6 @@
 """Evaluation of the internal force of a body: from its stiffness alone, or from quadratic strains.
 
-The choice is independent of the elements of the body: a linearised body keeps its elements.
+A body with elements has either: a linearised body has elements, and a linear force.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class LinearForce:
 
     @property
     def blocks(self) -> tuple[QuadraticStrain, ...]:
-        """No quadratic strains."""
+        """Empty: no quadratic strains."""
         return ()
 
     def internal_force(self, q: Array) -> Array:
@@ -50,22 +50,23 @@ class LinearForce:
         return self.stiffness
 
     def strain_rate_force(self, q: Array, rates: Array) -> Array:  # noqa: ARG002
-        """Force K q_dot (n,) for every q."""
+        """Force K q_dot (n,), independent of q."""
         return self.stiffness @ rates
 
     def energies(self, Q: Array) -> Array:
-        """Strain energies (t,), J, of every column of Q (n, t)."""
+        """Strain energies (t,), J, one for each column of Q (n, t)."""
         return (Q.T * (self.stiffness @ Q).T).sum(axis=1) / 2
 
 
 @dataclass(frozen=True, eq=False)
 class QuadraticStrainForce:
-    """f = dU/dq of strains quadratic in q, summed over the elements of a model; K is its tangent at q = 0.
+    """f = dU/dq of strains quadratic in q, summed over the elements of a model; K is df/dq at q = 0.
 
     model : FiniteElementModel
-    expansion : csc (n_nodal, n)    T of the nodal freedoms u = T q; rows of virtual nodes may follow
-    rigid_sets : sets tied to second order in their rotation, the coordinates of their virtual nodes last;
-        empty: T ties all nodes linearly
+    expansion : csc (n_nodal, n)    T of the nodal freedoms u = T q, followed by rows for the virtual nodes of
+        `rigid_sets`
+    rigid_sets : sets of nodes tied to second order in the rotation of their virtual node; empty: T ties all
+        nodes linearly
     """
 
     model: FiniteElementModel = field(repr=False)
@@ -74,7 +75,7 @@ class QuadraticStrainForce:
 
     @property
     def dofs_per_node(self) -> int:
-        """3 or 6."""
+        """Number of freedoms of a node, 3 or 6."""
         return self.model.dofs_per_node
 
     @cached_property
@@ -92,7 +93,7 @@ class QuadraticStrainForce:
 
     @cached_property
     def assembly(self) -> Assembly:
-        """The sums over the elements, prepared when first used."""
+        """The assembly of the element forces and tangents, created on first use."""
         n_nodes = self.expansion.shape[0] // self.dofs_per_node
         return assemble_strains(self.blocks, n_nodes, self.dofs_per_node, self.expansion)
 
@@ -105,13 +106,13 @@ class QuadraticStrainForce:
         return self.assembly.tangent(q)
 
     def strain_rate_force(self, q: Array, rates: Array) -> Array:
-        """Force K_mat(q) q_dot (n,) of stresses C eps_dot."""
+        """Force K_mat(q) q_dot (n,) of stresses C eps_dot, with the material stiffness K_mat."""
         return self.assembly.strain_rate_force(q, rates)
 
     def energies(self, Q: Array) -> Array:
-        """Strain energies (t,), J, of every column of Q (n, t)."""
+        """Strain energies (t,), J, one for each column of Q (n, t)."""
         return self.assembly.energies(Q)
 
     def __getstate__(self) -> dict[str, Any]:
-        # Cheaper to rebuild than to send between processes.
+        # Rebuilding these costs less than sending them between processes.
         return {key: value for key, value in self.__dict__.items() if key not in ("assembly", "blocks")}

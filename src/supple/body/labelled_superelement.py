@@ -45,20 +45,22 @@ __all__ = [
 
 IntArray = NDArray[np.int64]
 
-# In a rigid motion, a row of some hundred printed entries leaves this many times the rounding of one entry.
+# Residual of a row of K R, with some hundred printed entries, relative to the rounding error of one entry.
 ROUNDED_ROWS = 100.0
 
 
 @dataclass(frozen=True, eq=False)
 class NodalMatrices:
-    """Stiffness and mass in the mesh axes, of the nodes that have either, then of modal coordinates.
+    """Matrices in the mesh axes: rows of the nodes with stiffness or mass, then of modal coordinates.
 
-    nodes           : (N, 3);  node_ids : (N,) labels
-    stiffness, mass : csc (n, n), n = N * dofs_per_node + n_modal;  damping : likewise, or None
-    node_sets       : {name: node numbers};  connections : on these nodes
-    resolution      : relative error of an entry
+    source          : name of the stiffness file, for messages
+    nodes           : (N, 3);  node_ids : (N,) ids in the files
+    stiffness, mass : csc (n, n), n = N * dofs_per_node + n_modal
+    damping         : csc (n, n); None without
+    node_sets       : {name: node numbers};  connections : RBE2 and RBE3 elements on these nodes
+    resolution      : largest relative rounding error of a matrix entry
     modal           : (n_modal, 2) id and component of modal coordinates, component 0 for scalar points
-    recovery        : of interior points; None without
+    recovery        : recovery of interior points; None without
     """
 
     source: str
@@ -76,12 +78,15 @@ class NodalMatrices:
 
     @property
     def all_ids(self) -> IntArray:
-        """Labels of the nodes of the body; recovered points come last."""
+        """Ids of the nodes of the body: matrix nodes, then recovered points."""
         return self.node_ids if self.recovery is None else np.concatenate([self.node_ids, self.recovery.ids])
 
     @property
     def rigid_tolerance(self) -> float:
-        """Largest |K R| that the rounding of printed digits explains."""
+        """Largest |K R| due to rounding of printed digits, relative to the forces that cancel in it.
+
+        At least RIGID_TOLERANCE.
+        """
         return max(RIGID_TOLERANCE, ROUNDED_ROWS * self.resolution)
 
 
@@ -92,11 +97,13 @@ class MatrixFiles:
     A condensed model has boundary grids and modal coordinates (Craig-Bampton). QSET and SPOINT cards of the
     mesh file, or the component 0 in the matrix file, define the modal coordinates. See `superelement`.
 
-    nodes           : Abaqus or CalculiX .inp, Nastran .bdf, or HDF5
+    nodes           : mesh file: Abaqus or CalculiX .inp, Nastran .bdf, or HDF5
     stiffness, mass : DMIG .pch, OUTPUT4 .op4, OUTPUT2 .op2, HDF5, Abaqus .mtx, CalculiX .sti and .mas
-    damping         : as stiffness and mass; None without
-    recovery        : HDF5 or OUTPUT4 file of displacements of interior points, which become nodes of the body
-    stiffness_name, mass_name, damping_name, recovery_name : for files with several matrices (DMIG, OUTPUT4)
+    damping         : file of a format as for stiffness and mass; None without
+    recovery        : HDF5 or OUTPUT4 file of the recovery matrix of interior points, which become nodes; None
+        without
+    stiffness_name, mass_name, damping_name, recovery_name : names of the matrices in files with several
+        matrices (DMIG, OUTPUT4)
     """
 
     nodes: str | Path
@@ -117,8 +124,9 @@ def read_labelled_superelement(
 ) -> FlexibleBody:
     """A linear body from the matrices of another program and the file of its nodes, full or condensed.
 
-    interfaces : on node sets of the mesh file, or node numbers; None: the RBE2 and RBE3 elements of the mesh
-        file, or if it has none, each boundary grid of a condensed model with rotations (grid_ID)
+    interfaces : on node sets of the mesh file, or node numbers; None: one for each RBE2 and RBE3 element of
+        the mesh file. If it has none, and the model has modal coordinates and nodal rotations, each boundary
+        grid becomes a rigid interface grid_ID
     Raises
     ------
     ImportFormatError   files that cannot be read
@@ -128,7 +136,13 @@ def read_labelled_superelement(
 
 
 def read_nodal_matrices(files: MatrixFiles) -> NodalMatrices:
-    """The matrices of `read_labelled_superelement`, before a body is built."""
+    """The matrices of the files in the mesh axes, from which `labelled_superelement` builds a body.
+
+    Raises
+    ------
+    ImportFormatError   files that cannot be read
+    ModelError          as for `nodal_matrices`
+    """
     table = read_nodes(files.nodes)
 
     def matrix(path: str | Path, role: MatrixRole, name: str | None) -> LabelledMatrix:
@@ -153,9 +167,11 @@ def labelled_superelement(
 ) -> FlexibleBody:
     """A linear body from nodal matrices; interfaces as for `read_labelled_superelement`.
 
+    rigid_tolerance : as for `superelement`; None: from the resolution of the matrices
+
     Raises
     ------
-    ModelError   an unknown node set; as for `superelement`, naming the file
+    ModelError   an unknown node set; as for `superelement`, with the name of the file
     """
     if interfaces is None:
         interfaces = [connection_interface(connection) for connection in matrices.connections]
@@ -189,18 +205,17 @@ def nodal_matrices(
     recovery: RecoveryMatrix | None = None,
     damping: LabelledMatrix | None = None,
 ) -> NodalMatrices:
-    """Labelled matrices in node order, three or six rows per node, in the mesh axes.
+    """Labelled matrices in node order and mesh axes: three or six rows for each node, then modal coordinates.
 
-    Modal coordinates come last.
-
-    Nodes without stiffness and mass (reference points) are left out. Rotations are left out if no node has
+    Nodes without stiffness and mass (reference points) are omitted. All rotations are omitted if no node has
     entries for them (solids, in programs whose nodes always have six freedoms); otherwise nodes without such
-    entries have rotations fixed at zero.
+    entries have zero rows for their rotations, which `coordinates` fixes.
 
     Raises
     ------
-    ModelError   freedoms of nodes that the mesh file lacks; nodes with some of their translations only; only
-                 modal coordinates, from a model with a clamped boundary
+    ModelError   freedoms of nodes that the mesh file does not define; nodes with only some of their
+                 translations; only modal coordinates, from a model with a clamped boundary; zero matrices;
+                 component 0 of a grid
     ImportFormatError   a recovery matrix for other freedoms
     """
     given = [stiffness, mass, *([] if damping is None else [damping])]
@@ -255,7 +270,10 @@ def nodal_matrices(
 
 
 def _modal_freedoms(nodes: NodeTable, *matrices: LabelledMatrix) -> IntArray:
-    """Freedoms (k, 2) that belong to no node: scalar points, and freedoms in a QSET."""
+    """Modal freedoms (k, 2), id and component: component 0 (scalar points), and freedoms in a QSET.
+
+    ModelError for component 0 of a grid, if the node file lists modal freedoms.
+    """
     labels = np.unique(np.concatenate([matrix.freedoms for matrix in matrices]), axis=0)
     width = 7
     is_modal = np.isin(labels @ [width, 1], nodes.modal @ [width, 1]) | (labels[:, 1] == 0)
@@ -271,7 +289,10 @@ def _modal_freedoms(nodes: NodeTable, *matrices: LabelledMatrix) -> IntArray:
 
 
 def _on_all_freedoms(nodes: NodeTable, modal: IntArray, labelled: LabelledMatrix) -> sparse.csr_array:
-    """The matrix for six freedoms of every node of the table, and for the modal coordinates."""
+    """The matrix over six freedoms of every node of the table, then over the modal coordinates.
+
+    ModelError for a node that is not in the table.
+    """
     n_nodes, width = len(nodes.ids), 7
     key, modal_key = labelled.freedoms @ [width, 1], modal @ [width, 1]
     own = np.isin(key, modal_key)
@@ -290,7 +311,7 @@ def _on_all_freedoms(nodes: NodeTable, modal: IntArray, labelled: LabelledMatrix
 
 
 def _on_kept(connection: Connection, kept: NDArray[np.bool_], number: IntArray) -> Connection | None:
-    """The connection on the kept nodes; None for an average that would lose a node."""
+    """The connection on the kept nodes; None for an RBE3 with omitted nodes or an RBE2 without kept nodes."""
     members = kept[connection.nodes]
     is_rigid = connection.weights is None
     if not (members.any() if is_rigid else members.all()):
@@ -299,7 +320,7 @@ def _on_kept(connection: Connection, kept: NDArray[np.bool_], number: IntArray) 
 
 
 def _to_mesh_axes(axes: NDArray[np.float64], dofs_per_node: int) -> sparse.csr_array:
-    """Block diagonal matrix from freedoms in each node's own axes to those in the mesh axes."""
+    """Block diagonal matrix (n, n) from freedoms in the axes of each node to freedoms in the mesh axes."""
     blocks = np.repeat(axes, dofs_per_node // 3, axis=0)
     return sparse.csr_array(sparse.bsr_array((blocks, np.arange(len(blocks)), np.arange(len(blocks) + 1))))
 

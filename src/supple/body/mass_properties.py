@@ -1,4 +1,4 @@
-"""Mass, centre and inertia: of a mass matrix from rigid motions, of a mesh by integration."""
+"""Mass, centre of mass and inertia: of a mass matrix from rigid motions, of a mesh by integration."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _CELLS_AT_ONCE = 4096
 
 @dataclass(frozen=True, eq=False)
 class MassProperties:
-    """Mass, kg; centre (3,), m; inertia (3, 3) about the centre, kg m^2; in the mesh axes."""
+    """Mass, kg; centre of mass (3,), m; inertia (3, 3) about the centre of mass, kg m^2; in the mesh axes."""
 
     mass: float
     centre: FloatArray
@@ -41,7 +41,7 @@ class MassProperties:
 
 
 def rigid_mass_properties(mass: Any, nodes: FloatArray, dofs_per_node: int) -> MassProperties:
-    """Rigid-body properties of a mass matrix, R^T M R: the mean of its three masses, centre and inertia.
+    """Mass, centre of mass and inertia from R^T M R; the mass is the mean of those along x, y, z.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def rigid_mass_properties(mass: Any, nodes: FloatArray, dofs_per_node: int) -> M
     -------
     MassProperties   without positive mass, the centre is the mean of the nodes and the inertia is zero
     """
-    # About the centroid of the nodes, so that the inertia is not a small difference of large numbers.
+    # Rotations about the mean of the nodes, so that the inertia is not a small difference of large numbers.
     middle = nodes.mean(axis=0)
     R = nodal_rigid_modes(nodes - middle, dofs_per_node)
     gram = R.T @ (mass[: len(R), : len(R)] @ R)
@@ -63,21 +63,21 @@ def rigid_mass_properties(mass: Any, nodes: FloatArray, dofs_per_node: int) -> M
 
 
 def centre_of_gram(gram: FloatArray) -> FloatArray:
-    """Centre of mass (3,) from R^T M R (6, 6), relative to the point of the rotations.
+    """Centre of mass r (3,) from R^T M R (6, 6), relative to the point about which R rotates.
 
-    The coupling of u_i with theta_j is m (e_j x r)_i, whose skew part is m times the centre.
+    The entry of u_i and theta_j is m (e_j x r)_i; the skew part of this block gives m r.
     """
     C, total = gram[:3, 3:6], np.trace(gram[:3, :3]) / 3
     return np.array([C[1, 2] - C[2, 1], C[2, 0] - C[0, 2], C[0, 1] - C[1, 0]]) / (2 * total)
 
 
 def mesh_mass_properties(model: FiniteElementModel) -> MassProperties:
-    """Density integrated over the mesh itself: a check of the mass matrix.
+    """Mass properties from the density integrated over the mesh, and attached masses; checks the mass matrix.
 
     A simplex of k corners x_a and size V has
         int 1 = V,   int x = V s / k,   int x x^T = V / (k (k + 1)) (sum_a x_a x_a^T + s s^T),   s = sum_a x_a
-    Solid cells are integrated over their isoparametric map, curved with their mid-side nodes. Shells count as
-    sheets and beams as lines through their mass centres, with the rotary inertia of their sections.
+    Solid cells are integrated over their isoparametric map, including curved edges. Shells are surfaces and
+    beams lines through their mass centres, with the rotary inertia of their sections.
     """
     middle = model.mesh.nodes.mean(axis=0)
     total, first, second, rotary = 0.0, np.zeros(3), np.zeros((3, 3)), np.zeros((3, 3))
@@ -103,7 +103,7 @@ def mesh_mass_properties(model: FiniteElementModel) -> MassProperties:
 def _moments(
     mesh: Mesh, section: Section, middle: FloatArray
 ) -> tuple[float, FloatArray, FloatArray, FloatArray]:
-    """Mass, int x dm, int x x^T dm and the rotary inertia (3, 3) of sections, x from `middle`."""
+    """Mass, int x dm, int x x^T dm and rotary inertia (3, 3) of a section's cells, with x from `middle`."""
     x, given = section.corners(mesh) - middle, section.property
     match given:
         case Isotropic() | Anisotropic():
@@ -128,7 +128,7 @@ def _moments(
 def _beam_moments(
     line: BeamLine, x: FloatArray, section: LineSection
 ) -> tuple[float, FloatArray, FloatArray, FloatArray]:
-    """`_moments` of beams between nodes x (E, 2, 3), from the inertia of the section at three positions."""
+    """`_moments` of beams between nodes x (E, 2, 3), by Gauss quadrature with three points along a beam."""
     s, weights = np.polynomial.legendre.leggauss(3)
     s = (1 + s) / 2
     ends = x + line.arms @ line.axes
@@ -148,7 +148,7 @@ def _beam_moments(
 
 
 def _solid_moments(kind: CellType, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-    """Volume, int x and int x x^T over solid cells (E, k, 3), by quadrature on their parent."""
+    """Volume, int x dV and int x x^T dV over solid cells (E, k, 3), by quadrature on the reference cell."""
     # Exact for x x^T det J: degree 4 + 5 in one direction of a HEXA20, 4 + 3 in all of a TETRA10.
     rule = product_rule(kind, 4 if kind.n_corners == 4 else 6 if kind.n_corners == 5 else 5)
     shape, gradients = shape_functions(kind, rule.points), shape_gradients(kind, rule.points)
@@ -165,7 +165,7 @@ def _solid_moments(kind: CellType, x: FloatArray) -> tuple[float, FloatArray, Fl
 
 
 def _simplex_moments(x: FloatArray, share: FloatArray | None = None) -> tuple[float, FloatArray, FloatArray]:
-    """Size, int x and int x x^T over lines (E, 2, 3) or triangles (E, 3, 3), weighted by `share` (E,)."""
+    """Size, int x, int x x^T over lines (E, 2, 3) or triangles (E, 3, 3), weighted by `share` (E,)."""
     k, sizes, s = x.shape[1], _sizes(x), x.sum(axis=1)
     if share is not None:
         sizes = share * sizes

@@ -1,12 +1,12 @@
-"""Motions of a body without mass: their detection and static condensation.
+"""Massless motions of a body: detection and static condensation.
 
-Too few integration points leave a consistent mass matrix positive semidefinite: with four in a ten-node
-tetrahedron, some motions of nodes of a single cell have no mass. Where the stiffness is regular on these
-motions Z (M Z = 0), static equilibrium ties them to the other freedoms:
+With too few integration points, a consistent mass matrix is only positive semidefinite: with four points in a
+ten-node tetrahedron, some motions of nodes of a single cell have no mass. If the stiffness is regular on
+these motions Z (M Z = 0), static equilibrium ties them to the other freedoms:
 
     Z^T K u = 0,    u_e = - (Z^T K_e)^-1 Z^T K_k u_k,    u = T u_k
 
-with as many eliminated freedoms e as Z has columns, and the kept freedoms k. T^T M T is positive definite,
+with the kept freedoms k, and as many eliminated freedoms e as Z has columns. T^T M T is positive definite,
 and T maps the rigid motions of the kept freedoms to those of all freedoms.
 """
 
@@ -26,17 +26,18 @@ __all__ = ["StaticallyTied", "massless_motions", "tie_statically"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# An energy below this share of that of the freedoms moved one at a time is zero.
+# The strain energy of a massless motion counts as zero up to this fraction of z^T diag(K) z; a pivot of the
+# elimination counts as zero up to this fraction of the largest pivot.
 _REGULAR = 1e-9
-# Entries of a tie below this share of the largest are rounding.
+# Entries of u_e(u_k) below this fraction of the largest entry are set to zero.
 _NO_TIE = 1e-11
 
 
 def massless_motions(mass: sparse.csc_array, tolerance: float) -> FloatArray:
-    """Motions Z (n, k) with M Z = 0, in the units of each freedom: k = 0 where M is positive definite.
+    """Motions Z (n, k) with M Z = 0, in the units of each freedom; k = 0 if M is positive definite.
 
-    tolerance : eigenvalues of M, scaled to a unit diagonal, count as zero below this; every freedom must have
-        mass
+    mass : M (n, n), with a positive diagonal
+    tolerance : eigenvalues of M, scaled to a unit diagonal, count as zero if their absolute value is smaller
 
     Raises
     ------
@@ -62,7 +63,7 @@ def massless_motions(mass: sparse.csc_array, tolerance: float) -> FloatArray:
 
 
 class StaticallyTied(NamedTuple):
-    """The kept freedoms (m,), and the expansion T (n, m) to all."""
+    """The numbers (m,) of the kept freedoms, and the expansion T (n, m) from them to all freedoms."""
 
     kept: IntArray
     expansion: sparse.csc_array
@@ -71,9 +72,9 @@ class StaticallyTied(NamedTuple):
 def tie_statically(
     stiffness: sparse.csc_array, motions: FloatArray, eligible: NDArray[np.bool_]
 ) -> StaticallyTied:
-    """Eliminate as many freedoms as there are massless motions Z (n, k).
+    """The kept freedoms and expansion after static condensation of the massless motions Z (n, k).
 
-    eligible : (n,)     freedoms that may be eliminated
+    eligible : (n,)     mask of freedoms that may be eliminated
 
     Raises
     ------
@@ -81,7 +82,7 @@ def tie_statically(
     """
     n, k = motions.shape
     forces = motions.T @ stiffness
-    # Energies relative to those of the freedoms moved one at a time: zero for a motion without stiffness.
+    # Energies z^T K z relative to z^T diag(K) z: zero for a motion without stiffness.
     alone = motions.T @ (stiffness.diagonal()[:, None] * motions)
     soft = int((linalg.eigvalsh(forces @ motions, alone) <= _REGULAR).sum())
     if soft:

@@ -1,6 +1,6 @@
 """Model check: whether an imported stiffness and mass are those of one free elastic body.
 
-Each finding contains numbers and, if needed, a remedy.
+Each finding states the checked quantity, its value and, if needed, a remedy.
 """
 
 from __future__ import annotations
@@ -31,21 +31,23 @@ __all__ = ["Finding", "ModelCheck", "Verdict", "check_elements", "check_model", 
 FloatArray = NDArray[np.float64]
 
 LOWEST_FREQUENCIES = "lowest free frequencies"
-"""Name of the finding that lists these frequencies, in cycles per unit of time."""
+"""Name of the finding that lists the lowest free frequencies, in cycles per unit of time."""
 
-# Eigenvalues below this share of the highest computed one are zero. Rigid modes reach some 1e-9 of that one,
-# the slowest elastic modes of slender parts some 1e-4.
+# Eigenvalues below this fraction of the highest computed eigenvalue count as zero. Those of rigid modes reach
+# about 1e-9 of the highest, those of the lowest elastic modes of slender parts about 1e-4.
 ZERO_MODE = 1e-6
-# Allowed difference of the mass matrix from the mesh: far above the quadrature error on curved cells.
+# Largest accepted relative difference between the mass properties of the mass matrix and of the mesh, far
+# above the quadrature error on curved cells. If the difference is larger, the model is refused.
 MASS_AGREEMENT = 0.02
-# Allowed difference between the three masses of R^T M R: rounding of entries printed with few digits.
+# Largest accepted relative difference between the masses along x, y, z in R^T M R, due to rounding of entries
+# printed with few digits. If the difference is larger, the model is refused.
 SAME_MASS = 1e-4
-# Node spacing times sqrt(K_ii / M_ii), 2 to 6 times the speed of sound, is 30 m/s (rubber) to 2e4 m/s.
-# In mm the numbers are a thousand times as large. Outside the narrow range units are doubtful (as in mm with
-# ms), outside the wide one wrong.
+# Ranges of `wave_speed`, which is 2 to 6 times the speed of sound: 30 m/s (rubber) to 2e4 m/s; a thousand
+# times as large in mm/s. Outside the first range units are doubtful (such as mm with ms); outside the second
+# the model is refused, unless it has modal coordinates.
 USUAL_SPEEDS = (30.0, 3e8)
 POSSIBLE_SPEEDS = (0.3, 1e11)
-# Kilograms with mm and MPa are within the range, so the report gives the values for steel to compare with.
+# Units of kg with mm and MPa are within the first range, so the finding lists the values of steel to compare.
 WAVES_IN_STEEL = "in steel some 2e4 m/s, 8e5 in/s, 2e7 mm/s by this measure"
 
 
@@ -59,7 +61,7 @@ class Verdict(Enum):
 
 @dataclass(frozen=True)
 class Finding:
-    """One line of a check: the quantity, its value, and the remedy if it is wrong."""
+    """One result of a check: the quantity, its value, the verdict, and the remedy if not accepted."""
 
     what: str
     seen: str
@@ -69,12 +71,12 @@ class Finding:
 
 @dataclass(frozen=True, eq=False)
 class ModelCheck:
-    """All findings; the model is accepted unless one of them refuses it.
+    """All findings; the model is accepted unless one of them has the verdict REFUSED.
 
-    mass         : mass, centre and inertia of the mass matrix in rigid motion
-    rigid_energy : (6,) r^T K r relative to r^T diag(K) r, for each of the six rigid motions r
+    mass         : mass, centre and inertia from the mass matrix; zeros if the matrices are not finite
+    rigid_energy : (6,) |r^T K r| / (r^T |diag K| r) of the six rigid motions r; zeros if not finite
     n_zero_modes : number of modes without strain energy, 6 for a free body; None if not computed
-    frequencies  : cycles per unit of time, of the lowest elastic modes of the free body
+    frequencies  : of the lowest elastic modes of the free body, cycles per unit of time; () if not computed
     """
 
     findings: tuple[Finding, ...]
@@ -85,11 +87,14 @@ class ModelCheck:
 
     @property
     def is_accepted(self) -> bool:
-        """Whether no finding refuses the model."""
+        """Whether no finding has the verdict REFUSED."""
         return all(finding.verdict is not Verdict.REFUSED for finding in self.findings)
 
     def raise_if_refused(self, name: str) -> None:
-        """ModelError with every finding that refuses the model, and its remedy."""
+        """Raise ModelError if the model is refused, with all findings that refuse it and their remedies.
+
+        name : name of the body, for the message
+        """
         refused = [f for f in self.findings if f.verdict is Verdict.REFUSED]
         if refused:
             lines = "\n".join(f"  {f.what}: {f.seen}; {f.remedy}" for f in refused)
@@ -108,23 +113,24 @@ def check_model(
     rigid_tolerance: float = RIGID_TOLERANCE,
     attached: Attached | None = None,
 ) -> ModelCheck:
-    """All findings on the nodal matrices of a body; errors are findings, not exceptions.
+    """All findings on the nodal matrices of a body; errors are findings, except for wrong matrix sizes.
 
     Parameters
     ----------
     nodes           : (N, 3)
     stiffness, mass : sparse (n, n), n >= N * dofs_per_node, node by node, then modal coordinates
-    n_frequencies   : number of elastic modes to compute; 0 for a cheap check without modes
-    node_ids        : (N,) labels for messages; by default node numbers from 0
-    mesh_mass       : expected mass, from the mesh
-    rigid_tolerance : largest |K R| relative to the forces that cancel in it
-    attached        : ties between nodes
+    n_frequencies   : number of elastic modes to compute; 0 for a fast check without modes. No modes are
+        computed if the symmetry, mass, ties or modal coordinates are refused
+    node_ids        : (N,) labels of the nodes in findings; by default node numbers from 0
+    mesh_mass       : mass properties of the mesh, to compare with those of the matrix; None: no comparison
+    rigid_tolerance : largest |K R| relative to the forces that cancel in it; above it the model is refused
+    attached        : rigid pieces and constraints between nodes
     Returns
     -------
     ModelCheck
     Raises
     ------
-    ModelError   matrices of another size than the nodes need
+    ModelError   matrices that are not square, differ in size, or are smaller than the nodes need
     """
     K, M = sparse.csc_array(stiffness, dtype=np.float64), sparse.csc_array(mass, dtype=np.float64)
     _check_sizes(len(nodes) * dofs_per_node, K, M)
@@ -158,10 +164,10 @@ def check_model(
 
 
 def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> ModelCheck:
-    """`check_model` for finite elements, with the mass of the mesh and the compatibility of the cells."""
+    """Findings of `check_model` on a finite-element model, and on its mass and cell compatibility."""
     expected = mesh_mass_properties(model)
     if model.mass_of is not consistent_mass:
-        # Concentrated nodal masses have an extra inertia, of the order of the cell size squared.
+        # Lumped nodal masses have an additional inertia, of the order of mass times cell size squared.
         found = rigid_mass_properties(model.mass, model.mesh.nodes, model.dofs_per_node)
         expected = replace(expected, inertia=found.inertia)
     check = check_model(
@@ -180,7 +186,10 @@ def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> Mode
 def check_nodal_matrices(
     matrices: NodalMatrices, *, n_frequencies: int = 6, rigid_tolerance: float | None = None
 ) -> ModelCheck:
-    """`check_model` for the matrices of another program, with its node ids, to their printed precision."""
+    """Findings of `check_model` on the matrices of another program, and on its recovered points.
+
+    rigid_tolerance : as for `check_model`; None: from the printed precision of the matrices
+    """
     check = check_model(
         matrices.nodes,
         matrices.stiffness,
@@ -194,7 +203,7 @@ def check_nodal_matrices(
 
 
 def _points_inside(matrices: NodalMatrices) -> Iterator[Finding]:
-    """Findings on the interior of a condensed model, between its boundary grids."""
+    """Finding on recovered interior points; none without both recovery and modal coordinates."""
     what = "points inside"
     if matrices.recovery is None:
         if len(matrices.modal):
@@ -213,7 +222,7 @@ def _points_inside(matrices: NodalMatrices) -> Iterator[Finding]:
 
 
 def _cells_twice(mesh: Mesh) -> Finding:
-    """Cells with identical nodes: two shells or beams side by side, or a part copied by mistake."""
+    """Finding on cells with identical nodes: intended shells or beams in parallel, or a part given twice."""
     for kind, cells in mesh.cells.items():
         _, first, count = np.unique(np.sort(cells, axis=1), axis=0, return_index=True, return_counts=True)
         again = first[count > 1]
@@ -229,7 +238,7 @@ def _cells_twice(mesh: Mesh) -> Finding:
 
 
 def _middle_nodes(mesh: Mesh) -> list[Finding]:
-    """Edges between linear and quadratic solids: linear cells do not follow the mid-side node."""
+    """Finding on edges between linear and quadratic solids: linear cells do not follow the mid-side node."""
     linear, quadratic = np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
     for kind, cells in mesh.cells.items():
         if kind.dimension < 3:
@@ -255,7 +264,7 @@ def _middle_nodes(mesh: Mesh) -> list[Finding]:
 
 
 def _check_sizes(n: int, K: sparse.csc_array, M: sparse.csc_array) -> None:
-    """Check that stiffness and mass are square, of one size, and cover at least the nodes' freedoms."""
+    """Raise ModelError unless stiffness and mass are square, of equal size, and have at least n rows."""
     for what, matrix in (("stiffness", K), ("mass", M)):
         columns, rows = matrix.indptr.size - 1, matrix.tocsr().indptr.size - 1
         if rows != columns or rows < n or (what == "mass" and K.shape != M.shape):
@@ -340,7 +349,7 @@ def _coordinates(
     labels: NDArray[np.int64],
     tolerance: float,
 ) -> tuple[Coordinates | None, list[Finding]]:
-    """The coordinates after ties, and the findings about mass and ties."""
+    """The coordinates after ties and condensation, and findings on mass and ties; None if refused."""
     beside = Attached() if attached is None else attached
     try:
         sets = rigid_sets("model", len(nodes), (), beside)
@@ -367,7 +376,7 @@ def _coordinates(
 
 
 def _positive_mass(made: Coordinates, mass: sparse.csc_array, labels: NDArray[np.int64], d: int) -> Finding:
-    """Finding on the mass: whether some motions have none and are condensed statically."""
+    """Finding on the mass: number and nodes of the massless motions, which are condensed statically."""
     n, bare = mass.indptr.size - 1, made.bare
     if not made.n_massless:
         return Finding("positive mass", f"all {len(made.freedoms)} eigenvalues")
@@ -381,7 +390,7 @@ def _positive_mass(made: Coordinates, mass: sparse.csc_array, labels: NDArray[np
 
 
 def _rigid_energy(K: sparse.csc_array, R: FloatArray) -> FloatArray:
-    """r^T K r relative to r^T diag(K) r, for each rigid motion r, rotations about the mesh origin."""
+    """|r^T K r| / (r^T |diag K| r) (6,) of each rigid motion r, with rotations about the mesh origin."""
     alone = np.einsum("ij,i,ij->j", R, np.abs(K.diagonal()), R)
     energy = np.einsum("ij,ij->j", R, K @ R)
     return np.divide(np.abs(energy), alone, out=np.zeros(6), where=alone > 0)
@@ -418,7 +427,7 @@ def _grounding(
 
 
 def _unit_of_nodes(K: sparse.csc_array, R: FloatArray, dofs_per_node: int, tolerance: float) -> float | None:
-    """Factor on the node coordinates that makes K R = 0; None without one, or without nodal rotations."""
+    """Factor on the node coordinates for which K R = 0; None if there is none, or without nodal rotations."""
     if dofs_per_node == 3:
         return None
     turning = R.copy()
@@ -432,9 +441,10 @@ def _unit_of_nodes(K: sparse.csc_array, R: FloatArray, dofs_per_node: int, toler
 
 
 def wave_speed(nodes: FloatArray, stiffness: Any, mass: Any, *, dofs_per_node: int) -> float:
-    """Median node spacing times the median sqrt(K_ii / M_ii): some 2 to 6 times the speed of sound.
+    """Median node spacing times sqrt(median of K_ii / M_ii): about 2 to 6 times the speed of sound.
 
-    Parameters as for `check_model`; at least two nodes.
+    The spacing is the distance to the nearest node; K_ii / M_ii is the largest of the translations of a node.
+    Parameters as for `check_model`, without modal coordinates; at least two nodes.
     """
     K, M = stiffness, mass
     rates = np.divide(
@@ -461,14 +471,14 @@ def _units(
     return Finding(
         "units",
         seen,
-        # The distance of boundary grids is no measure of the wave speed between them.
+        # The distance between boundary grids of a condensed model does not give the wave speed.
         Verdict.DOUBTFUL if possible or n_modal else Verdict.REFUSED,
         "use one consistent set: m, kg, s, Pa or mm, t, s, MPa",
     )
 
 
 def _modal(K: sparse.csc_array, M: sparse.csc_array, n_modal: int) -> Iterator[Finding]:
-    """Validity of a model with modal coordinates: rotation must be slow relative to their frequencies."""
+    """Finding on modal coordinates: angular velocities must be well below the lowest modal frequency."""
     if not n_modal:
         return
     n = K.indptr.size - 1
@@ -552,7 +562,7 @@ def _freedom(row: int, labels: NDArray[np.int64], dofs_per_node: int) -> str:
 
 
 def _point(found: MassProperties) -> str:
-    """The centre, with round-off relative to the size of the body written as 0."""
+    """The centre of mass as text; components that are round-off relative to the body's size are 0."""
     size = np.sqrt(abs(np.trace(found.inertia)) / found.mass) if found.mass > 0 else 0.0
     centre = np.where(np.abs(found.centre) < 1e-9 * size, 0.0, found.centre)
     return "(" + ", ".join(f"{value:.4g}" for value in centre) + ")"

@@ -1,4 +1,4 @@
-"""Motion of nodes and interfaces of a body in space, for joints, sensors and animations of any form."""
+"""Motion of nodes and interfaces of a body in space, for joints, sensors and animations."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ class NodeMotion(NamedTuple):
 
 
 class InterfaceMotion(NamedTuple):
-    """Motion of an interface over time, global components.
+    """Motion of an interface at t times, global components.
 
-    position : (t, 3)
-    rotation : (t, 3, 3)            the mesh axes, rotated with the interface, as columns
-    velocity, acceleration : (t, 3)
-    angular_velocity : (t, 3)
+    position : (t, 3)               m
+    rotation : (t, 3, 3)            columns: the mesh axes after the rotation of the interface
+    velocity, acceleration : (t, 3) m/s, m/s^2
+    angular_velocity : (t, 3)       rad/s
     """
 
     position: Array
@@ -66,11 +66,14 @@ class FloatingForm(FormDefaults):
         return floating_node_motion(self, motion.of_type(FloatingMotion), nodes)
 
     def interface_motion(self: Deforming, motion: Motion, name: str) -> InterfaceMotion:
-        """Pose, velocities and acceleration (t, ...) of an interface in space."""
+        """Pose, velocities and acceleration of an interface in space at t times."""
         return floating_interface_motion(self.interface(name), motion.of_type(FloatingMotion))
 
     def sections(self: Any, model: FiniteElementModel | None, /) -> Sections:
-        """Sections through its elements; ModelError for a rigid body, and without elements."""
+        """Force and moment across sections, from the elements of `model`.
+
+        Raises ModelError for a rigid body, or for `model` None.
+        """
         if not self.n_coordinates:
             return FormDefaults.sections(self, model)
         if model is None:
@@ -83,7 +86,10 @@ class FloatingForm(FormDefaults):
     def motion_near(
         self, position: Array, rotation: Array, coordinates: Array, displacement: Array, rates: Array
     ) -> FloatingMotion:
-        """Motion displaced by p (t, 6 + r), with rates p' (t, 6 + r) converted to velocities at p = 0."""
+        """Motion at displacements p (t, 6 + r) from a pose and coordinates, with rates p' (t, 6 + r).
+
+        The rates are taken as velocities, which is exact at p = 0. Accelerations are zero.
+        """
         frames = frames_near(position, rotation, displacement, rates)
         still, q = np.zeros_like(frames[2]), coordinates + displacement[:, 6:]
         return FloatingMotion(*frames[:2], q, *frames[2:], rates[:, 6:], still, still, np.zeros_like(q))
@@ -94,14 +100,15 @@ def frames_near(
 ) -> tuple[Array, Array, Array, Array]:
     """Positions, rotations, velocities and angular velocities of frames displaced by p = (A^T dR, psi, ..).
 
-    displacement, rates : p, p' (t, 6 + r)    rates are converted to velocities at p = 0
+    dR is the displacement of the origin, psi the rotation vector in the axes of the frame.
+    displacement, rates : p, p' (t, 6 + r)    rates are taken as velocities: exact at p = 0
     """
     turned = rotation @ Rotation.from_rotvec(displacement[:, 3:6]).as_matrix()
     return position + displacement[:, :3] @ rotation.T, turned, rates[:, :3] @ rotation.T, rates[:, 3:6]
 
 
 def floating_node_motion(body: Deforming, motion: FloatingMotion, nodes: ArrayLike) -> NodeMotion:
-    """Motion of some nodes of a body in its floating frame:
+    """Motion in space of some nodes of a body with a floating frame:
 
         r = R + A (x + u),   dr = dR + A (w x (x + u) + du)
         ddr = ddR + A (dw x (x + u) + w x (w x (x + u)) + 2 w x du + ddu)
@@ -125,7 +132,9 @@ def floating_node_motion(body: Deforming, motion: FloatingMotion, nodes: ArrayLi
 
 
 def floating_interface_motion(interface: Interface, motion: FloatingMotion) -> InterfaceMotion:
-    """Motion of an interface of a body in its floating frame: the point as in `floating_node_motion`, and
+    """Motion in space of an interface of a body with a floating frame.
+
+    The point moves as in `floating_node_motion`; rotation and angular velocity are
 
     A_p = A exp(phi),   omega_p = A (w + exp(phi) T(phi) dphi),   phi = theta (1 + c theta.theta)
     """
@@ -144,7 +153,7 @@ def floating_interface_motion(interface: Interface, motion: FloatingMotion) -> I
 
 
 def _angular_velocity(cubic_turn: float, theta: Array, rate: Array) -> Array:
-    """T(phi) dphi (t, 3), the angular velocity in the rotated axes:
+    """Angular velocity T(phi) dphi (t, 3), relative to the frame and in the axes rotated by exp(phi):
 
     T(phi) dphi = dphi - (1 - cos p)/p^2 phi x dphi + (p - sin p)/p^3 phi x (phi x dphi),   p = |phi|
     """
@@ -164,9 +173,9 @@ def _angular_velocity(cubic_turn: float, theta: Array, rate: Array) -> Array:
 def _of_frame(
     body: Deforming, q: Array, dq: Array, ddq: Array, nodes: NDArray[np.intp]
 ) -> tuple[Array, Array, Array]:
-    """Displacements (t, k, 3) of some nodes in the frame, and their first and second derivatives.
+    """Displacements (t, k, 3) of some nodes in the frame, and their first and second time derivatives.
 
-    Displacements are quadratic, u = V q + Z(q, q): expand_rates is V dq + 2 Z(q, dq), so that
+    Displacements are quadratic, u = V q + Z(q, q). expand_rates returns V dq + 2 Z(q, dq), and
     ddu = V ddq + 2 Z(q, ddq) + 2 Z(dq, dq).
     """
     quadratic = body.expand_rates(dq, dq, nodes) - body.expand_rates(np.zeros_like(dq), dq, nodes)
@@ -175,7 +184,10 @@ def _of_frame(
 
 
 def _in_space(motion: FloatingMotion, place: Array, rate: Array, second: Array) -> NodeMotion:
-    """Motion of points (t, k, 3) of the frame, with their rates in the frame."""
+    """Motion in space of points at `place` (t, k, 3) in the frame, from their time derivatives in the frame.
+
+    rate, second : (t, k, 3) first and second time derivatives of `place`
+    """
     w, dw = motion.angular_velocity[:, None], motion.angular_acceleration[:, None]
     turning = np.cross(w, place)
     velocity = turning + rate

@@ -1,10 +1,10 @@
-"""Recovery: interior points of a condensed model, whose displacements follow its freedoms by a matrix.
+"""Recovery: displacements of interior points of a condensed model from its freedoms, by a matrix T.
 
     u_points = T [u_boundary; eta],      T R = R_points
 
-The matrices lack the direction in which modal coordinates move the mass. Masses on these points and on the
-nodes supply it. They are fitted to the mass matrix M of the body, scaled by its diagonal. With the
-translations T_a and rotations Theta_a of point or node a per unit of the freedoms:
+Stiffness and mass do not contain the direction in which modal coordinates eta move the mass. Masses at the
+points and nodes supply it. These masses are fitted to the mass matrix M of the body, scaled by its diagonal.
+With the translations T_a and rotations Theta_a of point or node a per unit of the freedoms:
 
     M  ~  sum_a m_a T_a^T T_a + sum_a J_a Theta_a^T Theta_a,      m_a, J_a >= 0
 """
@@ -26,9 +26,13 @@ __all__ = ["Recovery"]
 
 FloatArray = NDArray[np.float64]
 
-# Allowed deviation from rigid motion, relative to the size of the body, for matrices printed with few digits.
+# Largest accepted deviation of the points from rigid motion, relative to the size of the body in rotations.
+# Matrices printed with few digits stay below this value.
 _MOVES_RIGIDLY = 1e-4
+# With more masses of nodes and points in total, no masses are fitted.
 _MOST_MASSES = 1500
+# Largest accepted relative error of the fitted total mass, and error of the centre of mass relative to the
+# radius of gyration. With larger errors the masses are not used.
 _LARGEST_MISS = 0.05
 
 
@@ -36,8 +40,8 @@ _LARGEST_MISS = 0.05
 class Recovery:
     """Displacements of points from the freedoms of a condensed model.
 
-    points : (P, 3), m;  ids : (P,) labels
-    matrix : (3 P, n) ux uy uz of each point from the freedoms of the nodes and the modal coordinates
+    points : (P, 3), m;  ids : (P,) ids of the points in the file
+    matrix : (3 P, n) ux uy uz of each point, from the freedoms of the nodes, then the modal coordinates
     """
 
     points: FloatArray
@@ -45,7 +49,10 @@ class Recovery:
     matrix: FloatArray
 
     def check(self, body: str, nodes: FloatArray, dofs_per_node: int, n: int) -> None:
-        """ModelError for a matrix of the wrong size, or if its points do not move rigidly with the nodes."""
+        """Raise ModelError for a matrix of the wrong size, or points that do not move rigidly with the nodes.
+
+        body : name of the body, for the message;  n : number of freedoms, with modal coordinates
+        """
         if self.matrix.shape != (3 * len(self.points), n):
             raise ModelError(
                 f"body '{body}': the recovery matrix has shape {self.matrix.shape}; {len(self.points)} "
@@ -69,10 +76,10 @@ class Recovery:
     def masses(
         self, mass: FloatArray, nodes: FloatArray, dofs_per_node: int
     ) -> tuple[FloatArray, FloatArray] | None:
-        """Masses of the nodes (N, 1 or 2), for translations and rotations, and of the points (P,).
+        """Masses and moments of inertia of the nodes (N, 1 or 2), and masses of the points (P,), or None.
 
-        None if the body has too many points, if the total differs from its mass by more than 5 %, or if the
-        centre differs by more than 5 % of the radius of gyration (as for points in only a part of the body).
+        None for more than 1500 masses; if their sum differs from the body's mass by more than 5 %; or if
+        their centre differs by more than 5 % of the radius of gyration (as for points in a part of the body).
         """
         n, n_nodes, parts = len(mass), len(nodes), dofs_per_node // 3
         if n_nodes * parts + len(self.points) > _MOST_MASSES:
@@ -102,7 +109,7 @@ class Recovery:
         return of_nodes, of_points
 
     def rows(self, dofs_per_node: int) -> sparse.csc_array:
-        """The matrix (P * dofs_per_node, n), zero for rotations."""
+        """The recovery matrix (P * dofs_per_node, n) of all freedoms of the points; rotations are zero."""
         k = len(self.points)
         wide = np.zeros((k, dofs_per_node, self.matrix.shape[1]))
         wide[:, :3] = self.matrix.reshape(k, 3, -1)

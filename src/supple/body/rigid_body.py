@@ -19,7 +19,8 @@ from supple.summary import Summarized, Summary, place_text
 
 __all__ = ["RigidBody"]
 
-# Inertias given with few digits may violate the triangle inequality in the last digit (thin discs, rods).
+# Relative asymmetry and violation of the triangle inequality that is accepted: inertias given with few digits
+# may have both in the last digit (thin discs, rods).
 ROUNDING = 1e-6
 
 
@@ -31,11 +32,13 @@ class RigidBody(FloatingForm, Summarized):
     ----------
     mass       : kg, positive
     centre     : (3,) centre of mass in body axes, m
-    inertia    : (3, 3) about the centre of mass, body axes, kg m^2; symmetric, positive definite
-    points     : name -> (3,) position of an interface in body axes, m
+    inertia    : (3, 3) about the centre of mass, body axes, kg m^2; symmetric, positive definite, with no
+        principal moment larger than the sum of the other two
+    points     : {interface name: (3,) position in body axes, m}
     Raises
     ------
-    ModelError   impossible mass or inertia; positions that are not three finite numbers
+    ModelError   a mass that is not positive, an inertia that violates these conditions; positions that are
+                 not three finite numbers
     """
 
     name: str
@@ -55,7 +58,7 @@ class RigidBody(FloatingForm, Summarized):
         object.__setattr__(self, "points", MappingProxyType(points))
 
     def summary(self) -> Summary:
-        """Mass, centre, inertia and interfaces."""
+        """Mass, centre of mass, principal moments of inertia and interfaces."""
         moments = ", ".join(f"{value:g}" for value in np.linalg.eigvalsh(self.inertia))
         rows = [
             ("mass", f"{self.mass:g}"),
@@ -66,48 +69,48 @@ class RigidBody(FloatingForm, Summarized):
         return Summary(f"RigidBody '{self.name}', mass {self.mass:g}", rows)
 
     def __reduce__(self):
-        # Mapping proxies do not pickle.
+        # A mapping proxy cannot be pickled.
         return RigidBody, (self.name, self.mass, self.centre, self.inertia, dict(self.points))
 
     @property
     def kind(self) -> Literal["rigid"]:
-        """Rigid."""
+        """The name of this form, "rigid"."""
         return "rigid"
 
     @property
     def centre_of_mass(self) -> NDArray[np.float64]:
-        """(3,) in the body's frame, m."""
+        """Centre of mass (3,) in the body's frame, m."""
         return self.centre
 
     @property
     def n_coordinates(self) -> int:
-        """Zero."""
+        """Zero: a rigid body has no deformation coordinates."""
         return 0
 
     @property
     def nodes(self) -> NDArray[np.float64]:
-        """Positions (N, 3) of the interfaces."""
+        """Positions (N, 3) of the interfaces in the body's frame, m."""
         return read_only(np.array(list(self.points.values())).reshape(-1, 3))
 
     @property
     def interfaces(self) -> tuple[PointInterface, ...]:
-        """The named points, in the order given."""
+        """The points as interfaces, in the order given."""
         return tuple(PointInterface(name, position) for name, position in self.points.items())
 
     def interface(self, name: str) -> PointInterface:
-        """The interface of that name; ModelError lists the nearest names, or all."""
+        """The interface of that name; the ModelError for an unknown name lists the nearest name, or all."""
         return interface_named(self.name, name, self.interfaces)
 
     def expand(
         self, coordinates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
     ) -> NDArray[np.float64]:
-        """No displacement, (..., k, 3), for coordinates (..., 0)."""
+        """Zero displacements (..., k, 3) of k nodes, for coordinates (..., 0)."""
         return np.zeros((*np.shape(coordinates)[:-1], len(self.nodes[nodes]), 3))
 
     def nodal_fields(
         self, coordinates: NDArray[np.float64], freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[NDArray[np.float64], None]:
-        """No displacement, (3 N, t)."""
+        """Zero displacements (3 N, t), or those of some freedoms, and None: nothing is condensed."""
         return np.zeros((self.nodes.size, len(coordinates)))[freedoms], None
 
     @property

@@ -19,7 +19,7 @@ def rigid_elimination(
 ) -> sparse.csc_array:
     """The sparse expansion T, u_nodal = T q, with six coordinates for each rigid set.
 
-        q = (freedoms of all other nodes in nodal order, then (u_v, theta_v) of each set)
+        q = (freedoms of the nodes outside the sets in nodal order, then (u_v, theta_v) of each set)
         u_a = u_v + theta_v x (x_a - x_v),   theta_a = theta_v
 
     Parameters

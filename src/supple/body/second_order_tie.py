@@ -1,18 +1,18 @@
-"""Rigid interfaces to second order in their rotation: the strains of the adjacent elements.
+"""Strains of the elements at rigid interfaces, to second order in the rotation of the interfaces.
 
-A set of nodes tied linearly, u_a = u_v + theta x r_a, expands by theta^2 / 2 when it rotates, and resists.
-To second order it moves as a rigid piece,
+A set of nodes tied linearly, u_a = u_v + theta x r_a, expands by theta^2 / 2 when it rotates by theta; the
+strain of the adjacent elements resists the rotation. To second order the set moves as a rigid body,
 
     u_a = u_v + theta x r_a + 1/2 theta x (theta x r_a):       u = T q + 1/2 Q(q, q)
 
-This is inserted into eps = B u + 1/2 N(Gu, Gu) and truncated to the terms quadratic in q, so that the force
-remains a cubic polynomial and the energy a sum of squares:
+This u is inserted into eps = B u + 1/2 N(Gu, Gu), and eps is truncated after the terms quadratic in q, so
+that the force remains a cubic polynomial and the energy a sum of squares:
 
     eps = B T q + 1/2 [ N(GTq, GTq) + B Q(q, q) ]
 
-When the interface rotates, the elements beside it keep a strain of order theta^3, an energy of order theta^6.
-This energy is least where the elements have rotated by arctan |theta|, to third order. That is the angle of a
-joint at the interface (`BodyInterface.cubic_turn`).
+When the interface rotates, the adjacent elements have a strain of order theta^3, and an energy of order
+theta^6. To third order, this energy is least for a rotation of the elements by arctan |theta|. A joint at the
+interface has this rotation (`BodyInterface.cubic_turn`).
 """
 
 from __future__ import annotations
@@ -40,17 +40,19 @@ def second_order_strains(
 ) -> tuple[QuadraticStrain, ...]:
     """The strains of a body with second-order ties, in the freedoms of its nodes and of its virtual nodes.
 
-    Elements without nodes of a rigid set are unchanged. The others gain the virtual nodes of their sets,
-    whose rotations theta are three more gradients each, with N_theta,theta = B Q.
+    Elements without nodes of a rigid set are unchanged. Other elements also depend on the virtual nodes of
+    their sets. The rotations theta of a virtual node are three additional gradients, with
+    N_theta,theta = B Q.
 
     Parameters
     ----------
-    blocks : strains of the elements in u = T q, tied linearly
+    blocks : strains of the elements in the nodal freedoms u
     nodes : (N, 3)
-    rigid_sets : (node numbers (k,), position of the virtual node (3,)) each; no node in two of them
+    rigid_sets : (node numbers (k,), position of the virtual node (3,)) of each set; no node is in two sets
     Returns
     -------
-    QuadraticStrain of dofs of N + (sets) nodes, in the order of `with_virtual_nodes`
+    QuadraticStrain blocks in the freedoms of the N nodes and the virtual nodes, ordered as the rows of
+    `with_virtual_nodes`
     """
     return tuple(part for block in blocks for _, part in tied_parts(block, nodes, dofs_per_node, rigid_sets))
 
@@ -58,12 +60,12 @@ def second_order_strains(
 def tied_parts(
     block: QuadraticStrain, nodes: FloatArray, dofs_per_node: int, rigid_sets: Sequence[RigidSet]
 ) -> Iterator[tuple[IntArray, QuadraticStrain]]:
-    """Parts of a block by the number of rigid sets at an element, each with its element numbers."""
+    """Parts of a block, one for each number of rigid sets at an element: element numbers and strains."""
     set_of = np.full(len(nodes), -1)
     arms = np.zeros((len(nodes), 3))
     for number, (node_ids, position) in enumerate(rigid_sets):
         own = nodes[node_ids] - position
-        if own.any():  # a single node at the virtual one has no arm
+        if own.any():  # a single node at the virtual node has no arm
             set_of[node_ids], arms[node_ids] = number, own
     return _parts(block, dofs_per_node, set_of, arms)
 
@@ -71,7 +73,7 @@ def tied_parts(
 def with_virtual_nodes(expansion: sparse.csc_array, dofs_per_node: int, n_sets: int) -> sparse.csc_array:
     """The expansion T, followed by rows for the virtual nodes, whose coordinates come last.
 
-    A virtual node has the freedoms (u_v, theta_v) where nodes have six, theta_v where they have three.
+    A virtual node has the freedoms (u_v, theta_v) if dofs_per_node is 6, and theta_v if it is 3.
 
     Returns
     -------
@@ -87,7 +89,7 @@ def with_virtual_nodes(expansion: sparse.csc_array, dofs_per_node: int, n_sets: 
 def _parts(
     block: QuadraticStrain, dofs_per_node: int, set_of: IntArray, arms: FloatArray
 ) -> Iterator[tuple[IntArray, QuadraticStrain]]:
-    """The elements of a block by the number of sets at their nodes."""
+    """Parts as for `tied_parts`, from the set (N,) of each node, or -1, and its arm (N, 3)."""
     element_nodes = cell_nodes(block.dofs, dofs_per_node)
     sets = np.sort(set_of[element_nodes], axis=1)
     first = np.concatenate([sets[:, :1] >= 0, (np.diff(sets) > 0) & (sets[:, 1:] >= 0)], axis=1)
@@ -105,9 +107,11 @@ def _parts(
 
 
 def _tied(block: QuadraticStrain, virtual: IntArray, arms: FloatArray, dofs_per_node: int) -> QuadraticStrain:
-    """Elements with c virtual nodes (E, c) and the arms (E, c, k, 3) of their nodes, 0 where not tied.
+    """Strains of elements that also depend on c virtual nodes.
 
-    Solids beside shells use 3 of the 6 freedoms of their nodes, and the rotations of the virtual nodes.
+    virtual : (E, c) numbers of the virtual nodes
+    arms : (E, c, k, 3) from each virtual node to the nodes of the element; 0 for nodes not tied to it
+    Solids in a model with shells use 3 of the 6 freedoms of their nodes, and theta of the virtual nodes.
     """
     n_elements, n_points, n_strains, n = block.B.shape
     d, (c, k) = block.G.shape[2], arms.shape[1:3]

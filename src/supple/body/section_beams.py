@@ -22,11 +22,11 @@ def section_beams(table: SectionTable, n_elements: int | None = None) -> FiniteE
 
     Parameters
     ----------
-    n_elements : int    elements of equal lengths; by default one between adjacent sections of the table
+    n_elements : int    number of elements of equal length; None: one element between adjacent table sections
 
     Returns
     -------
-    FiniteElementModel  its node sets are "root" and "tip", its nodes numbered from the root to the tip
+    FiniteElementModel  with the node sets "root" and "tip"; node numbers increase from root to tip
 
     Raises
     ------
@@ -45,7 +45,7 @@ def section_beams(table: SectionTable, n_elements: int | None = None) -> FiniteE
     beam = np.stack([x, np.cross(z, x), z], axis=1)
 
     def along_beams(matrices: Array, end: int) -> Array:
-        """Matrices of the sections at one end of the beams, in the axes of the beams."""
+        """Section matrices (n, 6, 6) at the first (0) or second (1) end of each beam, in the beam's axes."""
         own = slice(end, n + end)
         turn = np.zeros((n, 6, 6))
         turn[:, :3, :3] = turn[:, 3:, 3:] = beam @ axes[own]

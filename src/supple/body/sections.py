@@ -1,4 +1,4 @@
-"""Force and moment across a section of an elastic body, from the forces of the elements along it."""
+"""Force and moment across a section of an elastic body, from the forces of the adjacent elements."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ __all__ = ["CuttingPlane", "Sections", "section_loads"]
 Array = NDArray[np.float64]
 
 ROUNDING = 1e-9
-"""Points nearer to the plane than this share of the size of the body count as on it."""
+"""Points up to this distance from the plane, relative to the size of the body, count as on the plane."""
 
 ROOM = 2**22
-"""Largest number of force values in memory at a time."""
+"""Largest number of element values in memory at a time, unless one output time needs more."""
 
 
 @dataclass(frozen=True)
 class CuttingPlane:
     """A plane across an undeformed body, in the axes of its mesh.
 
-    point : (3,)     a point of the plane, m, about which moments are taken
-    normal : (3,)    towards the far side; of any length
+    point : (3,)     point of the plane, m; reference point of moments
+    normal : (3,)    towards the far side; of any length except zero
     """
 
     point: tuple[float, float, float]
@@ -48,7 +48,7 @@ class CuttingPlane:
             )
 
     def heights(self, places: Array) -> Array:
-        """Heights (...) of points (..., 3) over the plane, along the normal; zero within rounding."""
+        """Signed distances (...) of points (..., 3) from the plane along the normal; zero within ROUNDING."""
         heights = (places - self.point) @ (np.asarray(self.normal) / np.linalg.norm(self.normal))
         size = np.ptp(places.reshape(-1, 3), axis=0).max(initial=0.0)
         return np.where(abs(heights) <= ROUNDING * size, 0.0, heights)
@@ -58,24 +58,24 @@ class _Layer(NamedTuple):
     """The elements at a section."""
 
     freedoms: NDArray[np.int64]
-    """(m,) nodal freedoms of these elements in the body"""
+    """(m,) numbers of the nodal freedoms of the nodes of these elements"""
     blocks: tuple[QuadraticStrain, ...]
-    """strains of these elements, renumbered to `freedoms`"""
+    """strains of these elements; their dofs are positions in `freedoms`"""
     shares: tuple[Array, ...]
-    """(E,) per block: plus one half before the section, minus one half beyond it"""
+    """(E,) for each block: 1/2 for elements on the near side, -1/2 on the far side"""
     cut: NDArray[np.int64]
-    """(k, d) positions of the freedoms of the section's nodes in `freedoms`"""
+    """(k, d) positions in `freedoms` of the freedoms of the section's k nodes"""
     places: Array
-    """(k, 3) of these nodes, undeformed"""
+    """(k, 3) undeformed positions of the section's nodes"""
 
 
 class Sections(NamedTuple):
-    """The sections of a body, across which it carries forces."""
+    """Section forces of a body: a function for force and moment, and the name of their axes."""
 
     axes: str
     """Name of the axes of the forces"""
     loads: Callable[[Motion, CuttingPlane], Array]
-    """Force and moment (t, 6) in a motion, exerted by the far side of a plane on the near side"""
+    """From a motion and a plane to the force and moment (t, 6) exerted by the far side on the near side"""
 
 
 def section_loads(body: Any, model: FiniteElementModel, motion: Motion, plane: CuttingPlane) -> Array:
@@ -83,20 +83,21 @@ def section_loads(body: Any, model: FiniteElementModel, motion: Motion, plane: C
 
         F = sum_n f_n,   M = sum_n (x_n + u_n - p) x f_n + m_n
 
-    over the nodes n that elements on both sides share. f, m are the mean of the internal forces of elements
-    before the plane and of those beyond it with opposite sign; the two differ by the loads on these nodes.
-    Both parts are thus in equilibrium for any mesh, and distributed loads cause an error of second order. An
-    element is on the side where the mean of its nodes is. `p` is the point of the plane, moved by the mean
-    displacement of the nodes n.
+    over the nodes n that elements on both sides share. f_n, m_n are the mean of the internal forces of the
+    near elements, and of those of the far elements with opposite sign; the two differ by the loads on these
+    nodes. Both parts are thus in equilibrium for any mesh, and distributed loads cause an error of second
+    order. An element is on the side of the mean position of its nodes. p is the point of the plane, moved by
+    the mean displacement of the nodes n.
 
     Parameters
     ----------
     body : BodyForm                 reduced or full
-    model : FiniteElementModel      of the body
+    model : FiniteElementModel      from which the body was made
 
     Raises
     ------
-    ModelError   another model; a plane without elements on both sides, or beside a rigid interface or tie
+    ModelError   a model with other nodes; a plane without elements on both sides that share nodes; a plane at
+                 a rigid interface or tie; a motion without floating frame
     """
     if len(model.mesh.nodes) != len(body.nodes) or not np.array_equal(model.mesh.nodes, body.nodes):
         raise ModelError(f"body '{body.name}' was not made of this model; give the model it was made of")
@@ -164,7 +165,7 @@ def _renumbered(block: QuadraticStrain, freedoms: NDArray[np.int64], *, linear: 
 
 
 def _resultants(layer: _Layer, plane: CuttingPlane, moved: Array, condensed: Array | None) -> Array:
-    """Resultants (t, 6) for displacements (m, t)."""
+    """Force and moment (t, 6) for values (m, t) of the freedoms and of their condensed part."""
     condensed = np.zeros_like(moved) if condensed is None else condensed
     forces = np.zeros_like(moved)
     for block, shares in zip(layer.blocks, layer.shares, strict=True):

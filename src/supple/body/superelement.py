@@ -34,25 +34,27 @@ def superelement(
 ) -> FlexibleBody:
     """A linear body from nodes and matrices, full or condensed.
 
-    Rows after those of the nodes are modal coordinates of a condensed model (Craig-Bampton). They are zero in
-    the rigid motions R, and K R = 0. The matrices lack the direction in which a modal coordinate moves the
-    mass. This motion therefore neither rotates with the body's frame nor changes the body's inertia, and
-    angular velocities must be well below the frequency of the mode. Recovered points throughout the body
-    supply the direction (`Recovery`).
+    Matrix rows after those of the nodes are modal coordinates of a condensed model (Craig-Bampton). Modal
+    coordinates are zero in the rigid motions R, and K R = 0. The matrices do not contain the direction in
+    which a modal coordinate moves the mass. Without `recovery`, modal displacements therefore have no
+    centrifugal and Coriolis forces and do not change the body's inertia, so angular velocities must be well
+    below the frequencies of the modes. Recovered points throughout the body supply it (`Recovery`).
 
     Parameters
     ----------
-    nodes           : (N, 3) m, positions of the freedoms
-    stiffness, mass : sparse or dense (n, n), n >= N * dofs_per_node, node by node: ux uy uz [rx ry rz]
+    nodes           : (N, 3) m, positions of the nodes
+    stiffness, mass : sparse or dense (n, n), n >= N * dofs_per_node, node by node: ux uy uz [rx ry rz], then
+        modal coordinates
     dofs_per_node   : 3 or 6
-    damping         : (n, n) N s/m, likewise; None without
-    interfaces      : as for `flexible_body`, with node numbers
-    recovery        : interior points, which become the last nodes of the body
+    damping         : (n, n) N s/m, rows as in the stiffness; None without
+    interfaces      : as for `flexible_body`, but only with node numbers
+    recovery        : interior points of a condensed model, which become the last nodes of the body
     rigid_tolerance : largest |K R| relative to the forces that cancel in it; about the relative precision of
         the printed matrices
     Raises
     ------
-    ModelError   as for `flexible_body`
+    ModelError   as for `flexible_body`; other values of `dofs_per_node`; an interface on a node set; damping
+                 that resists rigid motion; a recovery matrix that does not fit the body
     """
     if dofs_per_node not in (3, 6):
         raise ModelError(f"body '{name}': {dofs_per_node} freedoms per node; only 3 and 6 are possible")
@@ -96,14 +98,16 @@ def read_superelement(
     points: str | Path | None = None,
     rigid_tolerance: float = RIGID_TOLERANCE,
 ) -> FlexibleBody:
-    """A linear body from Matrix Market files; `nodes` is a file with a dense (N, 3) array.
+    """A linear body from Matrix Market files, as for `superelement`.
 
-    recovery, points : files of arrays (3 P, n) and (P, 3), of interior points of a condensed model; give both
+    nodes : file of a dense (N, 3) array, m
+    recovery, points : files of the recovery matrix (3 P, n) and of the positions (P, 3) of interior points of
+        a condensed model; give both or neither
 
     Raises
     ------
     ImportFormatError   a file that is not Matrix Market
-    ModelError          as for `superelement`, naming the files
+    ModelError          as for `superelement`, naming the files; only one of `recovery` and `points`
     """
     places, K, M = read_matrix(nodes).toarray(), read_matrix(stiffness), read_matrix(mass)
     inside = None

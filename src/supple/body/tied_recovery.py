@@ -1,7 +1,7 @@
-"""Stress at rigid interfaces: recovery from the strains that include their second-order ties.
+"""Stress at rigid interfaces, from strains that include the second-order ties.
 
-Nodes tied linearly move apart by theta^2 / 2 when their interface rotates by theta relative to the frame. The
-strains of adjacent elements exclude this motion (`second_order_tie`), and so must the recovered strains.
+Linearly tied nodes expand by theta^2 / 2 when their interface rotates by theta relative to the frame. The
+strains of adjacent elements exclude this expansion (`second_order_tie`); the strains for stress must, too.
 """
 
 from __future__ import annotations
@@ -29,20 +29,21 @@ class Tied(Protocol):
 
     @property
     def position(self) -> np.ndarray:
-        """(3,) undeformed."""
+        """Undeformed position (3,) of the virtual node, m."""
         ...
 
     @property
     def tied_nodes(self) -> np.ndarray:
-        """Numbers of the nodes tied rigidly to it, to second order."""
+        """Numbers of the nodes tied rigidly to the interface, to second order."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class InnerPiece:
-    """A rigid piece within a body that is not an interface: its motion is that of its nodes.
+    """A rigid piece of a body that is not an interface; its motion is the averaged motion of its nodes.
 
-    position : (3,);  tied_nodes : (k,);  motion : csr (6, n_nodal) of the nodal freedoms
+    position : (3,) of the reference node, m;  tied_nodes : (k,) node numbers
+    motion : csr (6, n_nodal), (u, theta) = motion @ u_nodal
     """
 
     name: str
@@ -54,7 +55,7 @@ class InnerPiece:
 def inner_pieces(
     pieces: Sequence[RigidPiece], nodes: Array, dofs_per_node: int, interfaces: Sequence[Tied]
 ) -> tuple[InnerPiece, ...]:
-    """The rigid pieces of a body that belong to no interface; pieces that share nodes are merged."""
+    """The rigid pieces without tied nodes of an interface; pieces that share nodes are merged."""
     if not pieces:
         return ()
     taken = np.concatenate([np.empty(0, dtype=np.int64), *(each.tied_nodes for each in interfaces)])
@@ -75,9 +76,9 @@ def inner_pieces(
 def tied_recovery(
     recovery: StressRecovery, nodes: Array, dofs_per_node: int, interfaces: Sequence[Tied]
 ) -> StressRecovery:
-    """The recovery for freedoms of the nodes, followed by those of the virtual nodes that tie them.
+    """The stress recovery as a function of the freedoms of the nodes, then of the virtual nodes of ties.
 
-    Elements without tied nodes are unchanged; the others include the rotation of the virtual node.
+    Elements without tied nodes are unchanged; other elements include the rotation of the virtual node.
     """
     sets = [(each.tied_nodes, each.position) for each in interfaces if each.tied_nodes.size]
     if not sets:
@@ -93,9 +94,9 @@ def tied_recovery(
 def with_virtual_freedoms(
     nodal: Array, motions: Sequence[Array], interfaces: Sequence[Tied], dofs_per_node: int
 ) -> Array:
-    """Nodal freedoms (n_nodal, m), followed by those of the virtual nodes that tie some of the nodes.
+    """Nodal freedoms (n_nodal, m), then the freedoms of the virtual nodes of interfaces with tied nodes.
 
-    motions : (6, m) of each interface; for nodes without rotations only the last three are used
+    motions : (6, m) of each interface; only the last three rows if dofs_per_node is 3
     """
     own = [
         motion[6 - dofs_per_node :]

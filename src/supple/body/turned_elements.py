@@ -1,14 +1,14 @@
-"""Internal force of a body whose elements and ties rotate exactly, each element in corotated axes.
+"""Internal force of a body whose elements and ties rotate exactly, with each element in corotated axes.
 
-Strains are quadratic in the freedoms: a rotation of an element relative to the body's frame leaves a strain
-of third order, and so does the truncation at a rigid interface. Here every element is described in axes
-rotated by the mean rotation R of its nodes, which leaves only its deformation,
+With strains quadratic in the freedoms, a rotation relative to the body's frame causes a strain of third order
+in elements with nodal rotations and in elements at rigid interfaces. Here each element with nodal rotations
+has axes rotated by the mean rotation R of its nodes; relative to these axes it has only its deformation,
 
     u_a' = R^T (x_a - mean x) - (X_a - mean X),      phi_a' = log(R^T exp(phi_a)),
 
-and a rigid interface positions its nodes by its exact rotation. The force is that of the element at u', phi',
-rotated back. Its difference from the body's own force is the error of the body's kinematics. The strains of
-solids are invariant to rotation, so for solids only the ties matter.
+and the nodes of a rigid interface rotate exactly. The force of the element at u', phi' is rotated back. The
+difference between this force and the body's `force` is the error of the body's kinematics. The strains of
+solids are invariant to rotation, so for solids only the ties differ.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 
 
 def turned_force(body: FlexibleBody, q: Array) -> Array:
-    """Internal force (n,) of elements and ties that rotate exactly, at the body's coordinates (n,).
+    """Internal force (n,) at the body's coordinates q (n,), for elements and ties that rotate exactly.
 
     Raises ModelError for a body without elements.
     """
@@ -65,7 +65,7 @@ def turned_force(body: FlexibleBody, q: Array) -> Array:
 
 
 class _Piece(NamedTuple):
-    """Nodes tied to a point: (u, theta) = motion @ q, rotated by theta (1 + c theta.theta)."""
+    """Nodes tied to a point: (u, theta) = motion @ q, rotation vector theta (1 + cubic_turn theta.theta)."""
 
     nodes: NDArray[np.int64]
     position: Array
@@ -74,7 +74,7 @@ class _Piece(NamedTuple):
 
 
 def _pieces(body: FlexibleBody) -> list[_Piece]:
-    """The rigid interfaces of a body, and the rigid pieces within it."""
+    """The rigid interfaces of a body, and its other rigid pieces if these are tied to second order."""
     assert body.model is not None  # checked in turned_force
     found = [
         _Piece(
@@ -96,7 +96,7 @@ def _pieces(body: FlexibleBody) -> list[_Piece]:
 
 
 def _element_forces(block: QuadraticStrain, corners: Array, freedoms: Array) -> Array:
-    """Forces on the nodes of each element (E, k, d), from positions (E, k, 3) and freedoms (E, k, d)."""
+    """Nodal forces (E, k, d) of elements, from undeformed positions (E, k, 3) and freedoms (E, k, d)."""
     n_elements, k, d = freedoms.shape
     if d == 3:
         return internal_force(block, freedoms.reshape(n_elements, -1)).reshape(freedoms.shape)
@@ -109,26 +109,27 @@ def _element_forces(block: QuadraticStrain, corners: Array, freedoms: Array) -> 
     left = Rotation.from_matrix((back[:, None] @ nodal).reshape(-1, 3, 3)).as_rotvec().reshape(-1, k, 3)
     local = internal_force(block, np.concatenate([seen, left], axis=2).reshape(n_elements, -1))
     local = local.reshape(n_elements, k, 6)
-    # Moments conjugate to rotation vectors are made conjugate to infinitesimal rotations, then rotated.
+    # Moments conjugate to the local rotation vectors become moments conjugate to infinitesimal rotations, are
+    # rotated back, and become conjugate to the nodal rotation vectors.
     spin = _solved(_left_jacobian(left).swapaxes(2, 3), local[..., 3:])
     moments = (_left_jacobian(freedoms[..., 3:]).swapaxes(2, 3) @ (spin @ back)[..., None])[..., 0]
     return np.concatenate([local[..., :3] @ back, moments], axis=2)
 
 
 def _is_rigid(interface: BodyInterface) -> bool:
-    """Whether its freedoms are coordinates of the body and its nodes follow it."""
+    """Whether each of the six freedoms of an interface equals a coordinate of the body (rigid interface)."""
     return interface.motion.nnz == 6 and bool((interface.motion.data == 1).all())
 
 
 def _rotation_vector(piece: _Piece, motion: Array) -> tuple[Array, Array]:
-    """Rotation vector (3,) of a piece, and its derivative with respect to the rotational freedoms theta."""
+    """Rotation vector phi (3,) of a piece, and d phi / d theta (3, 3) by its rotational freedoms theta."""
     theta, c = motion[3:], piece.cubic_turn
     factor = 1 + c * theta @ theta
     return factor * theta, factor * np.eye(3) + 2 * c * np.outer(theta, theta)
 
 
 def _place(nodal: Array, nodes: Array, piece: _Piece, motion: Array) -> None:
-    """Move the nodes of a rigid piece with its motion."""
+    """Set the freedoms of a piece's nodes in `nodal` to those of its exact rigid motion."""
     phi, _ = _rotation_vector(piece, motion)
     arms = nodes[piece.nodes] - piece.position
     nodal[piece.nodes, :3] = motion[:3] + Rotation.from_rotvec(phi).apply(arms) - arms
@@ -136,7 +137,7 @@ def _place(nodal: Array, nodes: Array, piece: _Piece, motion: Array) -> None:
 
 
 def _on_virtual_node(forces: Array, nodes: Array, piece: _Piece, motion: Array) -> Array:
-    """Force and moment (6,); the moment is conjugate to the rotational freedoms of the piece."""
+    """Force and moment (6,) of the nodal forces on a piece, conjugate to its freedoms (u, theta)."""
     phi, by_freedom = _rotation_vector(piece, motion)
     own = forces[piece.nodes]
     arms = Rotation.from_rotvec(phi).apply(nodes[piece.nodes] - piece.position)
@@ -147,7 +148,7 @@ def _on_virtual_node(forces: Array, nodes: Array, piece: _Piece, motion: Array) 
 
 
 def _left_jacobian(phi: Array) -> Array:
-    """T (.., 3, 3) with angular velocity = T dphi/dt, in space, for exp(phi)."""
+    """T (.., 3, 3): T dphi/dt is the angular velocity of exp(phi) in the fixed axes, those of phi."""
     angle = np.sqrt((phi**2).sum(axis=-1))[..., None, None]
     small = angle < 1e-4
     safe = np.where(small, 1.0, angle)

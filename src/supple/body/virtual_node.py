@@ -1,4 +1,4 @@
-"""Virtual nodes: interfaces resolved to node numbers, positions and motions, fully checked."""
+"""Virtual nodes: interfaces with checked node numbers, positions and motions."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ from supple.body.interface import AveragingInterface, BodyInterface, RigidInterf
 from supple.body.rigid_motion import are_collinear
 from supple.errors import ModelError
 
-# arctan t = t - t^3 / 3 + .., arcsin t = t + t^3 / 6 + ..
+# Coefficients `cubic_turn` of rigid and averaging interfaces: arctan t = t - t^3 / 3 + ..,
+# arcsin t = t + t^3 / 6 + ..
 ARCTAN, ARCSIN = -1 / 3, 1 / 6
 
 
 @dataclass(frozen=True, eq=False)
 class VirtualNode:
-    """An interface with known nodes and position; without weights it is rigid."""
+    """An interface with its node numbers (k,) and position (3,); weights (k,), None for a rigid interface."""
 
     name: str
     node_ids: NDArray[np.int64]
@@ -30,7 +31,7 @@ class VirtualNode:
 
     @property
     def is_rigid(self) -> bool:
-        """Whether the nodes follow the virtual node (rigid); otherwise it follows the nodes (averaging)."""
+        """Whether the nodes follow the virtual node (rigid) or the virtual node the nodes (averaging)."""
         return self.weights is None
 
 
@@ -42,10 +43,15 @@ def virtual_nodes(
     labels: NDArray[np.int64] | None = None,
     tied: NDArray[np.int64] | None = None,
 ) -> tuple[VirtualNode, ...]:
-    """Resolve interfaces given by node numbers; ModelError for each kind of invalid interface.
+    """Virtual nodes of the interfaces, which are given by node numbers.
 
-    labels : (N,) ids of the nodes, for messages; by default their numbers
-    tied : nodes of rigid pieces of the body, which rotate with their piece
+    labels : (N,) ids of the nodes, for messages; by default node numbers
+    tied : numbers of nodes of rigid pieces, which have the rotation of their piece
+
+    Raises
+    ------
+    ModelError   interfaces without nodes, with invalid or repeated nodes, with equal names, weights or
+                 positions that are invalid; nodes in two rigid interfaces; collinear nodes without rotations
     """
     labels = np.arange(len(nodes)) if labels is None else labels
     held_by: dict[int, str] = {}
@@ -89,10 +95,12 @@ def interface_motions(
     pieces: Sequence[NDArray[np.int64]] = (),
     turns_finitely: bool = False,
 ) -> tuple[BodyInterface, ...]:
-    """The motion (6, n) of each virtual node.
+    """The interfaces of a body, with the motion (6, n) of each virtual node.
 
-    rigid_motions : (6 k, n) of the k rigid virtual nodes, in order;  pieces : the nodes tied to each
-    turns_finitely : whether the body's strains allow finite rotation of its parts relative to the frame
+    expansion : csc (n_nodal, n), u_nodal = expansion @ q
+    rigid_motions : (6 k, n) of the k rigid virtual nodes, in order;  pieces : nodes tied to each of these
+    turns_finitely : whether rotations relative to the frame leave no second-order strain in the body
+    Raises ModelError for an averaging interface on collinear nodes of which some have no rotation.
     """
     n_nodal = dofs_per_node * len(nodes)
     number = 0
@@ -112,7 +120,7 @@ def interface_motions(
             rows = np.repeat(np.arange(6), dofs.size)
             nodal = sparse.csr_array((averages.ravel(), (rows, columns)), shape=(6, n_nodal))
             motion = sparse.csr_array(nodal @ expansion)
-        # On a line or at a point, the rotations are those of the nodes themselves.
+        # Of collinear nodes or a single node, theta is the rotation of the nodes themselves: cubic_turn = 0.
         by_displacement = turns_finitely and not are_collinear(nodes[node.node_ids])
         cubic_turn = (ARCTAN if node.is_rigid else ARCSIN) if by_displacement else 0.0
         result.append(BodyInterface(node.name, node.position, motion, node.node_ids, cubic_turn, tied))
@@ -122,7 +130,7 @@ def interface_motions(
 def _check_rotations(
     node: VirtualNode, nodes: NDArray[np.float64], dofs_per_node: int, expansion: sparse.csc_array
 ) -> None:
-    """Check that collinear nodes have rotations, whose mean is the rotation about their line."""
+    """Raise ModelError for collinear nodes of which some have no rotation; other nodes need none."""
     if dofs_per_node == 3 or not are_collinear(nodes[node.node_ids]):
         return
     rotations = (node.node_ids[:, None] * 6 + np.arange(3, 6)).ravel()

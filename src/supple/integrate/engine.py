@@ -24,13 +24,13 @@ Recorder = Callable[[Solution], None]
 
 @dataclass(frozen=True)
 class Leg(Generic[S]):
-    """A part of a run: the states at its reached output times.
+    """A part of a run: the states at the output times that it reached.
 
-    states : the states reached, stacked or listed as the engine needs
+    states                  the states reached, in the data structure of the engine
     n_reached : int         number of these states
     last : S                the state from which to continue
     statistics : Statistics
-    stopped : str | None    cause of an end before its last output time
+    stopped : str | None    cause if the leg ended before its last output time, else None
     """
 
     states: Any
@@ -45,9 +45,10 @@ class Engine(Protocol[S]):
 
     @property
     def least_leg(self) -> int:
-        """Number of output times below which the steps of a leg cost less than its conversion and recording.
+        """Recommended smallest number of output times of a leg.
 
-        Called after `start` or `resumed`.
+        With fewer, conversion and recording of the leg take longer than its steps. Defined after `start` or
+        `resumed`.
         """
         ...
 
@@ -56,11 +57,11 @@ class Engine(Protocol[S]):
         ...
 
     def resumed(self, last: Solution) -> S:
-        """The state at the end of a recorded part, exact if the part includes the `engine_state`."""
+        """The state at the end of a recorded part; exact if `last` includes an `engine_state`."""
         ...
 
     def march(self, state: S, times: np.ndarray) -> Leg[S]:
-        """Integrate to each of the output times (k,); the first may be the time of the state."""
+        """Integrate to each of the output times (k,), the first of which may be the time of `state`."""
         ...
 
     def solution(self, leg: Leg[S]) -> Solution:

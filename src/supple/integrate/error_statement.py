@@ -1,4 +1,4 @@
-"""Error of a run: its parts, their sum, and the remedy for the largest."""
+"""Error of a run: its parts, their sum, and the remedy for the largest part."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class ErrorPart:
 
     value : float   in the unit of the quantity; infinite where it is unknown
     how : str       method of the estimate
-    remedy : str    change that reduces it
+    remedy : str    change of the model or the run that reduces this part
     """
 
     value: float
@@ -31,15 +31,15 @@ class ErrorPart:
 
 @dataclass(frozen=True, repr=False)
 class ErrorStatement(Summarized):
-    """The error of a run in one quantity, part by part.
+    """The error of a run in one quantity, with its parts.
 
     of : str            the quantity and the norm
     size : float        largest value of the quantity, in its unit: the reference of a relative error
-    basis : ErrorPart   of the motion outside the bases of reduced bodies
-    step : ErrorPart    of the time integration
-    newton : ErrorPart  of the Newton tolerance; at least the rounding error of the integration
-    model : ErrorPart   of the kinematics: strains caused by rotations relative to the frame, ties included
-    allowed : float     tolerance of the sum; None without one
+    basis : ErrorPart   error due to the motion outside the bases of reduced bodies
+    step : ErrorPart    error of the time integration
+    newton : ErrorPart  error due to the Newton tolerance; at least the rounding error of the integration
+    model : ErrorPart   error of the kinematics: spurious strains of elements and ties rotating in the frame
+    allowed : float     tolerance of the sum of the parts; None if no tolerance is given
     quantity : str      kind of the quantity, which determines its unit: "length", "force", ...
 
     A part that was not estimated is None; the error is then at least the sum of the parts.
@@ -87,7 +87,7 @@ class ErrorStatement(Summarized):
 
     @property
     def largest(self) -> str | None:
-        """Name of the largest part; None where no part is known or all are zero."""
+        """Name of the largest part; None if no part is estimated or all parts are zero."""
         known = {name: part.value for name, part in self.parts.items()}
         if not any(known.values()):
             return None
@@ -95,7 +95,7 @@ class ErrorStatement(Summarized):
 
     @property
     def advice(self) -> str:
-        """The largest part, its ratio to the second, and its remedy, in a sentence."""
+        """Sentence with the largest part, its ratio to the second largest, and its remedy; may be empty."""
         name = self.largest
         if name is None:
             return ""
@@ -113,7 +113,7 @@ class ErrorStatement(Summarized):
 
     @property
     def is_met(self) -> bool:
-        """Whether the estimated parts are within the tolerance; true without one."""
+        """Whether the sum of the estimated parts is within the tolerance; true without a tolerance."""
         return self.allowed is None or self.at_least <= self.allowed
 
     def plain(self) -> dict[str, Any]:
@@ -135,7 +135,7 @@ class ErrorStatement(Summarized):
 
     @classmethod
     def from_plain(cls, numbers: Mapping[str, Any]) -> ErrorStatement:
-        """The statement from the mapping of `plain`."""
+        """The statement from the mapping that `plain` returns."""
         parts = {
             name: ErrorPart(
                 float("inf") if part["value"] is None else part["value"], part["how"], part["remedy"]

@@ -6,4 +6,4 @@ __all__ = ["ExplicitRule"]
 
 
 class ExplicitRule:
-    """Base of `supple.methods.explicit.Explicit`, the rule of modal parts and nonlinear finite elements."""
+    """Base of `supple.methods.explicit.Explicit`, the method of modal parts and nonlinear finite elements."""

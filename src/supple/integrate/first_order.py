@@ -11,16 +11,20 @@ __all__ = ["FirstOrderRule", "ResidualRungeKutta4", "RungeKutta4"]
 
 @dataclass(frozen=True)
 class RungeKutta4:
-    """The classical explicit rule of fourth order; stable where step times highest frequency is < 2.83."""
+    """The classical explicit rule of fourth order, stable for `h omega_max < 2.83`; less with damping.
+
+    h is the step and omega_max the highest angular frequency.
+    """
 
 
 @dataclass(frozen=True)
 class ResidualRungeKutta4:
-    """`RungeKutta4` for the lowest modes only, which then limit the step; higher modes follow statically.
+    """`RungeKutta4` for the lowest modes, which limit the step; the higher modes follow quasi-statically.
 
     n_kept : int            number of dynamic modes, rigid ones included
     sweeps : int            iterations for the higher modes at each of the rule's four stages
-    largest_contraction : float     largest ratio of successive corrections; above it the run ends
+    largest_contraction : float     limit of the ratio of the last correction of the higher modes to the
+        correction before; the run ends if the ratio exceeds this limit
     """
 
     n_kept: int

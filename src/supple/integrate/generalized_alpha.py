@@ -1,12 +1,13 @@
 """The Newmark family for second-order equations on a Lie group, in acceleration form.
 
-With `q` the configuration, `v` the velocity, `vdot` the true and `a` the auxiliary acceleration:
+With the step `h`, the configuration `q`, the velocity `v`, the true acceleration `vdot` and the auxiliary
+acceleration `a`,
 
     q_1 = q_0 o exp( h v_0 + h^2 [ (1/2 - beta) a_0 + beta a_1 ] )
     v_1 = v_0 + h [ (1 - gamma) a_0 + gamma a_1 ]
     (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) vdot_1 + alpha_f vdot_0
 
-and the equations of motion hold at the end of the step. Second order whenever
+and the equations of motion hold at the end of the step. The rule is of second order if
 `gamma = 1/2 - alpha_m + alpha_f`.
 
 Sources: Chung & Hulbert (1993); Arnold & Bruels (2007) for the group and the multipliers.
@@ -50,7 +51,7 @@ class TimeIntegrator(Protocol):
 
 
 def damps_joint_forces(method: TimeIntegrator) -> bool:
-    """Whether oscillations of the multipliers decay: `gamma > 1/2`, spectral radius at infinity below 1."""
+    """Whether oscillations of the multipliers decay: `gamma > 1/2`, spectral radius below 1 at infinity."""
     return method.coefficients.gamma > 0.5 + 1e-12
 
 
@@ -63,8 +64,8 @@ def _second_order(alpha_m: float, alpha_f: float) -> Coefficients:
 class GeneralizedAlpha:
     """Generalized-alpha: second order, with the spectral radius `rho_inf` in [0, 1] at infinite frequency.
 
-    1 conserves all energy, 0 removes unresolved motion within one step. With joints, spurious oscillations of
-    the multipliers persist for values near 1.
+    `rho_inf = 1` has no numerical damping; `rho_inf = 0` removes motion much faster than the step within one
+    step. With joints, spurious oscillations of the multipliers decay only slowly for values near 1.
     """
 
     rho_inf: float = 0.8
@@ -109,10 +110,10 @@ class HilberHughesTaylor:
 
 
 class StepFactors(NamedTuple):
-    """Derivatives of position and velocity with respect to the new true acceleration, for a step's tangent.
+    """Derivatives of position and velocity with respect to the new true acceleration, for the tangent.
 
-    With `kappa = (1 - alpha_f)/(1 - alpha_m)`, the derivative of the auxiliary acceleration, these are the
-    `1/beta'` and `gamma'/beta'` of Arnold & Bruels: `beta h^2 kappa` and `gamma h kappa`.
+    They are `beta h^2 kappa` and `gamma h kappa`, the `1/beta'` and `gamma'/beta'` of Arnold & Bruels, where
+    `kappa = (1 - alpha_f)/(1 - alpha_m)` is the derivative of the auxiliary acceleration.
     """
 
     by_position: Any
@@ -122,14 +123,14 @@ class StepFactors(NamedTuple):
 
 
 class StepRule(NamedTuple):
-    """The family's update for one step size `h`, for NumPy and JAX arrays."""
+    """The update of the family for one step of size `h`, for NumPy and JAX arrays."""
 
     coefficients: Coefficients
     h: Any
 
     @property
     def factors(self) -> StepFactors:
-        """Factors of position and velocity in the tangent of the step."""
+        """Derivatives of position and velocity with respect to the new acceleration, for the tangent."""
         alpha_m, alpha_f, beta, gamma = self.coefficients
         kappa = (1 - alpha_f) / (1 - alpha_m)
         return StepFactors(beta * self.h**2 * kappa, gamma * self.h * kappa)

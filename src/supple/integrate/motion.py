@@ -1,4 +1,4 @@
-"""Motion of a body over time: arrays with one row per output time, a class for each form of body."""
+"""Motion of a body over time: arrays with one row per output time, in a class for each form of body."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Motion(Summarized):
     kind: ClassVar[str]
     """Name in result files; `register_motion` makes motions of this kind readable."""
     dimensions: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
-    """Names of the axes of a field that follow the time axis; ("axis",) for fields not listed."""
+    """By field: names of its array axes after the time axis; ("axis",) for fields not listed."""
 
     def summary(self) -> Summary:
         """Shape and largest absolute value of every array."""
@@ -47,9 +47,9 @@ class Motion(Summarized):
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
     def of_type(self, expected: type[_M], what: str = "body") -> _M:
-        """The motion as one of the expected type, with that type's fields.
+        """The motion itself, if it is of the expected type.
 
-        what : name of the body, for the message
+        what : name of the body, for the error message
         Raises ModelError for a motion of another type.
         """
         if not isinstance(self, expected):
@@ -62,7 +62,7 @@ class Motion(Summarized):
     def to_xarray(self, times: np.ndarray) -> Any:
         """An `xarray.Dataset` of the fields over `time`.
 
-        times : (t,) of the solution with this motion
+        times : (t,) output times of the solution that contains this motion
         Raises MissingPackageError where xarray is not installed.
         """
         xarray = optional_package("xarray", "a data set", "xarray")
@@ -94,7 +94,7 @@ def motion_from_arrays(kind: str, arrays: Mapping[str, np.ndarray]) -> Motion:
 
 @dataclass(frozen=True, repr=False)
 class FramedMotion(Motion):
-    """A motion of a body that deforms in moving axes: floating, or intrinsic."""
+    """A motion of a body, floating or intrinsic, that deforms relative to moving axes."""
 
     position: np.ndarray
     """(t, 3) origin of the body's axes, global components."""
@@ -132,10 +132,10 @@ class FloatingMotion(FramedMotion):
     coordinate_accelerations: np.ndarray
     """(t, r)."""
     error: ClassVar[ErrorStatement | None] = None
-    """Error of the motion, if estimated; no array, and not in `arrays`."""
+    """Error of the motion, None if not estimated; it is not an array and not included in `arrays`."""
 
     def with_error(self, error: ErrorStatement | None) -> Self:
-        """The same motion with its error."""
+        """A copy of the motion with the given error."""
         assessed = replace(self)
         object.__setattr__(assessed, "error", error)
         return assessed

@@ -20,7 +20,8 @@ S = TypeVar("S")
 LEGS = 50
 """Largest number of legs of a run after its initial state."""
 FEWEST_LEGS = 8
-"""Smallest number of legs of a run whose legs would be brief: progress, and results for other programs."""
+"""Approximate smallest number of legs: `Engine.least_leg` makes legs longer only down to this number, so that
+progress and results are available during a short run."""
 
 
 def run(
@@ -38,8 +39,8 @@ def run(
     ----------
     times : (t,)            all output times of the run, the initial one first
     resume : Solution       the recorded part: the run continues from its last time
-    progress, record : called as legs are completed, `record` before `progress`
-    check : bool            raise where the run ends early; otherwise `Solution.stopped` states the cause
+    progress, record : called after each leg, first `record`; `progress` not after the initial state
+    check : bool            raise if the run ends early; if False, `Solution.stopped` states the cause
 
     Returns
     -------
@@ -47,13 +48,14 @@ def run(
 
     Raises
     ------
-    ValueError          nothing is left to simulate
-    ConvergenceError    the run ended early; the results until then were passed to `record`
+    ValueError          no output time is left to simulate
+    ConvergenceError    the run ended early, with `check` or before any output time was reached; the results
+                        until then were passed to `record`
     """
     began = perf_counter()
     if resume is None:
         state = engine.start(float(times[0]))
-        # The initial state is a leg of its own: it is recorded before the first step is tried.
+        # The initial state is a separate leg: it is recorded before the first step.
         legs = [times[:1], *_legs(times, times[1:], engine.least_leg)]
     else:
         left = _times_left(times, float(resume.times[-1]))
@@ -85,7 +87,7 @@ def run(
 
 
 def _legs(times: np.ndarray, left: np.ndarray, least: int) -> list[np.ndarray]:
-    """Remaining output times of a run, leg by leg; `least` as for an engine."""
+    """Remaining output times of a run, leg by leg; `least` is `Engine.least_leg`."""
     size = max(leg_size(len(times)), min(least, int(np.ceil((len(times) - 1) / FEWEST_LEGS))))
     return [left[begin : begin + size] for begin in range(0, len(left), size)]
 
@@ -96,7 +98,7 @@ def leg_size(n_times: int) -> int:
 
 
 def _times_left(times: np.ndarray, reached: float) -> np.ndarray:
-    """Output times beyond the last one reached; ValueError when there are none."""
+    """Output times after the last one reached; ValueError if there are none."""
     tolerance = 1e-6 * float(times[1] - times[0])
     left = times[times > reached + tolerance]
     if not left.size:

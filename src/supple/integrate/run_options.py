@@ -18,17 +18,18 @@ from supple.summary import Summarized, Summary
 __all__ = ["MOST_OUTPUT_TIMES", "Run", "Validity"]
 
 MOST_OUTPUT_TIMES = 10_000_000
-"""Largest number of output times of a run, which limits the memory of a stored motion."""
+"""Largest number of output times of a run, to limit the memory of a stored motion; more raise ValueError."""
 
 
 @dataclass(frozen=True)
 class Validity:
     """Limits of validity of a run: of the kinematics, the initial state, and the steps.
 
-    strict : raise an error instead of a warning as soon as a limit is exceeded
-    spin_ratio : largest ratio of the angular velocity to the lowest frequency, for linear bodies and for
-        reduced bodies whose condensed motion has no inertia; at 0.3 the missing centrifugal stiffness is
-        already about 10 % of the elastic stiffness
+    strict : raise ValidityError instead of a warning as soon as a limit is exceeded
+    spin_ratio : largest ratio of the angular velocity to a reference. The reference of a linear body is its
+        lowest angular frequency; that of a reduced body whose condensed motion has no inertia is the angular
+        velocity at which the missing centrifugal stiffness equals the elastic stiffness. At a ratio of 0.3,
+        about 10 % of the elastic stiffness is missing
     """
 
     strict: bool = False
@@ -42,19 +43,20 @@ class Validity:
 
 @dataclass(frozen=True, repr=False)
 class Run(Summarized):
-    """A span of time, its output times, and its time integration.
+    """Time span, output times and time integration of a simulation.
 
     duration, output_step : float   unit of time; the duration is a multiple of the output step
-    step : FixedStep | AdaptiveStep     default a fixed step equal to the output step; for machines with
-        intrinsic bodies one from the periods of their modes, for explicit parts the stable step
+    step : FixedStep | AdaptiveStep     by default a fixed step equal to the output step; for machines with
+        intrinsic bodies a step from the periods of their modes; for explicit parts the stable step
     method : GeneralizedAlpha (rho_inf = 0.8) | Newmark | HilberHughesTaylor; for machines of only
         intrinsic bodies also RungeKutta4 | ResidualRungeKutta4; Kinematic for zero degrees of freedom; for
-        explicit parts supple.methods.explicit.Explicit, which is also their default
+        explicit parts supple.methods.explicit.Explicit, which is also the default for them
     tolerances : Tolerances
-    validity : Validity     warn about a motion beyond the limits of the kinematics, or stop
+    validity : Validity     limits of validity; beyond them the run warns or, if strict, ends with an error
     start : float           time of the initial state
-    Raises ValueError for a duration or output step that is not positive, a duration that is no multiple of
-        the output step, or more than `MOST_OUTPUT_TIMES` output times.
+    Raises ValueError for a duration or output step that is not positive and finite, a start that is not
+        finite, a duration that is no multiple of the output step, or more than `MOST_OUTPUT_TIMES` output
+        times.
     """
 
     duration: float
@@ -109,12 +111,12 @@ class Run(Summarized):
 
     @property
     def step_control(self) -> StepControl:
-        """Control of the step size."""
+        """Control of the step size; by default a fixed step equal to the output step."""
         return self.step or FixedStep(self.output_step)
 
     @property
     def n_steps(self) -> float:
-        """Number of steps if all have the size of the first one, as fixed steps do."""
+        """Number of steps if all steps have the size of the first one, as fixed steps do."""
         return self.duration / float(self.step_control.first)
 
     @property

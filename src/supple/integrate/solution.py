@@ -26,14 +26,14 @@ JOINT_AXES = "joint axes that rotate with the first end, z along the axis of the
 
 @dataclass(frozen=True)
 class Statistics:
-    """Cost of a run, and the size of its steps relative to the motion.
+    """Cost of a run, and measures of its step size.
 
-    steps, iterations, rejected_steps : accepted steps, Newton iterations, rejected steps
+    steps, iterations, rejected_steps : numbers of accepted steps, Newton iterations and rejected steps
     seconds, compile_seconds : run time without compilation, and compilation time
-    largest_error : largest local error of an accepted step, as `AdaptiveStep` measures it
+    largest_error : largest local error of an accepted step, as defined for `AdaptiveStep`
     largest_turn : largest rotation of a body within an accepted step, rad
-    factorizations : number of factored tangents; 0 where an engine does not count them
-    decades : reduction of the residual by all iterations together, in powers of ten; 0 where not counted
+    factorizations : number of factored tangents; 0 if the engine does not count them
+    decades : reduction of the residual by all iterations together, in powers of ten; 0 if not counted
     """
 
     steps: int = 0
@@ -48,7 +48,7 @@ class Statistics:
 
     @property
     def contraction(self) -> float | None:
-        """Mean factor (geometric) of an iteration on the residual; None where it is unknown."""
+        """Geometric mean of the residual ratio of two successive iterates; None if not counted."""
         return 10 ** (-self.decades / self.iterations) if self.iterations and self.decades else None
 
     def __add__(self, other: Statistics) -> Statistics:
@@ -70,21 +70,21 @@ class Solution(Summarized):
     times: np.ndarray
     """(t,) output times."""
     bodies: Mapping[str, Motion]
-    """Body name to its motion, of the type of the body's form; see `motion`."""
+    """Motion of each body by name; its type depends on the form of the body (see `motion`)."""
     joint_forces: Mapping[str, np.ndarray]
     """Joint name to (t, 6) force and moment on the joint's second end, at that end's point: x, y, z of the
     force, then of the moment, along the joint axes that rotate with the first end (z is the joint's axis)."""
     statistics: Statistics
     stopped: str | None = None
-    """Cause of an end before the last output time; None for a complete run."""
+    """Cause if the run ended before its last output time; None for a complete run."""
     engine_state: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
-    """State of the engine beyond the motion, for an exact resume from the last output time; empty if
+    """State of the engine beyond the motion, to continue exactly from the last output time; empty if
     unknown."""
     multipliers: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
     """Joint name to (t, m) Lagrange multipliers of its constraint equations, with the order, signs and units
     of the engine. Empty for an engine without multipliers."""
     series: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
-    """Name to (t, c) quantities of the whole machine, such as its energies, depending on the method."""
+    """Name to (t, c) quantities of the whole machine, such as its energies; the method determines which."""
     errors: Mapping[str, ErrorStatement] = field(default_factory=lambda: MappingProxyType({}))
     """Error of the run, by body or by quantity of interest; empty if it was not estimated."""
     truncation: Mapping[str, ErrorPart] = field(default_factory=lambda: MappingProxyType({}))
@@ -119,7 +119,7 @@ class Solution(Summarized):
         return self.bodies[body].of_type(expected, f"body '{body}'")
 
     def with_errors(self, errors: Mapping[str, ErrorStatement]) -> Solution:
-        """The same run with its error estimates; also in `motion.error` for bodies."""
+        """A copy with the given error estimates, also stored as `error` in the floating motions of bodies."""
 
         def assessed(name: str, motion: Motion) -> Motion:
             known = isinstance(motion, FloatingMotion) and name in errors
@@ -132,7 +132,10 @@ class Solution(Summarized):
         )
 
     def at(self, rows: slice | np.ndarray) -> Solution:
-        """The solution at the output times with the indices `rows`, with the cost of the whole run."""
+        """The solution at the output times with the indices `rows`.
+
+        The statistics are those of the whole run; `stopped`, `engine_state` and `truncation` are omitted.
+        """
         return Solution(
             times=self.times[rows],
             bodies={name: motion.at(rows) for name, motion in self.bodies.items()},
@@ -146,7 +149,11 @@ class Solution(Summarized):
 
 
 def concatenate(parts: Sequence[Solution]) -> Solution:
-    """One solution from consecutive parts; the parts share bodies and joints and do not repeat a time."""
+    """One solution from consecutive parts with the same bodies and joints and without repeated times.
+
+    `stopped` and `engine_state` are those of the last part; errors, truncation and columns are omitted.
+    Raises ValueError if there are no parts.
+    """
     if not parts:
         raise ValueError("no parts to join: a solution needs at least one chunk of output times")
 

@@ -23,15 +23,15 @@ def _check_smallest(smallest: float, first: float) -> None:
         )
 
 
-# Relative to the first step, so that a run does not depend on the unit of time.
+# Default of the smallest step, relative to the first step: a run does not depend on the unit of time.
 SMALLEST = 1e-6
 
 
 @dataclass(frozen=True)
 class FixedStep:
-    """Steps of one size, in the unit of time; a step that does not converge is halved and reported.
+    """Steps of one size, in the unit of time; a step that does not converge is halved, with a warning.
 
-    The size is reduced slightly where needed for a whole number of steps in each output interval.
+    The size is reduced slightly if that is needed for a whole number of steps in each output interval.
     """
 
     size: float
@@ -68,8 +68,9 @@ class FixedStep:
 class AdaptiveStep:
     """Steps chosen so that the local error stays below `tolerance`.
 
-    The error is measured per step. Translations, and coordinates of full bodies, are relative to the size of
-    the system; reduced coordinates to that size times the root of the body's mass. Rotations are in radians.
+    `first`, `largest` and `smallest` are in the unit of time. The local error is the largest error in one
+    step: of translations and of coordinates of full bodies, relative to the size of the system; of reduced
+    coordinates, relative to this size times the square root of the mass of the body; of rotations, in rad.
     """
 
     first: float = 1e-6
@@ -99,11 +100,12 @@ StepControl = FixedStep | AdaptiveStep
 class Tolerances:
     """Convergence criteria of Newton's iteration.
 
-    `residual` bounds the residual of forces, moments and generalised forces separately, relative to the
-    largest of the terms in balance (inertia, internal, applied, joint). Constraint equations are divided by
-    `StepFactors.by_position`, which gives them the unit of accelerations, and have the same relative bound. A
-    residual at rounding error (a correction below 1e-13 of the system's size) counts as converged, so that a
-    tighter tolerance costs iterations but never prevents a result.
+    residual : relative tolerance of the residuals of forces, moments and generalised forces, each relative to
+        the largest of the terms in balance (inertia, internal, applied, joint). Constraint equations are
+        divided by `StepFactors.by_position`, which gives them the unit of accelerations, and have the same
+        tolerance. A residual at rounding error (a correction below 1e-13 of the size of the system) counts as
+        converged, so that a smaller tolerance costs iterations but never prevents a result.
+    max_iterations : largest number of iterations per step
     """
 
     residual: float = 1e-6

@@ -1,4 +1,4 @@
-"""Section forces of one beam or rod at its end."""
+"""Section forces of one beam or rod at one of its ends."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BeamForceSensor:
-    """N, Vy, Vz, T, My, Mz at an end of a beam or rod, (t, 6), in axes that rotate with its section.
+    """N, Vy, Vz, T, My, Mz at one end of a beam or rod, (t, 6), in axes that rotate with the section.
 
-    They are the forces that the part towards the beam's second end exerts on the part before the section; N
-    is positive in tension, and moments are about the beam's axis (`beam_forces`).
+    They are the forces and moments that the part towards the beam's second end exerts on the part before the
+    section. N is positive in tension, and moments refer to the axis of the beam (`beam_forces`).
 
-    body : name of the body;   model : elements of the body
+    body : name of the body;   model : finite elements of the body
     beam : id of the element in the mesh or deck
     end : 1 or 2, the first or second end of the element
     """
@@ -81,7 +81,7 @@ class BeamForceSensor:
         self._cell()
 
     def _cell(self) -> int:
-        """Number of the cell at that end, as an element may have several cells."""
+        """Number of the cell at the sensor's end of the beam, as an element may have several cells."""
         ids = self.model.mesh.cell_ids.get(CellType.LINE2, np.empty(0, dtype=np.int64))
         own = np.flatnonzero(ids == self.beam)
         if not own.size:

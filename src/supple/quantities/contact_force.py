@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 class ContactForce(NamedTuple):
-    """Force (t, 3), N, on the nodes of a contact, and its point of action (t, 3), global axes."""
+    """Force (t, 3) on the nodes of a contact, unit of force, and its point of action (t, 3), global axes."""
 
     name: str
     force: Array
@@ -25,7 +25,7 @@ class ContactForce(NamedTuple):
 
 
 def contact_forces(system: System, solution: Solution) -> list[ContactForce]:
-    """Forces of all contacts, those with rigid obstacles first; empty for a result without them."""
+    """Forces of all contacts, those with rigid obstacles first; empty for a run without contact forces."""
     if CONTACTS not in solution.series:
         return []
     contacts = (*system.rigid_contacts, *system.surface_contacts)

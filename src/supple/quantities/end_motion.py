@@ -1,4 +1,4 @@
-"""The ends of joints and forces over a whole run, as in their equations."""
+"""Motion of the ends of joints and force elements over a run, as defined in their equations."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["both_ends", "check_ends", "joint_named"]
 
 
 def joint_named(system: System, name: str, sensor: str) -> Joint:
-    """A joint of the machine; ModelError with the nearest name if there is none."""
+    """A joint of the machine; ModelError, with the most similar name, if there is none."""
     for joint in system.joints:
         if joint.name == name:
             return joint
@@ -25,7 +25,7 @@ def joint_named(system: System, name: str, sensor: str) -> Joint:
 
 
 def check_ends(system: System, sensor: str, element: Joint | ForceElement) -> None:
-    """ModelError for a body or interface of a joint or force that does not exist."""
+    """ModelError if a joint or force element refers to a body or interface that does not exist."""
     for end in (element.first, element.second):
         if end != GROUND:
             body_named(system, end.body, sensor).interface(end.interface)
@@ -34,7 +34,7 @@ def check_ends(system: System, sensor: str, element: Joint | ForceElement) -> No
 def both_ends(
     system: System, solution: Solution, element: Joint | ForceElement, sensor: str
 ) -> tuple[Pose, Pose]:
-    """Pose and motion (t, ...) of both ends of a joint or force, with axes that rotate with each."""
+    """Pose and velocities (t, ...) of both ends of a joint or force element, with the axes of each end."""
 
     def poses(end: At, ground_point: np.ndarray) -> Pose:
         axes, n_times = element.initial_axes, len(solution.times)

@@ -41,9 +41,9 @@ def six_channels(axes: str) -> tuple[Channel, ...]:
 
 @dataclass(frozen=True)
 class JointForceSensor:
-    """Force and moment of a joint on its second end, (t, 6), along the joint axes that rotate with the first.
+    """Force and moment of a joint on its second end, (t, 6), in joint axes that rotate with the first end.
 
-    As a quantity of interest it is the force alone.
+    As a quantity of interest, only the force is used.
 
     joint : name of the joint
     """
@@ -66,7 +66,7 @@ class JointForceSensor:
 
     @property
     def quantity(self) -> QuantityKind:
-        """A force, as a quantity of interest."""
+        """The kind of the quantity of interest: a force."""
         return QuantityKind.FORCE
 
     @property
@@ -83,13 +83,13 @@ class JointForceSensor:
         return self.values(system, solution)[:, None, :3]
 
     def size(self, system: System, solution: Solution) -> float:
-        """The largest force."""
+        """Largest magnitude of the force over the run."""
         return float(np.linalg.norm(self.at_points(system, solution), axis=2).max())
 
 
 @dataclass(frozen=True, eq=False)
 class _OfElement:
-    """A sensor of an element between two ends."""
+    """A sensor of a force element between two ends."""
 
     name: str
     element: ForceElement
@@ -110,7 +110,7 @@ class _OfElement:
 
 
 class SpringForceSensor(_OfElement):
-    """Force and moment of a spring, damper or torque on its second end, global components, (t, 6).
+    """Force and moment of a force element on its second end, global components, (t, 6).
 
     element : ForceElement      a load of the machine, or a hypothetical element
     """
@@ -126,10 +126,10 @@ class SpringForceSensor(_OfElement):
 
 
 class ElementEnergySensor(_OfElement):
-    """Energy stored in a spring, stop, contact, ..., and the power of its forces on both of its ends, (t, 2).
+    """Energy stored in a force element, and the power of its forces on both of its ends, (t, 2).
 
     `-power - d(stored)/dt` is the dissipated power minus the power supplied by a law of time. The output of a
-    controller is unknown here, and not included.
+    controller is not included, because the sensor cannot compute it.
 
     element : ForceElement      a load of the machine, or a hypothetical element
     """
@@ -164,9 +164,9 @@ def _power(end: Pose, load: Wrench) -> Any:
 
 @dataclass(frozen=True)
 class EnergySensor:
-    """Kinetic energy, strain energy of the bodies, potential energy of gravity, and their sum.
+    """Kinetic energy, strain energy of the bodies, potential energy of gravity, and their sum, (t, 4).
 
-    The energy of springs is not included. The potential is zero at the global origin.
+    The energy of springs is not included. The potential energy is zero at the global origin.
     """
 
     name: str
@@ -188,8 +188,8 @@ def joint_loads(system: System, solution: Solution) -> dict[str, dict[str, Array
 
     Returns
     -------
-    by joint, then "force" (t, 3) and "moment" (t, 3) at the second end's point, in the units of the model; a
-    joint that fixes no position has no force, and a joint that fixes no rotation has no moment
+    by joint name: "force" (t, 3) and "moment" (t, 3) at the point of the second end, in the units of the
+    model. A joint that fixes no position has no "force"; a joint that fixes no rotation has no "moment"
     """
     return {
         joint.name: {
@@ -205,7 +205,7 @@ def joint_loads(system: System, solution: Solution) -> dict[str, dict[str, Array
 
 
 def joint_meanings(system: System) -> dict[str, dict[str, str]]:
-    """By joint: descriptions of the end on which its forces act, and of their axes."""
+    """By joint name: descriptions of the end on which its forces act, and of their axes."""
     return {joint.name: {"acts on": str(joint.second), "axes": JOINT_AXES} for joint in system.joints}
 
 

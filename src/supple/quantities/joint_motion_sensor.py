@@ -1,4 +1,4 @@
-"""Rotation of a joint about its axis, sliding along the axis, and their rates."""
+"""Rotation of a joint about its axis, displacement along the axis, and their rates."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class JointMotionSensor:
-    """Angle and slide of the second end of a joint relative to the first, about and along its z axis.
+    """Angle, its rate, slide and its speed, (t, 4), of the second end of a joint relative to the first.
 
         tan(angle) = (y_1 . x_2 - x_1 . y_2) / (x_1 . x_2 + y_1 . y_2),    slide = z_1 . (r_2 - r_1)
 
-    Both are zero in the undeformed assembled machine. Revolutions are counted: from one output time to the
-    next, the change of the angle must differ by less than half a revolution from the integral of its rate
-    (trapezoidal rule).
+    z is the axis of the joint. Angle and slide are zero in the undeformed assembled machine. Revolutions are
+    counted: from one output time to the next, the change of the angle must differ by less than half a
+    revolution from the integral of its rate (trapezoidal rule).
 
     joint : name of the joint
     """
@@ -64,7 +64,7 @@ _axial_motions = jax.jit(jax.vmap(axial_motion))
 
 
 def _counted(times: Array, angle: Array, rate: Array) -> Array:
-    """Angles with whole revolutions counted from their rates."""
+    """Angles with whole revolutions, counted from the rates."""
     if len(times) == 1:
         return angle
     expected = np.diff(times) * (rate[1:] + rate[:-1]) / 2

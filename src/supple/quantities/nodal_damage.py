@@ -19,29 +19,29 @@ __all__ = ["CriticalPlane", "SignedVonMises", "StressCriterion", "hot_spot_damag
 Array = NDArray[np.float64]
 
 _NUMBERS = 2**22
-"""Largest number of values of histories in memory at a time (32 MiB)."""
+"""Largest number of history values in memory at a time (32 MiB)."""
 
 
 class StressCriterion(Protocol):
-    """Scalar histories of a stress tensor that cause damage."""
+    """Scalar histories, computed from the history of a stress tensor, whose cycles cause damage."""
 
     @property
     def n_histories(self) -> int:
-        """Number of histories per tensor; the largest damage counts."""
+        """Number of histories per tensor, h; the one with the largest damage counts."""
         ...
 
     def histories(self, stress: Array) -> Array:
-        """(t, k, h) of stresses (t, k, 6), xx yy zz yz xz xy."""
+        """Histories (t, k, h) from stresses (t, k, 6) at k points, components xx yy zz yz xz xy."""
         ...
 
 
 @dataclass(frozen=True)
 class CriticalPlane:
-    """Stress normal to planes of all directions: the plane with the largest damage counts.
+    """Stress normal to planes of many directions; the plane with the largest damage counts.
 
     Valid also if principal axes rotate or components are out of phase, where a signed equivalent stress
-    jumps. The nearest plane is off by at most `spacing` / sqrt(2), and the range of uniaxial stress is too
-    small by at most the square of that: 1.5 % at 10 degrees.
+    jumps. The nearest plane deviates by at most `spacing` / sqrt(2) rad. The range of uniaxial stress is too
+    small by at most the square of this angle, as a fraction: 1.5 % at a spacing of 10 degrees.
 
     spacing : angle between neighbouring normals of planes, rad
     """
@@ -67,7 +67,7 @@ class CriticalPlane:
         latitudes = np.linspace(0.0, 0.5 * np.pi, n_rings + 1)
         rings = []
         for latitude in latitudes:
-            # Normals on one half of the equator are opposite to those on the other.
+            # Normals on one half of the equator are opposite to those on the other half.
             whole_turn = np.pi if latitude == 0 else 2 * np.pi
             number = max(1, int(np.ceil(whole_turn * np.cos(latitude) / self.spacing - 1e-9)))
             turn = np.arange(number) * whole_turn / number
@@ -83,11 +83,11 @@ class CriticalPlane:
 
 @dataclass(frozen=True)
 class SignedVonMises:
-    """Von Mises stress with the sign of the principal stress of largest magnitude: one history a tensor.
+    """Von Mises stress with the sign of the principal stress of largest magnitude: one history per tensor.
 
-    For stress that stays proportional and near uniaxial. If the sign changes at large shear, the history
-    jumps and the damage is too large. Suitable for a quick search of nodes to be assessed by
-    `CriticalPlane`.
+    For stress whose components stay proportional and that is nearly uniaxial. If the sign changes at large
+    shear, the history jumps and the damage is overestimated. Suitable for a quick search of nodes to be
+    assessed by `CriticalPlane`.
     """
 
     @property
@@ -114,24 +114,27 @@ def hot_spot_damage(
     residue: Residue = Residue.HALF_CYCLES,
     correction: Goodman | None = None,
 ) -> Array:
-    """Damage (N,) by a history at nodes, the largest over the layers and histories of the criterion.
+    """Fatigue damage (N,) at nodes by a history, the largest over the layers and histories of the criterion.
 
-        sigma(t) = S q(t),    s_h = histories(sigma),    D = max_h sum_i n_i / N(S_i)
+        sigma(t) = modes.at(q(t)),    s_h = histories(sigma),    D = max_h sum_i n_i / N(S_i)
+
+    with n_i cycles of the stress range S_i in history h, and N(S_i) cycles to failure.
 
     Nodes are processed in blocks: memory does not grow with the number of nodes, but must contain all
     histories of one node.
 
     Parameters
     ----------
-    modes : of `stress_modes`
+    modes : result of `stress_modes`
     coordinates : (t, r) of the body over time
-    curve : in the units of the stress; its class must fit the stress of the mesh, which lacks the notch of a
-        weld that is not modelled
+    curve : S-N curve in the unit of the stress; its class must suit the stress of the mesh, without the notch
+        effect of welds that are not modelled
     criterion : `CriticalPlane` or `SignedVonMises`
 
     Raises
     ------
-    ModelError      coordinates of the wrong number or not finite, a peak beyond the ultimate stress
+    ModelError      coordinates of the wrong number or not finite, modes of strain, a peak beyond the ultimate
+                    stress of `correction`
 
     Source: DNVGL-RP-C203 (2016), sections 2 and 4; critical planes: Socie and Marquis, Multiaxial Fatigue
     (SAE, 2000).

@@ -1,4 +1,4 @@
-"""Reduction of a node set to one value per channel: the largest, the mean, or the nearest node's."""
+"""Reduction of a node set to one value per channel: the largest or the mean value, or that of one node."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ IntArray = NDArray[np.int64]
 
 
 class MeasuredBlock(NamedTuple):
-    """Channels (t', N', c) at some times and some nodes."""
+    """Values (t', N', c) of the channels at some times and some nodes."""
 
     times: slice
     nodes: slice
@@ -24,14 +24,14 @@ class MeasuredBlock(NamedTuple):
 
 
 class Combined(NamedTuple):
-    """Channels (t, c), and the node (t, c) at which each was read; None if there is no single node."""
+    """Channels (t, c), and indices (t, c) of the nodes with these values; None if there is no single node."""
 
     values: Array
     nodes: IntArray | None
 
 
 class OverNodes(Protocol):
-    """The value of a sensor on several nodes."""
+    """Rule that gives one value per channel of a sensor on several nodes."""
 
     @property
     def words(self) -> str:
@@ -39,11 +39,11 @@ class OverNodes(Protocol):
         ...
 
     def read(self, points: Array) -> IntArray:
-        """Numbers of the nodes, at points (N, 3), to be evaluated."""
+        """Indices of the nodes to evaluate, from the positions (N, 3) of all nodes."""
         ...
 
     def combined(self, blocks: Iterable[MeasuredBlock], shape: tuple[int, int, int]) -> Combined:
-        """The channels from blocks that together contain each of (t, N, c) once."""
+        """The channels, from blocks that together contain each of the values (t, N, c) once."""
         ...
 
 
@@ -58,7 +58,7 @@ class Maximum:
         return np.arange(len(points))
 
     def combined(self, blocks: Iterable[MeasuredBlock], shape: tuple[int, int, int]) -> Combined:
-        """A running maximum."""
+        """The values of largest magnitude, and their nodes, updated block by block."""
         n_times, _, n_channels = shape
         values = np.zeros((n_times, n_channels))
         nodes = np.full((n_times, n_channels), -1)
@@ -82,7 +82,7 @@ class Mean:
         return np.arange(len(points))
 
     def combined(self, blocks: Iterable[MeasuredBlock], shape: tuple[int, int, int]) -> Combined:
-        """A running sum."""
+        """The mean values, from sums updated block by block; no nodes."""
         n_times, n_nodes, n_channels = shape
         total = np.zeros((n_times, n_channels))
         for times, _, found in blocks:
@@ -92,7 +92,7 @@ class Mean:
 
 @dataclass(frozen=True)
 class Nearest:
-    """The one node nearest to the centroid of all."""
+    """The values at the node nearest to the centroid of all nodes."""
 
     words: str = field(default="nearest to the centroid", init=False)
 

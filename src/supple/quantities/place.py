@@ -36,7 +36,7 @@ class Place:
             raise ModelError(f"a place of body '{self.body}': give an interface, or node numbers")
 
     def body_of(self, system: System, sensor: str) -> BodyForm:
-        """The form of the body; ModelError for a missing body or place."""
+        """The form of the body; ModelError if the body or the place does not exist."""
         body = body_named(system, self.body, sensor)
         if isinstance(self.at, str):
             body.interface(self.at)
@@ -51,17 +51,17 @@ class Place:
         return body.nodes[list(self.at)].mean(axis=0)
 
     def points(self, body: BodyForm, motion: Motion) -> Array:
-        """Positions (t, k, 3) in space of the k nodes, or of the interface alone."""
+        """Positions (t, k, 3) of the k nodes in space, or (t, 1, 3) of the interface."""
         if isinstance(self.at, str):
             return body.interface_motion(motion, self.at).position[:, None]
         return body.positions(motion, self.at)
 
     def point(self, body: BodyForm, motion: Motion) -> Array:
-        """Mean position (t, 3) of its nodes in space."""
+        """Position (t, 3) of the interface, or mean position of the nodes, in space."""
         return _mean(self.points(body, motion))
 
     def motion(self, system: System, solution: Solution, sensor: str) -> NodeMotion:
-        """Position, velocity and acceleration (t, 3) in space."""
+        """Position, velocity and acceleration of the place in space, each (t, 3)."""
         body, motion = body_named(system, self.body, sensor), solution.bodies[self.body]
         if isinstance(self.at, str):
             moving = body.interface_motion(motion, self.at)
@@ -81,7 +81,7 @@ def as_place(what: str, value: Any) -> Place:
 
 
 def body_named(system: System, body: str, sensor: str) -> BodyForm:
-    """The form of a body; ModelError with the nearest name if there is none."""
+    """The form of a body; ModelError, with the most similar name, if there is none."""
     return system.placed(body, f"sensor '{sensor}'").body
 
 

@@ -56,7 +56,7 @@ class _AtPlace:
 
 
 class PositionSensor(_AtPlace):
-    """Position of a place in space, (t, 3); as a quantity of interest, positions of its nodes."""
+    """Position of a place in space, (t, 3); as a quantity of interest, the positions of its nodes."""
 
     quantity = QuantityKind.LENGTH
 
@@ -80,7 +80,7 @@ class PositionSensor(_AtPlace):
         return self.place.points(body_named(system, self.body, self.name), solution.bodies[self.body])
 
     def size(self, system: System, solution: Solution) -> float:
-        """Largest displacement of its nodes from the first interface; of all nodes if it is an interface."""
+        """Largest displacement from the first interface, of the nodes; for an interface, of all nodes."""
         form, nodes = body_named(system, self.body, self.name), self.place.at
         some = slice(None) if isinstance(nodes, str) else np.array(nodes)
         return largest_displacement(form, solution.motion(self.body, FramedMotion).coordinates, some)
@@ -97,10 +97,11 @@ class VelocitySensor(_AtPlace):
 
 
 class AccelerationSensor(_AtPlace):
-    """Acceleration of a place in space, (t, 3); an accelerometer measures it minus gravity, in its own axes.
+    """Acceleration of a place in space, (t, 3).
 
-    Where the base of the machine accelerates (`BaseAcceleration`), positions and velocities are relative to
-    the base; the acceleration is absolute.
+    An accelerometer measures this acceleration minus gravity, in its own axes. If the base of the machine
+    accelerates (`BaseAcceleration`), the acceleration is absolute, but positions and velocities are relative
+    to the base.
     """
 
     quantity = QuantityKind.ACCELERATION
@@ -117,7 +118,7 @@ class AccelerationSensor(_AtPlace):
 
 
 def base_acceleration(system: System, times: Array) -> Array:
-    """Acceleration of the base of a machine at some times, (t, 3), global."""
+    """Absolute acceleration (t, 3) of the base of a machine at given times, global components."""
     bases = [load.law for load in system.loads if isinstance(load, BaseAcceleration)]
     total = np.zeros((len(times), 3))
     for law in bases:
@@ -155,7 +156,7 @@ class AngularVelocitySensor:
 class DeflectionSensor(_AtPlace):
     """Displacement of a place relative to an interface, in the mesh axes that rotate with it, (t, 3).
 
-    seen_from : At | None   the body's first interface by default
+    seen_from : At | None   the interface; by default the first interface of the body of the place
     """
 
     seen_from: At | None = None
@@ -168,7 +169,7 @@ class DeflectionSensor(_AtPlace):
             object.__setattr__(self, "seen_from", as_end(self.seen_from))
 
     def values(self, system: System, solution: Solution) -> Array:
-        """`A_p^T (r - r_p) - (x - x_p)`, (t, 3)."""
+        """`A_p^T (r - r_p) - (x - x_p)`, (t, 3): r of the place, r_p of the interface; x, x_p undeformed."""
         body, base = body_named(system, self.place.body, self.name), self.base(system)
         seen = observer_of(system, solution, self.place.body, {} if base is None else {self.place.body: base})
         return tracked_motion(body, solution.bodies[self.place.body], self.place.at, seen).deflection
@@ -177,7 +178,7 @@ class DeflectionSensor(_AtPlace):
         return f"mesh axes turning with {self.base(system)}"
 
     def base(self, system: System) -> At | None:
-        """The reference of the deflection; None for a body without interfaces."""
+        """The reference interface of the deflection; by default the body's first, None if it has none."""
         if self.seen_from is not None:
             return self.seen_from
         body = body_named(system, self.place.body, self.name)

@@ -31,23 +31,23 @@ class Quantity(Protocol):
         ...
 
     def channels(self, system: System, /) -> Sequence[Channel]:
-        """Its channels, one entry per column of its values.
+        """The channels of the quantity, one per column of its values.
 
         Raises ModelError for a place, joint or force that the machine does not have.
         """
         ...
 
     def values(self, system: System, solution: Solution, /) -> Array:
-        """(t, c) at the output times, in the units of the model."""
+        """Values (t, c) at the output times, in the units of the model."""
         ...
 
 
 @runtime_checkable
 class LocatedQuantity(Quantity, Protocol):
-    """A quantity whose values belong to known nodes."""
+    """A quantity for which the node of each value is known."""
 
     def located(self, system: System, solution: Solution, /) -> Located:
-        """Its values, with the nodes."""
+        """The values of the quantity, with their nodes."""
         ...
 
 
@@ -58,11 +58,11 @@ def vector_channels(quantity: QuantityKind, axes: str) -> tuple[Channel, ...]:
 
 @checked_arguments
 def read_sensors(sensors: Sequence[Quantity], system: System, solution: Solution) -> Readings:
-    """The readings of some sensors over a run.
+    """The readings of sensors over a run.
 
     Raises
     ------
-    ModelError  two sensors of one name; a place, joint, force or body that the machine does not have; a
+    ModelError  two sensors of the same name; a place, joint, force or body that the machine does not have; a
                 quantity that the form of the body does not have
     """
     names = [sensor.name for sensor in sensors]
@@ -74,10 +74,10 @@ def read_sensors(sensors: Sequence[Quantity], system: System, solution: Solution
 
 @checked_arguments
 def read_in_parts(sensors: Sequence[Quantity], system: System, parts: Iterable[Solution]) -> Readings:
-    """The readings of some sensors over a run that is given in parts, such as `ResultParts`.
+    """The readings of sensors over a run that is given in parts, such as `ResultParts`.
 
-    Revolutions of angles are counted across parts. Errors are those of `read_sensors`; also ModelError
-    without any part.
+    Revolutions of angles are counted across parts. Raises the errors of `read_sensors`, and ModelError if
+    there is no part.
     """
     found: list[Readings] = []
     last: Solution | None = None
@@ -93,7 +93,7 @@ def read_in_parts(sensors: Sequence[Quantity], system: System, parts: Iterable[S
 
 
 def _continued(before: Readings, readings: Readings) -> Readings:
-    """The readings without their first time, which is the last of `before`; angles continue from there."""
+    """The readings without their first time, the last time of `before`; angles continue from `before`."""
 
     def continued(old: Reading, new: Reading) -> Reading:
         is_angle = np.array([each.quantity is QuantityKind.ANGLE for each in new.channels])

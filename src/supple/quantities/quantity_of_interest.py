@@ -19,15 +19,15 @@ Array = NDArray[np.float64]
 
 
 _ROWS = 64
-"""Output times whose nodal positions are in memory at once."""
+"""Number of output times whose nodal positions are in memory at once."""
 
 
 class QuantityOfInterest(Protocol):
-    """A quantity of a run, such as a sensor; its error is the largest RMS over its points during the run."""
+    """A quantity of a run, such as a sensor; its error is the largest RMS error of its points over time."""
 
     @property
     def name(self) -> str:
-        """Name in the error report; for a whole body the body's name."""
+        """Name in the error report; for a whole body the name of the body."""
         ...
 
     @property
@@ -37,7 +37,7 @@ class QuantityOfInterest(Protocol):
 
     @property
     def quantity(self) -> QuantityKind:
-        """Its kind, which determines the unit of its error."""
+        """Kind of the quantity, which determines the unit of its error."""
         ...
 
     @property
@@ -57,7 +57,10 @@ class QuantityOfInterest(Protocol):
 def quantity_distance(
     quantity: QuantityOfInterest, system: System, solution: Solution, other_system: System, other: Solution
 ) -> float:
-    """Largest distance of two runs in a quantity, RMS over its points; infinite if a run stopped early."""
+    """Largest RMS distance over the points of a quantity between two runs; infinite if a run stopped early.
+
+    It is also infinite if the runs have different numbers of output times.
+    """
     if solution.stopped is not None or other.stopped is not None or len(solution.times) != len(other.times):
         return np.inf
     largest = 0.0
@@ -86,7 +89,7 @@ class WholeBody:
 
     @property
     def quantity(self) -> QuantityKind:
-        """A length."""
+        """Kind of the quantity: a length."""
         return QuantityKind.LENGTH
 
     def at_points(self, system: System, solution: Solution) -> Array:
@@ -94,7 +97,7 @@ class WholeBody:
         return system.placed(self.body, "stated error").body.positions(solution.bodies[self.body])
 
     def size(self, system: System, solution: Solution) -> float:
-        """Largest displacement of a node, relative to the first interface."""
+        """Largest displacement of a node over the run, relative to the body's first interface."""
         body = system.placed(self.body, "stated error").body
         return largest_displacement(body, solution.motion(self.body, FramedMotion).coordinates)
 
@@ -102,10 +105,10 @@ class WholeBody:
 def largest_displacement(
     body: BodyForm, coordinates: Array, nodes: np.ndarray | slice = slice(None)
 ) -> float:
-    """Largest displacement of a node over time, relative to the body's first interface, or to its frame.
+    """Largest displacement of a node over time, relative to the first interface; without one, to the frame.
 
     coordinates : (t, r)
-    nodes : nodes to evaluate
+    nodes : nodes to evaluate; all by default
     The rotation of the interface relative to the frame is assumed to be small.
     """
     sizes = []
@@ -131,5 +134,5 @@ def _squares(vectors: Array) -> Array:
 
 
 def blocks_of_times(n: int) -> list[slice]:
-    """Indices of n output times, in blocks."""
+    """Slices of n output times, in blocks of `_ROWS`."""
     return [slice(start, start + _ROWS) for start in range(0, n, _ROWS)]

@@ -38,7 +38,7 @@ class QuantityKind(Enum):
     POWER = "power"
 
     def unit(self, units: UnitSystem) -> str:
-        """The name of its unit, "" without one; angles are in rad, strains are numbers."""
+        """Name of the unit, "" without a name; angles are in rad, strains are dimensionless."""
         known = {QuantityKind.ANGLE: "rad", QuantityKind.STRAIN: ""}
         return known[self] if self in known else str(getattr(units, self.value.replace(" ", "_")))
 
@@ -50,17 +50,17 @@ class Channel(NamedTuple):
     """"x", "angle", ..."""
     quantity: QuantityKind
     axes: str
-    """Description of the direction of its component; "" for a scalar"""
+    """Axes or direction of the component; "" for a scalar"""
     place: str = ""
-    """Description of its place, such as the node or the number of nodes; "" if the sensor defines it"""
+    """Description of the place, such as the node or number of nodes; "" if the sensor defines the place"""
 
 
 class Located(NamedTuple):
     """The values of a sensor, with their nodes.
 
     values : (t, c)
-    nodes : (t, c)          node ids of the mesh file; None where a value belongs to no single node
-    points : (t, c, 3)      undeformed positions of these nodes, mesh axes
+    nodes : (t, c)          node id of each value in the mesh file; None if values belong to no single node
+    points : (t, c, 3)      undeformed positions of these nodes, mesh axes; None without nodes
     """
 
     values: Array
@@ -72,10 +72,10 @@ class Located(NamedTuple):
 class Reading(Summarized):
     """The reading of one sensor.
 
-    name : of the sensor;   channels : of its columns
+    name : name of the sensor;   channels : channels of its columns
     times : (t,)            values : (t, c), in the units of the model
-    nodes : (t, c)          ids of the nodes of the values, if the sensor has them
-    points : (t, c, 3)      their undeformed positions, mesh axes
+    nodes : (t, c)          node id of each value; None if the values belong to no single node
+    points : (t, c, 3)      undeformed positions of these nodes, mesh axes; None without nodes
     """
 
     name: str
@@ -95,7 +95,7 @@ class Reading(Summarized):
         object.__setattr__(self, "values", read_only(self.values))
 
     def summary(self) -> Summary:
-        """The range of each channel, in the units of the model."""
+        """Smallest and largest value of each channel, in the units of the model."""
         low, high = self.values.min(axis=0, initial=np.inf), self.values.max(axis=0, initial=-np.inf)
         rows = [
             (name, f"{least:.4g} to {most:.4g}, {channel.quantity.value}")
@@ -107,18 +107,18 @@ class Reading(Summarized):
 
     @property
     def names(self) -> Iterator[str]:
-        """Names of its columns, such as "tip.x"."""
+        """Names of the columns, such as "tip.x"."""
         return (f"{self.name}.{each.name}" if each.name else self.name for each in self.channels)
 
     @checked_arguments
     def heads(self, units: UnitSystem = UNNAMED) -> Iterator[str]:
-        """Names of its columns with their units, such as "tip.x (m)"."""
+        """Names of the columns with their units, such as "tip.x (m)"."""
         pairs = zip(self.names, self.channels, strict=True)
         return (labelled(name, channel.quantity.unit(units)) for name, channel in pairs)
 
     @checked_arguments
     def plain(self, units: UnitSystem = UNNAMED) -> dict[str, Any]:
-        """By channel: unit, axes, smallest, largest and last value, with times and nodes of the extremes."""
+        """By channel: unit, axes, last value, smallest and largest value with their times and nodes."""
         found = {}
         for number, (channel, column) in enumerate(zip(self.channels, self.values.T, strict=True)):
             low, high = int(np.argmin(column)), int(np.argmax(column))
@@ -143,7 +143,7 @@ class Reading(Summarized):
         return np.abs(self.values).argmax(axis=0)
 
     def _node(self, channel: int, time: int, extreme: str) -> dict[str, Any]:
-        """The node of an extreme, if it is known."""
+        """Node and position of the smallest or largest value; empty if there are no nodes."""
         if self.nodes is None or self.points is None:
             return {}
         return {
@@ -153,5 +153,5 @@ class Reading(Summarized):
 
 
 def point_words(node: int, point: ArrayLike) -> str:
-    """Description such as "node 17 at (0.5, 0, 0.01)", in mesh axes."""
+    """Description of a node, such as "node 17 at (0.5, 0, 0.01)", with the position in mesh axes."""
     return f"node {node} at ({', '.join(f'{x:.4g}' for x in np.asarray(point))})"

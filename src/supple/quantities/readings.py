@@ -28,9 +28,9 @@ TIME = "Time"
 class Columns:
     """Columns of numbers over time, with unique names.
 
-    times : (t,);  time_unit : its name, "" if unknown
+    times : (t,);  time_unit : name of the unit of time, "" if it has none
     names, units : of the c columns, such as "tip.x" and "m"
-    channels : the channel of each column, with axes and place
+    channels : channel of each column, with axes and place
     values : (t, c)
     """
 
@@ -43,16 +43,16 @@ class Columns:
 
     @property
     def heads(self) -> Iterator[str]:
-        """Names with units, the time first: `Time_[s]`, `tip.x_[m]`; `tip.x` for a unit without a name."""
+        """Names with units, the time first: `Time_[s]`, `tip.x_[m]`; `tip.x` if the unit has no name."""
         pairs = zip((TIME, *self.names), (self.time_unit, *self.units), strict=True)
         return (f"{name}_[{unit}]" if unit else name for name, unit in pairs)
 
 
 class Readings(Summarized, tuple[Reading, ...]):
-    """The readings of some sensors over one run, in their order."""
+    """The readings of sensors over one run, in the order of the sensors."""
 
     def summary(self) -> Summary:
-        """The range of every channel, in the units of the model."""
+        """Smallest and largest value of every channel, in the units of the model."""
         rows = [row for each in self for row in each.summary().rows]
         return Summary(f"Readings of {len(self)} sensors at {len(self[0].times) if self else 0} times", rows)
 
@@ -60,7 +60,8 @@ class Readings(Summarized, tuple[Reading, ...]):
     def columns(self, units: UnitSystem = UNNAMED) -> Columns:
         """The readings as one table.
 
-        Raises ModelError: no reading, readings of different times, two columns of one name.
+        Raises ModelError if there is no reading, if readings have different times, or if two columns have the
+        same name.
         """
         if not self:
             raise ModelError("there is no reading to write: give at least one sensor")
@@ -85,7 +86,7 @@ class Readings(Summarized, tuple[Reading, ...]):
     def to_pandas(self, units: UnitSystem = UNNAMED) -> Any:
         """A `pandas.DataFrame` over time with columns such as `tip.x_[m]`.
 
-        Raises ModelError as `columns`; MissingPackageError where pandas is not installed.
+        Raises ModelError like `columns`; MissingPackageError if pandas is not installed.
         """
         pandas = optional_package("pandas", "a data frame", "xarray")
         columns = self.columns(units)
@@ -95,7 +96,7 @@ class Readings(Summarized, tuple[Reading, ...]):
     def to_xarray(self, units: UnitSystem = UNNAMED) -> Any:
         """An `xarray.Dataset` over `time`: a variable per channel, with units, axes and place.
 
-        Raises ModelError as `columns`; MissingPackageError where xarray is not installed.
+        Raises ModelError like `columns`; MissingPackageError if xarray is not installed.
         """
         xarray = optional_package("xarray", "a data set", "xarray")
         columns = self.columns(units)

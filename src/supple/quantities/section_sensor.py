@@ -26,11 +26,11 @@ class SectionForceSensor:
     """Force and moment that the far side of a section exerts on the near side, (t, 6).
 
     The section is the undeformed plane through a place, normal to a direction in the axes of the mesh. It
-    cuts the whole body. Moments are about the place. Components are along the body's axes; for an intrinsic
-    body along axes that rotate with the section.
+    cuts the whole body. Moments refer to the place. Components are along the body's axes; for an intrinsic
+    body they are along axes that rotate with the section.
 
     place : Place       an interface, or the mean of some nodes
-    normal : (3,)       towards the far side
+    normal : (3,)       direction from the near side to the far side
     model : FiniteElementModel | None    the body's elements; an intrinsic body needs none
     """
 

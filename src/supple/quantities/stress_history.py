@@ -20,7 +20,7 @@ __all__ = ["LargestStress", "largest_stress", "von_mises_by_end", "von_mises_his
 Array = NDArray[np.float64]
 # Numbers in memory at a time: modes of some nodes (128 MiB), and the field at some times (32 MiB).
 _MODE_NUMBERS, _FIELD_NUMBERS = 2**24, 2**22
-# Largest size of modes cached for many calls (1 GiB).
+# Largest number of values of modes cached for many calls (1 GiB).
 _KEPT_NUMBERS = 2**27
 # Number of times at which all nodes are searched for the largest stress; number of candidate nodes.
 _SEARCHED = 100
@@ -41,12 +41,13 @@ def von_mises_history(
     coordinates: Array,
     nodes: ArrayLike | None = None,
 ) -> Array:
-    """Von Mises stress (t, N), Pa, the largest over the layers, at coordinates (t, r).
+    """Largest von Mises stress over the layers (t, N), in the unit of stress, at coordinates (t, r).
 
     The stress of a reduced body follows from its stress modes. The stress of a full body, or of a reduced
-    body with more columns than tensors allow (`ReducedBody.elastic_elsewhere`), is recovered one vector at a
-    time. The strain of elements at rigid interfaces includes their ties. A linear body has the stress of its
-    linear strain, an intrinsic body that of the static shapes of its section loads.
+    body with nonlinear forces beyond its tensors (`ReducedBody.elastic_elsewhere`), is recovered from nodal
+    displacements. In elements at rigid interfaces, the strain is without the second-order motion of tied
+    nodes. A linear body has the stress of its linear strain; an intrinsic body has the stress of the static
+    shapes of its section loads.
 
     Parameters
     ----------
@@ -74,8 +75,8 @@ def tensor_blocks(
 ) -> Iterator[TensorBlock]:
     """A tensor at N nodes over t times, in blocks that fit in memory.
 
-    The tensor has l layers (`StressLayers`). Every pair of a time and a node is in exactly one block. Errors
-    are those of `von_mises_history`.
+    The tensor has l layers (`StressLayers`). Every pair of a time and a node is in exactly one block. Raises
+    the errors of `von_mises_history`.
     """
     if not _has_modes(body):
         yield from _recovered(body, tensor.recovery(model), coordinates, nodes)
@@ -88,10 +89,10 @@ def tensor_blocks(
 
 
 def von_mises_by_end(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> Array:
-    """Von Mises stress (t, N, 1 + ends), Pa: first the largest of solids and shells, then at each beam end.
+    """Von Mises stress (t, N, 1 + ends), unit of stress: largest of solids and shells, then of each beam end.
 
-    Ends are those of `StressLayers`; the stress is zero where a node has fewer ends. Other parameters and
-    errors as for `von_mises_history`.
+    The beam ends are those of `StressLayers`; the stress is zero where a node has fewer ends. Other
+    parameters and errors are those of `von_mises_history`.
     """
     layers, nodes = stress_layers(model), _nodes_with_stress(stress_recovery(model))
     found = np.zeros((len(coordinates), len(body.nodes), 1 + layers.ends))
@@ -103,7 +104,7 @@ def von_mises_by_end(body: BodyForm, model: FiniteElementModel, coordinates: Arr
 def equivalent_stress(body: BodyForm, model: FiniteElementModel) -> Callable[[Array], Array]:
     """Von Mises stress (t, N) at all nodes as a function of coordinates (t, r), for repeated calls.
 
-    Errors as for `von_mises_history`. Stress modes are computed once if they fit in 1 GiB.
+    Raises the errors of `von_mises_history`. Stress modes are computed once if they fit in 1 GiB.
     """
     if _has_modes(body) and _numbers_of_modes(body, model) * len(body.nodes) <= _KEPT_NUMBERS:
         return tensor_modes(STRESS, body, model, None).von_mises
@@ -123,15 +124,15 @@ class LargestStress(NamedTuple):
 
     value: float
     instant: int
-    """Number of the output time"""
+    """Index of the output time"""
     node: int
 
 
 def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> LargestStress:
     """The largest von Mises stress over nodes, layers and times; errors as for `von_mises_history`.
 
-    All nodes are evaluated at a hundred evenly spaced times. The hundred nodes with the largest stress found
-    there are evaluated at all times. The result is exact for runs of up to a hundred outputs.
+    All nodes are evaluated at up to a hundred evenly spaced output times. The hundred nodes with the largest
+    stress at these times are evaluated at all times. The result is exact for up to a hundred output times.
     """
     recovery = stress_recovery(model)
     nodes = _nodes_with_stress(recovery)
@@ -172,9 +173,9 @@ def _numbers_of_modes(body: ReducedBody, model: FiniteElementModel) -> int:
 def _recovered(
     body: BodyForm, recovery: StressRecovery, coordinates: Array, nodes: ArrayLike | None
 ) -> Iterator[TensorBlock]:
-    """A tensor field of a body by direct recovery, in blocks of times; only the cells at the nodes are used.
+    """A tensor field from nodal displacements, in blocks of times; only the cells at the nodes are used.
 
-    For an intrinsic body, the displacements are the linear ones of its modes, because only strains matter.
+    An intrinsic body has the linear displacements of its modes, because only strains matter.
     """
     chosen = np.arange(len(body.nodes))
     if nodes is not None:

@@ -31,19 +31,19 @@ COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 
 
 class TensorMeasure(Protocol):
-    """Scalar values of a symmetric tensor."""
+    """Scalar measures of a symmetric tensor."""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the values."""
+        """Names of the k measures."""
         ...
 
     def of_stress(self, tensors: Array) -> Array:
-        """(..., k) from stresses (..., 6), xx yy zz yz xz xy."""
+        """Measures (..., k) from stresses (..., 6), components xx yy zz yz xz xy."""
         ...
 
     def of_strain(self, tensors: Array) -> Array:
-        """(..., k) from strains (..., 6) with engineering shears."""
+        """Measures (..., k) from strains (..., 6) with engineering shear strains, same order."""
         ...
 
 
@@ -54,11 +54,11 @@ class VonMises:
     names: tuple[str, ...] = field(default=("von Mises",), init=False)
 
     def of_stress(self, tensors: Array) -> Array:
-        """sqrt(3/2 s:s)."""
+        """sqrt(3/2 s:s), with the stress deviator s."""
         return von_mises(tensors)[..., None]
 
     def of_strain(self, tensors: Array) -> Array:
-        """sqrt(2/3 e:e)."""
+        """sqrt(2/3 e:e), with the strain deviator e."""
         return von_mises_strain(tensors)[..., None]
 
 
@@ -82,7 +82,7 @@ class Component:
         return tensors[..., [COMPONENTS.index(self.name)]]
 
     def of_strain(self, tensors: Array) -> Array:
-        """The component; of a shear, the engineering strain."""
+        """The component; for a shear the engineering strain."""
         return self.of_stress(tensors)
 
 
@@ -93,13 +93,13 @@ class Principal:
     names: tuple[str, ...] = field(default=("first", "second", "third"), init=False)
 
     def of_stress(self, tensors: Array) -> Array:
-        """Eigenvalues."""
+        """Eigenvalues of the stress tensor, the largest first."""
         xx, yy, zz, yz, xz, xy = np.moveaxis(tensors, -1, 0)
         full = np.stack([xx, xy, xz, xy, yy, yz, xz, yz, zz], axis=-1).reshape(*xx.shape, 3, 3)
         return np.linalg.eigvalsh(full)[..., ::-1]
 
     def of_strain(self, tensors: Array) -> Array:
-        """Eigenvalues."""
+        """Eigenvalues of the strain tensor, the largest first."""
         return self.of_stress(tensors * [1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
 
 
@@ -107,7 +107,7 @@ class Principal:
 class _TensorSensor(ABC):
     """A tensor at nodes of a body, averaged over the elements at each node; in a shell, at three layers.
 
-    The quantity of interest is the measure at each of the nodes, in the layer of largest magnitude.
+    As a quantity of interest: the measure at each of the nodes, in the layer of largest magnitude.
     """
 
     name: str
@@ -127,7 +127,7 @@ class _TensorSensor(ABC):
         check_fields(self)
 
     def channels(self, system: System) -> Sequence[Channel]:
-        """One per value of the measure, and per layer that any of the nodes has (`StressLayers`)."""
+        """One per value of the measure and per layer that any of the nodes has (`StressLayers`)."""
         _elastic(system, self.body, self.name)
         names, axes, place = stress_layers(self.model).names, f"axes of {self.body}", self._place()
         return [
@@ -137,11 +137,11 @@ class _TensorSensor(ABC):
         ]
 
     def values(self, system: System, solution: Solution) -> Array:
-        """(t, l k), layer by layer."""
+        """Values (t, l k) of k measures in l layers, layer by layer."""
         return self.located(system, solution).values
 
     def located(self, system: System, solution: Solution) -> Located:
-        """(t, l k), layer by layer, with the ids and undeformed positions of the nodes."""
+        """Values (t, l k), layer by layer, with the ids and undeformed positions of their nodes."""
         form, mesh, chosen = _elastic(system, self.body, self.name), self.model.mesh, self._chosen()
         coordinates, layers = solution.motion(self.body, FramedMotion).coordinates, self._layers()
         blocks = (
@@ -160,7 +160,7 @@ class _TensorSensor(ABC):
         return f"{' and '.join(self.measure.names)} {self.name}: RMS over its nodes, largest over the run"
 
     def at_points(self, system: System, solution: Solution) -> Array:
-        """The measure (t, N, k) at each of the nodes."""
+        """The measure (t, N, k) at each node, in the layer of largest magnitude."""
         form, chosen = _elastic(system, self.body, self.name), self._chosen()
         coordinates = solution.motion(self.body, FramedMotion).coordinates
         if form.has_stress_modes and form not in self._modes:
@@ -174,7 +174,7 @@ class _TensorSensor(ABC):
         return np.take_along_axis(found, largest[:, :, None], axis=2)[:, :, 0]
 
     def size(self, system: System, solution: Solution) -> float:
-        """The largest magnitude of the measure."""
+        """Largest magnitude of the measure over nodes and times."""
         return float(np.abs(self.at_points(system, solution)).max())
 
     @abstractmethod
@@ -196,7 +196,7 @@ class _TensorSensor(ABC):
         return given[self.over.read(self.model.mesh.nodes[given])]
 
     def _layers(self) -> IntArray:
-        """Layers of the nodes; ModelError where a mean is over nodes with different layers."""
+        """Layers of the nodes; ModelError for a mean over nodes with different layers."""
         chosen = self._chosen()
         try:
             there = stress_recovery(self.model).around(chosen).layers_at(chosen)
@@ -222,10 +222,11 @@ class StressSensor(_TensorSensor):
     """Stress at nodes of a body, averaged over the elements at each node; in a shell, at bottom, middle and
     top. In a beam, it is the stress at the points of the section, not averaged over the beams at a node.
 
-    body : name of the body;   model : elements of the body
-    nodes : number of one node, or of several
-    measure : VonMises(), Component("xx"), Principal() or a user-defined one
-    over : for several nodes the Maximum() of magnitude, the Mean(), or the one Nearest() to their centroid
+    body : name of the body;   model : finite elements of the body
+    nodes : number of one node, or of several nodes
+    measure : VonMises(), Component("xx"), Principal() or a user-defined measure
+    over : for several nodes the Maximum() of magnitude, the Mean(), or Nearest(), the node nearest to their
+        centroid
     """
 
     quantity, tensor = QuantityKind.STRESS, STRESS
@@ -235,7 +236,7 @@ class StressSensor(_TensorSensor):
 
 
 class StrainSensor(_TensorSensor):
-    """Strain at nodes of a body, as measured by a strain gauge; arguments as for `StressSensor`."""
+    """Strain at nodes of a body, as a strain gauge would measure it; arguments as for `StressSensor`."""
 
     quantity, tensor = QuantityKind.STRAIN, STRAIN
 

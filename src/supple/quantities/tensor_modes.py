@@ -35,10 +35,10 @@ _FIELD_NUMBERS = 2**22
 
 
 class NodalTensor(NamedTuple):
-    """A symmetric tensor at nodes, xx yy zz yz xz xy in the body's frame.
+    """A symmetric tensor at nodes, components xx yy zz yz xz xy in the body's frame.
 
-    recovery : function of a model that prepares the recovery by displacements
-    equivalent : von Mises equivalent (...) of tensors (..., 6)
+    recovery : function that prepares, for a model, the recovery of the tensor from displacements
+    equivalent : function that gives von Mises equivalents (...) of tensors (..., 6)
     """
 
     recovery: Callable[[FiniteElementModel], StressRecovery]
@@ -46,14 +46,14 @@ class NodalTensor(NamedTuple):
 
 
 STRESS = NodalTensor(stress_recovery, von_mises)
-"""Second Piola-Kirchhoff stress, Pa."""
+"""Second Piola-Kirchhoff stress, in the unit of stress."""
 STRAIN = NodalTensor(strain_recovery, von_mises_strain)
 """Green-Lagrange strain, with engineering shears."""
 
 
 @dataclass(frozen=True, eq=False)
 class TensorModes:
-    """Values at nodes for unit coordinates, and for unit products of two of them.
+    """Values of a tensor at nodes for unit coordinates, and for unit products of two coordinates.
 
         field(gamma) = linear (gamma, amplitudes m2) + quadratic m2
         m2 = (gamma_j gamma_k), j <= k as numpy.triu_indices(r)
@@ -62,7 +62,7 @@ class TensorModes:
     linear : (N, l, 6, r + m)           l layers, components xx yy zz yz xz xy in the body's frame; for the
                                         r columns, then for the m fields of the condensed motion
     quadratic : (N, l, 6, n2) or None   n2 = r(r+1)/2; None for a linear body
-    amplitudes : (m, n2)                of these m fields; m = 0 without condensed motion
+    amplitudes : (m, n2)                of the m fields, per product m2; m = 0 without condensed motion
     tensor : NodalTensor                stress or strain
     outer : (o,)                        layers in which the von Mises equivalent can be largest
     """
@@ -85,7 +85,7 @@ class TensorModes:
         return self.linear.shape[-1] - len(self.amplitudes)
 
     def at(self, coordinates: ArrayLike) -> Array:
-        """The field (..., N, l, 6) at coordinates (..., r); ModelError for a wrong number."""
+        """The field (..., N, l, 6) at coordinates (..., r); ModelError for a wrong number of coordinates."""
         gamma = self._checked(coordinates)
         field = self._field(gamma.reshape(-1, self.r))
         return field.reshape(*gamma.shape[:-1], *self.linear.shape[:3])
@@ -93,7 +93,7 @@ class TensorModes:
     def von_mises(self, coordinates: ArrayLike) -> Array:
         """The largest von Mises equivalent (..., N) over the layers of each node.
 
-        It is computed in blocks of times that fit in memory, in the layers `outer` only.
+        It is computed in blocks of coordinate vectors that fit in memory, only in the layers `outer`.
         """
         gamma = self._checked(coordinates)
         rows = gamma.reshape(-1, self.r)
@@ -106,7 +106,7 @@ class TensorModes:
         return found.reshape(*gamma.shape[:-1], -1)
 
     def of(self, nodes: slice) -> TensorModes:
-        """The modes at some of these nodes."""
+        """The modes at some of the nodes."""
         quadratic = None if self.quadratic is None else self.quadratic[nodes]
         return replace(self, nodes=self.nodes[nodes], linear=self.linear[nodes], quadratic=quadratic)
 
@@ -139,15 +139,15 @@ class TensorModes:
 
 
 def stress_modes(body: ReducedBody, model: FiniteElementModel, nodes: ArrayLike | None = None) -> TensorModes:
-    """Stress modes of a reduced body: computed once, then a small matrix product per time.
+    """Stress modes of a reduced body, computed once: the stress is then a small matrix product per time.
 
         sigma(gamma) = S1 gamma + S2 (gamma gamma) + S3 z(gamma)
 
     S1 is the stress of each column, and S2 that of each pair of columns, from the quadratic part of the
-    strain. Without S2, a body with large rotations relative to its frame, such as a bent blade, has false
-    stress. S3 is the stress of the condensed motion z, the stiff motion that the columns lack. A linear body
-    has S1 alone, the stress of its K gamma. Memory: N l 6 r numbers; for a nonlinear body also
-    N l 6 r(r+1)/2 and N l 6 m (m fields of z). If that is too much, give fewer nodes.
+    strain. Without S2, a body with large rotations relative to its frame, such as a bent blade, would have
+    spurious stress. S3 is the stress of the condensed motion z, the stiff motion that the columns lack. A
+    linear body has S1 alone, the stress of its K gamma. Memory for N nodes and l layers: N l 6 r numbers; for
+    a nonlinear body also N l 6 r(r+1)/2 and N l 6 m (m fields of z). If that is too much, give fewer nodes.
 
     Parameters
     ----------
@@ -176,8 +176,8 @@ def tensor_modes(
         eps = e gamma + 1/2 sum_jk N(a_j, a_k) gamma_j gamma_k
 
     exactly, and stress and its nodal mean are linear in the strain. The condensed motion z adds B z to the
-    strain, as it does in the energy; z rotates no interface. Elements at rigid interfaces include their
-    second-order ties (`tied_recovery`).
+    strain, as it does in the energy; z rotates no interface. In elements at rigid interfaces, the strain is
+    without the second-order motion of tied nodes (`tied_recovery`).
     """
     same_count = body.nodal_basis.shape[0] == model.n_dofs and body.nodes.shape == model.mesh.nodes.shape
     if not (same_count and np.array_equal(body.nodes, model.mesh.nodes)):
@@ -223,10 +223,10 @@ def tensor_modes(
 class _Part:
     """Some cells of a section and their common nodes.
 
-    rows : (R,)                     positions in the field
-    share : csr (R, E g l')         weights of the tensors at the points of each cell and layer
-    arrays : QuadraticStrain        of the E cells
-    to_field : (E, 6 l', s)         tensors from a strain
+    rows : (R,)                     indices of the rows of the field
+    share : csr (R, E g l')         weights of the tensors of E cells at g points in l' layers
+    arrays : QuadraticStrain        strain arrays of the E cells
+    to_field : (E, 6 l', s)         tensors in l' layers from a strain with s components
     """
 
     rows: IntArray

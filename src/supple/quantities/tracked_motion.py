@@ -1,4 +1,4 @@
-"""Motion of a place of a body, in space and relative to an interface of this or another body."""
+"""Motion of a place of a body in space, and relative to an interface of this body or of another one."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 
 def node_positions(body: BodyForm, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> Array:
-    """Positions (t, k, 3) of all or some nodes (k,) in space, by the body's form.
+    """Positions (t, k, 3) in space of all or some nodes (k,), computed by the form of the body.
 
     Raises
     ------
@@ -44,13 +44,13 @@ def node_positions(body: BodyForm, motion: Motion, nodes: ArrayLike | slice = sl
 def displacement_from_axes(positions: Array, origin: ArrayLike, rotation: Array, rest: ArrayLike) -> Array:
     """Displacement A^T (r - R) - q_0 of points relative to moving axes.
 
-    The tip displacement of [Wu2019] (51) is relative to the axes of the driven root, for any floating
-    frame of the body.
+    The tip displacement of [Wu2019] (51) is relative to the axes of the driven root. It is therefore the same
+    for any floating frame of the body.
 
     Parameters
     ----------
     positions : array (t, ..., 3)   r, in space
-    origin : array                  R, of a shape that broadcasts with the positions
+    origin : array                  R, in space, of a shape that broadcasts with the positions
     rotation : array (t, 3, 3)      A, axes to space
     rest : array (..., 3)           q_0, undeformed positions of the points in the axes
 
@@ -62,12 +62,12 @@ def displacement_from_axes(positions: Array, origin: ArrayLike, rotation: Array,
 
 
 class Observer(NamedTuple):
-    """An interface over time, the reference of deflections, with axes that rotate with it.
+    """Motion of the reference interface of deflections, with axes that rotate with the interface.
 
     name : str
-    rest : (3,)         its position in the undeformed body
-    origin : (t, 3)     its position in space
-    axes : (t, 3, 3)    as columns, in space
+    rest : (3,)         position of the interface in the undeformed body
+    origin : (t, 3)     position of the interface in space
+    axes : (t, 3, 3)    rotation matrices, with the axes in space as columns
     """
 
     name: str
@@ -77,7 +77,7 @@ class Observer(NamedTuple):
 
 
 def observer(body: BodyForm, motion: Motion, interface: str | None = None) -> Observer:
-    """An interface of a body as reference: by default the first, or the frame of a body without one.
+    """Motion of an interface of a body, by default the first; without interfaces, of the frame of the body.
 
     Raises ModelError for an interface that the body does not have.
     """
@@ -96,13 +96,13 @@ def observer_of(
     bases: Mapping[str, At] = MappingProxyType({}),
     rows: slice | np.ndarray = slice(None),
 ) -> Observer | None:
-    """The reference of the deflections of a body: its first interface, or that given in `bases`.
+    """Motion of the reference of a body's deflections: its first interface, or the one given in `bases`.
 
-    A part of a split body is described relative to the first interface of the whole, which may be on another
+    For a part of a split body, `bases` gives the first interface of the whole body, which may be on another
     part.
 
-    bases : reference interfaces, by body name; in the undeformed state body and reference share their axes
-    rows : output times
+    bases : reference interfaces, by body name; body and reference have the same axes in the undeformed state
+    rows : indices of the output times; all by default
     Returns None for a body without a frame, unless an interface is given.
     """
     base = bases.get(body)
@@ -115,14 +115,14 @@ def observer_of(
 
 @dataclass(frozen=True, eq=False)
 class TrackedMotion:
-    """A place of a body over time.
+    """Motion of a place of a body.
 
     position : (t, 3)        in global axes, unit of length
-    seen_from : str          the body's first interface, `BODY.INTERFACE` if it is another body's, or ""
-          without a reference
-    deflection : (t, 3)      displacement relative to that interface, in the mesh axes that rotate with it;
+    seen_from : str          name of the reference interface, as `BODY.INTERFACE` if it is on another body;
+          "" without a reference
+    deflection : (t, 3)      displacement relative to this interface, in the mesh axes that rotate with it;
           zero for a body that is rigid or has no frame
-    is_elastic : bool        whether the body has a deflection: it deforms, and has a frame
+    is_elastic : bool        whether the body has a deflection, because it deforms and has a frame
     """
 
     position: Array
@@ -134,20 +134,20 @@ class TrackedMotion:
 def tracked_motion(
     body: BodyForm, motion: Motion, at: str | ArrayLike, seen_from: Observer | None = None
 ) -> TrackedMotion:
-    """Motion of one place, `r = R + A (x + u)`, and its deflection `A_p^T (r - r_p) - (x - x_p)`.
+    """Position `r = R + A (x + u)` of one place, and its deflection `A_p^T (r - r_p) - (x - x_p)`.
 
-    p is the body's first interface, with its own axes A_p: the deflection does not depend on the choice of
-    the floating frame.
+    R and A are the origin and rotation of the body's frame, x the undeformed position and u the displacement.
+    p is the body's first interface, with axes A_p: the deflection does not depend on the floating frame.
 
     Parameters
     ----------
     motion : of the body, at t times
     at : name of an interface, or node numbers (k,), whose mean is used
-    seen_from : another interface as p, of this or another body, at the same times
+    seen_from : reference p if not the first interface: an interface of any body, at the same times
 
     Raises
     ------
-    ModelError  a node number outside the body, an interface that it does not have
+    ModelError  a node number outside the body, or an interface that the body does not have
     """
     place = Place(body.name, at if isinstance(at, str) else tuple(np.asarray(at).tolist()))
     position = place.point(body, motion)
@@ -165,7 +165,7 @@ def tracked_places(
     places: Mapping[str, Place],
     bases: Mapping[str, At] = MappingProxyType({}),
 ) -> dict[str, TrackedMotion]:
-    """`tracked_motion` of places by their names.
+    """Motions of places by their names, as from `tracked_motion`.
 
     bases : as for `observer_of`
     """
@@ -181,9 +181,9 @@ def tracked_places(
 
 
 def deflections(body: BodyForm, motion: Motion, seen_from: Observer | None = None) -> Array:
-    """Displacements (t, N, 3) of all nodes, relative to the body's first interface, or else to its frame.
+    """Displacements (t, N, 3) of all nodes, relative to the first interface; without one, to the frame.
 
-    seen_from : another interface, of this or another body, at the same times
+    seen_from : reference if not the first interface; an interface of this or another body, at the same times
     """
     seen_from = seen_from or observer(body, motion)
     origin, rest = seen_from.origin[:, None], body.nodes - seen_from.rest

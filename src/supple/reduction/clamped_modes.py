@@ -1,4 +1,4 @@
-"""Modes of a body with one interface clamped in space, as measured in a test on a clamp."""
+"""Modes of a reduced body with one interface clamped in space, and of a full body under a constraint."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ __all__ = ["BodyModes", "ClampedModes", "body_modes", "clamped_modes"]
 
 @dataclass(frozen=True, eq=False)
 class BodyModes:
-    """Modes with unit modal mass.
+    """Modes of unit modal mass, m in number.
 
     frequencies : (m,)      rad/s, ascending
     shapes : (m, N, 3)      nodal displacements, mesh axes
-    rotations : (m, N, 3)   nodal rotations, mesh axes; None where nodes have none
+    rotations : (m, N, 3)   nodal rotations, mesh axes; None if the nodes have no rotational freedoms
     """
 
     frequencies: np.ndarray
@@ -32,9 +32,10 @@ class BodyModes:
 
 @dataclass(frozen=True, eq=False)
 class ClampedModes(BodyModes):
-    """Modes of a reduced body, with their damping.
+    """Modes of a reduced body, with their damping ratios.
 
-    damping_ratios : (m,)   phi^T D phi / (2 omega), D the damping matrix of the undeformed body
+    damping_ratios : (m,)   gamma^T D gamma / (2 omega), gamma the reduced coordinates of the mode, omega its
+        frequency and D the damping matrix of the undeformed body
     """
 
     damping_ratios: np.ndarray
@@ -45,7 +46,9 @@ def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = No
 
         q = R a + V gamma,   [ R_p  B_p V ] (a, gamma) = 0,   R_p the rigid motions at the interface p
 
-    The floating frame takes part in the motion, so the result is that of the clamped body in any frame.
+    R : rigid motions of the body, with amplitudes a;  V gamma : motion relative to the frame;
+    B_p V : motion of the interface p per unit gamma. The modes contain the rigid motion R a: they do not
+    depend on the choice of frame.
 
     n_modes : number of modes; None: all
     Raises ModelError when the body has no interface of that name.
@@ -77,9 +80,10 @@ def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = No
 
 
 def body_modes(body: FlexibleBody, constraint: Any, *, n_modes: int) -> BodyModes:
-    """The lowest modes of a full body under the constraint `D q = 0`, D (m, n), of a frame or an interface.
+    """The lowest modes of a full body under the constraint `D q = 0`, or all if it has fewer than n_modes.
 
-    Fewer are returned when the body has fewer.
+    constraint : D (m, n), such as the constraint of a frame or the motion of an interface
+    Raises ModelError when D has the wrong shape or is not finite.
     """
     D = dense_rows(constraint, body.n)
     found = body.lowest_modes(min(n_modes, body.n - len(D)), D)

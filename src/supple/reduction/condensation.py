@@ -1,4 +1,4 @@
-"""Condensation: the energy released if motion outside the columns of a basis follows them statically."""
+"""Static condensation of the motion outside the columns of a basis, and the energy that it releases."""
 
 from __future__ import annotations
 
@@ -21,39 +21,45 @@ __all__ = ["Condensation"]
 
 Array = NDArray[np.float64]
 
-# Entries of the pair forces stored at once (128 MiB); those of a larger body are evaluated in blocks.
+# Largest number of entries of the pair forces (n, pairs) in memory (128 MiB); more are evaluated in blocks of
+# pairs, with FEWEST_AT_ONCE pairs or more in each.
 NUMBERS_AT_ONCE = 2**24
 FEWEST_AT_ONCE = 16
 
-# Energy shares below which columns are dependent: basis columns on each other, interface shapes on the basis.
+# Eigenvalues of the Gram matrix of columns of unit energy, at or below which a combination is dropped: basis
+# columns that depend on one another, and interface shapes that depend on the basis.
 DEPENDENT = 1e-12
 DEPENDENT_ON_BASIS = 1e-8
 
-# Share of the energy of the motion of all pairs that the fields of z neglect. Bending fields move far at
-# little energy: 1e-10 neglects a thousandth of the motion, 1e-8 six thousandths.
+# Ratio of the energy of a pair's motion that the fields of z do not contain to the largest energy of a pair's
+# whole motion, below which no field is added. Bending fields have large displacements at little energy: 1e-10
+# neglects a thousandth of the motion, 1e-8 six thousandths.
 SMALLEST_SHARE = 1e-10
 
 RIGID = 6
-"""Motions without strain energy."""
+"""Number of rigid motions, which have no strain energy."""
 
 
 @dataclass(frozen=True, eq=False)
 class Condensation:
-    """The motion z of a nonlinear body outside the columns V, which follows the columns statically.
+    """The motion z of a nonlinear body outside the columns V of a basis, static for given coordinates gamma.
 
-    The strain energy of a body is one square, U(q) = 1/2 |B q + 1/2 N(q, q)|^2. The motion z, K-orthogonal to
-    V, enters to leading order, without N(q, z) and N(z, z):
+    The strain energy is U(q) = 1/2 |B q + 1/2 N(q, q)|^2, with linear strains B q, quadratic strains
+    1/2 N(q, q) and the norm |e|^2 = sum w e^T D e over the integration points. The motion z is K-orthogonal
+    to V. To leading order, the terms N(q, z) and N(z, z) are neglected:
 
         U_c(gamma) = min_z 1/2 |B (V gamma + z) + 1/2 N(V gamma, V gamma)|^2
                    = U(V gamma) - 1/8 s^T R s >= 0,     s_(jk) = gamma_j gamma_k, twice for j < k
-        K t_jk = -sum w B^T D N(G V_j, G V_k),          R = Gram matrix of the t_jk outside V, in the K-norm
+        K t_jk = -sum w B^T D N(G V_j, G V_k),          R = Gram matrix, in the K-norm, of the (1 - P) t_jk
         z(gamma) = 1/2 sum_jk gamma_j gamma_k (1 - P) t_jk
 
-    Without z a missing stiff direction, such as the shortening of a bent beam, would block bending. N(q, z)
-    would add a share of the work of the order of theta^2, whatever the slenderness: 0.41 theta^2 for a beam
-    under uniform load whose tip rotates by theta. Derivative columns contain this share. z moves no interface
-    relative to another, because joints and interface loads act on V gamma alone. z is therefore also
-    K-orthogonal to the static shapes of the interfaces, which most bases contain.
+    G V_j are the displacement gradients of column j; P is the K-orthogonal projector on the columns and the
+    static shapes of the interfaces. Without z, a basis that lacks a stiff motion, such as the shortening of a
+    bent beam, is too stiff. The neglected N(q, z) contributes a share of the work of the order of theta^2 at
+    any slenderness: 0.41 theta^2 for a beam under uniform load whose tip rotates by theta. A basis with
+    derivative columns includes this contribution. Joints and interface loads act on V gamma alone, so z must
+    not move one interface relative to another: z is also K-orthogonal to the static shapes of the interfaces,
+    which most bases contain.
 
     body : FlexibleBody         with quadratic strains
     basis : ReductionBasis      of this body
@@ -65,26 +71,26 @@ class Condensation:
 
     @cached_property
     def energy(self) -> Array:
-        """R (n2, n2), semidefinite: energy released by pair motion outside columns and interface shapes."""
+        """R (n2, n2), positive semidefinite, of the pairs j <= k of columns; n2 = r(r+1)/2."""
         energy = self._energy_of_all - self._held.T @ self._held
         return (energy + energy.T) / 2
 
     @cached_property
     def interface_energy(self) -> Array:
-        """Energy (n2, n2) that free interfaces would release in addition; mostly zero."""
+        """Increase (n2, n2) of R if z could move the interfaces; zero if the basis contains their shapes."""
         return self._held_by_interfaces.T @ self._held_by_interfaces
 
     def motion(self) -> CondensedMotion:
-        """The motion z at the nodes, in energy-orthonormal fields that span the motions of all pairs."""
+        """The motion z at the nodes, in fields orthonormal in the strain energy, with its inertia moments."""
         first, second = self._pairs
         scale = np.sum(self._vectors * (self.body.stiffness @ self._vectors), axis=0) ** -0.5
-        unit = scale[first] * scale[second]  # scales pairs to columns of unit energy
+        unit = scale[first] * scale[second]  # scales the motion of a pair to columns of unit energy
         largest = np.max(unit**2 * np.diag(self._energy_of_all))
         (pivoted_cholesky,) = linalg.get_lapack_funcs(("pstrf",), (self.energy,))
         factor, order, rank, _ = pivoted_cholesky(
             unit[:, None] * self.energy * unit, tol=SMALLEST_SHARE * largest, lower=1
         )
-        # For a complete basis only round-off remains.
+        # With a complete basis R is round-off, so the rank is limited to the number of freedoms that remain.
         held = self._columns.shape[1] + self._interfaces.shape[1] + RIGID
         rank = min(rank, self.body.n - held)
         factor, order = np.tril(factor)[:, :rank], order - 1
@@ -101,9 +107,9 @@ class Condensation:
         return CondensedMotion(fields, amplitudes, moments)
 
     def bilinear(self, a: Array, b: Array) -> Array:
-        """The motion z (n, k) of k pairs of coordinates a, b (k, r), bilinear, symmetric: z(gamma) if a = b.
+        """The symmetric bilinear form z(a, b), (n, k), of k pairs of coordinates a, b (k, r); z(a, a) = z(a).
 
-        Each pair needs one static solution.
+        The motion is relative to the frame of the basis. Each pair needs one static solution.
         """
         numbers = np.arange(len(a))
         moved = np.hstack([self._vectors @ a.T, self._vectors @ b.T])
@@ -111,9 +117,12 @@ class Condensation:
         return 0.5 * frame_projector(self.body, self.basis.frame)(self._outside(forces))
 
     def rigid_part(self, moved: Array) -> Array:
-        """Rigid motion rho (6, k) that z of `bilinear` lacks: in z + R rho the first interface is fixed.
+        """Rigid motion rho (6, k) such that z + R rho leaves the first interface at rest.
 
-        Displacements of the reduced body contain this translation and rotation, in the body's axes.
+        The displacements of the reduced body contain z + R rho; rho is a translation and a rotation in the
+        body's axes.
+
+        moved : (n, k)   z of `bilinear`
         """
         D, R = self._resting.constraint(self.body), self.body.rigid_modes
         return -np.linalg.inv(D @ R) @ (D @ moved)
@@ -125,7 +134,7 @@ class Condensation:
         return NodalFixedFrame(interfaces[0].name) if interfaces else self.basis.frame
 
     def _outside(self, forces: Array) -> Array:
-        """Motions due to pair forces outside the columns and the interface shapes."""
+        """Motions (n, k) due to pair forces (n, k), less their part in the columns and interface shapes."""
         held = np.hstack([self._columns, self._interfaces])
         return held @ (held.T @ forces) - self.body.grounded_stiffness.factor.solve(forces)
 
@@ -144,7 +153,7 @@ class Condensation:
 
     @cached_property
     def _forces(self) -> Callable[[slice], Array]:
-        """Function of a block that returns the forces (n, size) of its pairs; the last block is cached."""
+        """Function that returns the forces (n, size) of a block of pairs; it caches the last block."""
         first, second = self._pairs
 
         @lru_cache(maxsize=1)
@@ -155,7 +164,7 @@ class Condensation:
         return lambda block: between(block.start, block.stop)
 
     def _forces_of(self, spanning: NDArray[np.intp]) -> Array:
-        """Forces of some pairs, from the cached block if there is only one block."""
+        """Forces (n, k) of k pairs, from the cached block if there is only one block."""
         first, second = self._pairs
         if len(self._blocks) == 1:
             return self._forces(self._blocks[0])[:, spanning]
@@ -163,7 +172,7 @@ class Condensation:
 
     @cached_property
     def _energy_of_all(self) -> Array:
-        """Like R, but the energy of the whole motion t_jk: f^T K^-1 f, with K t = -f."""
+        """Gram matrix (n2, n2), in the K-norm, of the whole motions t_jk: f^T K^-1 f, with K t = -f."""
         n2 = len(self._pairs[0])
         energy = np.empty((n2, n2))
         for i, block in enumerate(self._blocks):
@@ -175,7 +184,7 @@ class Condensation:
 
     @cached_property
     def _held(self) -> Array:
-        """(q, n2): work of the pair forces on the K-orthonormal columns and interface shapes."""
+        """(q, n2): work of the pair forces on the q K-orthonormal columns and interface shapes."""
         shapes = np.hstack([self._columns, self._interfaces])
         return np.hstack([shapes.T @ self._forces(block) for block in self._blocks])
 
@@ -197,7 +206,7 @@ class Condensation:
 
 
 def _orthonormalized(shapes: Array, stiffness: csc_array, before: Array | None = None) -> Array:
-    """Columns of unit strain energy that span `shapes` outside the K-orthonormal columns `before`."""
+    """K-orthonormal columns that span the part of `shapes` outside the K-orthonormal columns `before`."""
     scaled = shapes / np.sqrt(np.sum(shapes * (stiffness @ shapes), axis=0))
     smallest = DEPENDENT
     if before is not None:

@@ -1,20 +1,23 @@
-"""Inertia of the condensed motion z, which follows the coordinates of a reduced body, to leading order.
+"""Inertia, to leading order, of the condensed motion z of a reduced body.
 
-In addition to its columns a body moves by `z(g)`, quadratic in the coordinates: a bent beam shortens. To
-second order in g, three moments of z about the frame, with the interfaces at rest, enter the kinetic energy,
+The displacements of a reduced body are `V g + z(g)`, z quadratic in the coordinates g: a bent beam shortens.
+To second order in g, the kinetic energy depends on three moments of z about the origin of the frame. The
+interfaces do not move in z; v and w are the velocity and angular velocity of the frame:
 
     s = sum m z,     c = sum m x cross z,     J: the change of the inertia tensor,     each `g G_i g / 2`,
 
     T_z = v . (ds/dt + w x s) + w . dc/dt + w J w / 2.
 
-In mean axes, and with columns that contain the static shapes of the interfaces, s and c vanish: z is
-K-orthogonal to those shapes, whose interface forces balance inertia. The remaining term, `w J w / 2`, is
-added to blocks of the inertia Gram matrix of the same form. A body without axial columns thus has its
-centrifugal stiffening; energy and momenta are conserved, at no cost in the run.
+In a mean-axis frame, and with columns that contain the static shapes of the interfaces, s and c vanish: z is
+zero at the interfaces and K-orthogonal to the responses to interface forces that rigid-body inertia balances.
+The remaining term, `w J w / 2`, has the form of blocks of the inertia Gram matrix and is added to them. A
+body without axial columns then has its centrifugal stiffening; energy and momenta are conserved, and the run
+costs no more.
 
-In a nodal-fixed frame the columns can nearly cancel motions of the frame. Velocities of z are not small
-compared with the remainder, and the mass matrix would become indefinite: in this frame the inertia of z is
-omitted. The missing stiffness is computed, and a warning reports it.
+In a nodal-fixed frame, velocities along the columns can nearly cancel the velocity of the frame. The velocity
+of z is not small compared with the remainder, and would make the mass matrix indefinite: the inertia of z is
+omitted, as in a mean-axis frame if s or c is not negligible. The missing stiffness is computed, and a warning
+reports it.
 
 Source: derived here; theory page on tensors.
 """
@@ -36,9 +39,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 N_MOMENTS = 12
-"""s and c (3 each), and J_ij, i <= j (6)."""
+"""Number of moments: s and c (3 each), and J_ij, i <= j (6)."""
 NEGLIGIBLE = 1e-3
-"""Largest ratio of the moments s (times the body's size) and c to J that counts as zero."""
+"""Ratio of the largest entry of s (times the size of the body) and c to the largest entry of J, above which
+the inertia of z is omitted."""
 _FIRST, _SECOND = np.triu_indices(3)
 _PLACE = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 _DIAGONAL = [0, 3, 5]
@@ -50,15 +54,15 @@ def condensed_moments(body: FlexibleBody, fields: Array, amplitudes: Array) -> A
         s = Phi_t^T M z,     c = Phi_w0^T M z,
         J_ij = Phi_w0,i^T M (e_j x z) + Phi_w0,j^T M (e_i x z)
 
-    Phi_t, Phi_w0: unit translations and rotations of the undeformed body. The kinetic energy of a rotation w
-    thus changes by w J w / 2 to first order in z.
+    Phi_t, Phi_w0: unit translations and rotations of the undeformed body. In a rotation at angular velocity w
+    the kinetic energy thus changes by w J w / 2, to first order in z.
 
     body : FlexibleBody
     fields : (n_nodal, m);  amplitudes : (m, r(r+1)/2)     of a `CondensedMotion`
     """
     d, n_nodes = body.dofs_per_node, len(body.nodes)
     momenta = body.nodal_mass @ nodal_rigid_modes(body.nodes, d)
-    # Dimensions: translation and rotation, three components each.
+    # Axes: node; translation or rotation; component; axis of the unit rotation.
     of_rotation = momenta.reshape(n_nodes, d // 3, 3, 6)[..., 3:]
     unit = np.eye(3)
     weights = np.zeros((n_nodes, d, N_MOMENTS))
@@ -73,9 +77,9 @@ def condensed_moments(body: FlexibleBody, fields: Array, amplitudes: Array) -> A
 
 
 def condensed_gram(body: ReducedBody) -> Array:
-    """The inertia Gram matrix (6 + 4r, 6 + 4r) of a reduced body, with its condensed motion.
+    """The inertia Gram matrix (6 + 4r, 6 + 4r) of a reduced body, with the inertia of z if it is included.
 
-    Two fields `g_k w_i` and `g_l w_j` are coupled by `w J w / 2`.
+    The term `w J w / 2` couples the fields `g_k w_i` and `g_l w_j`.
     """
     moments = _moments(body)
     if moments is None or not _keeps_definite(body, moments):
@@ -88,11 +92,11 @@ def condensed_gram(body: ReducedBody) -> Array:
 
 
 def missing_centrifugal_stiffness(body: ReducedBody) -> Array:
-    """Largest share of the stiffness missing per squared angular velocity about each body axis, (3,).
+    """Missing centrifugal stiffness relative to the stiffness, per squared angular velocity, (3,), s^2.
 
-        max over g of  (- g J_ii g / 2) / (g K g),     zero where z has inertia
+        max over g of  (- g J_ii g / 2) / (g K g),     zero where the inertia of z is included
 
-    The axes go through the frame's origin, which rests in a nodal-fixed frame.
+    One value for the rotation about each axis of the body's frame, through the origin of the frame.
     """
     moments = _moments(body)
     if moments is None or _keeps_definite(body, moments):
@@ -109,7 +113,7 @@ def _moments(body: ReducedBody) -> Array | None:
 
 
 def _keeps_definite(body: ReducedBody, moments: Array) -> bool:
-    """Whether z leaves the centre of mass and the mean orientation at rest."""
+    """True in a mean-axis frame with negligible s and c: the mass matrix with J is then definite."""
     if not isinstance(body.frame, MeanAxisFrame):
         return False
     size = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))

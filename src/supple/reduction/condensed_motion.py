@@ -1,4 +1,4 @@
-"""Motion outside the columns of a reduced body that follows its coordinates statically."""
+"""Motion outside the columns of a reduced body; it follows the reduced coordinates statically."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class CondensedMotion:
-    """Nodal motion z that follows the coordinates statically and relaxes the condensed quartic tensor.
+    """Nodal motion z that follows the coordinates statically; the quartic tensor lacks the energy released.
 
         z(gamma) = fields @ (amplitudes @ m2),   m2 = (gamma_j gamma_k), j <= k as numpy.triu_indices(r)
 
-    Its strain is linear in z, and its inertia is of leading order (`condensed_inertia`). Displacements
-    include z: the edges of a strip twisted by theta move inwards by width theta^2 / 4, a bent beam shortens.
+    The strain of z is linear in z; its inertia is of leading order (module `condensed_inertia`).
+    Displacements include z: the edges of a strip twisted by theta move inwards by width theta^2 / 4, a bent
+    beam shortens.
 
     fields : (n_nodal, m)       orthonormal in the strain energy; interfaces do not move
     amplitudes : (m, n2)        n2 = r(r+1)/2
@@ -48,7 +49,7 @@ class CondensedMotion:
         return 0.5 * self.amplitude_rates(gamma, gamma)
 
     def amplitude_rates(self, gamma: ArrayLike, rates: ArrayLike) -> Array:
-        """Rates (..., m) of the amplitudes at coordinates and rates (..., r): bilinear, as z is quadratic."""
+        """Rates (..., m) of the amplitudes at coordinates and their rates (..., r): bilinear in both."""
         gamma, rates = np.asarray(gamma, dtype=np.float64), np.asarray(rates, dtype=np.float64)
         first, second = np.triu_indices(gamma.shape[-1])
         products = gamma[..., first] * rates[..., second] + rates[..., first] * gamma[..., second]

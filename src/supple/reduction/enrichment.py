@@ -17,7 +17,7 @@ __all__ = ["Enrichment", "enrich"]
 
 
 class Enrichment(NamedTuple):
-    """A basis with added columns, and the singular values of the fields they come from."""
+    """A basis with added columns, and the singular values of the fields that were added."""
 
     basis: ReductionBasis
     singular_values: np.ndarray
@@ -25,11 +25,13 @@ class Enrichment(NamedTuple):
 
 
 def enrich(body: FlexibleBody, basis: ReductionBasis, fields: np.ndarray, n: int) -> Enrichment:
-    """Append the n leading directions of fields outside a basis; fewer if the fields span less.
+    """Append the n leading directions of fields outside a basis, or all if the fields span fewer.
 
     body : FlexibleBody
     fields : (body.n, m)    displacement fields in the body's coordinates, for example a basis error
-    Raises ModelError: n below one; fields of the wrong size.
+    Returns Enrichment: the new basis, and the singular values of the fields.
+    Raises ModelError: n below one, or fields of the wrong size; AccuracyError: the new columns violate
+        D V = 0 or V^T M V = I.
     """
     if n < 1:
         raise ModelError(f"a basis cannot be enriched with {n} directions; give one or more")
@@ -42,7 +44,7 @@ def enrich(body: FlexibleBody, basis: ReductionBasis, fields: np.ndarray, n: int
     seen = in_frame(fields)
     norms = np.sqrt(np.sum(seen * (body.mass @ seen), axis=0))
     directions = leading_directions(seen, basis.vectors, body.mass, norms)
-    # Projected again after scaling, as directions of small fields carry the round-off of large ones.
+    # Projected again: scaling a direction of small singular value to unit length amplifies its round-off.
     added = in_frame(directions.vectors[:, :n])
     V = mass_orthonormalize(np.hstack([basis.vectors, added]), body.mass).vectors
     check_frame_motion(body, basis.frame, V)

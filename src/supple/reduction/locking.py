@@ -1,4 +1,4 @@
-"""Locking: the deficit of a reduced body's static response when stiff motion is missing from its columns."""
+"""Locking: the static response of a reduced body is too small where its columns lack stiff motion."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from supple.reduction.tensors import InternalForceTensors
 Array = NDArray[np.float64]
 
 TOLERATED = 0.02
-"""Deficit of the response up to which no warning is given."""
+"""Relative deficit of the static response, above which `warn_of_locking` warns."""
 
 _ACCELERATIONS = (
     "acceleration x",
@@ -32,13 +32,17 @@ _INCREMENTS, _ITERATIONS, _HALVINGS, _TOLERANCE = 4, 40, 8, 1e-8
 
 
 def locking(left_out: Condensation, plain: InternalForceTensors, chosen: InternalForceTensors) -> Locking:
-    """The locking indicator of a reduced body, from its tensors: no load needs to be known.
+    """The locking indicator of a reduced body, from its tensors, without loads from the user.
 
     The body is fixed at its first interface and accelerated in the six rigid-body directions (without an
-    interface: loaded along its six lowest shapes). Each load is scaled to the energy at which the softest
-    response rotates by 0.1 rad in linear theory. The cost is two or three static solutions of r unknowns.
+    interface: loaded along its six lowest shapes). All loads are scaled to the same linear strain energy, at
+    which the softest linear response contains a largest rotation of 0.1 rad. Loads without rotation are left
+    out; the deficit is nan where the iteration diverges. The cost is two or three nonlinear static solutions
+    in r coordinates, each for all loads.
 
-    plain, chosen : tensors of the columns alone and of the reduced body; one object if nothing is condensed
+    left_out : Condensation of the body and its basis
+    plain : tensors of the columns alone
+    chosen : tensors of the reduced body; the object `plain` itself if no motion is condensed
     """
     body = left_out.body
     free = left_out.energy + left_out.interface_energy
@@ -57,7 +61,7 @@ def locking(left_out: Condensation, plain: InternalForceTensors, chosen: Interna
 
 
 def warn_of_locking(name: str, found: Locking, is_condensed: bool) -> None:
-    """LockingWarning when the static response is more than 2 % too small."""
+    """Warn with LockingWarning when the static response to a load is more than 2 % too small."""
     if found.largest_remaining <= TOLERATED:
         return
     worst = found.loads[int(np.nanargmax(found.remaining))]
@@ -75,13 +79,13 @@ def warn_of_locking(name: str, found: Locking, is_condensed: bool) -> None:
 
 
 def _loads(body: FlexibleBody, V: Array, stiffness: Array) -> tuple[tuple[str, ...], Array]:
-    """Names and generalised loads (k, r), all of the same linear energy."""
+    """Names (k) and generalised loads (k, r), of one linear energy; none if no load causes rotation."""
     turns = None if body.rotation_operator is None else (body.rotation_operator @ (body.expansion @ V))
     if body.interfaces:
         held = body.interfaces[0].motion
         nodal = nodal_rigid_modes(body.nodes - body.interfaces[0].position, body.dofs_per_node)
         forces = body.expansion.T @ (body.nodal_mass @ nodal)
-        # The interface reaction balances the loads: the six rigid motions do no work.
+        # The reaction at the interface balances the loads: the sum does no work on the six rigid motions.
         moves = held @ body.rigid_modes
         forces = forces - held.T @ np.linalg.solve(moves.T, body.rigid_modes.T @ forces)
         names, loads = _ACCELERATIONS, (V.T @ forces).T
@@ -107,7 +111,7 @@ def _loads(body: FlexibleBody, V: Array, stiffness: Array) -> tuple[tuple[str, .
 
 
 def _static_responses(tensors: InternalForceTensors, loads: Array) -> Array:
-    """Equilibria (k, r) under loads (k, r), all at once by Newton's method; nan where it diverges."""
+    """Equilibria (k, r) under loads (k, r), all at once by Newton's method; nan without convergence."""
     with np.errstate(all="ignore"):  # a buckling body may overflow before the iteration ends
         return _newton(tensors, loads)
 

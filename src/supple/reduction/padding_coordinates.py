@@ -1,10 +1,10 @@
-"""Padding coordinates, which never move: bodies of similar sizes share one compiled program.
+"""Padding coordinates, which stay at rest, so that bodies of similar sizes share one compiled program.
 
-A reduced body of r coordinates is padded to R with coordinates of unit mass and the highest frequency of the
-body. The padding coordinates are neither coupled nor loaded: they stay at rest, and every number of the run
-is unchanged. The array sizes, for which a program is compiled, no longer depend on r. A run then has products
-of R coordinates instead of r, but needs no compilation of several seconds for another r. Padding therefore
-pays for runs made once, such as the rounds of a self-correction.
+A reduced body of r coordinates is padded to R coordinates; the added ones have unit mass and the highest
+frequency of the body. They are neither coupled nor loaded: they stay at rest, and the results of the run do
+not change. The array sizes, for which a program is compiled, depend on R alone. A run then computes products
+in R instead of r coordinates, but another r with the same R needs no compilation of several seconds. Padding
+therefore pays for bodies that run only once, such as in the rounds of a self-correction.
 """
 
 from __future__ import annotations
@@ -20,14 +20,15 @@ __all__ = ["filled_up", "padded", "padded_with_zeros"]
 
 MULTIPLE = 16
 LARGEST = 32
-"""Largest padded size: beyond it, products of the quartic tensor cost a short run more than a compilation."""
+"""Largest padded size; above it, products of the quartic tensor cost a short run more than a compilation."""
 
 
 def padded(body: ReducedBody) -> ReducedBody:
-    """The same body with padding coordinates up to the next larger multiple of sixteen.
+    """The same body, with `padding` set to reach the next larger multiple of 16 coordinates.
 
-    A body of sixteen coordinates is padded, too: the next round adds a few, and shares the program. A body
-    with condensed motion, or with 32 coordinates or more, is unchanged.
+    A body of 16 coordinates is padded to 32, because the next round of a self-correction adds a few
+    coordinates and then uses the same program. A body with condensed motion, or with 32 coordinates or more,
+    is unchanged.
     """
     if body.condensed is not None or body.r >= LARGEST:
         return body
@@ -35,7 +36,7 @@ def padded(body: ReducedBody) -> ReducedBody:
 
 
 def filled_up(body: ReducedBody) -> ReducedBody:
-    """The body with its padding coordinates appended to its own as ordinary coordinates."""
+    """The body with its padding coordinates appended as ordinary coordinates, and `padding` zero."""
     if not body.padding:
         return body
     r, size = body.r, body.r + body.padding
@@ -47,7 +48,7 @@ def filled_up(body: ReducedBody) -> ReducedBody:
     second = np.triu_indices(size)[1]
 
     def spread(tensor: np.ndarray) -> np.ndarray:
-        """Rows of pairs at their positions among those of all coordinates."""
+        """Rows of the pairs of r coordinates at their positions among the pairs of all; other rows zero."""
         whole = np.zeros((len(second), tensor.shape[1]))
         whole[second < r] = tensor
         return whole
@@ -77,12 +78,12 @@ def filled_up(body: ReducedBody) -> ReducedBody:
         else padded_with_zeros(body.rotation_basis, body.padding),
         frequencies=np.append(body.frequencies, np.full(body.padding, highest)),
     )
-    # No split into blocks of zeros: the block sizes would depend on r.
+    # Not split into nonzero blocks (`pair_blocks`), because the sizes of the blocks would depend on r.
     vars(filled)["quartic_blocks"] = filled.quartic
     vars(filled)["damping_quartic_blocks"] = filled.damping_quartic
     return filled
 
 
 def padded_with_zeros(columns: np.ndarray, more: int) -> np.ndarray:
-    """Arrays (.., r) of coordinates, extended by zeros."""
+    """An array (..., r) with `more` columns of zeros appended."""
     return np.pad(columns, [(0, 0)] * (columns.ndim - 1) + [(0, more)])

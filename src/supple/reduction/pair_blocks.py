@@ -1,10 +1,10 @@
-"""The quartic tensor as its nonzero blocks of pairs, from symmetries of a body or a truncated energy.
+"""The quartic tensor as its nonzero blocks of pairs; zeros result from symmetry or a truncated energy.
 
-In a body with planes of symmetry every shape is even or odd in each of them. A term of the strain energy that
-is odd as a whole is zero, so that the packed products `g_l g_m` fall into classes, two for one plane and four
-for two, and the matrix of pairs does not couple them. Zero blocks are neither stored nor multiplied: with two
-planes a quarter remains. Without symmetry there is one class. Rows of a class with nonzero entries in few
-columns form a block of only these columns, as after `second_order_beyond`.
+If a body has planes of symmetry, every shape is even or odd in each plane. A term of the strain energy that
+is odd in a plane is zero. The packed products `g_l g_m` therefore fall into classes, two for one plane and
+four for two, and the matrix of pairs couples no two classes. Zero blocks are neither stored nor multiplied:
+with two planes a quarter of the matrix remains. Without symmetry there is one class. Rows of a class with
+nonzero entries in few columns form a block of only these columns, for example after `second_order_beyond`.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 
 _LARGEST_SHARE = 0.75
-"""Largest share of a matrix, or of a block, in its parts; above it, it is not split."""
+"""Ratio of the entries in the parts of a matrix, or of a block, to all entries; above it, it is not split."""
 _FEWEST_PAIRS = 100
-"""Smallest matrix that is split: below it, the overhead of a product exceeds the saving."""
+"""Smallest number of pairs of a matrix that is split; below it, splitting costs more than it saves."""
 _SMALLEST_BLOCK = 16
-"""Smallest number of rows of a part of a split block; smaller classes are merged."""
+"""Smallest number of rows of a part of a split block; smaller classes are merged into one block."""
 
 
 class PairBlocks(NamedTuple):
@@ -39,18 +39,18 @@ class PairBlocks(NamedTuple):
     """
 
     first: tuple[NDArray[np.int32], ...]
-    """(c_b,) the coordinate l of the pair of every column of a block"""
+    """(c_b,) for each block: the coordinate l of the pair (l, m) of every column"""
     second: tuple[NDArray[np.int32], ...]
-    """(c_b,) the coordinate m of the pair"""
+    """(c_b,) for each block: the coordinate m of the pair (l, m) of every column"""
     matrices: tuple[Array, ...]
-    """(n_b, c_b)"""
+    """(n_b, c_b) for each block: its entries"""
     position: NDArray[np.int32]
-    """(r, r): position of each pair in the concatenated products of all blocks; for a pair without a
-    block, that of the zero after them"""
+    """(r, r): position of each pair in the concatenated products of all blocks; a pair without a block has
+    the position of a zero appended to these products"""
 
 
 def pair_blocks(packed: Array) -> Array | PairBlocks:
-    """Nonzero blocks of a matrix (n2, n2) of packed pairs; the matrix itself where zero blocks are few."""
+    """Nonzero blocks of a matrix (n2, n2) of packed pairs; the matrix itself if small or mostly nonzero."""
     n2 = len(packed)
     if n2 < _FEWEST_PAIRS:
         return packed
@@ -74,7 +74,7 @@ def pair_blocks(packed: Array) -> Array | PairBlocks:
 
 
 def _coupled(present: Flags) -> list[Indices]:
-    """Classes of pairs that the matrix couples, small ones merged; all-zero pairs belong to none."""
+    """Classes of pairs coupled by the matrix, small ones merged; pairs of zero rows and columns left out."""
     alone = ~(present.any(axis=0) | present.any(axis=1))
     _, label = connected_components(csr_array(present), directed=False)
     label[alone] = -1
@@ -85,11 +85,11 @@ def _coupled(present: Flags) -> list[Indices]:
 
 
 def _by_columns(present: Flags, rows: Indices, columns: Indices) -> list[tuple[Indices, Indices]]:
-    """Rows and columns of the parts of a block, split by the number of columns used, as long as that pays."""
+    """(rows, columns) of the parts of a block, split recursively while the parts have few enough entries."""
     own = present[np.ix_(rows, columns)]
     ascending = np.argsort(own.sum(axis=1), kind="stable")
     used = own[ascending]
-    # Numbers of columns that the first k rows use, and that the other rows use.
+    # Numbers of columns with nonzero entries in the first k rows, and in the other rows.
     of_first = np.logical_or.accumulate(used).sum(axis=1)[:-1]
     of_others = np.logical_or.accumulate(used[::-1]).sum(axis=1)[-2::-1]
     n_first = np.arange(1, len(rows))

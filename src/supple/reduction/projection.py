@@ -32,14 +32,14 @@ def project(
     damping: Damping | None = None,
     quartic: QuarticChoice = CondensedQuartic(),  # noqa: B008 (it is immutable)
 ) -> ReducedBody:
-    """The reduced body of a basis: q = V gamma in the kinetic energy; `quartic` selects the strain energy.
+    """The reduced body of a basis, q = V gamma; `quartic` selects whether other motion is condensed.
 
     body : FlexibleBody
     basis : ReductionBasis      of that body
     damping : RayleighDamping(...), LinearRayleighDamping(...) or ModalDamping(...); None: undamped
-    quartic : CondensedQuartic() condenses motion outside the columns; PlainQuartic() leaves it out
-    Raises AccuracyError when the Gram matrix violates its own identity, MemoryShortageError before the
-    tensors exceed the available memory.
+    quartic : CondensedQuartic() condenses motion outside the columns; PlainQuartic() neglects it
+    Raises AccuracyError when the Gram matrix violates V^T M V = I; MemoryShortageError when the tensors would
+    exceed the available memory.
     Warns LockingWarning when the static response is too small because the columns lack stiff motion.
     """
     found = _projection(body, basis, damping, quartic)
@@ -56,7 +56,7 @@ def project(
 def project_unchecked(
     body: FlexibleBody, basis: ReductionBasis, *, damping: Damping | None, quartic: QuarticChoice
 ) -> ReducedBody:
-    """The same reduced body without its locking indicator, whose computation takes most of the time."""
+    """The body of `project` without locking indicator and warning; the indicator takes most of the time."""
     return _projection(body, basis, damping, quartic).body
 
 
@@ -89,7 +89,7 @@ def _projection(
         left_out = Condensation(body, basis)
         with timed(seconds, "condensation"):
             of_columns, products = products, quartic.strains(products, left_out)
-            # Without condensation both tensors remain the same object, as `locking` requires.
+            # Without condensation `plain` and `tensors` are one object, as `locking` requires.
             if products is not of_columns:
                 products = products.by_classes(classes)
                 tensors = products.internal_force()
@@ -122,14 +122,14 @@ def _projection(
         frequencies=np.sqrt(np.linalg.eigvalsh(tensors.stiffness)),
         report=replace(basis.report, seconds=seconds),
         condensed=motion,
-        # The nodal basis does not contain coordinates without nodes.
+        # No full body if it has modal coordinates, which belong to no node: the nodal basis lacks them.
         full=None if body.n_modal else FullBody(body, basis.frame, counted_damping(damping, r)),
     )
     return _Projection(reduced, left_out, plain, tensors)
 
 
 def counted_damping(damping: Damping | None, r: int) -> Damping | None:
-    """The damping for the full body: as many damped modes as the reduced body has coordinates."""
+    """The damping for the full body: ModalDamping of all modes becomes that of r modes; others unchanged."""
     if isinstance(damping, ModalDamping) and damping.n_modes is None:
         return replace(damping, n_modes=r)
     return damping

@@ -20,16 +20,19 @@ class QuarticChoice(Protocol):
         ...
 
     def motion(self, left_out: Condensation) -> CondensedMotion | None:
-        """The motion that follows the columns statically; None without."""
+        """The condensed motion z; None if no motion is condensed."""
         ...
 
 
 @dataclass(frozen=True)
 class CondensedQuartic:
-    """Stiff motion outside the columns follows the columns statically: no locking; see `Condensation`."""
+    """Motion outside the columns follows the columns statically; see `Condensation`.
+
+    The body does not lock if its basis contains the static shapes of the interfaces.
+    """
 
     def strains(self, plain: StrainProducts, left_out: Condensation) -> StrainProducts:
-        """The quadratic strains without those that the condensed motion relaxes, for force and damping."""
+        """Strain products of the columns, less those that the condensed motion releases."""
         return plain.condensed(left_out.energy)
 
     def motion(self, left_out: Condensation) -> CondensedMotion | None:
@@ -42,7 +45,7 @@ class PlainQuartic:
     """The body moves in its columns alone, as in published work; it locks where they lack stiff motion."""
 
     def strains(self, plain: StrainProducts, left_out: Condensation) -> StrainProducts:  # noqa: ARG002
-        """The products of the columns."""
+        """The strain products of the columns, unchanged."""
         return plain
 
     def motion(self, left_out: Condensation) -> CondensedMotion | None:  # noqa: ARG002

@@ -16,19 +16,23 @@ __all__ = ["redamped"]
 Array = NDArray[np.float64]
 
 ROUND_OFF = 1e-9
-"""Ratio to the damping removed below which the remainder is round-off, not damping of imported matrices."""
+"""Largest ratio of the remaining damping, without that of `before`, to the damping of `before` that is
+round-off and set to zero; a larger remainder is damping of imported matrices."""
 
 
 def redamped(body: ReducedBody, before: Damping, after: Damping) -> ReducedBody:
-    """The body with another damping of the same kind.
+    """The body with the damping `after` instead of `before`, of the same kind.
 
         D = D_own + alpha V^T P^T M P V + beta V^T K V,      D(q) - D(0) proportional to beta
 
-    with P V = V - R a, a the motion of the interface `held`: the body's Gram matrix contains all terms. For
-    modal damping, D follows from the modes of the same matrices. D_own is the damping of imported matrices.
+    with P V = V - R a, the motion relative to the interface `held`, a the rigid motion of this interface;
+    P = I without `held`. The Gram matrix of the body contains all mass terms. For ModalDamping, D follows
+    from the modes of V^T K V and V^T P^T M P V. D_own is the damping of imported matrices.
 
     before : the damping that the body was reduced with
-    Raises ModelError for another kind or another `held`; for a nonlinear body, if `after` alone has a beta.
+    after : the new damping
+    Raises ModelError when `before` and `after` differ in kind or in `held`; for a nonlinear body, also when
+        only `after` damps the strain rate (RayleighDamping with beta > 0).
     """
     if type(before) is not type(after) or before.held != after.held:
         raise ModelError(
@@ -55,7 +59,7 @@ def redamped(body: ReducedBody, before: Damping, after: Damping) -> ReducedBody:
 
 
 def _mass_beside(body: ReducedBody, held: str | None) -> Array:
-    """V^T P^T M P V (r, r) of the motion relative to an interface; the identity without one."""
+    """V^T P^T M P V (r, r) of the motion relative to the interface `held`; the identity if it is None."""
     r = body.r
     if held is None:
         return np.eye(r)

@@ -22,7 +22,7 @@ from supple.reduction.reduction_basis import ReductionBasis, reduction_basis
 __all__ = ["reduce"]
 
 LARGEST_SHEAR = 0.01
-"""Share of shear in the energy of the lowest mode above which walls rigid in shear cause a warning."""
+"""Ratio of shear to strain energy in the lowest mode, above which walls rigid in shear cause a warning."""
 
 
 @checked_arguments
@@ -41,24 +41,27 @@ def reduce(
 
         q = V gamma,   V = [X Theta],   V^T M V = I,   D V = 0
 
-    The linear columns come first, by frequency (X^T K X = diag(omega^2)), then the selected derivatives.
+    The linear columns come first, in ascending order of frequency (X^T K X = diag(omega^2)), then the
+    selected derivatives.
 
     body : FlexibleBody
     frame : NodalFixedFrame(interface) or MeanAxisFrame()   the frame that gamma is relative to
-    basis : Rubin(...), CraigBampton(...), CraigBamptonResidual(...), Herting(...), NormalModes(...), Guyan()
-            or CompleteBasis()
+    basis : Rubin(...), CraigBampton(...), CraigBamptonResidual(...), Herting(...), NormalModes(...), Guyan(),
+            CompleteBasis(), ErrorControlled(...), AttachmentModes(recipe) or StaticCorrection(recipe, loads)
     loads : SteadyLoads: adds up to twelve columns, the static responses to the accelerations and rotations of
-        the frame; without them the stretch of a rotating bar is three quarters too small. NoLoads: the basis
-        alone, as in published work
+        the frame; without them the elongation of a rotating bar is three quarters too small. NoLoads: the
+        basis alone, as in published work
     derivatives : CompressedDerivatives(n), PickedDerivatives(n) or NoDerivatives()
     damping : RayleighDamping(...), LinearRayleighDamping(...) or ModalDamping(...); None: undamped
-    quartic : CondensedQuartic(): stiff motion outside the columns follows them statically, so that the body
-        does not lock; PlainQuartic(): the columns alone, which may lock, as in published work
+    quartic : CondensedQuartic(): motion outside the columns follows them statically, so that the body does
+        not lock if the basis contains the static shapes of its interfaces; PlainQuartic(): the columns alone,
+        as in published work; the body may lock
 
     Raises
     ------
-    ModelError      too many modes or derivatives; no interface for the basis; derivatives of a linear body
-    AccuracyError   the basis or the Gram matrix violates its own identities
+    ModelError           too many modes or derivatives; no interface; a linear body with derivatives
+    AccuracyError        the basis or the Gram matrix violates its own identities
+    MemoryShortageError  the tensors would exceed the available memory
     Warns LockingWarning when the static response is too small because the columns lack stiff motion;
     ValidityWarning when the walls are rigid in transverse shear, although shear would contribute more than a
     hundredth of the energy of the lowest mode.

@@ -33,7 +33,7 @@ LARGEST_ASYMMETRY = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class ReducedInterface:
-    """A virtual node of the reduced body: its six motions (u, theta) are motion @ gamma, exactly.
+    """An interface of the reduced body: its motion (u, theta) is motion @ gamma, exactly; z does not move it.
 
     name : str
     position : (3,) array      in the body's frame, undeformed
@@ -56,7 +56,7 @@ class ReducedInterface:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ReducedBody(FloatingForm, Summarized):
-    """A flexible body in r coordinates gamma, whose columns V are M-orthonormal (V^T M V = I, D V = 0).
+    """A flexible body in r coordinates gamma, amplitudes of M-orthonormal columns V (V^T M V = I, D V = 0).
 
         u_nodal = nodal_basis @ gamma + z(gamma),   z: condensed motion, quadratic in gamma
         f(gamma) = (K + A3/2 + A4/3) gamma,   A3 = unpack(cubic @ gamma),  A4 = unpack(quartic @ m2)
@@ -65,9 +65,9 @@ class ReducedBody(FloatingForm, Summarized):
 
     name : str
     frame : the floating frame (NodalFixedFrame | MeanAxisFrame) in which gamma is measured
-    gram : (6+4r, 6+4r)         inertia Gram matrix of [Phi_t | Phi_w0 | Phi_1 .. Phi_r | V], kg m^2 etc.
+    gram : (6+4r, 6+4r)         inertia Gram matrix of [Phi_t | Phi_w0 | Phi_1 .. Phi_r | V]: `inertia_gram`
     stiffness : (r, r)          V^T K V
-    cubic : (r(r+1)/2, r)       or None: the tensors are linear
+    cubic : (n2, r)             or None, if the tensors are linear
     quartic : (n2, n2)          or None, n2 = r(r+1)/2
     damping : (r, r)            damping matrix of the undeformed body
     damping_cubic : (n2, r)     or None; increase of the damping with deformation, for strain-rate damping:
@@ -76,16 +76,17 @@ class ReducedBody(FloatingForm, Summarized):
     nodes : (N, 3)              undeformed positions
     nodal_basis : (n_nodal, r)  nodal displacements (and rotations) per unit gamma
     rotation_basis : (P, 3, r)  rotation vectors at P points per unit gamma, or None when unknown
-    rotation_limit : float      rad; largest rotation relative to the frame that the kinematics describe
+    rotation_limit : float      rad; rotation relative to the frame up to which the kinematics are valid
     frequencies : (r,)          rad/s, ascending, of the reduced body fixed in its frame
     report : ReductionReport
-    condensed : motion z outside the columns, condensed into the quartic tensor; None without
-    padding : int               number of padding coordinates in a run, see `padded`; not stored in files
+    condensed : motion z outside the columns, condensed into the quartic tensor; None if none is condensed
+    padding : int               padding coordinates that a run adds, see `padded`; not stored in files
     full : FullBody | None      reference to the full body before reduction; not stored in files and not
            passed to other processes
-    elastic_elsewhere : bool    the tensors lack the nonlinear elastic force of the elements; not stored in
-           files
-    Raises ModelError when the shapes disagree, a value is not finite, or the tensors have no potential.
+    elastic_elsewhere : bool    the nonlinear elastic force is computed from the elements, not the tensors;
+           not stored in files
+    Raises ModelError when shapes disagree, a value is not finite, only one of a cubic and a quartic tensor is
+        given, or one of them is not symmetric in all indices, so that its force has no potential.
     """
 
     name: str
@@ -135,7 +136,7 @@ class ReducedBody(FloatingForm, Summarized):
 
     @property
     def kind(self) -> Literal["reduced"]:
-        """Reduced."""
+        """The kind of body: 'reduced', for every reduced body."""
         return "reduced"
 
     @property
@@ -180,20 +181,20 @@ class ReducedBody(FloatingForm, Summarized):
 
     @cached_property
     def quartic_blocks(self) -> np.ndarray | PairBlocks | None:
-        """The quartic tensor for the equations of motion, without its zero blocks."""
+        """The quartic tensor as its nonzero blocks, or whole if few blocks are zero; None without tensors."""
         return None if self.quartic is None else pair_blocks(self.quartic)
 
     @cached_property
     def damping_quartic_blocks(self) -> np.ndarray | PairBlocks | None:
-        """The quartic tensor of the damping without its zero blocks."""
+        """The quartic tensor of the damping, in the form of `quartic_blocks`; None without."""
         return None if self.damping_quartic is None else pair_blocks(self.damping_quartic)
 
     def interface(self, name: str) -> ReducedInterface:
-        """The interface of that name; ModelError lists the nearest names, or all."""
+        """The interface of that name; if there is none, ModelError with the nearest names, or all."""
         return interface_named(self.name, name, self.interfaces)
 
     def expand(self, gamma: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)) -> np.ndarray:
-        """Displacements V gamma + z(gamma), (..., k, 3), of all or some nodes, in the body's frame."""
+        """Displacements V gamma + z(gamma), (..., k, 3), of k nodes, by default all, in the body's frame."""
         moved = _combine(self.displacement_basis[nodes], gamma)
         if self.condensed is not None:
             moved += self._condensed_fields(nodes, self.condensed.amplitudes_at(gamma))
@@ -202,7 +203,7 @@ class ReducedBody(FloatingForm, Summarized):
     def expand_rates(
         self, gamma: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
     ) -> np.ndarray:
-        """Displacement rates (..., k, 3) at coordinates and rates (..., r); without z where gamma = 0."""
+        """Displacement rates (..., k, 3) of k nodes at coordinates gamma and their rates (..., r)."""
         moved = _combine(self.displacement_basis[nodes], rates)
         if self.condensed is not None and np.any(gamma):
             moved += self._condensed_fields(nodes, self.condensed.amplitude_rates(gamma, rates))
@@ -217,7 +218,7 @@ class ReducedBody(FloatingForm, Summarized):
     def nodal_fields(
         self, gamma: np.ndarray, freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[np.ndarray, np.ndarray | None]:
-        """V gamma, and z(gamma) or None, (n_nodal, t) each, for gamma (t, r); at all or some freedoms."""
+        """V gamma and z(gamma), (k, t) each, at k freedoms, for gamma (t, r); None if z is not condensed."""
         moved = self.nodal_basis[freedoms] @ gamma.T
         if self.condensed is None:
             return moved, None
@@ -225,7 +226,7 @@ class ReducedBody(FloatingForm, Summarized):
 
     @property
     def has_stress_modes(self) -> bool:
-        """Whether the tensors represent all strains."""
+        """Whether the tensors contain all elastic forces: `elastic_elsewhere` is False."""
         return not self.elastic_elsewhere
 
     def section_softness(self, interface: str) -> np.ndarray:
@@ -234,7 +235,7 @@ class ReducedBody(FloatingForm, Summarized):
 
     @property
     def missing_centrifugal_stiffness(self) -> np.ndarray:
-        """Missing stiffness (3,) where the condensed motion has no inertia; see the function of this name."""
+        """Missing centrifugal stiffness relative to the stiffness, (3,), s^2: the function of this name."""
         return missing_centrifugal_stiffness(self)
 
     def lowest_frequency(self) -> float:
@@ -324,7 +325,7 @@ def _check_shapes(body: ReducedBody) -> None:
 def _check_potential(body: ReducedBody) -> None:
     if body.cubic is None or body.quartic is None:
         return
-    # Not the cached `tensors`: validation must store nothing in addition to the fields.
+    # Not the cached property `tensors`: validation must not add attributes to the body.
     symmetric = InternalForceTensors(body.stiffness, body.cubic, body.quartic).symmetrized()
     for name in ("cubic", "quartic"):
         own, other = getattr(body, name), getattr(symmetric, name)

@@ -24,7 +24,7 @@ LARGEST_FRAME_MOTION = 1e-8
 class ReductionBasis:
     """Columns V of q = V gamma: V^T M V = I, D V = 0.
 
-    frame : the frame that gamma is relative to
+    frame : the frame that gamma is relative to; D, (6, n): its constraint
     vectors : (n, r)
     report : ReductionReport     origin of the columns
     """
@@ -49,7 +49,12 @@ def reduction_basis(
     *,
     derivatives: DerivativeChoice = CompressedDerivatives(10),  # noqa: B008 (it is immutable)
 ) -> ReductionBasis:
-    """The basis that `reduce` projects on: linear columns, then derivatives; same arguments and errors."""
+    """The basis that `reduce` projects on: linear columns, then derivatives.
+
+    basis : recipe of the linear columns; SteadyLoads(recipe) for the columns that `reduce` adds by default
+    Other arguments as for `reduce`.
+    Raises ModelErrors of the recipe and derivatives; AccuracyError when V violates V^T M V = I or D V = 0.
+    """
     seconds: dict[str, float] = {}
     with timed(seconds, "linear basis"):
         linear = rayleigh_ritz(body, frame, basis.build(body, frame))
@@ -70,7 +75,7 @@ def reduction_basis(
 
 
 def check_frame_motion(body: FlexibleBody, frame: Frame, V: np.ndarray) -> None:
-    """Check D V = 0, each entry relative to the lengths of its row and column; AccuracyError otherwise."""
+    """AccuracyError unless D V = 0, each entry relative to the lengths of its row of D and column of V."""
     D = frame.constraint(body)
     lengths = np.linalg.norm(D, axis=1)[:, None] * np.linalg.norm(V, axis=0)
     error = float(np.max(np.abs(D @ V) / lengths, initial=0.0))

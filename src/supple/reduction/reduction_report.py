@@ -16,18 +16,19 @@ __all__ = ["Locking", "ReductionReport"]
 Array = NDArray[np.float64]
 
 ROTATION = 0.1
-"""rad; rotation of the softest response in linear theory, relative to the fixed interface."""
+"""Largest rotation, rad, of the softest response in linear theory, relative to the fixed interface."""
 
 
 @dataclass(frozen=True, eq=False)
 class Locking:
-    """Relative deficit of the static response of a reduced body to plausible loads.
+    """Relative deficit of the static response of a reduced body to k loads, see `locking`.
 
-        1 - f.gamma / f.gamma_free,   gamma_free: with all motion outside the columns included
+        1 - f.gamma / f.gamma_free,   f : load,   gamma : static response,
+        gamma_free : static response with all motion outside the columns included
 
     loads : names of the loads; all have the energy at which the softest response rotates by 0.1 rad
-    plain : (k,)        deficit with the tensors of the columns alone; nan where the body buckles
-    remaining : (k,)    deficit with the tensors of the body
+    plain : (k,)        deficit with the tensors of the columns alone; nan without equilibrium (buckling)
+    remaining : (k,)    deficit with the tensors of the reduced body
     """
 
     loads: tuple[str, ...]
@@ -40,12 +41,12 @@ class Locking:
 
     @property
     def largest_plain(self) -> float:
-        """The largest deficit with the columns alone."""
+        """The largest deficit with the columns alone, at least zero; nan values are ignored."""
         return _largest(self.plain)
 
     @property
     def largest_remaining(self) -> float:
-        """The largest deficit of the body."""
+        """The largest deficit of the reduced body, at least zero; nan values are ignored."""
         return _largest(self.remaining)
 
     def __str__(self) -> str:
@@ -63,14 +64,15 @@ class ReductionReport:
     """Origin of a basis: columns kept, columns dropped, and cost.
 
     linear : labels of the linear columns (modes and static columns) that span the linear subspace
-    derivatives : labels of the columns added for the quadratic motion
-    corrections : labels of the columns added because a run of the reduced body lacked them
+    derivatives : labels of the columns from modal derivatives, added for the quadratic motion
+    corrections : labels of the columns that `enrich` added
     dropped : labels of the columns left out because other columns, or the frame, contain their motion
     singular_values_kept, singular_values_dropped : of the weighted derivatives, relative to the first
         (both empty unless the derivatives were compressed)
-    seconds : wall time of each offline step
-    certificate : proven accuracy of the body's eigenvalues, with an ErrorControlled basis
-    locking : deficit due to missing stiff motion, without and with condensation; None for a linear body
+    seconds : wall time of each offline step, s
+    certificate : proven accuracy of the body's eigenvalues; None without an ErrorControlled basis
+    locking : deficit due to missing stiff motion, without and with condensation; None if not computed, as for
+        a linear body
     """
 
     linear: tuple[str, ...]
@@ -99,5 +101,5 @@ def _largest(shares: Array) -> float:
 
 
 def in_percent(share: float) -> str:
-    """A share in per cent to two digits, for tables and warnings."""
+    """A share as text in per cent with two digits, for tables and warnings; 'none' below 1e-4."""
     return f"{100 * share:.2g} %" if share >= 1e-4 else "none"

@@ -1,4 +1,4 @@
-"""Reduced bodies whose strain energy is of second order in some coordinates."""
+"""Reduced bodies whose strain energy is truncated to second order in some coordinates."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ __all__ = ["second_order_beyond"]
 
 
 def second_order_beyond(body: ReducedBody, leading: int) -> ReducedBody:
-    """The body without the energy of third and fourth order in d, the coordinates after the `leading` ones.
+    """The body without the energy of third and fourth order in d, the coordinates after the first `leading`.
 
         U(a, d) ~ U(a, 0) + dU/dd(a, 0) d + d . d2U/dd2(a, 0) d / 2,   gamma = (a, d)
 
-    All orders in `a` remain; the damping is truncated in the same way. For the small motion d outside a
-    basis, the relative error of d is of the order of d. With 13 of 49 coordinates in a, seven tenths of the
-    quartic tensor are zero.
+    All orders in `a` remain; the damping is truncated in the same way; a linear body is unchanged. If d is
+    small, such as the motion outside a basis, the truncation causes a relative error in d of the order of d.
+    With 13 of 49 coordinates in `a`, seven tenths of the quartic tensor are zero.
 
     leading : number of coordinates a
     """

@@ -1,4 +1,4 @@
-"""Memory that the tensors of a nonlinear body need, known before they are built."""
+"""Memory needed to build the tensors of a nonlinear body, estimated beforehand."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from supple.body import FlexibleBody
 __all__ = ["largest_fitting", "require_tensor_memory", "tensor_memory"]
 
 _MATRICES = 16
-"""Pair matrices in memory at one time in a reduction, measured: 11 for plain tensors, 14 for condensed."""
+"""Pair matrices in memory at one time in a reduction, with margin; measured: 11 plain, 14 condensed."""
 _MATRICES_OF_DAMPING = 4
 
 
@@ -31,7 +31,7 @@ def require_tensor_memory(
 ) -> None:
     """MemoryShortageError where the tensors of r coordinates of a nonlinear body do not fit in memory.
 
-    named : name of the number r where the user sets it
+    named : noun for the r columns in the message, as the user sets their number
     """
     if body.is_linear:
         return

@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
 __all__ = ["InternalForceTensors", "internal_force_tensors", "unpack_symmetric"]
 
-# Largest work array. Measured at r = 25 and 60: larger chunks gain nothing, smaller ones are slower.
+# Largest work array, bytes. Measured at r = 25 and 60: larger chunks gain nothing, smaller ones are slower.
 CHUNK_BYTES = 16 * 2**20
 
-# Cosine between the strains of two pairs, below which they belong to different classes of symmetry.
+# Cosine of the angle between the strains of two pairs, above which the pairs are of one class of symmetry.
 SMALLEST_COUPLING = 1e-8
 
 
@@ -42,7 +42,7 @@ class InternalForceTensors:
     cubic : (n2, r) or None     cubic[(jk), l] = d3U/dg_j dg_k dg_l at 0
     quartic : (n2, n2) or None  quartic[(jk), (lm)] = d4U/dg_j dg_k dg_l dg_m, halved where l = m
                                 (None for both: a linear body)
-    The three methods take gamma (..., r), real or complex (for complex-step derivatives).
+    `energy`, `internal_force` and `tangent` take gamma (..., r), real or complex (complex-step derivatives).
     Source: [Wu2019] (49), in symmetric storage.
     """
 
@@ -76,7 +76,7 @@ class InternalForceTensors:
         return self.stiffness + A3 + A4
 
     def condensed(self, energy: np.ndarray) -> InternalForceTensors:
-        """Tensors of the energy without the (1/8) s^T R s that condensed motion releases.
+        """Tensors of the energy U - (1/8) s^T R s: condensed motion releases the second term.
 
         s_(jk) = gamma_j gamma_k, twice for j < k
 
@@ -87,9 +87,9 @@ class InternalForceTensors:
         return replace(self, quartic=self.quartic - _fold_quartic(energy, self.r))
 
     def symmetrized(self) -> InternalForceTensors:
-        """Tensors of the same energy, symmetric in all indices: their force is the energy's gradient.
+        """Tensors of the same energy, symmetric in all indices, so that the force is the energy's gradient.
 
-        Some published tensors are symmetric in part of the indices only: their forces have no potential.
+        Some published tensors are symmetric in some indices only; the force of such tensors has no potential.
         """
         if self.cubic is None or self.quartic is None:
             return self
@@ -110,7 +110,7 @@ class InternalForceTensors:
 
 
 def number_of_coordinates(n_pairs: int) -> int:
-    """The r of r(r+1)/2 packed pairs."""
+    """Number r of coordinates with n_pairs = r(r+1)/2 packed pairs."""
     return round((np.sqrt(8 * n_pairs + 1) - 1) / 2)
 
 
@@ -125,7 +125,8 @@ class MaterialTensors:
 
         K_mat = K + unpack(cubic @ g) + unpack(quartic @ m2),   m2_(kl) = g_k g_l for k <= l
 
-    K_mat is the tangent without its geometric term: K_mat(g) g_dot is the force of stresses D eps_dot.
+    A is the derivative of the strains with respect to q. K_mat is the tangent without its geometric term:
+    K_mat(g) g_dot is the generalised force of the stresses D eps_dot.
 
     cubic : (n2, r);  quartic : (n2, n2)     packed as in InternalForceTensors
     """
@@ -136,7 +137,7 @@ class MaterialTensors:
 
 @dataclass(frozen=True, eq=False)
 class StrainProducts:
-    """Inner products, weighted by w D, of the strains of a basis, from which force and damping follow.
+    """Inner products, with weights w D, of the strains of a basis; force and damping follow from them.
 
         eps = e_l g_l + E_jk g_j g_k / 2
 
@@ -157,7 +158,7 @@ class StrainProducts:
         return InternalForceTensors(self.stiffness, _fold_cubic(self.strain_by_pair), quartic)
 
     def condensed(self, energy: np.ndarray) -> StrainProducts:
-        """The products of the strains that remain if motion outside the columns follows statically.
+        """The products less those of the strains that the condensed motion removes.
 
         energy : (n2, n2)   R of `Condensation`: the products of the strains removed by this motion
         """
@@ -166,7 +167,7 @@ class StrainProducts:
         return replace(self, pair_by_pair=self.pair_by_pair - energy)
 
     def classes(self) -> np.ndarray:
-        """The symmetry class of every pair (n2,): planes of symmetry decouple pairs of different classes.
+        """Number (n2,) of the symmetry class of each pair; planes of symmetry decouple pairs of two classes.
 
         Pairs (jk) and (lm) are of one class if the strains of (jk) and (lm), of (jl) and (km), or of (jm) and
         (kl) form an angle with a cosine, `H_ab / sqrt(H_aa H_bb)`, above 1e-8. Without symmetry there is one
@@ -179,7 +180,7 @@ class StrainProducts:
         return connected_components(csr_array(_over_pairings(coupled)), directed=False)[1]
 
     def by_classes(self, classes: np.ndarray) -> StrainProducts:
-        """The products without coupling between classes, which is round-off between even and odd columns.
+        """The products with the coupling between classes, which is round-off, set to zero.
 
         The energy changes by less than 1e-8 of the sum of its terms; the force still has a potential.
         """
@@ -203,12 +204,12 @@ class StrainProducts:
 
 
 def internal_force_tensors(body: FlexibleBody, basis: np.ndarray) -> InternalForceTensors:
-    """Project the internal force of a body on a basis V, once: f_r(gamma) = V^T f(V gamma), exactly.
+    """Tensors of the internal force of a body on a basis V: f_r(gamma) = V^T f(V gamma), exactly.
 
         e_g = B_g V,  a_g = G_g V,  E_g,(jk) = N(a_j, a_k)
         cubic   = 3 sym(sum w E^T D e),   quartic = (3/2) sym(sum w E^T D E), off-diagonal columns doubled
 
-    Arguments and errors as for `strain_products`.
+    g counts the integration points. Arguments and errors as for `strain_products`.
     Source: [Wu2019] (49).
     """
     return strain_products(body, basis).internal_force()
@@ -217,8 +218,8 @@ def internal_force_tensors(body: FlexibleBody, basis: np.ndarray) -> InternalFor
 def strain_products(body: FlexibleBody, basis: np.ndarray) -> StrainProducts:
     """Inner products of the strains of a basis V, summed over all integration points.
 
-    The strains at every integration point are reduced first; the sums over points are two matrix products, in
-    chunks.
+    The strains at every integration point are first computed for the columns of V; the sums over the points
+    are then two matrix products for each chunk of elements.
 
     body : FlexibleBody (coordinates q of length n); for a linear body the stiffness alone
     basis : (n, r)
@@ -272,9 +273,9 @@ def _stress_scaled_strains(block: QuadraticStrain, chunk: slice, nodal_basis: np
 
 
 def _square_root(constitutive: np.ndarray) -> np.ndarray:
-    """R with R^T R = D for symmetric D (..., s, s) that may be singular; as many rows as D has rank.
+    """R with R^T R = D for symmetric D (..., s, s) that may be singular; R has as many rows as the rank of D.
 
-    A shell has 18 strains but rank 12, so that a third of the rows of all sums would be zero.
+    D of a shell has 18 rows but rank 12: with 18 rows in R, a third of the rows in all sums would be zero.
     """
     values, vectors = np.linalg.eigh(constitutive)
     rank = (values > 1e-14 * values[..., -1:]).sum(axis=-1).max()
@@ -292,7 +293,7 @@ def _fold_cubic(strain_by_pair: np.ndarray) -> np.ndarray:
 
 
 def _over_pairings(pairs: np.ndarray) -> np.ndarray:
-    """Sum (n2, n2) of a matrix over (jk, lm), (jl, km) and (jm, kl); for truth values, their disjunction."""
+    """Sum (n2, n2) of a matrix over (jk, lm), (jl, km), (jm, kl); for a boolean matrix, the logical or."""
     pair = _pair_number(number_of_coordinates(len(pairs)))
     j, k = np.triu_indices(len(pair))
     total = pairs.copy()
@@ -306,7 +307,7 @@ def _over_pairings(pairs: np.ndarray) -> np.ndarray:
 
 
 def _fold_quartic(pair_by_pair: np.ndarray, r: int) -> np.ndarray:
-    """C4[(jk),(lm)] = H_jk,lm + H_jl,km + H_jm,kl, its columns halved where l = m (see the class)."""
+    """C4[(jk),(lm)] = H_jk,lm + H_jl,km + H_jm,kl, columns halved where l = m, as in InternalForceTensors."""
     j, k = np.triu_indices(r)
     symmetric = _over_pairings(pair_by_pair)
     symmetric[:, j == k] /= 2

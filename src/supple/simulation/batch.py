@@ -1,8 +1,8 @@
 """Many load cases of one system in one compiled call.
 
 The cases are systems of the same bodies, joints and kinds of loads that differ in numbers: tables of loads,
-initial motion, gravity, even stiffness. Numbers that all cases share are stored once; all others get a
-leading axis, and the compiled run is mapped over it (`jax.vmap`), unless cases freeze their tangents
+initial motion, gravity, even stiffness. Numbers that all cases share are stored once. All others get a
+leading axis, and the compiled run is mapped over it (`jax.vmap`), unless the tangents of the cases are frozen
 (`shares_of_cases`). All processor cores are used where that is worthwhile (`worker_processes`).
 """
 
@@ -50,7 +50,7 @@ __all__ = ["simulate_batch"]
 
 _CHUNK = 64
 _SMALL_CHUNK = 16
-"""Chunk on a CPU: as fast per case as `_CHUNK`, with more shares for the cores."""
+"""Chunk size on a CPU: the time per case is that of `_CHUNK`, and there are more chunks for the cores."""
 _RESULTS_AT_ONCE = 64
 
 
@@ -72,17 +72,17 @@ def simulate_batch(
     cases : systems of the same bodies, joints and kinds of loads; numbers may differ, including those of
         laws of time. Functions of time and of controllers must be the same objects in all cases
     run : Run       as for `simulate`
-    chunk : number of cases mapped together; by default 64, on a CPU 16 for rigid and reduced bodies
+    chunk : number of cases mapped together; by default 64, but 16 on a CPU for rigid and reduced bodies
     progress : called with the finished fraction of the cases
 
     Returns
     -------
-    BatchSolution   a failed case does not stop the others; `.check()` raises if one failed
+    BatchSolution   a failed case does not stop the other cases; `.check()` raises if one failed
 
     Raises
     ------
-    ModelError      no case, cases that differ in more than numbers, a SampledController in cases without
-                    full bodies
+    ModelError      no case, explicit parts, a table that does not cover the run, cases that differ in more
+                    than numbers, a SampledController in cases without full bodies
     MemoryShortageError     a chunk would not fit in the available memory
     ValueError              a chunk below one
     """

@@ -17,9 +17,9 @@ __all__ = ["batch_in_turn"]
 
 
 def batch_in_turn(cases: Sequence[System], run: Run, progress: Progress | None) -> BatchSolution:
-    """The solutions of `simulate` for each case, on all cores where that is worthwhile.
+    """Simulate each case separately, as by `simulate(check=False)`, on all cores where that is worthwhile.
 
-    Raises ModelError for cases with other bodies, joints or kinds of loads than the first.
+    Raises ModelError for cases with other bodies, joints or kinds of loads than the first case.
     """
     for number, system in enumerate(cases):
         if _kinds(system) != _kinds(cases[0]):

@@ -1,7 +1,7 @@
 """Load cases of a machine of intrinsic bodies, run together.
 
-Chunks of cases are distributed over the devices of JAX: one, unless more were set before JAX starts
-(JAX_NUM_CPU_DEVICES=2 in the environment).
+Chunks of cases are distributed over the devices of JAX. There is one device, unless more are set before JAX
+starts (JAX_NUM_CPU_DEVICES=2 in the environment).
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ __all__ = ["batch_of_lines"]
 
 
 def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Progress | None) -> BatchSolution:
-    """The solutions of `simulate` for machines of intrinsic bodies.
+    """Simulate cases of machines of intrinsic bodies; the solutions are those of `simulate(check=False)`.
 
-    Machines for which `is_joined` is true run separately; machines whose roots are connected only to the
-    ground run together. The gain is largest for the Runge-Kutta method with cases that differ only in loads,
-    motions and initial states.
+    If `is_joined` is true for any case, all cases run separately. Otherwise, with roots connected only to the
+    ground, cases run together. The gain is largest for the Runge-Kutta method with cases that differ only in
+    loads, motions and initial states.
     Raises ModelError for cases that differ in more than numbers.
     """
     if any(map(is_joined, cases)):
@@ -57,7 +57,7 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
     preparing = clock.perf_counter() - began
 
     def sent(own: range, device: Any) -> LineMarchState:
-        # A shorter last chunk repeats its last case, so that one program serves all.
+        # A shorter last chunk repeats its last case, so that all chunks use one compiled program.
         numbers = [*own, *[own[-1]] * (chunk - len(own))]
         together = jax.tree.map(lambda *leaves: np.stack(leaves), *(starts[i] for i in numbers))
         leaves = stacked([systems[i] for i in numbers], axes)

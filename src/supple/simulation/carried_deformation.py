@@ -1,12 +1,13 @@
 """Transfer of a body's deformation from one form or basis to another by its mass matrix.
 
-A frame of another kind is placed first, so that its six conditions hold for the same shape in space. The
-coordinates x relative to this frame are then projected on the columns V of a reduced body,
+If the new form has another kind of frame, the pose of this frame is computed first: its six conditions hold
+for the unchanged shape in space. The coordinates x relative to this frame are then projected on the columns V
+of a reduced body,
 
     gamma = V^T M ( x - z(gamma) ),       V^T M V = 1,
 
-where z is the condensed motion outside the columns. Finally the interfaces are moved to their positions by
-the least motion in the mass norm, as far as the columns allow: joints stay closed.
+where M is the mass matrix and z the condensed motion outside the columns. Finally the interfaces are moved to
+their positions by the smallest motion in the mass norm, as far as the columns allow: joints stay closed.
 """
 
 from __future__ import annotations
@@ -29,11 +30,11 @@ __all__ = ["Deformation", "PlacedFrame", "ProjectionLoss", "TransferredDeformati
 Array = np.ndarray
 
 SAME_PLACE = 1e-6
-"""Relative to the size of a body: allowed distance of nodes in two equal meshes."""
+"""Largest distance between nodes of two meshes that count as equal, relative to the size of the body."""
 MOST_ROUNDS, CONVERGED = 30, 1e-14
-"""Largest number of iterations, and relative change at which they stop."""
+"""Largest number of iterations, and the relative change below which iterations stop."""
 SMALLEST_MOTION = 1e-3
-"""Smallest singular value of the columns' interface motions that is corrected, relative to the largest."""
+"""Singular values of the columns' interface motions, relative to the largest; smaller ones are omitted."""
 
 
 class Deformation(NamedTuple):
@@ -56,11 +57,11 @@ class PlacedFrame(NamedTuple):
 class ProjectionLoss:
     """The part of a deformation outside the columns of a body, in the mass norm.
 
-    rms : float         RMS displacement of this part, unit of length
-    relative : float    its norm, relative to that of the whole deformation
-    rate : float        relative norm of the lost part of the deformation's rates
+    rms : float         RMS displacement of this part, weighted by mass, unit of length
+    relative : float    norm of this part, relative to the norm of the whole deformation
+    rate : float        norm of the rates outside the columns, relative to the norm of all rates
     gap : float         largest displacement of an interface due to the loss, unit of length; joints close it
-        by rigid motion
+        by rigid motion of the body
     """
 
     rms: float
@@ -79,7 +80,7 @@ class TransferredDeformation(NamedTuple):
 
 
 def deformation_of(body: BodyForm, coordinates: Array, rates: Array) -> Deformation:
-    """Deformation at coordinates (r,) and rates (r,), with the condensed motion."""
+    """Deformation at coordinates (r,) and rates (r,), including the condensed motion."""
     linear, beside = body.nodal_fields(coordinates[None])
     moving, _ = body.nodal_fields(rates[None])
     if beside is None:
@@ -94,10 +95,12 @@ def carried_deformation(
 
     Parameters
     ----------
-    then, now : ReducedBody | FullBody | ModalSubdomain     form in the motion, and new form
+    then, now : ReducedBody | FullBody | ModalSubdomain     form of the body in the motion, and its new form
+    state, deformation : frame and nodal freedoms in the motion, in the units of `now`
     nodes : (N, 3)      nodes of `then` in the units of `now`
 
-    Raises ModelError for bodies with different meshes, and for a reduced body without a known full body.
+    Raises ModelError for bodies with different meshes, for a reduced body without a known full body, and for
+    a condensed model with modal coordinates.
     """
     _check_same_mesh(now, nodes)
     body = _flexible(now)
@@ -116,7 +119,7 @@ def carried_deformation(
     back, ends, wanted = _interfaces(now, body)
 
     def on_columns(whole: Array, beside: Callable[[Array], Array]) -> tuple[Array, Array]:
-        """Coordinates, and the remainder (n,) outside the columns."""
+        """Coordinates, and the remainder (n,) outside the columns and the condensed motion."""
         gamma, following = np.zeros(vectors.shape[1]), np.zeros_like(whole)
         for _ in range(MOST_ROUNDS):
             before, gamma = gamma, weighted @ (whole - following)
@@ -147,14 +150,14 @@ def carried_deformation(
 
 
 def _interfaces(now: BodyForm, body: FlexibleBody) -> tuple[Array, Array, Any]:
-    """Least coordinates (r, 6 p) for unit motions of p interfaces; interface motions per reduced coordinate
+    """Smallest coordinates (r, 6 p) for unit motions of p interfaces; interface motions by reduced coordinate
     (6 p, r), and per full coordinate (6 p, n)."""
     ends = [each for each in body.interfaces if each.name in {own.name for own in now.interfaces}]
     if not ends:
         return np.zeros((now.n_coordinates, 0)), np.zeros((0, now.n_coordinates)), np.zeros((0, body.n))
     moved = np.vstack([now.interface(each.name).motion for each in ends])
     wanted = np.vstack([each.motion.toarray() for each in ends])
-    # Rotations in units of length, with the body's size as the arm.
+    # Rotations are multiplied by the size of the body, so that they have the unit of length.
     scale = np.tile(np.repeat([1.0, float(np.ptp(body.nodes, axis=0).max())], 3), len(ends))
     back = np.linalg.pinv(scale[:, None] * moved, rcond=SMALLEST_MOTION) * scale
     return back, moved, wanted
@@ -179,12 +182,12 @@ def _seen_from(
     deformation: Deformation,
     coordinates_of: Callable[[Array], Array],
 ) -> tuple[PlacedFrame, Deformation]:
-    """The same shape and motion in space, relative to a frame of another kind: `D x = 0`, `D dx/dt = 0`."""
+    """The same shape and motion in space, relative to a frame with conditions `D x = 0`, `D dx/dt = 0`."""
     conditions = frame.constraint(body)
     rigid = np.linalg.solve(conditions @ body.rigid_modes, conditions)
 
     def missed(nodal: Array) -> tuple[Array, Array]:
-        """Translation and rotation that make a field satisfy the conditions, in the frame's axes."""
+        """Translation and rotation of the frame after which a field satisfies the conditions, frame axes."""
         motion = rigid @ coordinates_of(nodal)
         return motion[:3], motion[3:]
 
@@ -255,7 +258,7 @@ def _check_same_mesh(now: BodyForm, nodes: Array) -> None:
 
 
 def _frame(form: Any) -> Any:
-    """The frame of a form; parts of an explicit run have modes without rigid motion, as in mean axes."""
+    """The frame of a form; MeanAxisFrame for explicit parts, whose modes are without rigid motion."""
     return getattr(form, "frame", MeanAxisFrame())
 
 

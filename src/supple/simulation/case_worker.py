@@ -1,4 +1,4 @@
-"""Worker process for load cases; this file is also its script (`worker_processes`)."""
+"""Simulation of load cases in worker processes; a worker process runs this file as its script."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ class CaseWork:
         """No preparation: the first run compiles the common program."""
 
     def here(self, arguments: tuple[Any, ...]) -> Solution:
-        """The motion of a case, computed in this process."""
+        """The motion of a case, computed in the process of the caller."""
         return _marched(self.question(arguments), self._run)
 
     def greeting(self) -> Run:
-        """The run, sent first to the worker."""
+        """The run, sent to the worker once before the cases."""
         return self._run
 
     def question(self, arguments: tuple[Any, ...]) -> System:
@@ -43,7 +43,7 @@ class CaseWork:
         return system
 
     def result(self, answer: tuple[dict[str, Any], list[Any]]) -> Solution:
-        """The motion; warnings of its run are repeated here."""
+        """The motion from the answer of a worker; warnings of the run are issued again in this process."""
         parts, warned = answer
         for message in warned:
             warnings.warn(message, stacklevel=2)
@@ -57,7 +57,7 @@ def _marched(system: System, run: Run) -> Solution:
 
 
 def answer_cases(questions: BinaryIO, answers: BinaryIO) -> None:
-    """Run all received cases."""
+    """Receive a run and cases, and answer each case with its elapsed time, motion and warnings."""
     run = pickle.load(questions)
     _send("ready", answers)
     while True:

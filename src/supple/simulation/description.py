@@ -28,7 +28,7 @@ def description(system: System, run: Run) -> str:
 
 
 def inputs_of(system: System, run: Run, case: str) -> Inputs:
-    """The inputs of a motion: description of the run; digests of bodies, of loads and joints, of gravity.
+    """Inputs of a motion by name: digests of bodies, joints, loads and other parts; the case and the run.
 
     A modal body is represented by the inputs of its modes. A reduced body is represented only by its form,
     position and initial motion, because a repeated reduction changes last digits and signs of modes;

@@ -23,12 +23,12 @@ EngineFactory = Callable[[System, Run], Engine[Any]]
 
 
 def _sparse_engine(system: System, run: Run) -> FullEngine:
-    """The engine for machines with full bodies, with intrinsic bodies in floating frames."""
+    """The engine of machines with full bodies; intrinsic bodies have floating frames."""
     return FullEngine(machine_with_stations(system), with_chosen_step(system, run))
 
 
 def _intrinsic_engine(system: System, run: Run) -> Engine[Any]:
-    """The engine for intrinsic bodies: sparse beside full bodies, or with joints and adaptive steps."""
+    """The engine of intrinsic bodies: sparse with full bodies, or with joints and adaptive steps."""
     if system.bodies_of(FullBody) or (is_joined(system) and isinstance(run.step_control, AdaptiveStep)):
         return _sparse_engine(system, run)
     return intrinsic_engine(system, run)
@@ -39,9 +39,9 @@ _ENGINES: dict[str, EngineFactory] = {}
 
 
 def register_engine(kind: str, factory: EngineFactory) -> None:
-    """Simulate machines with bodies of a kind (`BodyForm.kind`) by the engine that `factory` makes.
+    """Simulate machines with bodies of a kind (`BodyForm.kind`) by the engine from `factory`.
 
-    That engine must also handle bodies of other kinds in the same machine.
+    The engine must also support bodies of other kinds in the same machine.
     """
     _ENGINES[kind] = factory
 
@@ -67,7 +67,7 @@ def engine_for(system: System, run: Run) -> Engine[Any]:
 
 
 def is_explicit(system: System, run: Run) -> bool:
-    """Whether a run is an explicit march: by its method, or by a body with no other method."""
+    """Whether a run is explicit: because of its method, or of a body that no other method supports."""
     kinds = {placed.body.kind for placed in system.bodies}
     return isinstance(run.method, ExplicitRule) or any(_ENGINES.get(kind) is ExplicitEngine for kind in kinds)
 

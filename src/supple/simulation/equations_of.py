@@ -18,12 +18,12 @@ __all__ = ["equations_of"]
 def equations_of(
     system: System, turning: SteadyRotation | None, time: float, known: tuple[int, ...] | None = None
 ) -> Equations:
-    """A machine with bodies as placed, prepared for statics and modes.
+    """Equations of a machine, with its bodies as placed, for statics and modes.
 
-    turning : rotation of its bodies in their order; None at rest
-    known : independent joint equations, for bodies placed with closed joints
-    Raises ModelError for rotation of modal parts with a centrifugal stiffness, and the errors of joints at
-    the start of a run.
+    turning : steady rotation, with one angular velocity per body; None at rest
+    known : numbers of the independent joint equations, if the bodies are placed with closed joints
+    Raises ModelError for rotation of modal parts with a centrifugal stiffness, and for joints as at the start
+    of a run.
     """
     if turning is not None and np.any(turning.angular_velocities):
         check_spin_stiffness(system)

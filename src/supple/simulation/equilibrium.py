@@ -33,7 +33,7 @@ from supple.summary import Summarized, Summary
 __all__ = ["Equilibrium", "equilibrium"]
 
 LARGEST_ERROR = 0.01
-"""Relative to the largest displacement: a larger error causes a warning."""
+"""Basis error from which a warning is issued, relative to the largest displacement."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -43,11 +43,11 @@ class Equilibrium(Summarized):
     system     : System     with the poses, velocities and deformation of its bodies, for a run to start from
     solution   : Solution   the same state as a motion with one output time
     iterations : int        number of iterations of the search
-    errors : EquilibriumError      basis error, by name of the reduced body with a known full body
+    errors : EquilibriumError      basis error of each reduced body with a known full body, by name
     full : (System, Solution)   the equilibrium with all coordinates of the reduced bodies whose full bodies
                 are known; None without such bodies, or if it was not found
-    stable : bool | None    whether the tangent stiffness, in co-rotating axes, is positive on the motions
-                that the joints leave free; None where its sign does not decide: with follower loads,
+    stable : bool | None    whether the tangent stiffness, in co-rotating axes, has no negative eigenvalue on
+                the motions that the joints leave free. None if that does not decide: with follower loads,
                 controllers, or gyroscopic forces and an even number of unstable directions
     is_held : bool          whether the joints fix all rigid motion
     """
@@ -95,23 +95,24 @@ def equilibrium(
 
         I(q, w) + f(q) + G(q)^T lambda = Q(t, q),     g(q, t) = 0
 
-    with the inertia force `I` of the `spin`, zero without one. The search descends from the bodies'
-    placement, so that it ends in a stable equilibrium nearby. Initial velocities of the bodies are ignored;
-    velocities of the equilibrium are those of the spin. Loads and gravity that do not rotate with the machine
-    keep their values at that time.
+    with the internal forces f, the joint forces G^T lambda, and gravity and loads Q. I is the inertia force
+    of the `spin` with the angular velocity w, zero without a spin. The search starts from the placement of
+    the bodies and descends in potential energy, so that it normally ends in a stable equilibrium nearby.
+    Initial velocities of the bodies are ignored; velocities of the equilibrium are those of the spin. Loads
+    and gravity that do not rotate with the machine have the values and directions of `time`.
 
     Parameters
     ----------
     time : time at which loads and laws are evaluated
     spin : Spin       of the machine, or of the bodies listed in it; all other bodies are at rest
     search : StaticSearch       accuracy and step
-    fulls : FullBody            full bodies of the reduced bodies, for the error of the bases
-        (`Equilibrium.errors`) by one factorisation. None: those that the reduced bodies refer to (bodies
-        read from files refer to none); (): no factorisation and no estimate
-    progress : called with each iteration and its largest relative residual
+    fulls : FullBody            full bodies of the reduced bodies, for the basis errors
+        (`Equilibrium.errors`), which need one factorisation. None: those to which the reduced bodies refer
+        (bodies read from files refer to none); (): no factorisation and no estimate
+    progress : called at each iteration with its number and its largest relative residual
 
-    Controllers act as in a run, and their states are in equilibrium too: `f(0, q, z) = 0`. The controllers of
-    the resulting system begin with these states.
+    Controllers act as in a run, and the rates of their states z are zero. The controllers of the resulting
+    system begin with these states.
 
     Raises
     ------
@@ -119,7 +120,7 @@ def equilibrium(
                         does not belong to a reduced body of the machine; an intrinsic body whose support
                         prevents the spin
     ConvergenceError    no equilibrium was found, of the machine or of a controller's states
-    Warns BasisWarning where the error of a body is 1 % of its largest displacement or more.
+    Warns BasisWarning where the error of a body is 1 % of its largest displacement or more, or unknown.
     Source: [KelleyKeyes1998] for the search.
     """
     search = search or StaticSearch()
@@ -141,7 +142,7 @@ def equilibrium(
 
 
 def warn_of_rest(errors: Mapping[str, EquilibriumError]) -> None:
-    """BasisWarning for each body with a large basis error at equilibrium."""
+    """BasisWarning for each body whose basis error at equilibrium is large or unknown."""
     for name, error in errors.items():
         if not error.known:
             seen = "no equilibrium was found with all its coordinates"
@@ -164,5 +165,5 @@ REMEDY = (
 
 
 def _one_instant(found: RestingState, time: float) -> Solution:
-    """The equilibrium as a motion of one time."""
+    """The equilibrium as a motion with one output time."""
     return found.equations.solution(found.state, time, found.iterations)

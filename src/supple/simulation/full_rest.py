@@ -1,14 +1,15 @@
-"""Basis errors of reduced bodies at an equilibrium, from the equilibrium with all their coordinates.
+"""Basis errors of reduced bodies at an equilibrium, by comparison with the equilibrium with all coordinates.
 
 At the equilibrium of a reduced machine, expanded to all coordinates, the full equations leave a residual r,
 
     [ K_T + M / k   G^T ] [ delta  ]       [ r ]
     [ G              0  ] [ lambda ]  =  - [ g ],       k >> 1 / omega^2 of all vibrations,
 
-where G are the constraints of joints and frames. The factor is reused for repeated sweeps, each from the
-corrected state. The sum of the sweeps is the error; the ratio of the second to the first shows whether first
-order suffices. If a sweep exceeds a third of the previous one, a search from the expanded equilibrium finds
-the equilibrium of the full machine instead.
+where K_T is the tangent stiffness, M the mass matrix, g the gaps of joints, and G the constraints of joints
+and frames. The matrix is factored once. Repeated sweeps use this factor, each from the state corrected by the
+previous sweep. The sum of the corrections is the error. The ratio of the second sweep to the first shows
+whether first order suffices. If a sweep exceeds a third of the previous one, the equilibrium of the full
+machine is searched from the expanded equilibrium instead; if that fails, from the undeformed shape.
 """
 
 from __future__ import annotations
@@ -47,16 +48,16 @@ __all__ = [
 ]
 
 SLOWNESS = 1e3
-"""Ratio of the lowest angular frequency to the rate of the correction."""
+"""Lowest angular frequency times `sqrt(k)`: M / k is then negligible compared with K_T."""
 CONTRACTS = 1 / 3
-"""Largest ratio of a sweep to the previous sweep."""
+"""Largest ratio of a sweep to the previous sweep; above it the sweeps are replaced by a search."""
 CONVERGED = 1e-4
-"""Relative to the first sweep: a smaller sweep is the last."""
+"""Size of a sweep, relative to the first sweep, below which no further sweep is made."""
 NOTHING = 1e-8
-"""Relative to the size of the machine: a smaller sweep is the last, whatever the size of the first."""
+"""Size of a sweep, relative to the size of the machine, below which no further sweep is made."""
 MOST_SWEEPS = 12
 NEAR_BY = 20
-"""Iterations of the search from the reduced equilibrium if the sweeps do not contract."""
+"""Largest number of iterations of the search from the reduced equilibrium if the sweeps do not contract."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,11 +66,13 @@ class EquilibriumError:
 
     displacement : (N, 3)   of the nodes, in space: positions with all coordinates minus positions of the
                 reduced body; without rigid motion where the joints leave it free
-    deformation : (n,)      change of the body's coordinates in its frame: the column that its basis lacks
+    deformation : (n,)      all coordinates of the body in its frame, minus those of its columns without the
+                condensed motion: the column that its basis lacks
     size : float            largest displacement of a node, relative to the first interface
-    strain : float          root of the ratio of the missing deformation's strain energy to the whole
+    strain : float          square root of the ratio of two strain energies: missing to whole deformation
     second : float          ratio of the second sweep to the first: above a third, first order is insufficient
-    known : bool            False where no equilibrium with all coordinates was found: the errors are infinite
+    known : bool            False if no equilibrium with all coordinates was found: `rms`, `worst`, `relative`
+                and `strain` are infinite
     """
 
     displacement: np.ndarray
@@ -85,7 +88,7 @@ class EquilibriumError:
 
     @property
     def rms(self) -> float:
-        """Root-mean-square over the nodes, unit of length."""
+        """Root-mean-square error over the nodes, unit of length."""
         return float(np.sqrt(np.mean(np.sum(self.displacement**2, axis=1)))) if self.known else np.inf
 
     @property
@@ -94,7 +97,7 @@ class EquilibriumError:
         return float(np.linalg.norm(self.displacement, axis=1).max()) if self.known else np.inf
 
     def plain(self) -> dict[str, float | int | None]:
-        """The values for a report; None where unknown."""
+        """The values for a report; None where they are not finite."""
         numbers = {
             "rms": self.rms,
             "worst": self.worst,
@@ -110,7 +113,7 @@ class EquilibriumError:
 
     @property
     def relative(self) -> float:
-        """Error of the worst node relative to the largest displacement; zero without displacement."""
+        """Error of the worst node relative to the largest displacement `size`; zero if `size` is zero."""
         return self.worst / self.size if self.size > 0 else 0.0
 
 
@@ -118,7 +121,7 @@ class EquilibriumError:
 class FullEquilibrium:
     """The equilibrium of a machine with all coordinates of its reduced bodies.
 
-    found : RestingState | None     None where the search found none
+    found : RestingState | None     None if the search found no equilibrium
     bases : ReductionBasis          of the reduced bodies, by name
     began : (n,), by name           all coordinates of these bodies at the equilibrium of the reduced machine
     second : float                  ratio of the second sweep to the first
@@ -154,9 +157,9 @@ def known_fulls(
 def full_rest(
     reduced: RestingState, fulls: Mapping[str, FullBody], time: float, search: StaticSearch
 ) -> FullEquilibrium | None:
-    """The equilibrium with all coordinates, found from the reduced one; None without reduced bodies.
+    """The equilibrium with all coordinates, found from the reduced one; None without full bodies in `fulls`.
 
-    fulls : the full bodies of reduced ones, by name; other bodies are unchanged
+    fulls : full bodies of reduced bodies, by name; other bodies are unchanged
     Raises ModelError for a full body that does not belong to the reduced body of its name.
     """
     bases = stored_bases(reduced.system, fulls)
@@ -187,7 +190,7 @@ def full_rest(
                 statics, start, time, replace(search, max_iterations=min(NEAR_BY, search.max_iterations))
             )
         except ConvergenceError:
-            # The equilibrium is far from the reduced one: the undeformed shape is as good a start.
+            # The equilibrium is far from the reduced one: the undeformed shape is an equally good start.
             statics = full_statics(machine, turning, time)
             try:
                 state, _ = search_equilibrium(statics, statics.start(), time, search)
@@ -258,7 +261,7 @@ def _expanded(
 def _swept(
     statics: FullStatics, state: StaticState, time: float, k: float
 ) -> tuple[StaticState | None, float]:
-    """State corrected by sweeps with one factor, None if they do not contract; ratio of second to first."""
+    """State corrected by sweeps with one factor, None without contraction; second sweep over the first."""
     scale, before, first, second = statics.position_scale, np.inf, 0.0, 0.0
     found = statics.unbalance(state, time)
     try:
@@ -283,7 +286,7 @@ def _swept(
 
 
 def _strain(full: FullBody, before: np.ndarray, after: np.ndarray) -> float:
-    """Root of the work of the missing forces on the missing deformation, relative to the total work."""
+    """Square root of the work of missing forces on the missing deformation, relative to the total work."""
     force = full.body.force.internal_force
     whole = abs(after @ force(after))
     missing = abs((after - before) @ (force(after) - force(before)))

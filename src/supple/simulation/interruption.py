@@ -20,23 +20,23 @@ LOGGER = logging.getLogger("supple")
 
 
 class Terminated(SystemExit):
-    """The process received SIGTERM; if not caught, it ends with the exit code of that signal."""
+    """The process received SIGTERM; if uncaught, the process ends with the exit code of this signal."""
 
     def __init__(self) -> None:
         super().__init__(128 + signal.SIGTERM)
 
 
 INTERRUPTIONS = (KeyboardInterrupt, Terminated)
-"""Exceptions that end a run from outside."""
+"""Exceptions by which the user or the system interrupts a run."""
 _A_MOMENT = 0.05
-"""s, delay before an interruption is sent again"""
+"""Delay before an interruption is sent again, s."""
 
 
 @contextmanager
 def raising_terminated() -> Iterator[bool]:
-    """Within the block SIGTERM raises Terminated, unless the program has its own handler.
+    """Within the block SIGTERM raises Terminated, unless the program has a handler of its own.
 
-    Yields whether it does raise: False with a handler, and outside the main thread.
+    Yields whether SIGTERM raises: False if there is a handler, or outside the main thread.
     """
     handles = (
         threading.current_thread() is threading.main_thread()
@@ -80,7 +80,7 @@ def _not_swallowed() -> Iterator[None]:
 
 @contextmanager
 def noted_interruption(file: ResultFile) -> Iterator[None]:
-    """An interruption within the block carries a note with the last time stored in the file."""
+    """Add a note with the last time stored in the file to an interruption within the block."""
     with raising_terminated() as is_ours:
         try:
             yield

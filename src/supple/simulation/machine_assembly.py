@@ -38,9 +38,9 @@ class AssembledMachine:
 def assemble(system: System, *, time: float = 0.0) -> AssembledMachine:
     """The machine with its bodies moved rigidly until every joint is closed: `g(q, t) = 0`.
 
-    Each step is the least one in the mass norm, so that light bodies near open joints move, and the assembly
-    nearest to the given placement is found. Points and axes of joints on the bodies are unchanged, and so are
-    velocities, which a run corrects.
+    Each iteration is the smallest motion in the mass norm: light bodies near open joints move most, and the
+    assembly nearest to the given placement is found. Points and axes of joints on the bodies are unchanged.
+    Velocities are unchanged; the start of a run corrects them.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def assemble(system: System, *, time: float = 0.0) -> AssembledMachine:
 
     Raises
     ------
-    ConvergenceError    joints that cannot be closed; the message names the worst one and its residual
+    ConvergenceError    joints that cannot be closed; the message states the worst joint and its residual
     Source: [Nikravesh1988] section 3.2 (Newton's method on the constraint equations).
     """
     sparse = system.bodies_of(FullBody) or system.bodies_of(IntrinsicBody)

@@ -18,10 +18,11 @@ __all__ = ["PlaceError", "place_errors"]
 
 @dataclass(frozen=True, eq=False)
 class PlaceError:
-    """Basis errors at one place at rest; the computed value minus its error is exact.
+    """Basis errors at one place at rest: value on the reduced body minus value with all coordinates.
 
-    position : (3,) | None      in global axes; None where the joints leave rigid motion free
-    deflection : (3,) | None    relative to the body's first interface, in its axes; None for a rigid body
+    position : (3,) | None      in global axes; None if the joints leave rigid motion free
+    deflection : (3,) | None    relative to the body's first interface or a given one, in the axes of the
+        interface; None for a rigid body
     """
 
     position: np.ndarray | None
@@ -32,12 +33,12 @@ class PlaceError:
 def place_errors(
     found: Equilibrium, places: Mapping[str, Place], bases: Mapping[str, At] = MappingProxyType({})
 ) -> dict[str, PlaceError]:
-    """Errors of the positions and deflections of places at an equilibrium, by their names.
+    """Errors of the positions and deflections at places of a machine in equilibrium, by name of the place.
 
         error = place on the reduced bodies - place with all coordinates
 
     places, bases : as in `tracked_places`
-    Places with unknown error are omitted: all places if there is no equilibrium with all coordinates.
+    Places with unknown error are omitted; without an equilibrium with all coordinates, these are all places.
     """
     if found.full is None:
         return {}

@@ -1,4 +1,4 @@
-"""Identification of the bodies in a result file, so that no motion is read with another body."""
+"""Identification of the bodies in a result file, so that a motion is read only with its own bodies."""
 
 from __future__ import annotations
 
@@ -69,12 +69,12 @@ def check_motions(system: System, solution: Solution) -> None:
 
 
 def check_columns(header: ResultHeader, system: System, path: Path | str) -> None:
-    """ResultFileError when a system's elastic bodies, or their start, differ from those of a result file."""
+    """ResultFileError if a system's elastic bodies or their initial deformation differ from a result file."""
     _check(header, system, path, _measures)
 
 
 def check_bodies(header: ResultHeader, system: System, path: Path | str) -> None:
-    """ResultFileError when a system's elastic bodies differ; their start is not compared."""
+    """ResultFileError if a system's elastic bodies differ; their initial deformation is not compared."""
     _check(header, system, path, lambda placed: _of_body(placed.body))
 
 
@@ -113,7 +113,7 @@ def _other(path: Path | str, placed: Placed, name: str, size: int) -> str:
 
 
 def _measures(placed: Placed) -> Iterator[tuple[str, np.ndarray]]:
-    """Measures that identify an elastic body and its start, by name; none for a rigid body."""
+    """Measures that identify an elastic body and its initial deformation, by name; none for a rigid body."""
     body = placed.body
     of_body = list(_of_body(body))
     yield from of_body

@@ -34,20 +34,21 @@ def begin_recorded(
     progress: Progress | None = None,
     check: bool = True,
 ) -> Solution:
-    """Simulate a system from its start, writing every finished part to a result file.
+    """Simulate a system from its start, and write every completed part to a result file.
 
     Parameters
     ----------
     system, run, progress, check : as for `simulate`
     path : file to write; its folder is created
-    case, metadata : stored in the file; "units", `str` of a UnitSystem, gives the units of its arrays
+    case, metadata : stored in the file; entry "units", `str` of a UnitSystem, gives the units of its arrays
     inputs : inputs of the motion, stored in the file for continuation; by default from the system, the run
         and the case (`inputs_of`)
     overwrite : replace an existing result; otherwise only a run without any output is replaced
 
     Raises
     ------
-    ResultFileError     a result exists, or another run writes it; the file cannot be written (a full disk)
+    ResultFileError     a result exists and `overwrite` is False; another run writes the file; the file cannot
+                        be written (a full disk)
     errors of `simulate`; the results until then are in the file
     """
     file = ResultFile.create(
@@ -78,9 +79,10 @@ def continue_recorded(
 ) -> Solution:
     """Simulate the missing part of an interrupted run, from the last time in its result file.
 
-    Parameters and errors as for `begin_recorded`; also
+    Parameters and errors are those of `begin_recorded`; also
 
-    ResultFileError     no such file, or its run is complete, or one of its inputs has changed (listed);
+    ResultFileError     no such file, or its run is complete, or one of its inputs has changed (the message
+                        lists them);
                         a body is not the original one
     """
     inputs = inputs_of(system, run, case) if inputs is None else inputs
@@ -101,15 +103,15 @@ def simulate_recorded(
     progress: Progress | None = None,
     check: bool = True,
 ) -> Solution:
-    """Simulate a system unless its result file has the run: start it, or continue after an interruption.
+    """Return the run in a result file if it is complete; otherwise start it, or continue its interrupted run.
 
     Parameters
     ----------
     system, run, progress, check : as for `simulate`
     path : file to write; its folder is created
     case : str      description of the simulation
-    inputs : as for `begin_recorded`; a file of another run is never overwritten nor continued
-    overwrite : start a new run in any case
+    inputs : as for `begin_recorded`; without `overwrite`, a file of another run is not replaced nor continued
+    overwrite : start a new run, whatever the file contains
 
     Returns
     -------

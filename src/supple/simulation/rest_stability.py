@@ -16,21 +16,24 @@ from supple.simulation.resting_state import RestingState
 __all__ = ["is_stable"]
 
 SKEW = 1e-6
-"""Relative to the stiffness: a larger unsymmetric part is not rounding, but due to nonconservative forces."""
+"""Largest unsymmetric part of the stiffness attributed to rounding, relative to the largest entry of the
+stiffness; a larger part is due to nonconservative forces, and stability is not decided."""
 DISCRETE = 1e-2
-"""The same for the coupling of two vibrations of intrinsic bodies. Part of it is a discretisation error of
-the order of a segment's length squared: joints and loads act at points, whose velocities are not modal."""
+"""Like `SKEW`, for the coupling of two vibrations of intrinsic bodies, relative to their mean stiffness. Part
+of the coupling is a discretisation error of the order of a segment length squared: joints and loads act at
+points, whose velocities are not modal."""
 ROUNDING = 1e-12
-"""Relative to the largest eigenvalue."""
+"""Eigenvalues of smaller magnitude, relative to the largest eigenvalue, count as zero."""
 
 
 def is_stable(found: RestingState, time: float) -> bool | None:
-    """Whether the tangent stiffness is positive on the motions that the joints leave free.
+    """Whether the tangent stiffness has no negative eigenvalue on the motions that the joints leave free.
 
         p^T K p >= 0  for all  G p = 0
 
-    K in co-rotating axes, with the centrifugal part. None if K does not decide: K is not symmetric, a
-    controller acts, or gyroscopic forces may stabilise an even number of unstable directions.
+    K is the stiffness in co-rotating axes, with the centrifugal part. None if K does not decide: K is not
+    symmetric or cannot be factored, a controller acts, or gyroscopic forces may stabilise an even number of
+    unstable directions.
     Source: Lagrange and Dirichlet; Kelvin and Tait for the spin.
     """
     if found.system.controllers:
@@ -47,7 +50,7 @@ def is_stable(found: RestingState, time: float) -> bool | None:
 
 
 def _falling(equations: LinearEquations, *, discrete: bool) -> int | None:
-    """Number of negative directions; None where the stiffness is not symmetric."""
+    """Number of negative eigenvalues of the stiffness; None if the stiffness is not symmetric."""
     size = 1 / np.sqrt(np.diag(equations.mass))
     free = size[:, None] * scipy.linalg.null_space(equations.constraint * size)
     mass, stiffness = (free.T @ part @ free for part in (equations.mass, equations.stiffness))

@@ -1,4 +1,4 @@
-"""The search for an equilibrium, with its state as arrays."""
+"""The search for an equilibrium, and the state found as arrays."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class RestingState(NamedTuple):
     """An equilibrium as arrays."""
 
     system: System
-    """The machine as placed"""
+    """The machine as placed, without velocities."""
     turning: SteadyRotation
     state: StaticState
     iterations: int
@@ -79,12 +79,12 @@ def _refuse_sampled(system: System) -> None:
 
 
 def at_rest(placed: Placed) -> Placed:
-    """The placed body without velocity."""
+    """The placed body without velocities and coordinate rates."""
     return replace(placed, velocity=None, angular_velocity=None, coordinate_rates=np.zeros(0))
 
 
 def placed_at_rest(found: RestingState) -> System:
-    """The system with its bodies as in the state, in steady rotation."""
+    """The system with the poses and deformation of the state, and the velocities of its steady rotation."""
     bodies, first = [], 0
     system, (velocities, point), configuration = found.system, found.turning, found.configuration
     for index, placed in enumerate(system.bodies):

@@ -25,7 +25,7 @@ class MarchedCase:
     system: System
     model: Model
     states: State
-    """States at the output times reached, leading axis: time"""
+    """States at the output times reached; the first axis is time."""
     statistics: Statistics
 
 

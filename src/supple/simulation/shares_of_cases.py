@@ -2,11 +2,11 @@
 
 The cases of a share, at most a chunk, are mapped together (`jax.vmap`). From 16 velocities on, Newton's
 linear equations are solved case by case, and only for cases not yet converged (`sequential_vmap`). A smaller
-last share repeats its last case, so that one program serves all.
+last share repeats its last case, so that all shares use one compiled program.
 
 With a frozen tangent, all mapped cases would compute a new tangent at every iterate, because a map cannot
-branch for the case that needs one. For a body with 25 coordinates each case would cost up to three times a
-single case. Such cases are therefore not mapped, and share the program of a single case.
+branch for the case that needs one. For a body with 25 coordinates, a mapped case would cost up to three times
+as much as a single run. Such cases are therefore not mapped, and use the program of a single case.
 
 The cases are not the innermost axis of the arrays. If they were, vector instructions could work on several
 cases at once, but the most expensive part, the inverse of a tangent, would be slower: with 31 unknowns it
@@ -43,7 +43,7 @@ class SharesOfCases:
     cases: tuple[Sequence[int], ...]
     arguments: tuple[Task, ...]
     alone: bool
-    """Whether the result of the program is for one case, without an axis of cases"""
+    """Whether the program computes one case, so that its result has no axis of cases."""
 
     def of_each(self, share: int, result: Any) -> Iterator[tuple[int, State, State]]:
         """Number, last state and states at the stops of each case of a share."""
@@ -55,7 +55,7 @@ class SharesOfCases:
 def shares_of(
     starts: BatchStart, axes: Axes, settings: Controls, stops: np.ndarray, chunk: int
 ) -> SharesOfCases:
-    """Shares of the march from the starts to the stops; `axes` mark the parts that differ between models."""
+    """Shares of the march from the starts to the stops; `axes` mark numbers that differ between models."""
     models, states = starts
     if states[0].kept is None:
         return _mapped(starts, axes, settings, stops, chunk)
@@ -95,7 +95,7 @@ def _mapped(
 def _march_of_cases(
     first: Model, differing: list[Any], settings: Controls, states: State, stops: Any
 ) -> tuple[State, State]:
-    """The run, mapped over cases. A leaf of a case's model is that of `first` where `differing` has None."""
+    """The run, mapped over cases. Where `differing` has None, a case's model has the number of `first`."""
     leaves, structure = jax.tree.flatten(first)
 
     def of_case(own: list[Any], state: State) -> tuple[State, State]:

@@ -30,8 +30,8 @@ def simulate(
 ) -> Solution:
     """Motion of a system from its initial state over a run.
 
-    The form of the bodies determines the method: rigid and reduced bodies are integrated by one compiled
-    program, machines with full bodies by sparse Newton steps.
+    The method of the run and the form of the bodies determine the engine. By default, rigid and reduced
+    bodies are integrated by one compiled program, and machines with full bodies by sparse Newton steps.
 
     Parameters
     ----------
@@ -39,20 +39,20 @@ def simulate(
     run : Run               span, output times, steps, tolerances
     file : path             record the motion in this result file as it is computed; an existing complete run
                             is read, an interrupted one is continued
-    overwrite : bool        start a new run, whatever the file contains
+    overwrite : bool        start a new run in `file`, whatever the file contains
     resume : Solution       continue from the end of an earlier part of the same run
     progress, record : called during the run; `record` receives every completed leg
-    check : bool            raise where the run ends early; otherwise `Solution.stopped` is the reason
+    check : bool            raise if the run ends early; if False, `Solution.stopped` states the cause
 
     Returns
     -------
-    Solution    at the output times; with `resume`, only the new ones
+    Solution    at the output times; with `resume`, only at those after the recorded part
 
     Raises
     ------
     ModelError          a joint open at the start, a table that begins too late or ends too early
-    ConvergenceError    a step that fails at the smallest size: time, residual and remedy; the results until
-                        then were passed to `record` and are in the file
+    ConvergenceError    a step fails at the smallest size; the message states time, residual and remedy. The
+                        results until then were passed to `record` or are in the file
     ValidityError       with `Validity(strict=True)`, in place of the warnings below on validity, start and
                         resolution, except those on output times
     ValueError          `overwrite` without `file`; `resume` or `record` with `file`
@@ -64,7 +64,8 @@ def simulate(
     ValidityWarning             a motion beyond the range of the kinematics
     StartWarning                initial positions or velocities that the joints do not allow
     ResolutionWarning           steps, or output times, too far apart for loads and motions
-    StepCutWarning, RedundantConstraintWarning
+    StepCutWarning              fixed steps that were shortened
+    RedundantConstraintWarning  redundant constraints of joints
     """
     if file is None:
         if overwrite:

@@ -29,7 +29,7 @@ from supple.simulation.recorded_columns import are_same_columns, measured_column
 __all__ = ["Start", "StartedMachine"]
 
 SAME_TIME = 1e-6
-"""Allowed distance from an output time, relative to the output step."""
+"""Allowed distance from an output time, relative to the smallest output step."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ class StartedMachine:
     system : System             with the poses, velocities and deformation of its bodies at `time`; run it
         with `Run(.., start=time)`, so that laws of time continue
     time : float                the start time
-    losses : ProjectionLoss     of the bodies with another basis, by name
+    losses : ProjectionLoss     of the bodies that changed their form or basis, by name
     """
 
     system: System
@@ -95,20 +95,20 @@ class Start:
         return row
 
     def place(self, system: System) -> StartedMachine:
-        """The machine with its bodies as at that time; bodies are matched by their names.
+        """The machine with its bodies as at the start time; bodies are matched by their names.
 
-        A body with the same columns has its position, velocity and deformation of that time. A body in
+        A body with the same columns has its position, velocity and deformation at the start time. A body in
         another form or basis is projected in the mass norm, with its interfaces at their positions
         (`carried_deformation`). Points and axes of joints and forces remain those of the machine as placed.
-        Accelerations and joint forces are computed anew, as at the start of a run. The run therefore differs
-        from an uninterrupted run by errors of the order of its method.
+        Accelerations and joint forces are recomputed at the start of the run. The run therefore differs
+        from an uninterrupted run by errors of the order of the integration error.
 
         Raises
         ------
         ModelError      a body without a motion, with another mesh, or in a form to which the motion cannot
                         be transferred; explicit elements, whose plastic strain is not stored
-        Warns BasisWarning if the projection of a body loses 1 % or more, StartWarning of controllers that
-        restart.
+        Warns BasisWarning if the projection of a body loses 1 % or more of its deformation or rates, and
+        StartWarning if a controller restarts.
         """
         placed, losses = [], {}
         for each in system.bodies:
@@ -155,7 +155,7 @@ class Start:
         return replace(moved, coordinates=q, coordinate_rates=dq, **velocities), loss
 
     def _is_same(self, placed: Placed, motion: Motion) -> bool:
-        """Whether the body's coordinates are those of the motion; ModelError where that is unknown."""
+        """Whether the body has the coordinates of the motion; ModelError if that cannot be determined."""
         name, here = placed.body.name, placed.body.n_coordinates
         there = motion.coordinates.shape[1] if isinstance(motion, FramedMotion) else -1
         if not here and not there:
@@ -214,7 +214,7 @@ class Start:
         return then.body
 
     def _goes_on(self, number: int, controller: Any) -> Any:
-        """The controller with its states at the end of the motion if the run starts there, else unchanged."""
+        """The controller with its states at the end of the motion if the start is there, else unchanged."""
         known = self.solution.engine_state if self.row == len(self.solution.times) - 1 else {}
         states = known.get(f"control.states.{number}")
         is_traced = isinstance(controller, Controller)

@@ -1,4 +1,4 @@
-"""The basis of a reduced body in the coordinates of the full one, from its stored nodal basis."""
+"""The basis of a reduced body in the coordinates of its full body, from the stored nodal basis."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ from supple.reduction import ReducedBody, ReductionBasis
 __all__ = ["stored_bases", "stored_basis"]
 
 DIFFERENT = 1e-8
-"""Relative to the nodal basis: a larger remainder of the least squares means another body."""
+"""Least-squares residual, relative to the nodal basis, above which `full` and `reduced` do not match."""
 LIKE = 1e-6
-"""Relative to the reduced stiffness: allowed difference of the projected full stiffness."""
+"""Difference of the projected stiffness, relative to the reduced one, above which they do not match."""
 
 
 def stored_basis(full: FullBody, reduced: ReducedBody) -> ReductionBasis:
-    """V with T V = nodal basis: least squares, exact for a body reduced from this one.
+    """The basis of `reduced` in the coordinates of `full`: V with T V = nodal basis, by least squares.
 
-    Raises ModelError for the reduction of another body, or for modal coordinates without nodal motion.
+    T expands coordinates to nodal freedoms. V is exact if `reduced` is a reduction of `full`. Raises
+    ModelError if it is not, or if `full` has modal coordinates, which have no nodal motion.
     """
     if full.body.n_modal:
         raise ModelError(

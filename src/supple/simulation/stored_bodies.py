@@ -1,4 +1,4 @@
-"""The reduced bodies of a run, stored beside its motion, because its coordinates depend on them."""
+"""The reduced bodies of a run, stored beside its motion, whose coordinates refer to their columns."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ __all__ = ["reduced_bodies", "store_bodies", "store_body", "with_stored_bodies"]
 
 
 def reduced_bodies(system: System, names: Collection[str]) -> list[ReducedBody]:
-    """The reduced bodies of a system, among the given names."""
+    """The reduced bodies of a system that are among the given names."""
     return [body for name, body in system.bodies_of(ReducedBody).items() if name in names]
 
 
 def store_body(body: ReducedBody, folder: Path) -> Path:
-    """Write a reduced body to its file beside a run; returns the path."""
+    """Write a reduced body to its file in the folder of a run; returns the path."""
     return write_reduced_body(stored_path(folder, body.name), body)
 
 
 def store_bodies(system: System, names: Collection[str], folder: Path) -> None:
-    """Write the reduced bodies of a system, among the given names."""
+    """Write the reduced bodies of a system that are among the given names."""
     for body in reduced_bodies(system, names):
         store_body(body, folder)
 
 
 def with_stored_bodies(system: System, names: Collection[str], folder: Path) -> System:
-    """The system with the stored bodies of a run, to resume it; bodies not yet stored are written.
+    """The system with the stored bodies of a run, to resume this run; bodies not yet stored are written.
 
-    A repeated reduction may change the signs of columns.
+    The stored bodies are needed because a repeated reduction may change the signs of columns.
     """
     kept = {
         body.name: read_reduced_body(path)

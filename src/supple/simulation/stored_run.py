@@ -31,13 +31,13 @@ def simulate_and_store(
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> tuple[System, Solution]:
-    """Simulate a system and store its motion with its reduced bodies, `NAME-reduced.h5` beside it.
+    """Simulate a system, and store its motion and its reduced bodies (`NAME-reduced.h5`) in one folder.
 
     Parameters
     ----------
     system, run, path, case, metadata, inputs, overwrite, progress : as for `begin_recorded`
-    kept : names of the bodies to store, if they are reduced; no other body is stored
-    resume : continue an interrupted run, with the bodies that it began with
+    kept : names of the bodies to store; only reduced bodies are stored
+    resume : continue an interrupted run, with the stored bodies of this run
 
     Returns
     -------
@@ -45,7 +45,7 @@ def simulate_and_store(
 
     Raises
     ------
-    ResultFileError     a file that cannot be written, or not be continued
+    ResultFileError     the file cannot be written, or its run cannot be continued
     errors of `simulate`; the results until then are in the file
     """
     if resume and read_header(path).n_times:
@@ -55,7 +55,7 @@ def simulate_and_store(
         # Nothing was computed yet. The stored bodies may be those of an earlier run.
         ResultFile.resume(path, case=case, inputs=inputs).close()
     metadata = {**metadata, **joint_ends(system), **columns_of(system)}
-    # The old motion is deleted before its bodies: it is never beside bodies of another run.
+    # The old motion is deleted before its bodies, so that it is never beside the bodies of another run.
     with ResultFile.create(path, case=case, metadata=metadata, inputs=inputs, overwrite=overwrite) as file:
         store_bodies(system, kept, path.parent)
         return system, recorded(system, run, file, progress=progress)

@@ -34,7 +34,7 @@ def watched_run(
     record: Recorder | None = None,
     check: bool = True,
 ) -> Solution:
-    """Run a machine by the engine for the form of its bodies; parameters as for `simulate`."""
+    """Run a machine by its engine, with checks and warnings; parameters and result as for `simulate`."""
     before_compiled_code()
     times = run.times
     check_laws_cover(system, times[0], times[-1])
@@ -60,21 +60,21 @@ def watched_run(
 
 
 def report_resolution(system: System, run: Run, solution: Solution) -> None:
-    """Warn (ResolutionWarning) of steps, and of output times, too far apart for the motion."""
+    """Warn (ResolutionWarning) if steps, or output times, are too far apart for the motion."""
     report_step_length(solution.statistics, run)
     report_output_rate(system, run, solution)
 
 
 def warn_of_unseen_laws(system: System, run: Run) -> None:
-    """Warn (ResolutionWarning) of prescribed motions that jump, and of loads unresolved by fixed steps."""
+    """Warn (ResolutionWarning) of prescribed motions that jump, and loads that fixed steps do not resolve."""
     if run.step is None and is_explicit(system, run):
-        return  # explicit steps are short for any output step
+        return  # explicit steps are short, whatever the output step
     named = warn_of_rate_jumps(system, run)
     warn_of_missed_loads(system, run, besides=named)
 
 
 def check_laws_cover(system: System, begin: float, end: float) -> None:
-    """Raise ModelError for a table that begins after the start of the run, or ends before its end."""
+    """Raise ModelError for a table that begins after the start of the run or ends before its end."""
     laws = [(f"joint '{joint.name}'", joint.law) for joint in system.joints]
     laws += [(load.label, load.law) for load in system.loads]
     for what, law in laws:

@@ -21,12 +21,12 @@ class AttachmentModes:
         K Psi + M R mu = B^T,   R^T M Psi = 0
 
     Joints load a body by forces at its interfaces. The truncated modes respond to these forces nearly
-    statically, and six columns per interface contain that response: the truncation error of a mode then falls
-    with the fourth power of its frequency instead of the second. In every frame, rigid-body inertia balances
-    these forces, so that the reduced body does not depend on the frame. In a mean-axis frame,
-    AttachmentModes(NormalModes(n)) is Rubin(n).
+    statically, and six columns per interface contain that response: the error of truncating a mode then falls
+    with the fourth power of the frequency of the mode instead of the second. In every frame, rigid-body
+    inertia balances the forces, so that the reduced body does not depend on the frame. In a mean-axis frame,
+    AttachmentModes(NormalModes(n)) has the same columns as Rubin(n).
 
-    recipe : modes of the free body, ErrorControlled(...) or NormalModes(n)
+    recipe : ErrorControlled(...), NormalModes(n) or another recipe of modes of the free body
     Source: [Rubin1975]; [Wu2019] (33)-(38).
     """
 
@@ -36,7 +36,7 @@ class AttachmentModes:
         check_fields(self)
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
-        """Attachment modes, then the recipe's columns; ModelError: no interface."""
+        """Attachment modes, then the recipe's columns; ModelError: no interface, or the recipe's errors."""
         require_interfaces(body, "an attachment mode")
         basis = self.recipe.build(body, frame)
         relief = body.constrained(MeanAxisFrame().constraint(body))

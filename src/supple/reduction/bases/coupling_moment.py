@@ -21,14 +21,17 @@ class CouplingMoment:
         Z(s) = K_b - s M_b - s^2 sum_j S_j (1 + s / kappa_j + ...),    s = omega^2
         S_j = p_j^T p_j / kappa_j,    p_j = phi_j^T M Psi
 
+    K_b, M_b: stiffness and mass of the constraint modes Psi; phi_j, kappa_j: fixed-interface modes and their
+    eigenvalues.
     The modes of largest S_j are kept, so that the lowest moment of the truncated modes is smallest: the
     moment-matching principle of the CMS-chi method. The norm of S_j would depend on units, because
     translations and rotations mix. S_j is therefore measured relative to the interface mass,
 
         chi_j = p_j M_b^-1 p_j^T / kappa_j
 
-    With X the sum of S_j over the truncated modes, lambda sum chi_j = lambda trace(M_b^-1 X) also bounds the
-    first-order eigenvalue error lambda xi^T X xi of [Han2020] (45) for motions with xi^T M_b xi <= 1.
+    Let X be the sum of S_j over the truncated modes, lambda an eigenvalue of the free body and xi the
+    interface motion of its vibration. Then lambda trace(M_b^-1 X), the sum of lambda chi_j over the truncated
+    modes, bounds the first-order eigenvalue error lambda xi^T X xi of [Han2020] (45) if xi^T M_b xi <= 1.
 
     candidates : number of lowest modes to choose from
     Source: [LiaoBaiGao2007] for the principle, from which the formula is derived here; [Givoli2004] for modes

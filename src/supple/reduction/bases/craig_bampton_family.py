@@ -22,12 +22,12 @@ __all__ = ["CraigBamptonFamily"]
 
 N_RIGID = 6
 
-# Smallest growth of the number of modes: a search that adds one mode at a time then needs few eigensolutions.
+# Smallest growth factor of the number of computed modes: adding single modes then needs few eigensolutions.
 GROWTH = 1.1
 
 
 class CraigBamptonFamily:
-    """Craig-Bampton bodies with 0, 1, 2 ... modes; modes are computed when needed, and stored.
+    """Craig-Bampton bodies with 0, 1, 2 ... fixed-interface modes, which are computed when needed and stored.
 
     body : FlexibleBody      with interfaces; ModelError without
     """
@@ -49,16 +49,16 @@ class CraigBamptonFamily:
 
     @property
     def n_vibrations(self) -> int:
-        """Number of elastic vibrations of the free body."""
+        """Number of elastic vibrations of the full free body."""
         return self.body.n - N_RIGID
 
     def vibrations(self, n_kept: int, n_vibrations: int) -> FreeVibrations:
-        """The lowest elastic vibrations of the free body with n_kept modes; fewer if the body has fewer."""
+        """The n_vibrations lowest elastic vibrations of the free body with n_kept modes, or all if fewer."""
         self._know(max(n_kept, min(n_vibrations, self.n_available)))
         return free_vibrations(self.component.leading(n_kept), self.rigid_motion, n_vibrations)
 
     def errors(self, n_kept: int, n_vibrations: int, estimator: EigenvalueErrorEstimator) -> np.ndarray:
-        """Estimated eigenvalue errors (n_vibrations,); infinite where there is no such vibration."""
+        """Estimated eigenvalue errors (n_vibrations,); infinite where the body has fewer vibrations."""
         vibrations = self.vibrations(n_kept, n_vibrations)
         errors = np.full(n_vibrations, np.inf)
         errors[: vibrations.values.size] = estimator.errors(error_terms(self.component, vibrations))
@@ -71,13 +71,13 @@ class CraigBamptonFamily:
         return self.shapes @ vibrations.interfaces + self.modes.combine(amounts)
 
     def make_room(self) -> None:
-        """Release memory: the numerical factor, and the Krylov space except for the modes found in it."""
+        """Release the memory of the factor of K, and of the Krylov space except for the modes found."""
         self.body.grounded_stiffness.factor.release()
         self.growing.keep_modes_only()
         self.modes = self.growing.found
 
     def _know(self, n_kept: int) -> None:
-        """Compute n_kept + 1 modes (the last bounds the truncated ones), and the residual by deflation."""
+        """Compute n_kept + 1 modes or more (the last bounds the truncated ones), and their residual."""
         known, needed = self.modes.values.size, min(n_kept + 1, self.n_available)
         if needed <= known:
             return

@@ -1,4 +1,4 @@
-"""Craig-Bampton with residual modes: the static response of the truncated vibrations joins the basis."""
+"""Craig-Bampton with residual modes: the basis also contains the static response of the truncated modes."""
 
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ class CraigBamptonResidual:
 
         Y = F_rs A,   F_rs = K_s^-1 - Phi Lambda^-1 Phi^T,   A = M Psi     (K_s, Phi: interfaces fixed)
 
-    A unit acceleration of an interface loads the interior by A; Y is the part of the static response that the
-    truncated vibrations would contribute. [Han2020] (26) adds omega^2 Y to the constraint modes, and
-    [KimLee2015] estimate the unknown omega^2. Here the residual modes have coordinates of their own, six for
-    each interface: this larger space contains theirs and needs no estimate.
+    Psi: constraint modes. A unit acceleration of an interface loads the interior by A; Y is the part of the
+    static response that the truncated vibrations would contribute. [Han2020] (26) adds omega^2 Y to the
+    constraint modes, and [KimLee2015] estimate the unknown omega^2. Here the residual modes Y have
+    coordinates of their own, six for each interface: this larger space contains the columns of both methods
+    and needs no estimate of omega^2.
 
     n_modes : number of fixed-interface modes, besides the constraint and residual modes; or
     n_columns : total number of columns

@@ -14,24 +14,25 @@ __all__ = ["DualCraigBampton"]
 
 @dataclass(frozen=True, eq=False)
 class DualCraigBampton:
-    """Matrices in the modes eta and the forces f that the body exerts on the supports of its interfaces.
+    """Matrices in the modes eta and the forces f of the body on its supports; F, H: FreeInterfaceComponent.
 
         u = Phi eta - G_r B^T f
 
         K = [ Lambda   (B Phi)^T ]     M = [ I  0 ]
             [ B Phi    -F        ]         [ 0  H ]
 
-    The second row is the compatibility of the interfaces, B u = 0 or the neighbour's motion, weighted by the
-    residual shapes: with few modes a residual of size H f'' remains. K is indefinite, so Rayleigh's principle
-    does not apply: each force makes one eigenvalue negative, which belongs to no vibration. The other
-    eigenvalues are upper bounds, and fall with every mode added. At s = omega^2 the coupling stiffnesses obey
+    With fixed interfaces, the second row is B u + H f'' = 0: compatibility holds up to H f'', which decreases
+    as modes are added. With neighbours, B u is replaced by the relative motion. K is indefinite, so
+    Rayleigh's principle does not apply: each force makes one eigenvalue negative, which belongs to no
+    vibration. The other eigenvalues are upper bounds, and fall with every mode added. At s = omega^2 the
+    coupling stiffnesses obey
 
         F^-1 - s F^-1 H F^-1  <=  (F + s H)^-1  <=  F^-1        (Rubin, dual, MacNeal),
 
-    so that exact <= Rubin <= dual <= MacNeal holds eigenvalue by eigenvalue.
+    so that exact <= Rubin <= dual <= MacNeal holds for each eigenvalue.
 
     ingredients : FreeInterfaceComponent
-    Raises AccuracyError when the modes leave no residual flexibility.
+    Raises AccuracyError when the modes leave no residual flexibility, or interfaces are dependent.
     Source: [Rixen2004]; the bounds are derived here.
     """
 

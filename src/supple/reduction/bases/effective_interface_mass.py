@@ -14,7 +14,7 @@ from supple.reduction.components.fixed_interface_component import FixedInterface
 
 __all__ = ["EffectiveInterfaceMass", "effective_interface_masses", "interior_interface_mass"]
 
-# Relative eigenvalue below which a direction of interface motion moves no interior mass.
+# Eigenvalue of M_e, scaled to a unit diagonal, up to which an interface motion moves no interior mass.
 SMALLEST_SHARE = 1e-10
 
 
@@ -24,9 +24,9 @@ class EffectiveInterfaceMass:
 
         e_j = p_j M_e^+ p_j^T / rank M_e,   p_j = phi_j^T M Psi,   M_e = sum of p_j^T p_j over all modes
 
-    p_j^T p_j is the effective mass of the clamped body at its support, generalised: Psi may be any motion of
-    any interface. Relative to the total, as here, it depends neither on the units of translation and rotation
-    nor on the axes of the interfaces. The sum of all e_j is one.
+    p_j^T p_j generalises the effective modal mass of a body clamped at one support: Psi contains the
+    constraint modes of every motion of every interface. The shares e_j depend neither on the units of
+    translation and rotation nor on the axes of the interfaces. The sum of all e_j is one.
 
     candidates : number of lowest modes to choose from
     Source: [KammerTriller1996]; the scaling is derived here.
@@ -57,7 +57,7 @@ def interior_interface_mass(body: FlexibleBody, component: FixedInterfaceCompone
 
         M_e = Psi^T M Psi - (B M^-1 B^T)^-1
 
-    It is the interface mass less the mass that moves with the interfaces when the interior does not follow.
+    M_e is the interface mass less the interface mass at infinite frequency, where elastic forces do not act.
     With a lumped mass, the mass subtracted is that of the interface nodes. M is factored once.
     """
     B = motion_rows(body.interfaces)

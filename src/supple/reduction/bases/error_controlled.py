@@ -28,19 +28,20 @@ from supple.reduction.stopwatch import timed
 __all__ = ["ErrorControlled", "ErrorControlledModes", "error_controlled_modes"]
 
 SMALLEST_TOLERANCE = 1e-7
-"""Smallest tolerance; round-off in the eigenvalues of large bodies could exceed a smaller one."""
+"""Smallest tolerance allowed; the round-off in eigenvalues of large bodies could exceed a smaller one."""
 
 
 @dataclass(frozen=True)
 class ErrorControlled:
-    """The n_modes lowest elastic eigenvalues of the free body, each within a relative tolerance.
+    """A basis of the n_modes lowest elastic vibrations of the free body, with eigenvalues of given accuracy.
 
         0 <= chi-bar_n / chi_n - 1 <= tolerance,     n = 1 .. n_modes,  none missed
 
-    Fixed-interface modes are added to a Craig-Bampton basis until the estimate of every error is within the
-    tolerance. Bounds for the eigenvalues of the full body then prove the accuracy, or more modes are
-    added. The columns are the n_modes vibrations of that Craig-Bampton body: M = I, K = diag(chi-bar), so
-    that bodies of different tolerance have the same size.
+    chi-bar_n, chi_n: eigenvalues of the reduced and of the full body. Fixed-interface modes are added to a
+    Craig-Bampton basis until the estimate of every error is within the tolerance. Bounds for the eigenvalues
+    of the full body then prove the accuracy; if they do not, more modes are added. The columns are the
+    n_modes lowest vibrations of that Craig-Bampton body: M = I, K = diag(chi-bar). Bodies of different
+    tolerance therefore have the same size.
 
     tolerance : relative error of eigenvalues (squared frequencies), such as 1e-3 for 0.1 %
     n_modes : number of elastic modes, besides the six rigid motions, which are exact
@@ -48,7 +49,7 @@ class ErrorControlled:
     most : largest number of fixed-interface modes allowed; None: all modes of the body
     estimator : SharperBound(), TwoTermEstimate(), Han2020Bound() or FirstOrderEstimate()
     search : Bisection() or OneByOne()
-    progress : called with each SearchStep
+    progress : function called with each SearchStep of a search; None: no calls
     Raises ModelError when a number is out of range.
     Source: [Han2020] section 4 and (46)-(49); the sharper estimators, the search and the proof are derived
         here.
@@ -102,8 +103,8 @@ class ErrorControlledModes(NamedTuple):
 def error_controlled_modes(body: FlexibleBody, control: ErrorControlled) -> ErrorControlledModes:
     """The lowest vibrations of a Craig-Bampton body that meets a tolerance, and the proof.
 
-    The basis is the smallest that the search finds by its estimates; if the estimates are too high, fewer
-    modes would suffice.
+    The Craig-Bampton basis is the smallest that the search finds by estimates of the errors; if the estimates
+    are too high, fewer modes would suffice.
 
     Raises
     ------
@@ -117,7 +118,7 @@ def error_controlled_modes(body: FlexibleBody, control: ErrorControlled) -> Erro
         steps = _search(family, control, control.estimator, control.start)
     with timed(seconds, "enclosure"):
         enclosure = _enclosed(family, control, steps[-1].n_modes)
-    # The estimates are of first order: where they are too low, the search continues with the bounds.
+    # The estimates are of first order: if they are too low, the search continues with the proven bounds.
     with timed(seconds, "modes added"):
         proven = KnownEigenvalues(enclosure.lower)
         if _tried(family, control, proven, steps[-1].n_modes).first_failing:
@@ -152,7 +153,7 @@ def _check_range(family: CraigBamptonFamily, control: ErrorControlled) -> None:
 def _search(
     family: CraigBamptonFamily, control: ErrorControlled, estimator: EigenvalueErrorEstimator, first: int
 ) -> tuple[SearchStep, ...]:
-    """The steps to the first body that meets the tolerance; AccuracyError where none does."""
+    """The steps of the search, the last of which meets the tolerance; AccuracyError if none does."""
     most = family.n_available if control.most is None else min(control.most, family.n_available)
 
     def trial(n_kept: int) -> SearchStep:
@@ -177,7 +178,7 @@ def _tried(
 
 
 def _enclosed(family: CraigBamptonFamily, control: ErrorControlled, n_kept: int) -> EigenvalueEnclosure:
-    """Bounds for the full body's eigenvalues; trial motions are those of the reduced body with more modes."""
+    """Bounds for the full body's eigenvalues, from trial vibrations of the reduced body with enough modes."""
     body = family.body
     n_trial = min(family.n_vibrations, max(control.n_modes + 8, 3 * control.n_modes // 2))
     n_needed = n_trial - (len(family.rigid_motion) - 6)

@@ -20,7 +20,7 @@ __all__ = ["Guyan", "constraint_modes", "interface_shapes"]
 
 @dataclass(frozen=True)
 class Guyan:
-    """Constraint modes alone: the body follows its interfaces statically; exact for static loads there."""
+    """Constraint modes: the body follows its interfaces statically; exact for static interface loads."""
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
         """Constraint modes in a frame; see constraint_modes."""
@@ -32,11 +32,11 @@ def constraint_modes(body: FlexibleBody, frame: Frame) -> LinearBasis:
 
         K Psi + B^T mu = 0,   B Psi = (columns of) I
 
-    which is Psi_i = -K_ii^-1 K_ib where B selects freedoms. The six shapes of the interface to which the
-    frame is fixed, or else of the first interface, are rigid motions minus combinations of the other shapes:
-    they are not formed.
+    which is Psi_i = -K_ii^-1 K_ib where B selects the freedoms b, and i are all others. The reference
+    interface is the one to which the frame is fixed, or else the first. Its six shapes are rigid motions
+    minus combinations of the other shapes: they are not formed.
 
-    Returns LinearBasis (n, 6 (n_interfaces - 1)), not yet projected on the frame; frequencies nan.
+    Returns LinearBasis of 6 (n_interfaces - 1) columns, not yet projected on the frame; frequencies nan.
     Raises ModelError when the body has no interface.
     Source: [Guyan1965], [Han2020] (13).
     """
@@ -59,7 +59,7 @@ def constraint_modes(body: FlexibleBody, frame: Frame) -> LinearBasis:
 
 
 def interface_shapes(body: FlexibleBody) -> np.ndarray:
-    """Static shapes due to a unit motion of every interface freedom; their span contains the rigid motions.
+    """Static shapes due to unit motions of each interface freedom; their span contains the rigid motions.
 
         K Psi + B^T mu = 0,   B Psi = I
 

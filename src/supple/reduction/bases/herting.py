@@ -23,11 +23,11 @@ class Herting:
         K Upsilon + B^T mu = M R,  B Upsilon = 0                inertia relief modes
         K Phi = M Phi diag(omega^2),  Phi^T M R = 0             free-interface modes
 
-    Interface statics are exact, as in Craig-Bampton; the free body's modes are exact, as in Rubin. Herting
-    uses Phi - Psi B Phi as modes, so that the interface coordinates are the physical ones: the span is the
-    same. Psi, Upsilon and the rigid motions span the static responses to all balanced loads of interface
-    forces and rigid inertia. In a mean-axis frame, Rubin's attachment modes and the rigid motions span the
-    same space, and both bases give the same body.
+    Interface statics are exact, as in Craig-Bampton; the free body's modes are exact, as in Rubin.
+    [Herting1985] uses Phi - Psi B Phi instead of Phi, so that the interface motions are coordinates; the span
+    of all columns is the same. Psi, Upsilon and the rigid motions span the static responses to all balanced
+    loads of interface forces and rigid inertia. In a mean-axis frame, Rubin's attachment modes and the rigid
+    motions span the same space, so that Herting and Rubin give the same reduced body.
 
     n_modes : number of free-interface modes, besides the static columns; or
     n_columns : total number of columns

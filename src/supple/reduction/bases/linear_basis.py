@@ -18,14 +18,14 @@ __all__ = ["LinearBasis", "LinearBasisRecipe", "rayleigh_ritz"]
 
 @dataclass(frozen=True, eq=False)
 class LinearBasis:
-    """Columns of a linear basis: static interface columns first, then modes.
+    """Columns of a linear basis, static columns and modes, with the static problem of their derivatives.
 
     vectors : (n, m)
     frequencies : (m,)       rad/s; nan for static columns, which have no natural frequency
     labels : (m,) str        such as "constraint tip rz" or "fixed-interface mode 3"
-    static_solver : solves K x = f with the interfaces and the frame fixed as in this basis;
-                        the derivatives of its columns are static solutions of that same problem
-    dropped : labels of columns not formed because their motion is that of the frame
+    static_solver : solves K x = f under the constraints of this basis (interfaces or frame fixed); the
+                        derivatives of the columns are solutions of this static problem
+    dropped : labels of columns left out because the frame or other columns contain their motion
     certificate : proven bounds of the modes' eigenvalues; None without a proof
     """
 
@@ -50,23 +50,23 @@ class LinearBasisRecipe(Protocol):
 
 
 def rayleigh_ritz(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> LinearBasis:
-    """Columns of the same span, each with a natural frequency (Rayleigh-Ritz).
+    """Columns that span the motions of `raw` relative to the frame, each with a natural frequency.
 
         X = P raw Q,   X^T M X = I,   X^T K X = diag(omega^2),   D X = 0
 
-    P is the frame's projector. A static column thus also has a frequency, which weights its modal
-    derivatives; modes of the frame's own eigenproblem keep their frequencies. Dependent columns are dropped.
+    P is the frame's projector; Q follows from the Rayleigh-Ritz method. Every column, also of a static basis,
+    thus has a frequency, which weights its modal derivatives; vibration modes under D q = 0 keep their
+    frequencies. Dependent columns are dropped.
 
     Returns LinearBasis: `labels` are those of the kept raw columns (in the raw order, not in the ascending
         order of the frequencies); `dropped` also has those of the dropped raw columns.
     Raises AccuracyError when a column stores no energy, ModelError when no column is left.
     """
-    # Norms before projection: the projection of a motion of the frame is round-off only.
+    # Norms before projection, because the projection of a rigid motion leaves only round-off.
     norms = np.sqrt(np.sum(raw.vectors * (body.mass @ raw.vectors), axis=0))
     without_frame = frame_projector(body, frame)
     columns, kept, dropped = mass_orthonormalize(without_frame(raw.vectors), body.mass, reference_norms=norms)
-    # Projected again: in a column that was nearly a motion of the frame, round-off of that motion is
-    # amplified.
+    # Projected again: scaling a column that was nearly a rigid motion amplifies its round-off.
     columns = mass_orthonormalize(without_frame(columns), body.mass).vectors
     if columns.shape[1] == 0:
         raise ModelError(
@@ -116,7 +116,7 @@ class ModeCount:
 
 
 def check_mode_count(body: FlexibleBody, n_modes: int, n_fixed: int) -> None:
-    """ModelError when a body with n_fixed motions fixed has fewer than n_modes modes."""
+    """ModelError when n_modes is negative, or more than a body with n_fixed motions fixed has modes."""
     available = body.n - n_fixed
     if not 0 <= n_modes <= available:
         raise ModelError(

@@ -25,10 +25,10 @@ class MacNealComponent:
     The truncated modes act as springs without mass: the matrices are Rubin's in other coordinates, less the
     mass H of the residual shapes. They are no projection on a basis, so `reduce` cannot use them. As mass is
     missing, no eigenvalue is below Rubin's: the eigenvalues are upper bounds, less sharp than Rubin's. Each
-    further mode adds its mass and lowers them.
+    further mode adds its mass and lowers the eigenvalues.
 
     ingredients : FreeInterfaceComponent
-    Raises AccuracyError when the modes leave no residual flexibility.
+    Raises AccuracyError when the modes leave no residual flexibility, or interfaces are dependent.
     Source: [MacNeal1971].
     """
 
@@ -38,17 +38,17 @@ class MacNealComponent:
         require_residual(self.ingredients, "MacNeal's method")
 
     def interfaces_free(self) -> ReducedMatrices:
-        """The free modes alone: without mass or load, q_v follows them, f = 0."""
+        """The free modes alone: interfaces without mass and load have f = 0 and q_v = B Phi eta."""
         values = self.ingredients.eigenvalues
         return ReducedMatrices(np.diag(values), np.eye(values.size))
 
     def interfaces_fixed(self) -> ReducedMatrices:
-        """Lambda + (B Phi)^T F^-1 B Phi in the modes: q_v = 0."""
+        """Stiffness Lambda + (B Phi)^T F^-1 B Phi and unit mass in the modes eta; q_v = 0."""
         n = self.ingredients.eigenvalues.size
         return ReducedMatrices(self._stiffness()[:n, :n], np.eye(n))
 
     def interfaces_loaded(self, added_mass: np.ndarray) -> ReducedMatrices:
-        """M = diag(I, added_mass) in (eta, q_v)."""
+        """The stiffness K above, and the mass M = diag(I, added_mass), in (eta, q_v)."""
         n = self.ingredients.eigenvalues.size
         return ReducedMatrices(self._stiffness(), block_diagonal(np.eye(n), added_mass))
 

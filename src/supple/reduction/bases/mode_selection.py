@@ -38,7 +38,7 @@ class ModeSelection(Protocol):
 
 
 class ModeRanking(Protocol):
-    """A rule that assigns each mode a score; the largest scores are kept."""
+    """A rule that assigns each mode a score; the modes of largest score are kept."""
 
     @property
     def candidates(self) -> int:
@@ -61,7 +61,7 @@ class LowestFrequency:
 
 
 def ranked_modes(ranking: ModeRanking, body: FlexibleBody, n_modes: int) -> ChosenModes:
-    """The n_modes of largest score among the lowest candidates; ModelError when there are fewer."""
+    """The n_modes of largest score; ModelError: n_modes above the candidates, or fewer modes than these."""
     if n_modes > ranking.candidates:
         raise ModelError(
             f"{n_modes} modes cannot be chosen among {ranking.candidates} candidates; give more candidates"

@@ -21,14 +21,14 @@ __all__ = ["Rubin"]
 
 @dataclass(frozen=True)
 class Rubin:
-    """Attachment modes and the lowest vibrations with the interfaces free.
+    """Attachment modes, and the lowest vibrations with the interfaces free (except that of a nodal frame).
 
         K Psi + D^T mu = B^T,   D Psi = 0
         K Phi + D^T mu = M Phi diag(omega^2),   D Phi = 0
 
     Psi is the static response to a unit force (moment) at one interface freedom, constrained by the frame
-    alone; in a mean-axis frame (D = R^T M) the multipliers are inertia forces: inertia relief. An interface
-    to which the frame is fixed has no attachment mode: the frame carries its load.
+    alone; in a mean-axis frame (D = R^T M) the multipliers mu are inertia forces (inertia relief). An
+    interface to which the frame is fixed has no attachment mode: the frame supports its load.
 
     n_modes : number of free-interface modes, besides the attachment modes; or
     n_columns : total number of columns

@@ -18,12 +18,12 @@ __all__ = ["StaticCorrection"]
 class StaticCorrection:
     """The columns of a recipe, and the static deflection under each given load.
 
-        K x + D^T mu = F,   D x = 0     (and B x = 0 where the recipe fixes the interfaces)
+        K x + D^T mu = F,   D x = 0     (B x = 0 instead, with B^T mu, where the recipe fixes the interfaces)
 
-    Under a distributed load the lowest modes converge slowly: a centrifugal load stretches a blade,
-    straightens its walls and tilts its sections, mostly in modes far above the vibrating ones. One column
-    contains the whole response. In a mean-axis frame the multipliers are inertia forces, so that a load need
-    not be balanced.
+    Under a distributed load the response converges slowly with the number of modes: a centrifugal load
+    stretches a blade, straightens its walls and tilts its sections, mostly in modes of higher frequency than
+    those that vibrate. One column contains the whole response. In a mean-axis frame the multipliers are
+    inertia forces, so that a load need not be balanced.
 
     recipe : the basis to correct
     loads : (n_nodal, k)    on the nodal freedoms, of any scale
@@ -37,7 +37,7 @@ class StaticCorrection:
         object.__setattr__(self, "loads", read_only(self.loads))
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
-        """The recipe's columns, then one per load; ModelError when the loads do not fit the body."""
+        """The recipe's columns, then one per load; ModelError: a load of wrong size, zero or not finite."""
         if self.loads.ndim != 2 or self.loads.shape[0] != body.n_nodal:
             raise ModelError(
                 f"static correction of body '{body.name}': loads of shape {self.loads.shape}; "

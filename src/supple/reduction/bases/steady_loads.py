@@ -22,7 +22,7 @@ NAMES = (
     *(f"rotation about {first} and {second}" for first, second in combinations("xyz", 2)),
 )
 
-# Ratio to the longest response below which a response is zero, such as that of a line rotating about itself.
+# Ratio of the M-norm of a response to the largest, up to which it is dropped: a line rotating about itself.
 SMALLEST_RESPONSE = 1e-9
 
 
@@ -30,14 +30,16 @@ SMALLEST_RESPONSE = 1e-9
 class SteadyLoads:
     """The columns of a recipe, and the static responses to steady motion of the frame.
 
-        K x + B^T mu = M a,   B x = 0
-        a:  e_i (3),   e_i x x (3),   x - e_i (e_i . x) of a rotation (3),   e_i (e_j . x) + e_j (e_i . x) (3)
+        K y + B^T mu = M a,   B y = 0
+        a:  e_i (3),   e_i cross x (3),   x - e_i (e_i . x) (3),   e_i (e_j . x) + e_j (e_i . x) (3)
 
-    Centrifugal load stretches a disc in modes of high frequency only, and an acceleration bends a body a
-    little in all modes. The last three fields are the products of two components of an oblique angular
-    velocity. The reaction acts at the interface to which the frame is fixed, otherwise at the first
-    interface; for a body without interfaces, at the frame. A response that other columns already contain is
-    dropped and reported: with a Rubin basis in a mean-axis frame, only the responses to rotation remain.
+    a are acceleration fields at the positions x: translation, angular acceleration, and rotation about one
+    axis and about two axes, for products of two components of the angular velocity. A few modes do not
+    contain the responses: centrifugal load stretches a disc in modes of high frequency only, and an
+    acceleration bends a body a little in all modes. The reaction acts at the interface to which the frame is
+    fixed, otherwise at the first interface. A body without interfaces has the six responses to rotation only,
+    under the constraints of the recipe. A response that other columns already contain is dropped and
+    reported: with a Rubin basis in a mean-axis frame, only the responses to rotation remain.
 
     recipe : the basis to extend
     Source: modal truncation augmentation with inertia loads, [Dickens1997]

@@ -14,7 +14,7 @@ from supple.errors import AccuracyError, ModelError
 
 __all__ = ["ComponentModel", "ReducedMatrices", "RitzComponent"]
 
-# Eigenvalue, per coordinate, of the mass scaled to a unit diagonal; below it a direction is dependent.
+# Eigenvalue of the mass scaled to a unit diagonal, divided by r, up to which a direction is dependent.
 DEPENDENT = 1e-13
 
 
@@ -52,7 +52,7 @@ class ReducedMatrices:
         return read_only(np.linalg.eigvalsh(self._projected(columns))[self.n_forces :])
 
     def modes(self) -> Eigenpairs:
-        """The spectrum, and its vectors (r, k) with X^T M X = I."""
+        """The eigenvalues of `spectrum`, and their vectors (r, k) with X^T M X = I."""
         columns = self._orthonormal_columns()
         values, vectors = np.linalg.eigh(self._projected(columns))
         return Eigenpairs(values[self.n_forces :], columns @ vectors[:, self.n_forces :])
@@ -64,7 +64,7 @@ class ReducedMatrices:
         return self.spectrum[:n]
 
     def _orthonormal_columns(self) -> np.ndarray:
-        """Combinations of the coordinates with unit mass, dependent ones left out."""
+        """M-orthonormal combinations (r, k) of the coordinates; AccuracyError as for `spectrum`."""
         diagonal = np.diag(self.mass)
         scale = 1.0 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
         squares, directions = np.linalg.eigh(scale[:, None] * self.mass * scale)
@@ -109,9 +109,9 @@ class ComponentModel(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class RitzComponent:
-    """A body on the columns of a basis, K = V^T K V and M = V^T M V: eigenvalues are never too low.
+    """A body projected on the columns V of a basis; its eigenvalues are not below those of the full body.
 
-    stiffness, mass : (r, r)
+    stiffness, mass : (r, r)        V^T K V and V^T M V
     interface_motion : (b, r)       B V, b = 6 n_interfaces
     """
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from supple.algebra import ConstrainedFactor, RitzModes
 
-# After two deflations the round-off is that of one deflation squared.
+# Number of deflations; the relative round-off after two is that of one, squared.
 DEFLATIONS = 2
 
-# Share of the flexibility in one direction below which a residual is round-off.
+# Ratio of residual to whole flexibility under a load, up to which the residual is round-off.
 SMALLEST_RESIDUAL = 1e-12
 
 
@@ -19,7 +19,7 @@ class ResidualResponse(NamedTuple):
     """Static response of all truncated modes."""
 
     columns: np.ndarray
-    """(n, k)  Y = F_r A"""
+    """(n, k)  Y = F_r A, A the loads"""
     flexibility: np.ndarray
     """(k, k)  A^T F_r A = Y^T K Y"""
     mass: np.ndarray
@@ -37,7 +37,7 @@ def residual_response(
     difference K^-1 A - Phi Lambda^-1 Phi^T A would lose all digits if the modes contain nearly the whole
     response.
 
-    solver : solves K x = b, interfaces fixed, or in a mean-axis frame (inertia relief)
+    solver : solves K x = b with the interfaces fixed, or in a mean-axis frame (inertia relief)
     modes : RitzModes       Phi, modes under the same constraints
     loads : (n, k)          A
     Source: [Han2020] (36) for its use; the deflation is derived here.
@@ -56,7 +56,7 @@ def residual_response(
 
 
 def residual_shares(flexibility: np.ndarray, participation: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Share (k,) of the flexibility under each load that the modes leave to the residual.
+    """Ratio (k,) of the residual flexibility to the whole flexibility, under each load; zero if both vanish.
 
     flexibility : (k, k)        of the residual
     participation : (m, k)      Phi^T A

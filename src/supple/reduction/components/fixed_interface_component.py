@@ -27,7 +27,7 @@ __all__ = [
 
 @dataclass(frozen=True, eq=False)
 class FixedInterfaceComponent:
-    """Fixed-interface modes, constraint modes, and their inertia coupling, also to the truncated modes.
+    """Matrices in constraint modes Psi and fixed-interface modes Phi, with the residual of truncated modes.
 
         u = Psi q_v + Phi eta,   A = M Psi
 
@@ -57,13 +57,13 @@ class FixedInterfaceComponent:
 
     @property
     def residual_shares(self) -> np.ndarray:
-        """Share (b,) of the flexibility under each acceleration that the modes leave to the residual."""
+        """Ratio (b,) of residual to whole flexibility, under the inertia of each interface acceleration."""
         return residual_shares(self.residual_flexibility, self.participation, self.eigenvalues)
 
     def keeping(self, modes: np.ndarray) -> FixedInterfaceComponent:
         """The same body with the modes of given indices (m',); the removed modes join the residual, exactly.
 
-        X + sum a a^T / kappa  and  X2 + sum a a^T / kappa^2  over the modes removed, a their participation.
+        For removed modes of participation a, X grows by sum a a^T / kappa and X2 by sum a a^T / kappa^2.
         """
         given_up = np.setdiff1d(np.arange(self.n_modes), modes)
         values, motion = self.eigenvalues[given_up], self.participation[given_up].T
@@ -150,9 +150,9 @@ def enhanced_component(component: FixedInterfaceComponent) -> RitzComponent:
 
         u = [Psi Phi] x + Y E M^-1 K x,    E x = q_v
 
-    The omega^2 of Psi + omega^2 Y is replaced by the Craig-Bampton matrices of the free body. The result is a
-    Ritz basis with as many coordinates as Craig-Bampton, but tuned to free interfaces: for a body joined to
-    another one, these matrices would be different.
+    The matrix E M^-1 K, with the Craig-Bampton matrices K, M of the free body, replaces omega^2 in Psi +
+    omega^2 Y; E selects q_v. The result is a Ritz basis with as many coordinates as Craig-Bampton, but
+    specific to free interfaces: for a body joined to another one, these matrices would be different.
     Source: [KimLee2015], [Han2020] (26) and Appendix A.
     """
     plain, wide = craig_bampton_component(component), residual_component(component)

@@ -20,7 +20,7 @@ __all__ = ["FreeInterfaceComponent", "free_interface_component", "free_interface
 
 @dataclass(frozen=True, eq=False)
 class FreeInterfaceComponent:
-    """Interface motions of the free-interface modes, and the contribution of all other modes there.
+    """Interface motions of the free-interface modes, and the residual of all other modes at the interfaces.
 
         u = R a + Phi eta + G_r B^T f,    G_r = G - Phi Lambda^-1 Phi^T,   f forces at the interfaces
 
@@ -49,13 +49,13 @@ class FreeInterfaceComponent:
 
     @property
     def residual_shares(self) -> np.ndarray:
-        """Share (b,) of the flexibility at each interface freedom that the modes leave out."""
+        """Ratio (b,) of residual to whole elastic flexibility at each interface freedom."""
         return residual_shares(self.residual_flexibility, self.interface_motion.T[6:], self.eigenvalues[6:])
 
     def leading(self, n_modes: int) -> FreeInterfaceComponent:
         """The same body with its n_modes lowest elastic modes; the others join the residual, exactly.
 
-        F + (B Phi) Lambda^-1 (B Phi)^T  and  H + (B Phi) Lambda^-2 (B Phi)^T  over the modes removed.
+        Over the removed modes, F grows by (B Phi) Lambda^-1 (B Phi)^T and H by (B Phi) Lambda^-2 (B Phi)^T.
         Raises ModelError when there are fewer modes.
         """
         if not 0 <= n_modes <= self.n_modes:

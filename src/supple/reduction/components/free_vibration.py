@@ -34,13 +34,14 @@ class FreeVibrations:
 def free_vibrations(
     component: FixedInterfaceComponent, rigid_motion: np.ndarray, n_vibrations: int
 ) -> FreeVibrations:
-    """The lowest vibrations of Craig and Bampton's matrices, rigid motion taken out exactly.
+    """The lowest vibrations of Craig and Bampton's matrices, with rigid motion removed exactly.
 
         K-bar = [[K_b, 0], [0, Lambda]],     M-bar = [[M_b, P^T], [P, 1]],     K-bar x = chi-bar M-bar x
 
-    The first interface is fixed, the others move; a rigid motion added to each column makes it M-orthogonal
-    to all rigid motions. Then K-bar is scaled to the unit matrix, and M-bar x = (1/chi-bar) K-bar x is
-    solved: round-off disturbs its largest eigenvalues, those of the lowest vibrations, least.
+    The first interface is fixed, the others move; a rigid motion is added to each column, so that the column
+    is M-orthogonal to all rigid motions. Then K-bar is scaled to the unit matrix, and M-bar x = (1/chi-bar)
+    K-bar x is solved: round-off disturbs the largest eigenvalues 1/chi-bar, those of the lowest vibrations,
+    least.
 
     component    : FixedInterfaceComponent   with d modes
     rigid_motion : (b, 6)                    B R, the interfaces in a rigid motion of the body

@@ -25,7 +25,7 @@ class CompressedDerivatives:
     """Add the n leading directions of all derivatives, each weighted by the expected amplitude of its pair.
 
     n : number of columns to add; fewer if all derivatives together span less, as in the bending of a straight
-        beam, where all are axial. The report then lists the missing columns among the dropped ones
+        beam, where all derivatives are axial. The report then lists the missing columns as dropped
     weights : AmplitudeProduct(UnitLoad()) or AmplitudeProduct(StaticLoad(F))
     """
 
@@ -36,7 +36,7 @@ class CompressedDerivatives:
         check_fields(self)
 
     def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:
-        """Compressed columns, leading first; ModelError when there are fewer than n pairs."""
+        """Compressed columns, leading first; ModelError: fewer than n pairs, or a linear body."""
         check_derivative_count(self.n, len(basis.frequencies))
         derivatives = modal_derivatives(body, frame, basis)
         return compress(body, basis, derivatives, self.n, self.weights.weights(body, basis, derivatives))
@@ -49,7 +49,8 @@ def compress(
 
         Z = (I - X X^T M) [w_jk theta_jk] = Q R,   Q^T M Q = I,   R = U diag(s) W^T,   columns Q U_n
 
-    They are the n columns with the smallest remainder of Z, in the sum of squares sum_(i>n) s_i^2.
+    No other n columns leave a smaller remainder of Z: sum_(i>n) s_i^2, in squares of the M-norm. Directions
+    with singular values that are round-off are left out.
     """
     directions = leading_directions(
         derivatives.vectors * weights, basis.vectors, body.mass, derivatives.reference_norms(body) * weights

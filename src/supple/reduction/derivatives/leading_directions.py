@@ -32,7 +32,7 @@ def leading_directions(
 
     fields : (n, m)
     basis : (n, r)              X, M-orthonormal
-    reference_norms : (m,)      M-norms; a field's remainder that is small relative to its norm is round-off
+    reference_norms : (m,)      M-norms of the fields; a remainder small relative to its norm is dropped
     """
     outside = fields - basis @ (basis.T @ (mass @ fields))
     r = basis.shape[1]

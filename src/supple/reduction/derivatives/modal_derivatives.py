@@ -40,7 +40,7 @@ class ModalDerivatives:
         return np.where(self.pairs[:, 0] == self.pairs[:, 1], 1.0, 2.0)
 
     def reference_norms(self, body: FlexibleBody) -> np.ndarray:
-        """Reference lengths (M-norm) of remainders: of each derivative, but at least 1/100 of the longest.
+        """M-norm of each derivative, but at least 1/100 of the largest: the reference for its remainder.
 
         Where symmetry makes a derivative vanish, the solve leaves round-off, whose length is meaningless.
         """

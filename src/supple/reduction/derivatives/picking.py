@@ -36,7 +36,7 @@ class PickedDerivatives:
         check_fields(self)
 
     def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:
-        """Selected columns, highest rank first; ModelError when there are fewer than n pairs."""
+        """Selected columns, highest rank first; ModelError: fewer than n pairs, or a linear body."""
         check_derivative_count(self.n, len(basis.frequencies))
         derivatives = modal_derivatives(body, frame, basis)
         return pick(body, basis, derivatives, self.n, self.criterion.rank(body, basis, derivatives))

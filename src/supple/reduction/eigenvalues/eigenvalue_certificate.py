@@ -22,8 +22,8 @@ class EigenvalueCertificate:
     values : (N,)                chi-bar, of the reduced body, rad^2/s^2, ascending
     enclosure : EigenvalueEnclosure     of the full body
     n_fixed_interface_modes : number of fixed-interface modes in the reduced body
-    estimated : (N,)             errors by the estimator of the search
-    steps : every number of modes tried, in order
+    estimated : (N,)             relative errors by the estimator of the basis
+    steps : all numbers of modes tried; the last is the one taken
     seconds : wall time of modes, search and proof
     """
 
@@ -41,12 +41,12 @@ class EigenvalueCertificate:
 
     @property
     def errors(self) -> np.ndarray:
-        """(N,) proven relative bounds: no eigenvalue exceeds that of the full body by more."""
+        """(N,) proven upper bounds of the relative errors chi-bar_n / chi_n - 1."""
         return self.values / self.enclosure.lower - 1.0
 
     @property
     def largest_error(self) -> float:
-        """The largest of the errors."""
+        """The largest entry of `errors`."""
         return float(self.errors.max())
 
     def __str__(self) -> str:

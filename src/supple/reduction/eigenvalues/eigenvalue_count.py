@@ -15,7 +15,7 @@ __all__ = ["CountedGroup", "count_eigenvalues"]
 
 N_RIGID = 6
 
-# Modes closer than this fraction of the tolerance first share one count.
+# Eigenvalues whose relative distance is below this fraction of the tolerance share one count at first.
 CLOSE = 0.5
 
 
@@ -34,16 +34,17 @@ class CountedGroup:
 
     @property
     def proven(self) -> bool:
-        """At most first - 1 lie below the shift, so the group lies above it: chi-bar_n <= (1 + e) chi_n."""
+        """True if at most first - 1 eigenvalues lie below the shift: chi-bar_n <= (1 + tolerance) chi_n."""
         return self.counted < self.first
 
 
 def count_eigenvalues(body: FlexibleBody, values: ArrayLike, tolerance: float) -> tuple[CountedGroup, ...]:
-    """Prove chi-bar_n <= (1 + tolerance) chi_n for every n by the inertia of K - sigma M alone.
+    """Prove chi-bar_n <= (1 + tolerance) chi_n for every n by the negative eigenvalues of K - sigma M.
 
     If at most n - 1 elastic eigenvalues lie below sigma_n = chi-bar_n / (1 + tolerance), then chi_n >=
-    sigma_n. Close eigenvalues share the strictest of their counts; if it fails, their group is split. Each
-    count needs a sparse factorisation: slower than `enclose_eigenvalues`, but based on Sylvester's law alone.
+    sigma_n. Close eigenvalues share one count, at the largest of their shifts; if it proves nothing, the
+    group is split. Each count needs a sparse factorisation: slower than `enclose_eigenvalues`, but based on
+    Sylvester's law alone.
 
     values : (N,)     chi-bar, elastic eigenvalues of a reduced body, ascending
     Returns CountedGroup, in the order of the eigenvalues; the claim holds where all are proven.

@@ -18,13 +18,14 @@ __all__ = ["EigenvalueEnclosure", "enclose_eigenvalues"]
 ROUNDS = 12
 RIGID_MOTIONS = 6
 
-# Smallest relative gap at the shift. A cluster larger than the set of trial motions has smaller gaps.
+# Smallest relative gap of the spectrum at the shift; below it, random motions are added, because a cluster
+# may be larger than the set of trial motions.
 SMALLEST_GAP = 1e-3
 
-# Share of the largest energy or inverse eigenvalue below which a value may be round-off.
+# Ratio to the largest energy or inverse eigenvalue, below which a value may be round-off and is dropped.
 SMALLEST_PART = 1e-13
 
-# Largest number of times that as many random motions as trial motions are added.
+# Largest number of times that random motions are added; each time at most as many as there are trial motions.
 MOST_WIDENED = 4
 
 
@@ -34,7 +35,7 @@ class EigenvalueEnclosure:
 
     lower, upper : (N,)     rad^2/s^2
     shift : float           above the last upper bound, in a gap of the spectrum
-    n_below : int           number of eigenvalues below the shift, by inertia; includes six rigid motions
+    n_below : int           number of eigenvalues below the shift, by matrix inertia; with six rigid motions
     """
 
     lower: np.ndarray
@@ -56,8 +57,8 @@ def enclose_eigenvalues(
 ) -> EigenvalueEnclosure:
     """Enclose the lowest n_values elastic eigenvalues of a free body by Lehmann and Goerisch's theorem.
 
-    U are trial motions, K W = M U, and the inertia of K - rho M proves that exactly p elastic eigenvalues are
-    below the shift rho. Then the p negative eigenvalues mu of
+    U: trial motions; W: their static responses, K W = M U. The number of negative eigenvalues of K - rho M
+    proves that exactly p elastic eigenvalues are below the shift rho. Then the p negative eigenvalues mu of
 
         (A0 - rho A1) x = mu (A0 - 2 rho A1 + rho^2 A2) x
         A0 = U^T K U,    A1 = U^T M U,    A2 = W^T K W
@@ -68,10 +69,11 @@ def enclose_eigenvalues(
     motions, or where the count shows that a mode is missing. The theorems are exact and evaluated in floating
     point: the proof holds up to round-off.
 
-    trial : (n, p)          approximations of the lowest elastic modes, somewhat more than n_values of them
+    trial : (n, k)          approximations of the lowest elastic modes, k somewhat above n_values
     largest_width : float   largest value allowed of upper / lower - 1
     make_room : called before K - rho M is factored, to release memory
-    Raises AccuracyError when the bounds remain wider, or the count and the modes found disagree.
+    Raises AccuracyError when the bounds remain wider than largest_width, or the count and the modes found
+        disagree.
     Source: [Lehmann1963] in the form of [GoerischHaunhorst1985]; with one trial motion it is Temple's and
         Kato's bound.
     """
@@ -148,7 +150,7 @@ def _random_loads(body: FlexibleBody, n_loads: int) -> np.ndarray:
 
 
 def _bounds(upper: np.ndarray, A2: np.ndarray, inside: int) -> tuple[float, np.ndarray, float]:
-    """A shift above the first `inside` Ritz values, the lower bounds below the shift, the largest width."""
+    """A shift above the first `inside` Ritz values, lower bounds below the shift, and their largest width."""
     shift = 0.5 * float(upper[inside - 1] + upper[inside])
     lower = _lehmann_goerisch(upper, A2, shift)
     if lower.size != inside:

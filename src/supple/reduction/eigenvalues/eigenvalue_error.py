@@ -31,7 +31,7 @@ class ErrorTerms:
     first  : (N,)   xi^T X xi,  xi the interface part of each vibration
     second : (N,)   xi^T X2 xi
     fixed  : (m,)   kappa, eigenvalues of all computed fixed-interface modes, rad^2/s^2
-    next_fixed : kappa of the first truncated mode, rad^2/s^2; infinite when all modes are kept
+    next_fixed : kappa of the first truncated mode, rad^2/s^2; infinite when all computed modes are kept
     """
 
     values: np.ndarray
@@ -90,8 +90,8 @@ class Han2020Bound:
 
     If at least n modes are kept, every truncated mode is above the n-th fixed-interface mode, so its share is
     bounded. With many modes the bound is two or three times the true error, and tens of times where chi-bar_n
-    is far above kappa_n. With fewer than n modes, possible with several interfaces, it is no bound. If the
-    body has no n-th mode, the last mode replaces it.
+    is far above kappa_n. With fewer than n modes, possible with several interfaces, the estimate is no bound.
+    If fewer than n modes are computed, the last of them replaces the n-th.
     """
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:

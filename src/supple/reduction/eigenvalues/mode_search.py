@@ -20,7 +20,7 @@ SMALLEST_GROWTH = 1.05
 # Safety factor on the predicted number, so that a further step upwards is seldom needed.
 ALLOWANCE = 1.03
 
-# Ratio of an estimate to the tolerance at which the search for a smaller number ends.
+# Ratio of the largest error to the tolerance, above which the search for a smaller number of modes ends.
 DEEPEST_DIP = 1.1
 
 
@@ -29,10 +29,10 @@ class SearchStep:
     """One trial number of modes.
 
     n_modes : fixed-interface modes kept
-    errors : (N,)            error of each elastic eigenvalue; infinite where the reduced body has none
+    errors : (N,)            relative error of each elastic eigenvalue; infinite where the body has none
     tolerance : largest error allowed
     criterion : name of the estimator of the errors
-    seconds : wall time, that of new fixed-interface modes included
+    seconds : wall time, s, that of new fixed-interface modes included
     """
 
     n_modes: int
