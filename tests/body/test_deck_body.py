@@ -377,6 +377,17 @@ def test_a_dashpot_damps_the_motion_between_its_ends():
         deck_body("bar", deck(nodes, beam(np.arange(3)), masses=masses, dashpots=(across,)), [])
 
 
+def test_a_damping_matrix_on_rotations_that_nodes_of_solids_do_not_have():
+    """Its rows of translations act, and no row acts on another node."""
+    pair = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    ends = np.array([0, 6 * 12])  # two nodes on one line along x
+    alone = NodalMatrix(ends, 3.0 * pair)
+    both = NodalMatrix(np.concatenate([ends, ends + 3]), np.kron(np.diag([3.0, 5.0]), pair))
+    C = [deck_body("bar", solid_bar(dampings=(each,)), []).damping.toarray() for each in (alone, both)]
+    assert C[0].any()
+    np.testing.assert_array_equal(C[1], C[0])
+
+
 def test_springs_to_ground_and_springs_across_are_named():
     nodes = along_x(1.0, 2)
     ground = deck(nodes, beam(np.arange(3)), springs=(terms({0: 1.0}, values=[1e3]),))

@@ -407,7 +407,8 @@ def _nodal_matrix(
     rows, columns, values = [], [], []
     for matrix in matrices:
         freedoms, own = _rows(matrix)
-        at = _at(freedoms, d)
+        there = np.flatnonzero(freedoms % 6 < d)  # no rotations if nodes have none, as in `_matrix`
+        at, own = _at(freedoms[there], d), own[np.ix_(there, there)]
         rows.append(np.repeat(at, len(at)))
         columns.append(np.tile(at, len(at)))
         values.append(own.ravel())
