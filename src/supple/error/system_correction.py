@@ -218,7 +218,7 @@ def _enriched(
     """The bases of the next run, and the estimated errors of this one; `proven` as in `estimator.assess`."""
     began = perf_counter()
     model = run.model
-    step = f"{model.label}: motion outside their bases"
+    step = f"{model.label}: motion outside the bases"
     problem.report(step, 0.0)
     estimate = estimator.assess(
         model.system,
@@ -382,7 +382,7 @@ def _check_prospects(
     raise SelfCorrectionError(
         "".join(reasons)
         + "Start with more modes (all those in the band of the loads), add more directions per "
-        "round, tighten the tolerances of the time integration, or allow a larger error; the error object "
-        "holds the rounds",
+        "round, tighten the tolerances of the time integration, or allow a larger error. The rounds are in "
+        "the attribute `rounds` of this error",
         tuple(each.round for assessed in past.values() for each in assessed),
     )

@@ -83,11 +83,11 @@ def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
     raise SelfCorrectionError(
         " ".join(
             f"self-correction of body '{name}' did not reach the error {problem.target(name).wanted} in "
-            f"{attempt + 1} passes: {each.at_least:.2g} for {each.allowed:.2g}, of which {_words(each)}; "
-            f"{each.advice}."
+            f"{attempt + 1} passes: estimated {each.at_least:.2g}, allowed {each.allowed:.2g}; parts: "
+            f"{_words(each)}; {each.advice}."
             for name, each in unmet.items()
         )
-        + " The error object holds the rounds",
+        + " The rounds are in the attribute `rounds` of this error",
         tuple(each for own in before.values() for each in own),
     )
 
@@ -219,8 +219,8 @@ def _check_model(unmet: Mapping[str, ErrorStatement], rounds: Mapping[str, tuple
             raise SelfCorrectionError(
                 f"self-correction of body '{name}': the error of its kinematics alone is "
                 f"{each.model.value:.2g}, and the allowed sum of errors is {each.allowed:.2g}; no basis or "
-                f"step reduces it: {each.model.remedy}, or allow a larger error. The error object holds the "
-                "rounds",
+                f"step reduces it: {each.model.remedy}, or allow a larger error. The rounds are in the "
+                "attribute `rounds` of this error",
                 tuple(one for own in rounds.values() for one in own),
             )
 
