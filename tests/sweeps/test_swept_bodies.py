@@ -39,6 +39,22 @@ def test_damping_speed_and_loads_share_a_body_and_thickness_does_not(strip_case)
     assert [plan.representative(group) for group in range(3)] == [6, 15, 24]
 
 
+def test_damping_of_several_bodies_is_never_scaled_from_none(strip_case):
+    """The first case has the largest ratio of one body and none of the other: the second needs its own."""
+    text = strip_case.read_text()
+    body = text[text.index("[[body]]") : text.index("[[joint]]")].replace('"strip"', '"other"', 1)
+    strip_case.write_text(text.replace("[[joint]]", body + "[[joint]]", 1))
+    table = CaseTable(
+        {
+            "body.strip.damping.ratio": [0.05, 0.02, 0.01, 0.0],
+            "body.other.damping.ratio": [0.0, 0.03, 0.02, 0.0],
+        }
+    )
+    plan = make_plan(strip_case, table, SweepOutput.model_validate({}))
+    assert plan.group.tolist() == [0, 1, 1, 2]
+    assert [plan.representative(group) for group in range(3)] == [0, 1, 3]
+
+
 @pytest.mark.parametrize("held", [pytest.param('held = "root"', marks=pytest.mark.slow), "modes = [1, 3]"])
 def test_a_case_is_that_of_a_file_with_its_damping(strip_case, tmp_path, held, monkeypatch):
     """The second ratio is scaled from the reduction with the first; alone its body is reduced with it."""

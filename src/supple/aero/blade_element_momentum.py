@@ -18,7 +18,7 @@ FloatArray = NDArray[np.float64]
 
 # Axial induction above which Glauert's empirical line replaces momentum theory.
 CRITICAL_INDUCTION = 0.2
-# The tip loss and the load are zero at the tip; this avoids 0/0 there.
+# Smallest value of the tip-loss factor F in divisions; F is zero at the tip.
 LEAST_TIP_LOSS = 1e-6
 SMALLEST_INFLOW_ANGLE = 1e-6
 INFLOW_TOLERANCE = 1e-11
@@ -61,16 +61,19 @@ class AirLoads:
 def air_loads(rotor: Rotor, operation: Operation, *, radius: ArrayLike, wind: ArrayLike) -> AirLoads:
     """Loads per length on a blade in axial wind, with Prandtl's tip loss and Glauert's line for high loading.
 
-    At inflow angle phi the angle of attack is alpha = phi - twist - pitch, and with s = B c / (2 pi r)
+    At a section with radius r, chord c and inflow angle phi, the angle of attack is alpha = phi - twist -
+    pitch. With B blades of tip radius R, and s = B c / (2 pi r),
         C_n = C_l cos phi + C_d sin phi,     C_t = C_l sin phi - C_d cos phi,
         F = 2/pi acos exp(-B/2 (R - r) / (r sin phi)),
         k = s C_n / (4 F sin^2 phi),         k' = s C_t / (4 F sin phi cos phi).
-    Momentum gives 1/(1 - a) = 1 + k and 1/(1 + a') = 1 - k'. For a > a_c = 0.2 the thrust follows
-    4 F (a_c^2 + (1 - 2 a_c) a), that is, 1/(1 - a) = ((b^2 + 4 k d^2)^(1/2) + b) / (2 d^2), b = 1 - 2 a_c,
-    d = 1 - a_c. The angle is the root of
+    The balance of momentum gives 1/(1 - a) = 1 + k and 1/(1 + a') = 1 - k' for the axial and tangential
+    induction a and a'. For a > a_c = 0.2 the thrust coefficient is 4 F (a_c^2 + (1 - 2 a_c) a), that is,
+    1/(1 - a) = ((b^2 + 4 k d^2)^(1/2) + b) / (2 d^2), b = 1 - 2 a_c, d = 1 - a_c. The inflow angle is the
+    root of
         sin phi / (1 - a) omega r - cos phi / (1 + a') V = 0
-    in (0, pi/2], found by bracketing, because fixed-point iteration diverges at high speed ratios. In this
-    form the function is finite and continuous in (0, pi/2], and negative near 0 for sections with drag. Then
+    in (0, pi/2], found by bracketing, because fixed-point iteration diverges at high tip-speed ratios. In
+    this form the function is finite and continuous in (0, pi/2], and negative near 0 for sections with drag.
+    With the air density rho and the relative wind speed W,
         F_N = rho/2 W^2 c C_n,   F_T = rho/2 W^2 c C_t,   W^2 = (V (1 - a))^2 + (omega r (1 + a'))^2.
 
     Parameters
@@ -151,7 +154,7 @@ class _Sections:
         return np.where(k <= CRITICAL_INDUCTION / d, 1 + k, turbulent), cos - share * C_t
 
     def residual(self, phi: FloatArray, place: NDArray[np.int64], wind: FloatArray) -> FloatArray:
-        """Function of phi whose root is the inflow angle, m/s."""
+        """Residual, m/s, of the equation whose root phi is the inflow angle."""
         axial, tangential = self.slowing(phi, place)
         return np.sin(phi) * axial * self.operation.angular_speed * self.radius[place] - tangential * wind
 

@@ -73,7 +73,7 @@ class BlendedPolars:
     def coefficients(self, section: ArrayLike, angle: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Lift and drag coefficients of sections, by number, at angles of attack of the same shape.
 
-        They are constant beyond the first and the last angle.
+        The coefficients are constant beyond the first and the last angle.
         """
         section, angle = np.asarray(section, dtype=np.int64), np.asarray(angle)
         upper = np.clip(np.searchsorted(self.angle, angle, side="right"), 1, self.angle.size - 1)

@@ -85,7 +85,7 @@ def prescribed_forces(
     times: ArrayLike,
     ramp: CosineRamp | None = None,
 ) -> NodalForces:
-    """Forces on nodes of a blade over time; the rotor has constant speed, and the blade starts upright.
+    """Forces on nodes of a blade over time; the rotor speed is constant, and the blade is upright at t = 0.
 
     The aerodynamic loads are those of a rigid blade, and thus prescribed. Axes: x downwind, y towards
     the trailing edge, z along the span from the root, at radius = span + hub_radius.

@@ -22,7 +22,7 @@ class Rotor:
 
     Parameters
     ----------
-    radius : float array (n,)    m from the rotor axis, increasing, n >= 2; the tip is the last
+    radius : float array (n,)    m from the rotor axis, increasing, n >= 2; the last one is that of the tip
     chord : float array (n,)     m, above zero
     twist : float array (n,)     rad, positive rotates the nose into the wind
     polars : Polar (n,)

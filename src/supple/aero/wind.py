@@ -20,7 +20,7 @@ GOLDEN_RATIO_PART = 0.618034
 
 @dataclass(frozen=True, kw_only=True)
 class PowerLawShear:
-    """Speed at height z over that at the hub: (z / hub_height)^exponent."""
+    """Ratio of the speed at height z to the speed at the hub: (z / hub_height)^exponent."""
 
     hub_height: float
     exponent: float = 0.2
@@ -33,7 +33,10 @@ class PowerLawShear:
             )
 
     def factor(self, height: ArrayLike) -> FloatArray:
-        """Speed over that at the hub, at heights above the ground (m, any shape)."""
+        """Ratio of the speed at heights above the ground (m, any shape) to that at the hub.
+
+        Raises ModelError for a height that is not above zero.
+        """
         height = np.asarray(height, dtype=np.float64)
         if height.size and height.min() <= 0:
             raise ModelError(f"height {height.min():g} m above the ground; the rotor must clear it")
@@ -71,7 +74,7 @@ def kaimal_series(
     frequency_step: float,
     phase: ArrayLike,
 ) -> HarmonicSeries:
-    """Longitudinal turbulence of Kaimal's spectrum as harmonics k df, k = 1 .. n, one for each given phase.
+    """Longitudinal turbulence with Kaimal's spectrum, as n harmonics of frequency k df, k = 1 .. n.
 
         S(f) = 4 sigma^2 (L/U) / (1 + 6 f L/U)^(5/3),   amplitude_k = (2 S(k df) df)^(1/2)
     The speed repeats after 1/df.
@@ -83,7 +86,7 @@ def kaimal_series(
                                 smaller, because they contain only the part in their band
     length_scale : float        L, m (IEC 61400-1: 340.2 m from a hub height of 60 m on)
     frequency_step : float      df, Hz
-    phase : float array (n,)    rad: `golden_phases`, or `random_phases` of a seed
+    phase : float array (n,)    rad, one for each harmonic: `golden_phases`, or `random_phases` of a seed
     Returns
     -------
     HarmonicSeries   (n,)

@@ -134,7 +134,7 @@ class Body(CheckedTable):
 
     @property
     def kind(self) -> str:
-        """The key of the kind of the body."""
+        """Key of the body's kind in `KINDS`."""
         return next(key for key in KINDS if getattr(self, key) is not None)
 
     @property
@@ -172,7 +172,8 @@ class Body(CheckedTable):
 
         Raises
         ------
-        ModelError   a model that fails its check; the message lists all findings
+        ModelError   a model that fails its check (the message lists all findings); an RBE2 that is not an
+                     interface; an interface that cannot be built
         """
         try:
             connections = source.connections()
@@ -198,9 +199,9 @@ class Body(CheckedTable):
         """The body in its initial state; not reduced if its basis is "none" or its reduction corrects itself.
 
         flexible : from `flexible`; None for a body that is not elastic, or is read from a file
-        folder : folder of the case, with the files of such bodies
+        folder : folder of the case, which contains the files of reduced bodies, section tables and matrices
         notify : called at each long step
-        elements : for a body of explicit elements
+        elements : finite elements of a body with `explicit`; None for all others
         """
         if self.is_explicit:
             return self.placed(self._part(flexible, elements, notify))
@@ -237,7 +238,7 @@ class Body(CheckedTable):
             return made_of.body(self.name, places)
         if self.condense is not None:
             damped = self.damping
-            # By a rule of the case file, the damping here is of these kinds, built without body and frame.
+            # A rule of the case file allows only these kinds of damping here; they need no body and frame.
             own = damped.build() if isinstance(damped, Rayleigh | Modal) else None
             if self.is_line:
                 notify(f"reading body '{self.name}', condensed already")
@@ -283,7 +284,7 @@ _ELASTIC_ONLY = ("frame", "reduction", "damping", "split", "linear", "condense")
 
 
 def checked_line(body: FlexibleBody) -> str:
-    """The result of the model check in one line; only free, symmetric models without mechanism pass."""
+    """One line on a body that has passed the model check, with its mass; the check is not repeated here."""
     found = rigid_mass_properties(body.nodal_mass, body.nodes, body.dofs_per_node)
     return f"checked body '{body.name}': free, no mechanism, symmetric, mass {found.mass:.5g}"
 

@@ -72,9 +72,10 @@ class ElasticKind(BodyKind, ABC):
 
     @abstractmethod
     def source(self, folder: Path, mesh: str, cells: str | None = None, /) -> BodySource:
-        """The source of the body from files in `folder`; a superelement has no mesh file.
+        """The source of the body from files in `folder`.
 
-        cells : cell set of the mesh that is the body, for `Homogeneous` kinds; None: all
+        mesh : name of the mesh file; superelements and section tables do not use it
+        cells : cell set of the mesh that forms the body, for `Homogeneous` kinds only; None: all cells
         """
 
 
@@ -191,7 +192,7 @@ class Matrices(ElasticKind):
     )
 
     def source(self, folder: Path, mesh: str, _cells: str | None = None, /) -> BodySource:
-        """The matrices, and the nodes of the mesh file."""
+        """The source of the body from its matrix files and the nodes of its mesh file."""
         files = MatrixFiles(
             nodes=folder / mesh,
             stiffness=folder / self.stiffness,
@@ -246,7 +247,10 @@ class Rigid(BodyKind):
     )
 
     def body(self, name: str, places: Mapping[str, np.ndarray]) -> RigidBody:
-        """The body with its interfaces at the places."""
+        """The rigid body.
+
+        places : positions of its interfaces in body axes, by interface name
+        """
         return RigidBody(
             name=name,
             mass=self.mass,
@@ -268,7 +272,7 @@ class SectionTableFile(ElasticKind):
     file: FileName
 
     def source(self, folder: Path, _mesh: str, _cells: str | None = None, /) -> BodySource:
-        """Beams between the sections."""
+        """The source of the body: beams between the sections of the table."""
         return section_beams_source(folder / self.file)
 
 
@@ -289,7 +293,7 @@ KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
 
 
 def kind_of(body: Raw) -> type[BodyKind] | None:
-    """The kind of a body; None without such a key."""
+    """The kind of a body, from the first key of `KINDS` in its table; None if there is no such key."""
     return next((kind for key, kind in KINDS.items() if key in body), None)
 
 
@@ -314,7 +318,8 @@ def at_elements(
 ) -> Mistakes:
     """The rule that tables of some kinds refer to node sets of bodies with elements.
 
-    kinds : by kind of table, words of the messages: for a body without elements, and for an interface
+    given : path and content of each table
+    kinds : by kind of table, two phrases for messages: on a body without elements, and on an interface
     """
     bodies = {str(body.get("name")): body for _, body in tables(raw, "body")}
     for path, each in given:

@@ -100,7 +100,7 @@ class Case:
         return inputs_of_case(self.tables, self.files, self.folder)
 
     def place(self, text: str) -> Place:
-        """`BODY.PLACE`: an interface of the body, or the nodes of a set of its mesh."""
+        """The place that `BODY.PLACE` names: an interface of the body, or the nodes of a set of its mesh."""
         name, _, place = text.partition(".")
         body = next(table for table in self.parts.body if table.name == name)
         if place in [interface.name for interface in body.interface]:
@@ -220,7 +220,7 @@ class Case:
 
     @cached_property
     def bases(self) -> Mapping[str, At]:
-        """Reference of deflections, by part of a split body: the first interface of the undivided body."""
+        """Reference of deflections, by name of a part: the first interface of the undivided body."""
         found = {}
         for body in self.tables.body:
             base = base_of(body, self._split[body.name]) if body.split is not None else None
@@ -336,8 +336,8 @@ class Case:
         """The parts of the error to estimate, and the quantities of interest.
 
         The error of bases of fixed size is estimated on request only. If a body is not reduced, the
-        integration error is also estimated on request only: each of its two extra runs costs as much as the
-        first run.
+        integration error is also estimated on request only: each of the two extra runs for this estimate
+        costs as much as the first run.
         """
         given = self.parts.error
         in_full = any(name not in self.starts for name in self.system.bodies_of(FullBody))
@@ -355,7 +355,10 @@ class Case:
 
     @cached_property
     def held_modes(self) -> Mapping[str, BodyModes]:
-        """Modes of the bodies before reduction, clamped at the first interface; in the frame without one."""
+        """Modes of each body before reduction, by name, with its first interface clamped.
+
+        A body without interfaces has the constraint of its frame instead.
+        """
         found = {}
         for name, full in self.fulls.items():
             held = full.interfaces[0].motion if full.interfaces else full.frame.constraint(full.body)
@@ -364,7 +367,7 @@ class Case:
 
     @cached_property
     def drawn(self) -> Mapping[str, Mesh | FiniteElementModel | None]:
-        """Geometry from which bodies are drawn: mesh, elements if they have beams, or None for points."""
+        """Geometry for drawing each body, by name: mesh; elements if it has beams; None: drawn as points."""
         found: dict[str, Mesh | FiniteElementModel | None] = {
             table.name: None for table in self.parts.body if table.name not in self.meshes
         }

@@ -27,7 +27,7 @@ class CaseFamily:
     """A case file, and the cases that differ from it in some values.
 
     path, text : path and text of the file
-    raw : its tables, with those of a machine file and the interfaces of reduced bodies
+    raw : tables of the file, with the tables of a machine file and the interfaces of reduced bodies added
     """
 
     path: Path

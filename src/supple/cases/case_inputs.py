@@ -28,7 +28,7 @@ def inputs_of_case(tables: CheckedTable, files: Iterable[str], folder: Path) -> 
 
 
 def _leaves(name: str, value: Any) -> Iterator[tuple[str, str]]:
-    """Every number and text below a key, by its path; tables in a list have their name or number in it."""
+    """Path and text of every value below a key; the path of a table in a list contains its name or number."""
     if isinstance(value, Mapping):
         for key, item in value.items():
             yield from _leaves(f"{name}.{key}" if name else key, item)

@@ -129,7 +129,7 @@ def with_sufficient_modes(
 ) -> System:
     """The machine with the number of modes that the accuracy of its condensed bodies needs, from trial runs.
 
-    tables : by body name
+    tables : by body name; the smallest of their accuracies applies to all these bodies
     Raises ModelError as `enough_modes`.
     """
     asked = {name: own.accuracy.relative for name, own in tables.items() if own.accuracy is not None}

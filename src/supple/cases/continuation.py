@@ -35,7 +35,7 @@ def continued_from(state: StartState, case: Case, system: System) -> System:
 
     Raises
     ------
-    CaseError           units given in only one of file and case
+    CaseError           a unit of length or time that only one of file and case states
     ResultFileError     a file that cannot be read
     ModelError          as `Start.place`
     """
@@ -59,7 +59,10 @@ def _words(loss: ProjectionLoss) -> str:
 
 
 def _scales(case: Case, path: Path, there: UnitSystem) -> tuple[float, float]:
-    """Units of length and time of a file in those of the case."""
+    """Length and time unit of a file, as multiples of the units of the case; 1.0 if neither states a unit.
+
+    Raises CaseError if only one of the two states a unit.
+    """
     here, ratios = case.units, []
     for name in ("length", "time"):
         ours, theirs = here.in_si(**{name: 1}), there.in_si(**{name: 1})

@@ -32,9 +32,9 @@ class Drawing:
     """Pictures and an animation of a run, with the settings of its case; fields as for `draw_run`.
 
     pictures, animation : whether they are drawn
-    rounds : rounds of a self-correction as numbers, from `correction_numbers`, also drawn
+    rounds : rounds of a self-correction, from `correction_numbers`; drawn with the pictures if there are any
     colour : quantity that colours the animation
-    format : format of the animation's file
+    format : format of the animation's file, gif or mp4
     """
 
     folder: Path

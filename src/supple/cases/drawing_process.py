@@ -25,7 +25,7 @@ from supple.other_processes import available_cores, python_command, python_envir
 __all__ = ["DrawingProcess"]
 
 WORTH = 20.0
-"""Shortest run, s, for which a process is started: only then is the error estimate long enough."""
+"""Wall time of a run, s, below which no process is started: its error estimate is too short to use one."""
 
 
 class DrawingProcess:
@@ -42,9 +42,11 @@ class DrawingProcess:
         self._drop()
 
     def begin(self, drawing: Callable[[], Drawing | None]) -> None:
-        """Start drawing in a separate process if the run was long; an earlier drawing is cancelled.
+        """Start drawing in a separate process if the run took `WORTH` and a second core is available.
 
-        drawing : called only if the process is started
+        An earlier drawing is cancelled in any case.
+
+        drawing : function that returns the drawing, or None for no drawing; not called after a shorter run
         """
         self._drop()
         if perf_counter() - self._began < WORTH or available_cores() < 2:

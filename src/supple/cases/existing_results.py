@@ -88,6 +88,6 @@ def _lost(path: Path, rounds: CorrectionFolder) -> str:
             return f"the finished run {path.name}"
         if header.n_times:
             return f"the interrupted run {path.name}"
-    elif rounds.is_begun:
+    if rounds.is_begun:
         return f"the rounds of an interrupted run ({rounds.folder.name}/)"
     return ""

@@ -9,6 +9,7 @@ from supple.body import FlexibleBody, LinearRayleighDamping
 from supple.cases import material_laws
 from supple.cases.body_kinds import is_explicit_table, kind_of
 from supple.cases.material_laws import MaterialLaw, StVenantKirchhoffLaw
+from supple.errors import ModelError
 from supple.fem import FiniteElementModel
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Positive, Raw, table
 from supple.methods.explicit import (
@@ -86,8 +87,14 @@ class ExplicitPart(CheckedTable):
     def build(
         self, name: str, model: FiniteElementModel, damping: LinearRayleighDamping | None
     ) -> ExplicitSubdomain | ExplicitShell:
-        """The part of that name; `explicit_subdomain` rejects models with several materials."""
-        law = self.law.build(next(iter(isotropic_materials(model))))
+        """The part; ModelError for models without an isotropic material, or with several materials."""
+        material = next(iter(isotropic_materials(model)), None)
+        if material is None:
+            raise ModelError(
+                f"explicit part '{name}': its law needs an isotropic material, in shells one through the "
+                "thickness, and no element has one; use such a material, or a modal part"
+            )
+        law = self.law.build(material)
         deletion = np.inf if self.deletion is None else self.deletion
         if model.dofs_per_node == 6:
             yields = law if isinstance(law, J2Plasticity) else None

@@ -23,7 +23,7 @@ from supple.units import SI, UnitSystem
 
 
 class _Range(NamedTuple):
-    """Range of a quantity in SI units, and an example of it."""
+    """Usual range of a quantity in SI units, an example, and the exponents of its base units."""
 
     lowest: float
     highest: float
@@ -40,7 +40,8 @@ _FREQUENCY = _Range(0.05, 1e8, "the longest wind turbine blades have 0.5 Hz", Ma
 _SPEED = _Range(
     30.0, 2e5, "steel has some 2e4 m/s by this estimate", MappingProxyType({"length": 1, "time": -1})
 )
-# No material has the density of a metal and the modulus of rubber: kg with mm and MPa give such numbers.
+# Lower limit of a metal's density, kg/m3, and upper limit of a rubber's modulus, Pa. No material has the
+# density of a metal and the modulus of rubber, but a model with mixed kg, mm and MPa has.
 _METAL, _RUBBER = 3e3, 2e9
 _REMEDY = "give the units of the numbers (units), and use one consistent set"
 
@@ -59,7 +60,7 @@ def warn_of_units(case: Case) -> None:
 
 
 def warn_of_frequencies(units: UnitSystem, bodies: Iterable[ReducedBody]) -> None:
-    """Warn UnitsWarning if the first frequency of a reduced body in its frame is implausible."""
+    """Issue UnitsWarning if the first frequency of a reduced body in its frame is implausible."""
     lowest = ((body.name, body.lowest_frequency() / (2 * np.pi)) for body in bodies)
     _warn(
         f"body '{name}': {doubt}"

@@ -47,7 +47,10 @@ ConstantRate = table_of(
 ONE = Constant(kind="constant", value=1.0)
 
 LARGEST_EXCURSION = 0.01
-"""Allowed overshoot of a spline, relative to the range of its values; a sine needs 16 rows per period."""
+"""Largest overshoot of a spline, relative to the range of its values; a table above it is rejected.
+
+A sine needs 16 rows per period.
+"""
 
 
 class TableLaw(Made):
@@ -88,7 +91,7 @@ class _LinesLaw(TableLaw):
 
 
 def tables_suit_the_run(raw: Raw, folder: Path) -> Mistakes:
-    """The rule that a table can be read, suits its use, and covers the run."""
+    """The rule that the table of a law can be read and covers the run, and for a joint does not overshoot."""
     duration, begin = table(raw, "simulation").get("duration"), _begin(raw)
     for section in ("joint", "load", "element"):
         for path, item in tables(raw, section):

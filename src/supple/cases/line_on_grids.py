@@ -53,7 +53,7 @@ def is_on_grids(body: Raw) -> bool:
 
 
 def _stations(paths: Sequence[Sequence[int]], interfaces: Sequence[InterfaceTable]) -> Mapping[str, int]:
-    """Numbers of the stations at interfaces, by the order of grids along the paths."""
+    """Station number of each interface, by interface name: position of its grid along the paths, from 0."""
     number = {grid: i for i, grid in enumerate(dict.fromkeys(chain(*paths)))}
     return {each.name: number[grid] for each in interfaces for grid in each.node_indices or ()}
 

@@ -62,12 +62,14 @@ def modes_case(
 
     Modes with an error of 1 % or more are listed with their error, but not drawn.
 
-    errors : compare with the modes of the machine whose bodies are not reduced
+    time : time at which loads and laws are evaluated
+    errors : estimate the errors of the modes, relative to the machine whose bodies are not reduced
     allow_code : whether the controllers of the case may run
 
     Raises
     ------
-    CaseError               code that fails
+    CaseError               code that fails; a drawing library that is missing; a self-correcting reduction
+                            beside a body that is not reduced, or in a machine linearised in fixed axes
     SelfCorrectionError     a body that does not reach its accuracy
     ModelError              the errors of `linearize`
     ConvergenceError        no equilibrium
@@ -132,6 +134,9 @@ def campbell_case(
     """Modes of a case's machine at several angular velocities; writes `CASE-campbell.json`, page and picture.
 
     Bodies with a self-correcting reduction meet their accuracy at the first and the last rate.
+
+    rates : angular velocities about the axis of the case's spin, rad per unit of time
+
     Raises CaseError if the case has no spin, and as for `modes_case`.
     """
     check_drawing(case)
@@ -188,7 +193,7 @@ def campbell_case(
 
 
 def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes: int, time: float) -> System:
-    """The machine with its bodies reduced until its modes at all given spins meet their accuracy.
+    """The machine with self-correcting bodies reduced so that its modes at all spins meet their accuracy.
 
     The allowed relative error of frequencies is the body's relative accuracy, or 1e-3 if its accuracy is a
     length.
@@ -230,7 +235,7 @@ def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes:
 
 
 def _known(errors: np.ndarray | None) -> list[list[float | None]] | None:
-    """Numbers over speed as lists; None where unknown."""
+    """Rows of numbers as lists, with None for numbers that are not finite; None if there are no numbers."""
     if errors is None:
         return None
     return [[float(each) if np.isfinite(each) else None for each in row] for row in errors]
@@ -285,7 +290,7 @@ def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
 
 
 def _drawn(modes: MachineModes) -> list[int]:
-    """Numbers of the modes whose shapes are drawn."""
+    """Numbers, from 0, of the modes whose shapes are drawn: those with an error below `LARGEST_ERROR`."""
     wrong = np.zeros(len(modes.eigenvalues)) if modes.error is None else modes.error.relative
     return np.flatnonzero(wrong < LARGEST_ERROR).tolist()
 

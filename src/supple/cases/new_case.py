@@ -137,5 +137,5 @@ second = "{name}.root"
 
 
 def _output(name: str, sets: Sequence[str]) -> str:
-    """The table [output], which tracks the last set; the first set is clamped."""
+    """The table [output], which tracks the last set; empty without a second set, as the first is clamped."""
     return f'\n[output]\ntrack = ["{name}.{sets[-1]}"]\n' if len(sets) > 1 else ""

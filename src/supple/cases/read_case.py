@@ -30,9 +30,9 @@ __all__ = ["read_case"]
 _Root = TypeVar("_Root", bound=CheckedTable)
 
 LARGEST = 1e60
-"""Largest number: powers and products of a few such numbers do not overflow."""
+"""Largest magnitude of a finite number in a file; above it, powers and products could overflow: an error."""
 DEEPEST = 20
-"""Largest nesting of tables and lists; a case needs six levels."""
+"""Largest nesting of tables and lists; deeper nesting is an error. A case needs six levels."""
 
 
 @checked_arguments
@@ -121,7 +121,7 @@ def _text(path: Path) -> str:
 
 
 def _raw(path: Path, text: str) -> dict[str, Any]:
-    """The tables of the text; CaseError for excessive nesting."""
+    """The tables of the text; CaseError for text that is not TOML, or nested deeper than `DEEPEST`."""
     try:
         raw = tomllib.loads(text)
     except ValueError as error:  # not TOML, or a number of thousands of digits
@@ -139,7 +139,7 @@ def _raw(path: Path, text: str) -> dict[str, Any]:
 
 
 def _depth(raw: dict[str, Any]) -> int:
-    """Nesting of tables and lists, level by level, as recursion could overflow."""
+    """Nesting of tables and lists, at most `DEEPEST` + 1; without recursion, which could overflow."""
     depth, level = 0, [raw]
     while level and depth <= DEEPEST:
         depth += 1
@@ -149,7 +149,7 @@ def _depth(raw: dict[str, Any]) -> int:
 
 
 def values_beyond_any_use(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
-    """Whole numbers beyond the 64 bits of TOML, and other numbers of magnitudes beyond `LARGEST`."""
+    """Path and message of each integer beyond 64 bits and each finite float of magnitude above `LARGEST`."""
     if isinstance(value, dict | list):
         for key, item in value.items() if isinstance(value, dict) else enumerate(value):
             yield from values_beyond_any_use(item, (*path, key))

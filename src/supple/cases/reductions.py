@@ -21,11 +21,11 @@ from supple.reduction import DerivativeChoice, LinearBasisRecipe, QuarticChoice
 from supple.reduction.eigenvalues.mode_search import search_words
 
 DEFAULT_ACCURACY = 1e-3
-"""Largest RMS error of the nodes, relative to the largest displacement."""
+"""Default target error: largest RMS error of the nodes, relative to their largest displacement."""
 FIRST_MODES = 5
 FIRST_DERIVATIVES = 5
 CANDIDATES_PER_MODE = 5
-"""Candidate modes per kept mode."""
+"""Default number of candidate modes per selected mode."""
 
 Report = Callable[[str], None]
 """Called with descriptions of the progress of a search for the number of modes."""
@@ -50,14 +50,14 @@ _CONDENSED = Field(
 
 
 def quartic_choice(condensed: bool | None, default: QuarticChoice) -> QuarticChoice:
-    """Condensed or plain tensors, by the keys of a case file."""
+    """The choice of quartic tensors: condensed if true, plain if false, `default` if None."""
     if condensed is None:
         return default
     return reduction.CondensedQuartic() if condensed else reduction.PlainQuartic()
 
 
 def derivative_choice(table: Made | None) -> DerivativeChoice:
-    """The choice of modal derivatives; default none."""
+    """The choice of modal derivatives from its table; no derivatives without a table."""
     return table.build() if table else reduction.NoDerivatives()
 
 
@@ -79,7 +79,7 @@ class Accuracy(CheckedTable):
     )
 
     def target(self, quantity: QuantityOfInterest | None = None) -> SelfCorrection:
-        """The target error and its settings; `quantity` is built from the table `of`."""
+        """Target error and settings of the self-correction; `quantity` is built from the table `of`."""
         given: dict[str, Any] = self.model_dump(exclude={"of"}) | {"of": quantity}
         if self.relative is None and self.absolute is None:
             given["relative"] = DEFAULT_ACCURACY
@@ -93,7 +93,7 @@ class Basis(Made):
 
     @property
     def corrects_itself(self) -> bool:
-        """True unless the size is fixed."""
+        """False; bases that can correct themselves override it."""
         return False
 
 
@@ -132,7 +132,7 @@ class Sized(Correctable):
 
     @property
     def corrects_itself(self) -> bool:
-        """True unless the size is fixed."""
+        """True with an accuracy, or without a number of modes."""
         return self.accuracy is not None or self.modes is None
 
     def recipe(self, _report: Report | None = None) -> LinearBasisRecipe:
@@ -260,7 +260,7 @@ def reduction_start(
 
 
 def _bases_have_interfaces(path: KeyPath, body: Raw) -> Mistakes:
-    """The rule that static shapes need an interface for their forces."""
+    """The rule that a body whose basis is one of `_NEED_INTERFACES` has an interface."""
     basis = table(body, "reduction").get("basis")
     if basis in _NEED_INTERFACES and is_elastic(body) and not names(body, "interface"):
         message = f'{basis} needs an interface; add [[body.interface]], or use basis = "normal-modes"'
@@ -268,7 +268,7 @@ def _bases_have_interfaces(path: KeyPath, body: Raw) -> Mistakes:
 
 
 def _selections_have_candidates(path: KeyPath, body: Raw) -> Mistakes:
-    """The rule on the candidate modes of a selection."""
+    """The rule that candidate modes need a selection, and are not fewer than the selected modes."""
     given = table(body, "reduction")
     candidates, modes, place = given.get("candidates"), given.get("modes"), (*path, "reduction", "candidates")
     if not isinstance(candidates, int):
@@ -308,7 +308,7 @@ def _sizes_are_fixed_or_corrected(path: KeyPath, body: Raw) -> Mistakes:
 
 
 def _nonlinear_options_have_strains(path: KeyPath, body: Raw) -> Mistakes:
-    """The rule that modal derivatives need quadratic strains, and modal damping needs modes."""
+    """The rule that modal derivatives need nonlinear strains, and modal damping of all modes a reduction."""
     given, kind = table(body, "reduction"), kind_of(body)
     linear = body.get("linear") is True or (kind is not None and kind.is_elastic and not kind.has_elements)
     if linear and table(given, "derivatives").get("kind") in ("compressed", "picked"):

@@ -46,8 +46,8 @@ __all__ = ["CaseResult", "run_case"]
 class CaseResult:
     """The results of the run of a case.
 
-    system : System             with its bodies reduced to their accuracy
-    rounds : rounds of its self-correction as numbers, from `correction_numbers`
+    system : machine with the bodies as simulated; self-correcting bodies have their last basis
+    rounds : rounds of the self-correction, from `correction_numbers`; empty without self-correction
     tracked : motions of the tracked places, by their names in the case
     numbers : numbers of the run, from `summarize`
     """
@@ -197,7 +197,7 @@ def _run_case(
 
 
 def _warn_of_damping(case: Case, system: System) -> None:
-    """Compare the damping ratios of clamped modes with those given, body by body."""
+    """Warn of each reduced body whose clamped modes have other damping ratios than specified."""
     reduced = {body.name: body for body in reduced_bodies(system, case.made_here)}
     for table in case.parts.body:
         if table.name in reduced:

@@ -29,7 +29,7 @@ def page_looks(case: Case) -> Mapping[str, Mesh | FiniteElementModel]:
 
 
 def coloured_elements(case: Case, system: System) -> Mapping[str, FiniteElementModel] | None:
-    """Elements whose stress colours the bodies, if the case selects stress or a body has no deflection."""
+    """Elements whose stress colours the bodies; None unless the case selects it or a body has no frame."""
     framed = all(placed.body.has_frame for placed in system.bodies)
     return case.elements if case.tables.output.colour == "von-mises" or not framed else None
 
@@ -72,6 +72,6 @@ def write_run_page(
 
 
 def case_texts(case: Case, inputs: Inputs) -> dict[str, str]:
-    """The text of the case file, and digests of its files, as they were when it was read."""
+    """The text of the case file as it was read, and the digests in `inputs` of the files that it names."""
     listed = [f"{name}  {value}" for name, value in inputs.items() if name.startswith(FILE)]
     return {case.path.name: case.text} | ({"files that it names": "\n".join(listed)} if listed else {})

@@ -22,12 +22,12 @@ class SensedCase(NamedTuple):
     """Parts of a case that sensors need."""
 
     place: Callable[[str], quantities.Place]
-    """Finds a place from BODY.PLACE"""
+    """Function from `BODY.PLACE` to the place."""
     bases: Mapping[str, At]
-    """Reference interfaces of the parts of split bodies."""
+    """Reference interfaces of deflections, by name of a part of a split body."""
     elements: Mapping[str, FiniteElementModel]
     springs: Mapping[str, ForceElement]
-    """Springs and elements with names."""
+    """Springs and force elements that have a name, by name."""
 
 
 class SensorTable(Made):

@@ -38,7 +38,10 @@ def joint_names(raw: Raw) -> list[str]:
 
 
 def usable_names(raw: Raw, key: str, path: KeyPath = ()) -> Mistakes:
-    """The rule that names of bodies, interfaces or joints are unique, and valid in `BODY.INTERFACE`."""
+    """The rule that the names in an array of tables are unique, printable, and valid in `BODY.INTERFACE`.
+
+    key, path : key of the array, such as body or joint, and path of the table that contains it
+    """
     taken: set[str] = set()
     for place, item in tables(raw, key, path):
         name = item.get("name")

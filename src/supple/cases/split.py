@@ -75,7 +75,12 @@ class SplitSource:
     parts: Mapping[str, BodySource]
 
     def places(self, nodes: IntArray) -> list[tuple[str, IntArray]]:
-        """Parts with given nodes of the whole, and the nodes' numbers there; each node is in one part."""
+        """Name of each part with some of the nodes, and their numbers in the part.
+
+        A node of a cut is assigned to one part only.
+
+        nodes : node numbers in the undivided body
+        """
         part = self.mesh.holder(nodes)
         if part is not None:
             return [(part_name(self.name, part), self.mesh.parts[part].numbers(nodes))]

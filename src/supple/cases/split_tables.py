@@ -30,7 +30,7 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class _SplitTable:
-    """The table of a split body, and the parts of its interfaces."""
+    """The table of a split body, its source, and the number of the part with each interface, by name."""
 
     body: Body
     source: SplitSource
@@ -117,7 +117,9 @@ def base_of(body: Body, source: SplitSource) -> At | None:
 
 
 def with_damping(body: Body, whole: FlexibleBody) -> Body:
-    """A split body with one damping for all parts; a damping ratio refers to modes of the whole body.
+    """A split body with the same alpha and beta in all parts, for damping of kind rayleigh(-ratio).
+
+    The ratio of rayleigh-ratio refers to modes of the whole body. Other kinds of damping are unchanged.
 
     Warns SuppleWarning if mass damping acts relative to the frame of each part instead of the body's.
     """
@@ -200,7 +202,11 @@ def _parts(split: _SplitTable) -> Iterator[Body]:
 
 
 def _frame(split: _SplitTable, part: int) -> object:
-    """The frame of a part: fixed to the interface of the body's frame, or to the cut on that side."""
+    """The frame of a part.
+
+    A mean-axis frame is that of the body. A nodal-fixed frame is fixed to the interface of the body's frame,
+    or, in a part without this interface, to the cut towards it.
+    """
     frame: Any = split.body.frame
     if not isinstance(frame, NodalFixed):
         return frame
@@ -220,7 +226,7 @@ def _ties(split: _SplitTable) -> Iterator[JointTable]:
 
 
 def _places(text: str, split: Mapping[str, _SplitTable]) -> Sequence[tuple[str, float]]:
-    """The places of the parts that together are a place, each with its share of the nodes."""
+    """The places in the parts that together form the given place, each with its fraction of the nodes."""
     name, _, node_set = text.partition(".")
     if name not in split:
         return [(text, 1.0)]

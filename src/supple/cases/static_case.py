@@ -82,6 +82,7 @@ def starting_system(case: Case, simulated: System | None = None, *, allow_code: 
     Raises
     ------
     CaseError           a kinematic run with a self-correcting reduction; code that is not allowed or fails
+    errors of `continued_from`
     ConvergenceError    no equilibrium; joints that cannot be closed
     """
     wanted = case.tables.simulation
@@ -150,7 +151,7 @@ def static_case(
 
     Raises
     ------
-    CaseError               code that fails
+    CaseError               code that fails; a drawing library that is missing
     SelfCorrectionError     a body that does not reach its accuracy
     ConvergenceError        no equilibrium
     """

@@ -39,13 +39,16 @@ class Key:
 
 @dataclass(frozen=True)
 class Plan:
-    """An object described by a table: its class, and for each parameter a key, or the plan of its object."""
+    """How a table becomes an object: the class, and for each parameter its key.
+
+    A parameter that is an object itself has a plan instead of a key.
+    """
 
     makes: Callable[..., Any]
     parameters: Mapping[str, Key | Plan]
 
     def made(self, table: CheckedTable, *context: Any) -> Any:
-        """The object; None for a part that lacks required values."""
+        """The object; None if a required parameter has no value in the table."""
         given = {}
         for parameter, source in self.parameters.items():
             value = source.made(table, *context) if isinstance(source, Plan) else getattr(table, source.name)
@@ -63,7 +66,7 @@ class Made(CheckedTable):
     """A table that describes one object."""
 
     choice: ClassVar[str] = "kind"
-    """The key that selects the table."""
+    """The key whose value selects the class of the table."""
     plan: ClassVar[Plan]
 
     @property
@@ -74,7 +77,7 @@ class Made(CheckedTable):
     def build(self, *context: Any) -> Any:
         """The object.
 
-        context : further inputs of the tables of one choice, such as the folder of the files of laws
+        context : further inputs, the same for all tables of one `OneOf`, such as the folder of laws' files
         """
         return type(self).plan.made(self, *context)
 
@@ -91,7 +94,7 @@ def table_of(
 
     Descriptions are lines `name : text` of the docstrings of the class and those it inherits from.
 
-    kind : value of the key by which the base selects the table among others
+    kind : value of the key `base.choice` that selects this table; None: the table has no such key
     base : table with the common keys of a section
     by_hand : by parameter, the differences: a type, a `Key`, a `part`, or None for a parameter without key
     """

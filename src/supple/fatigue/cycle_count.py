@@ -21,11 +21,11 @@ IntArray = NDArray[np.int64]
 
 _NONE = np.zeros(0, dtype=np.int64)
 _GROUP = 2**21
-"""Number of samples that are counted together, which limits the arrays of a pass to tens of MiB."""
+"""Number of samples that are counted together; it limits the memory of the arrays to tens of MiB."""
 _FEW_CLOSED = 80
-"""A pass costs 25 ns a point, the stack 1 us a point (measured), so a pass is faster if it closes more than
-one point in 80. The cycles of a decaying response are nested, and a pass closes one of them; the stack closes
-all in linear time."""
+"""A vectorised pass over all points costs 25 ns a point, the stack 1 us a point (measured), so a pass is
+faster if it closes more than one cycle, of two points, per 80 points. The cycles of a decaying response are
+nested: each pass closes only one of them, but the stack closes all in linear time."""
 
 
 class Residue(Enum):
@@ -45,8 +45,8 @@ class Residue(Enum):
 class Cycles:
     """The cycles of histories, unordered.
 
-    ranges, means : (c,)        difference and mean of the two peaks
-    counts : (c,)               1 or 0.5
+    ranges, means : (c,)        absolute difference and mean of the two reversals of each cycle
+    counts : (c,)               1 for a cycle, 0.5 for half a cycle
     channels : (c,)             channel number of each cycle
     shape : shape of the channels, () for one history
     residue : rule by which the residue was counted
@@ -76,9 +76,10 @@ class Cycles:
 def rainflow(values: ArrayLike, residue: Residue = Residue.HALF_CYCLES) -> Cycles:
     """Count the cycles of histories by the rainflow method.
 
-    A range between two reversals is a cycle if neither neighbour is smaller. It is removed, and its
-    neighbours become one range. The ranges that remain at the end are the residue; they grow and then shrink.
-    With the residue as half cycles the count equals that of the standard's three-point procedure.
+    A range between two reversals is a cycle if neither neighbouring range is smaller. The cycle is removed,
+    and the two neighbouring ranges become one. The ranges that remain at the end are the residue; they grow
+    and then shrink. If the residue counts as half cycles, the count equals that of the standard's three-point
+    procedure.
 
     Parameters
     ----------
@@ -87,7 +88,7 @@ def rainflow(values: ArrayLike, residue: Residue = Residue.HALF_CYCLES) -> Cycle
 
     Raises
     ------
-    ModelError      a number that is not finite, no sample
+    ModelError      a value that is not finite, no sample
 
     Source: ASTM E1049-85 (2017), 5.4.4 and 5.4.5; equality of the three- and four-point procedures: McInnes
     and Meehan, International Journal of Fatigue 30 (2008), 547-559.
@@ -159,7 +160,7 @@ def _count(points: _Points, residue: Residue) -> tuple[Array, Array, Array, IntA
 
 
 def _repeated(points: _Points) -> _Points:
-    """Each channel repeated once."""
+    """Each channel, followed by a copy of itself."""
     gaps = np.isnan(points.values)
     inside = np.flatnonzero(~gaps)
     rows = np.concatenate([inside, inside, np.flatnonzero(gaps)])

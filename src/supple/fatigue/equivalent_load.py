@@ -68,6 +68,7 @@ class EquivalentLoad:
     """Damage-equivalent ranges, with the conventions by which they were computed.
 
     ranges : (...) one per channel, peak to peak, in the units of the history
+    exponent, reference_cycles, correction : as for `damage_equivalent_load`;   residue : value of a `Residue`
     """
 
     ranges: Array = field(repr=False)
@@ -121,7 +122,7 @@ def damage_equivalent_load(
             f"{exponent} and {reference_cycles}"
         )
     ranges = cycles.ranges if correction is None else correction.corrected(cycles)
-    # Powers of ratios: forces in N to the twelfth power nearly exceed the range of a float.
+    # Powers of ratios to the largest range do not overflow.
     largest = cycles.largest(ranges)
     scale = np.where(largest > 0, largest, 1.0)
     ratios = ranges / scale.ravel()[cycles.channels]

@@ -60,7 +60,8 @@ class Lifetime:
 
             L_life = (sum_j w_j N_j L_j^m / N_life)^(1/m)
 
-        loads : (n, ...) L_j of the cases;   reference_cycles : N_j, a number or (n,)
+        loads : (n, ...) L_j of the cases;   exponent : m;   w_j : the `repeats`
+        reference_cycles : N_j, cycles of L_j in one occurrence of the case, a number or (n,)
         lifetime_cycles : N_life, such as 1e7
         """
         ranges = self._of_cases(loads, "loads")
@@ -97,20 +98,22 @@ def lifetime_of_cases(
 ) -> Lifetime:
     """Number of occurrences of cases in a lifetime, by their wind speeds.
 
-        w_j = (F(v_b) - F(v_a)) T / sum of the durations of the cases at this speed
+        w_j = (F(v_b) - F(v_a)) T / sum of the durations of the cases in the bin
 
-    Cases of equal speed, such as seeds, share a bin; bins meet midway between speeds. The outer bins extend
-    to `cut_in` and `cut_out`, by default symmetrically.
+    The bin of a case extends from v_a to v_b. Cases of equal speed, such as seeds, share a bin; bins meet
+    midway between speeds. The outer bins end at `cut_in` and `cut_out`; by default they are symmetric about
+    the lowest and the highest speed.
 
     Parameters
     ----------
-    speeds : (n,) of the cases;   durations : (n,) or a number, in the unit of the lifetime T
+    speeds : (n,) of the cases;   durations : (n,) or a number, in the unit of the lifetime
     wind : distribution F of the speeds
+    lifetime : T
 
     Raises
     ------
-    ModelError      durations that are not positive; a single speed without cut_in and cut_out; a cut_in above
-                    the lowest speed, or a cut_out below the highest
+    ModelError      durations or a lifetime that are not positive; a single speed without cut_in and cut_out;
+                    a cut_in above the lowest speed, or a cut_out below the highest
 
     Source: IEC 61400-1 (2019).
     """

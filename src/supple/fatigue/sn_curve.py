@@ -46,7 +46,8 @@ class SNCurve:
 
         N(S) = N_0 (S / S_0)^-m,    with m_2 in place of m where S < S_0
 
-    reference_range, reference_cycles : S_0 in the units of the stress, N_0; for a bilinear curve its knee
+    reference_range, reference_cycles : S_0, in the units of the stress, and N_0: a point of the curve; for a
+        bilinear curve, the knee
     exponent : m
     exponent_beyond : m_2, for ranges below S_0; None for a straight curve
     thickness : effect of the plate's thickness, or None

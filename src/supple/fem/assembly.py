@@ -39,8 +39,9 @@ LARGER_FOR_WORKS = 4
 
 
 class StrainWorks(NamedTuple):
-    """Works of the parts of the internal force of q = X g on k columns z, with pairs j <= l in the order of
-    numpy.triu_indices(m).
+    """Work of each term of the internal force at q = X g on k directions z, X with m columns x_j.
+
+    w, B, D, N, G as in supple.fem.quadratic_strain; p pairs j <= l in the order of numpy.triu_indices(m).
 
     linear : (k, p)     sum w (B z)^T D N(G x_j, G x_l)
     turned : (k, m, m)  sum w N(G z, G x_j)^T D B x_l
@@ -57,13 +58,14 @@ class _Portion(NamedTuple):
 
     block: QuadraticStrain
     directions: FloatArray
-    """(e, n_e, m), of the elements' freedoms"""
+    """(e, n_e, m): the directions in the n_e freedoms of each of e elements"""
     reached: IntArray
-    """Freedoms q of these elements, a small part of all"""
+    """Numbers of the freedoms q on which these elements depend"""
     to_reached: SparseArray
+    """(freedoms reached, e n_e): sums element forces into the forces on these freedoms"""
 
     def summed(self, forces: FloatArray) -> FloatArray:
-        """Element forces (e, n_e, p) summed on their freedoms."""
+        """Sums of element forces (e, n_e, p) on the freedoms `reached`: (freedoms reached, p)."""
         return self.to_reached @ forces.reshape(-1, forces.shape[-1])
 
 
@@ -78,7 +80,7 @@ class Assembly:
     ----------
     blocks : tuple of QuadraticStrain           the elements, in nodal freedoms
     gathers : tuple of csr_array (E n_e, n)     freedoms of all elements of a block from q
-    nodal : NodeSparsity                        pattern of the nodal freedoms
+    nodal : NodeSparsity                        sparsity of the matrices of the nodal freedoms
     transform : csr_array (nnz, nodal nnz) or None      entries of T^T K T from those of K; None when T = 1
     indices, indptr : int32 arrays              compressed columns of the matrices (n, n)
     """
@@ -122,12 +124,12 @@ class Assembly:
         return np.sum([gather.T @ f.ravel() for gather, f in zip(self.gathers, forces, strict=True)], axis=0)
 
     def strain_rate_force(self, q: Array, rates: Array) -> Array:
-        """Force K_mat(q) q_dot (n,) of stresses D eps_dot; zero in a rigid motion."""
+        """Force K_mat(q) q_dot (n,) of the stresses D eps_dot, q_dot = `rates`; zero in a rigid motion."""
         forces = self._over_elements(quadratic_strain.strain_rate_force, q, rates)
         return np.sum([gather.T @ f.ravel() for gather, f in zip(self.gathers, forces, strict=True)], axis=0)
 
     def strain_rate_tangent(self, q: Array, rates: Array) -> csr_array:
-        """Derivative (n, n) by q of the force of stresses D eps_dot at given rates; not symmetric."""
+        """Derivative (n, n) of `strain_rate_force` with respect to q, at constant rates; not symmetric."""
         # The entries are in row order but are read by columns, on a symmetric pattern: hence the transpose.
         return self._matrix(self._over_elements(quadratic_strain.strain_rate_tangent, q, rates)).T
 
@@ -162,7 +164,7 @@ class Assembly:
         return forces
 
     def works(self, X: FloatArray, onto: FloatArray) -> StrainWorks:
-        """Works of the parts of the internal force of q = X g, X (n, m), on columns `onto` (n, k)."""
+        """Work of each term of the internal force at q = X g, X (n, m), on the columns of `onto` (n, k)."""
         m, k = X.shape[1], onto.shape[1]
         n_pairs = m * (m + 1) // 2
         linear, turned = np.zeros((k, n_pairs)), np.zeros((m, k, m))
@@ -181,7 +183,7 @@ class Assembly:
         return StrainWorks(linear, turned.swapaxes(0, 1), cubic)
 
     def strain_pair_forces(self, X: FloatArray, first: IntArray, second: IntArray) -> FloatArray:
-        """Forces by which linear strains alone balance the quadratic strain of pairs of columns of X.
+        """Forces of the quadratic strain of pairs of columns of X, in the undeformed geometry.
 
             f_p = sum w B^T D N(G x_first(p), G x_second(p))
 
@@ -215,7 +217,10 @@ class Assembly:
     def _along(
         self, X: FloatArray, numbers: Callable[[QuadraticStrain], int], *, larger: int = 1
     ) -> Iterator[_Portion]:
-        """All elements in portions, along the columns of X (n, m); `numbers` is the storage per element."""
+        """All elements in portions, with the columns of X (n, m) in their freedoms.
+
+        `numbers` gives the storage per element of a block, as a count of numbers.
+        """
         for block, gather in zip(self.blocks, self.gathers, strict=True):
             n_elements, _, _, n_e = block.B.shape
             for elements in _ranges(n_elements, numbers(block), larger):
@@ -270,7 +275,7 @@ def assemble_strains(
     dofs_per_node: int,
     expansion: SparseArray | None = None,
 ) -> Assembly:
-    """Prepare the sums over elements of any nodes; `blocks` number the freedoms node by node.
+    """Prepare the sums over the elements of `blocks`, whose freedoms are numbered node by node.
 
     expansion : as for `assemble`, of n_nodes * dofs_per_node rows
     """
@@ -330,6 +335,6 @@ def _pair_numbers(block: QuadraticStrain, m: int, n_pairs: int) -> int:
 
 
 def _ranges(n_elements: int, each: int, larger: int = 1) -> Iterator[slice]:
-    """Slices of elements of `each` numbers apiece, in portions of about `CHUNK` numbers times `larger`."""
+    """Slices of elements, of about `larger * CHUNK` numbers each; an element stores `each` numbers."""
     bounds = np.append(np.arange(0, n_elements, max(1, larger * CHUNK // each)), n_elements)
     return (slice(first, last) for first, last in pairwise(bounds))

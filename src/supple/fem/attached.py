@@ -31,9 +31,9 @@ class RigidPiece:
 
 @dataclass(frozen=True, eq=False)
 class Constraints:
-    """C u = 0 of the nodal freedoms u.
+    """Linear constraints C u = 0 of the nodal freedoms u.
 
-    matrix : csr (m, n)
+    matrix : C, csr (m, n)
     dependent : (m,) the freedom that each row should eliminate, or -1
     labels : name of each row in messages
     """
@@ -48,7 +48,8 @@ class Attached:
     """Springs, masses, dashpots and ties beside the cells of a model, in nodal freedoms u.
 
     springs : as strains without a quadratic part: they have linear stiffness only
-    mass, damping : csc (n, n), kg and kg m^2, N s/m; None without
+    mass : csc (n, n), kg, kg m and kg m^2; None if there are no masses
+    damping : csc (n, n), N s/m, N s and N m s; None if there are no dashpots
     rigid : pieces; a node in several pieces joins them into one
     constraints : further constraints of u, besides the rigid pieces
     """
@@ -75,14 +76,15 @@ class Attached:
 def linear_strains(
     terms: Sequence[tuple[IntArray, FloatArray, FloatArray]], dofs_per_node: int
 ) -> tuple[QuadraticStrain, ...]:
-    """Springs as strains: energy 1/2 sum_i k_i (B_i u)^2 of each.
+    """Springs as strains; the energy of each spring is 1/2 sum_i k_i (B_i u)^2.
 
     Parameters
     ----------
     terms : (freedoms (n,), B (s, n), k (s,)) each; k may be negative, as in a condensed matrix
     Returns
     -------
-    QuadraticStrain of all freedoms of their nodes, one for each pair of node count and row count
+    one QuadraticStrain per group of springs with equal numbers of nodes and of rows of B; in all freedoms of
+    their nodes
     """
     alike: dict[tuple[int, int], list[tuple[IntArray, FloatArray, FloatArray]]] = {}
     for freedoms, B, k in terms:

@@ -24,9 +24,9 @@ IntArray = NDArray[np.int64]
 def attached_parts(
     attached: Attached, parts: Sequence[IntArray], node_ids: IntArray, dofs_per_node: int
 ) -> tuple[Attached, ...]:
-    """The attachments of each part: each belongs to the first part that contains all of its nodes.
+    """The attachments of each part; an attachment belongs to the first part that contains all its nodes.
 
-    parts : nodes of each, ascending; parts may share nodes;  node_ids : (N,) node names for messages
+    parts : nodes of each part, ascending; parts may share nodes;  node_ids : (N,) node names for messages
 
     Raises
     ------
@@ -45,7 +45,7 @@ class _Shares:
     d: int
 
     def of(self, given: Attached, part: int) -> Attached:
-        """The attachments of a part, in its own numbering."""
+        """The attachments of a part, in the node numbers of the part."""
         springs = (self.springs(each, part) for each in given.springs)
         return Attached(
             springs=tuple(each for each in springs if len(each.dofs)),
@@ -60,9 +60,9 @@ class _Shares:
         )
 
     def holders(self, group: IntArray, nodes: IntArray, n: int, called: Callable[[int], str]) -> IntArray:
-        """The first part (n,) that contains all nodes of each group.
+        """The first part (n,) that contains all nodes of each group; ModelError if no part does.
 
-        group, nodes : (k,) group and node of each member
+        group, nodes : (k,) group and node of each member;  called : name of a group in messages
         """
         sizes = np.bincount(group, minlength=n)
         inside = [np.bincount(group[np.isin(nodes, own)], minlength=n) == sizes for own in self.parts]
@@ -113,7 +113,7 @@ class _Shares:
         return csc_array(coo_array((entries.data[mine], places), shape=(size, size)))
 
     def constraints(self, given: Constraints | None, part: int) -> Constraints | None:
-        """The constraints of a part; None without."""
+        """The constraints of a part; None if it has none."""
         if given is None:
             return None
         entries = coo_array(given.matrix)
@@ -135,7 +135,7 @@ class _Shares:
 
 
 def point_masses(attached: Attached, dofs_per_node: int) -> CellMass | None:
-    """Concentrated masses as cells of one node; None without.
+    """Concentrated masses as cells of one node; None if there are none.
 
     Raises ModelError for a mass shared by several nodes, as a scalar mass between two grids.
     """

@@ -23,10 +23,12 @@ from supple.fem.shell_kinematics import GREEN_LAGRANGE, ShellKinematics
 
 FloatArray = NDArray[np.float64]
 
-# An orientation within this angle of the beam, rad, does not define axes.
+# An orientation within this angle of the beam, rad, does not define axes; ends closer than this fraction of
+# the distance of their nodes coincide. Both raise ModelError.
 NEARLY_PARALLEL = 1e-6
 
-# Relative stiffness of released freedoms, scaled to a unit diagonal, below which they count as free.
+# Relative eigenvalue of the stiffness of released freedoms, scaled to a unit diagonal: below it a motion has
+# no stiffness, and condensation leaves it unchanged.
 UNHELD = 1e-10
 
 # The in-plane displacement gradients of a membrane (see ShellKinematics).
@@ -71,7 +73,7 @@ def beam_line(
 
     Raises
     ------
-    ModelError   an orientation along the beam; ends on one point
+    ModelError   an orientation along the beam; ends that coincide
     """
     ends = nodes if offsets is None else nodes + offsets
     chord = ends[:, 1] - ends[:, 0]
@@ -111,11 +113,11 @@ def beam_strain(
         m_y = t_y + g_z + 1/3 (g_x t_y - t_x g_y) - 1/6 t_x t_z
         m_z = t_z - g_y + 1/3 (g_x t_z - t_x g_z) + 1/6 t_x t_y
 
-    k is the rotation of one end relative to the other, log(R_1^T R_2); m_y and m_z are the rotation of the
-    sections relative to the chord. The strains hold to second order; the factors 1/3 and 1/6 also cancel the
-    third order of a rigid rotation. Their stiffness is `chord_stiffness`. For a section with its axes at the
-    centre it is E A L for eps, (G J, E I2, E I1) / L for k, and 12 E I / (L (1 + phi)) for m, where phi is
-    the shear flexibility.
+    k is the rotation of end 2 relative to end 1, log(R_1^T R_2); m_y and m_z are the mean rotations of the
+    ends relative to the chord. The strains are exact to second order; the factors 1/3 and 1/6 also cancel the
+    third-order strains of a rigid rotation. Their stiffness is `chord_stiffness`. For a constant section in
+    principal axes, with the neutral axis at the shear centre, it is E A L for eps, (G J, E I2, E I1) / L for
+    k, and 12 E I / (L (1 + phi)) for m_y and m_z, with phi = 12 E I / (K G A L^2).
 
     An end on an arm o moves by u + theta x o + 1/2 theta x (theta x o); a rigid rotation then leaves strains
     of third order, as at a rigid interface. Released freedoms are condensed with the linear stiffness, so
@@ -219,9 +221,9 @@ def _gradients(L: FloatArray) -> FloatArray:
 def _condensed(
     D: FloatArray, linear: FloatArray, released: NDArray[np.bool_]
 ) -> tuple[FloatArray, FloatArray]:
-    """Stiffness (E, 6, 6) without the released freedoms, and the map of all end freedoms (E, 12, 12).
+    """Condensed stiffness (E, 6, 6), and the end freedoms after condensation from those before, (E, 12, 12).
 
-    With C the linear strains of the released freedoms, which take the value of least energy:
+    The released freedoms minimise the energy. With B `linear` and C its columns of released freedoms:
         D - D C (C^T D C)^+ C^T D,   1 - (C^T D C)^+ C^T D B
     """
     free = linear * released[:, None]
@@ -236,7 +238,7 @@ def _condensed(
 
 
 def _with_arms(form: FloatArray, line: BeamLine) -> FloatArray:
-    """N (E, 6, 18, 18) with the second order of the arms, 1/2 theta x (theta x o) / L, in the chord's g.
+    """N (E, 6, 18, 18): `form`, and the second-order terms 1/2 theta x (theta x o) / L of the arms in g.
 
     theta x (theta x o) = theta (theta . o) - o (theta . theta)
     """

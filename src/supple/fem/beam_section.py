@@ -110,7 +110,7 @@ class BeamSection:
         return np.array([True, Mz, My, Mx, My, Mz])
 
     def flexibility(self, places: FloatArray) -> FloatArray:
-        """Strains and curvatures (p, 6, 6) by forces and moments, at fractions (p,) of the length.
+        """Flexibility (p, 6, 6), from forces to strains and curvatures, at fractions (p,) of the length.
 
         About the neutral axis, the entries are 1/EA, the inverse of E [I2 -I12; -I12 I1], 1/(K G A) and 1/GJ.
         An eccentric neutral axis makes a force N at the shear centre cause bending. Rows of forces that the
@@ -119,7 +119,7 @@ class BeamSection:
         return np.array([_flexibility(self._at(s)) for s in places])
 
     def inertia(self, places: FloatArray) -> FloatArray:
-        """Mass per length (p, 6, 6) of the motion of the shear centre, at fractions (p,) of the length."""
+        """Mass per length (p, 6, 6) for motions of the shear centre, at fractions (p,) of the length."""
         return _between(_inertia(self), _inertia(self.second or self), places)
 
     def _at(self, s: float) -> BeamSection:
@@ -135,12 +135,12 @@ class BeamSection:
 
 @dataclass(frozen=True, eq=False)
 class CoupledBeamSection:
-    """A beam section given by its matrices, as from section tools and blade tables; fully coupled.
+    """A beam section given by full matrices, as from section analysis programs and blade tables.
 
     Parameters
     ----------
-    stiffness : float array (6, 6)      forces N V_y V_z and moments M_x M_y M_z by strains and curvatures,
-                                        about the beam's axis; N, N m, N m^2
+    stiffness : float array (6, 6)      from strains and curvatures to forces N V_y V_z and moments
+                                        M_x M_y M_z, about the beam's axis; N, N m, N m^2
     mass : float array (6, 6)           mass per length for motions of the axis; kg/m, kg, kg m
     orientation : float array (3,)      a direction in the x-y plane; `Section.directions` overrides it
     second : CoupledBeamSection or None     the section at the second end; matrices vary linearly in between
@@ -175,12 +175,12 @@ class CoupledBeamSection:
         return np.ones(6, dtype=bool)
 
     def flexibility(self, places: FloatArray) -> FloatArray:
-        """Strains and curvatures (p, 6, 6) by forces and moments, at fractions (p,) of the length."""
+        """Flexibility (p, 6, 6), from forces to strains and curvatures, at fractions (p,) of the length."""
         stiffness = _between(self.stiffness, (self.second or self).stiffness, places)
         return np.linalg.inv(stiffness).astype(np.float64)
 
     def inertia(self, places: FloatArray) -> FloatArray:
-        """Mass per length (p, 6, 6) of the motion of the axis, at fractions (p,) of the length."""
+        """Mass per length (p, 6, 6) for motions of the axis, at fractions (p,) of the length."""
         return _between(self.mass, (self.second or self).mass, places)
 
 
@@ -190,7 +190,7 @@ LineSection = BeamSection | CoupledBeamSection
 
 @dataclass(frozen=True)
 class RodSection:
-    """A bar that carries tension and torsion alone.
+    """A bar that carries axial force and torsion alone.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ class RodSection:
 
     Raises
     ------
-    ModelError   values that are not finite or negative; an area that is not positive
+    ModelError   values that are negative or not finite; an area that is not positive
     """
 
     material: Isotropic

@@ -24,8 +24,8 @@ def end_forces(block: QuadraticStrain, length: FloatArray, section: LineSection 
 
         N = Q_1 / L,  M_x = Q_2,  M_y = Q_3 -+ Q_5 / 2,  M_z = Q_4 -+ Q_6 / 2,  V_z = Q_5 / L,  V_y = -Q_6 / L
 
-    These are the forces of the part towards the second end on the part towards the first end, in the axes of
-    the section. A rod has Q_1, and Q_2 if it resists torsion.
+    with - at the first end and + at the second. These are the forces of the part towards the second end on
+    the part towards the first end, in the axes of the section. A rod has Q_1, and Q_2 if it resists torsion.
 
     length : (E,) from end to end, m
     """
@@ -44,7 +44,7 @@ def end_forces(block: QuadraticStrain, length: FloatArray, section: LineSection 
 
 
 def has_points(section: LineSection | RodSection) -> bool:
-    """Whether a section has stress recovery points: rods do, beams by their geometry."""
+    """Whether a section has recovery points: a rod always, a BeamSection if its geometry at each end does."""
     if isinstance(section, BeamSection):
         ends = (section, section.second or section)
         return all(end.geometry is not None and end.geometry.points for end in ends)
@@ -52,15 +52,15 @@ def has_points(section: LineSection | RodSection) -> bool:
 
 
 def stress_by_forces(section: LineSection | RodSection, end: int) -> FloatArray:
-    """Matrices (p, 6, 6) from the section forces N V_y V_z M_x M_y M_z to the stress at the points.
+    """Matrices (p, 6, 6) from the section forces N V_y V_z M_x M_y M_z to the stress at p recovery points.
 
         sigma = E (eps + z kappa_y - y kappa_z),   (eps, kappa) = flexibility (N, M_y, M_z)
 
-    and the shear stress of torsion. Components xx yy zz yz xz xy, in the axes of the section. The shear
-    stress of V_y and V_z, zero where bending stress is largest, is not included. A rod has one point, with
-    the shear stress c M_x / J.
+    The matrices also contain the shear stress of torsion. Components xx yy zz yz xz xy, in the axes of the
+    section. The shear stress of V_y and V_z, zero where bending stress is largest, is not included. A rod has
+    one point, with the shear stress c M_x / J.
 
-    end : FIRST or SECOND, of a tapered beam
+    end : FIRST or SECOND; the two differ only for a tapered beam
     """
     if isinstance(section, RodSection):
         stress = np.zeros((1, 6, 6))

@@ -1,7 +1,8 @@
 """Flat triangles that are too large for a thin doubly curved wall, whose stiffness is then too high.
 
-The remaining locking grows with `|det K| h^3 / t`: angles between neighbours squared, times size over
-thickness. Twisted strips and hemispheres are 1 to 10 % too stiff where it is 2, and 10 to 40 % at 10.
+The remaining locking grows with `|det K| h^3 / t`, K the surface curvature, h the triangle size, t the wall
+thickness: the square of the angle between neighbours, times h / t. Twisted strips and hemispheres are 1 to
+10 % too stiff at a value of 2, and 10 to 40 % at 10.
 """
 
 from __future__ import annotations
@@ -23,10 +24,11 @@ __all__ = ["curvature_over_thickness", "warn_of_coarse_curvature"]
 FloatArray = NDArray[np.float64]
 
 COARSE = 3.0
+"""Value of `|det K| h^3 / t` above which a triangle is coarse."""
 SHARE = 0.25
-"""Share of the area of doubly curved walls that may be coarser without a warning."""
+"""Fraction of the area of doubly curved walls above which coarse triangles cause a warning."""
 COARSEST = np.radians(45.0)
-"""Largest angle between neighbours on a curved wall; cells that meet at a sharp edge exceed it."""
+"""Largest angle, rad, between neighbours on a curved wall; a larger angle is a sharp edge, not curvature."""
 
 
 def curvature_over_thickness(mesh: Mesh, shells: list[Section]) -> tuple[FloatArray, FloatArray]:
@@ -56,7 +58,7 @@ def _thickness(section: Section) -> float:
 
 
 def warn_of_coarse_curvature(mesh: Mesh, shells: list[Section]) -> None:
-    """SuppleWarning where a large part of the doubly curved walls is coarse for its thickness."""
+    """Issue a SuppleWarning if coarse triangles exceed the fraction `SHARE` of the doubly curved area."""
     number, area = curvature_over_thickness(mesh, shells)
     coarse = number > COARSE
     if area[coarse].sum() <= SHARE * area[number > 0].sum():

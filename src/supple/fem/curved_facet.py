@@ -3,14 +3,15 @@
 A smooth surface that bends without stretching shortens the chords between its points and rotates them in the
 planes of the facets. Facets that treat this as strain lock as soon as the angle between neighbours, times
 their size, exceeds the thickness. With the curvature K of the surface and its change W, both constant, the
-heights `z = 1/2 x^T K x + linear` and `w = 1/2 x^T W x + linear` that vanish at the corners have the slopes
-g_i and b_i there. Without membrane strain, `u_(a,b) + 1/2 (z,a w,b + z,b w,a) = 0`, whose integral is
+heights `z = 1/2 x^T K x + linear` and `w = 1/2 x^T W x + linear` are zero at the corners; at corner i the
+slope of z is g_i, that of w is b_i. Without membrane strain, `u_(a,b) + 1/2 (z,a w,b + z,b w,a) = 0`. Its
+integral is
 
     along side k, from corner i to j    e_k = -1/12 (s_k.(g_j - g_i)) (s_k.(b_j - b_i))
     drilling of corner i                d_i = 1/2 g_i x b_i - 1/6 g_i x (b_j + b_k) + 1/6 (g_j + g_k) x b_i
 
-exactly. The facet's strain and drilling are the remainders beyond these. b_i follows from strains of the
-facet, which rigid motions do not change.
+exactly. e_k and d_i are subtracted from the strain and drilling of the facet. b_i is computed from the
+strains of the facet, which rigid motions do not change.
 
 The strain e_k is that of a shallow shell, averaged over the side (K. Marguerre, Proc. 5th Int. Congr. Appl.
 Mech. (1938) 93-101).
@@ -38,7 +39,8 @@ def bent_with_surface(xy: FloatArray, curvature: FloatArray) -> tuple[FloatArray
     curvature : float array (E, 2, 2)   K of the surface, in the plane of each facet, 1/m
     Returns
     -------
-    rows xx yy xy (engineering shear), and the corners; columns those of `kirchhoff_bending.curvature`
+    strain rows xx yy xy (engineering shear), drilling rows by corner; columns as in
+    `kirchhoff_bending.curvature`
     """
     s = side_directions(xy)
     g, b = _surface_slopes(xy, curvature)[..., None], _bend_slopes(xy)
@@ -57,7 +59,7 @@ def _surface_slopes(xy: FloatArray, curvature: FloatArray) -> FloatArray:
 
 
 def _bend_slopes(xy: FloatArray) -> FloatArray:
-    """Slopes b (E, 3, 2, 12) at the corners by the differences of their rotations.
+    """Slopes b (E, 3, 2, 12) at the corners, from the differences of the corner rotations.
 
     The mean slope is that of constant curvature, `s_k.(b_i + b_j) = 0`, on all three sides by least squares.
     """

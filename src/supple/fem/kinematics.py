@@ -20,7 +20,7 @@ def green_lagrange_form(n_components: int, strains: tuple[tuple[int, int], ...])
     strains : tuple of index pairs      the strain components ij, in their Voigt order
     Returns
     -------
-    float array (s, d, d)               gradients a_ki = du_k/dx_i packed as k * (directions) + i
+    float array (s, d, d)               read-only; gradient a_ki = du_k/dx_i at index k n + i, n directions i
     """
     directions = 1 + max(max(pair) for pair in strains)
     form = np.zeros((len(strains), n_components, directions, n_components, directions))

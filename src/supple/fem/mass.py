@@ -27,7 +27,8 @@ class CellMass:
     translational : float array (E, k, k)       kg
     rotary : float array (E, k, k) or None      kg m^2, the same for all rotations, as in shells
     coupled : float array (E, 6 k, 6 k) or None
-            remaining terms, of all freedoms of the nodes: rotary inertia of beams, eccentric mass
+            remaining terms, in all freedoms of the nodes: rotary inertia of beams, eccentric mass; kg, kg m
+            and kg m^2
     """
 
     nodes: NDArray[np.int64]
@@ -36,11 +37,11 @@ class CellMass:
     coupled: FloatArray | None = None
 
     def lumped(self) -> CellMass:
-        """Diagonal mass with the same total: the consistent diagonal, scaled.
+        """Lumped mass with equal total: the diagonal of the consistent mass, scaled.
 
         Source: E. Hinton, T. Rock, O. C. Zienkiewicz, "A note on mass lumping", Earthq. Eng. Struct. Dyn. 4
-        (1976) 245-249. Unlike row sums it stays positive on quadratic cells. Coupled terms, which are rotary
-        inertia and eccentric mass, are lumped by the row sums of each node.
+        (1976) 245-249. Unlike row sums, this mass is positive on quadratic cells. Coupled terms are summed
+        by rows into one symmetric 6 x 6 block per node, which need not be diagonal.
         """
         rotary = None if self.rotary is None else _scaled_diagonal(self.rotary)
         coupled = None if self.coupled is None else _at_nodes(self.coupled)
@@ -48,7 +49,7 @@ class CellMass:
 
 
 def consistent_mass(mass: CellMass) -> CellMass:
-    """The consistent mass of cells, from their shape functions; `CellMass.lumped` is the alternative."""
+    """The mass unchanged: the mass rule for consistent mass; the alternative is `CellMass.lumped`."""
     return mass
 
 
@@ -103,7 +104,7 @@ def nodal_mass_matrix(masses: tuple[CellMass, ...], n_nodes: int, dofs_per_node:
 
 
 def _between_nodes(parts: list[tuple[NDArray[np.int64], FloatArray]], n_nodes: int) -> csc_array:
-    """Sums of matrices (E, k, k) between nodes (E, k)."""
+    """Sparse sum (n_nodes, n_nodes) of the cell matrices (E, k, k) between nodes (E, k)."""
     rows = np.concatenate([np.repeat(nodes, nodes.shape[1], axis=1).ravel() for nodes, _ in parts])
     columns = np.concatenate([np.tile(nodes, nodes.shape[1]).ravel() for nodes, _ in parts])
     data = np.concatenate([values.ravel() for _, values in parts])

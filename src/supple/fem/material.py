@@ -24,8 +24,8 @@ class Isotropic:
     poissons_ratio : float      nu in (-1, 1/2)
     density : float             rho >= 0, kg/m^3; 0 for statics alone
     stated_shear_modulus : float or None
-            G, Pa, of decks that give it beside E and nu; E / (2 (1 + nu)) when None. If it differs from that
-            value, the stiffness of solids and shells depends on the axes of their strains
+            G, Pa, from an input deck that states G besides E and nu; E / (2 (1 + nu)) when None. If G differs
+            from that value, the stiffness of solids and shells depends on the axes of their strains
 
     Raises
     ------
@@ -56,7 +56,7 @@ class Isotropic:
 
     @property
     def shear_modulus(self) -> float:
-        """G: the given one, or E / (2 (1 + nu))."""
+        """G, Pa: the stated shear modulus, or E / (2 (1 + nu)) if there is none."""
         if self.stated_shear_modulus is not None:
             return self.stated_shear_modulus
         return self.youngs_modulus / (2 * (1 + self.poissons_ratio))

@@ -62,7 +62,8 @@ class FiniteElementModel:
     sections : tuple of Section             assignment of properties to cells
     mass : csc_array (n, n)                 mass by `mass_of`, and concentrated masses, kg and kg m^2
     stiffness : csc_array (n, n)            linear stiffness, the tangent of the undeformed body
-    rotation_limit : float                  largest rotation, rad, relative to the frame; infinite for solids
+    rotation_limit : float                  largest rotation, rad, relative to the frame; infinite if no
+        element has nodal rotations
     kinematics : ShellKinematics            of shells and beams; solids have one kind only
     attached : Attached                     springs, masses, dashpots and ties of nodes, beside the elements
     mass_of : MassRule                      mass rule of the cells: consistent_mass, or CellMass.lumped
@@ -98,7 +99,7 @@ class FiniteElementModel:
 
     @property
     def strains_vanish_in_rotation(self) -> bool:
-        """Whether a rotation about any axis leaves no second-order strain; not so for von Karman strain."""
+        """Whether a rigid rotation about any axis has no second-order strain; False for von Karman strain."""
         return self.kinematics.gradients == GREEN_LAGRANGE.gradients
 
 
@@ -123,7 +124,8 @@ def shell_model(
     MeshError    unknown cell set
     Warns
     -----
-    SuppleWarning   a shell several times thicker than its elements are wide
+    SuppleWarning   a wall thicker than five times the median side of its triangles; a doubly curved wall
+                    whose triangles are too large for its thickness
     """
     expected = "GREEN_LAGRANGE or VON_KARMAN of supple.fem"
     check_instance("shell_model, kinematics", kinematics, ShellKinematics, expected)
@@ -182,7 +184,7 @@ def finite_element_model(
 
 
 def parts_of_model(model: FiniteElementModel, divided: DividedMesh) -> tuple[FiniteElementModel, ...]:
-    """The elements of each part of the model's mesh, with its own mass and stiffness.
+    """The finite-element model of each part of the model's mesh, with its own mass and stiffness.
 
     Each spring, mass or tie belongs to the first part that contains all of its nodes.
 
@@ -224,7 +226,10 @@ def cell_masses(model: FiniteElementModel) -> tuple[CellMass, ...]:
 
 
 def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
-    """Diagonal mass (n,) of the nodal freedoms, kg and kg m^2, with the total of the consistent mass."""
+    """Diagonal mass (n,) of the nodal freedoms, kg and kg m^2, with the total of the consistent mass.
+
+    Raises ModelError as for `node_masses`.
+    """
     masses = tuple(mass.lumped() for mass in _cell_masses(model.mesh, model.sections))
     diagonal = (
         nodal_mass_matrix(masses, model.mesh.n_nodes, model.dofs_per_node).diagonal().astype(np.float64)
@@ -236,7 +241,7 @@ def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
 def node_masses(model: FiniteElementModel) -> NDArray[np.float64]:
     """Concentrated masses (N,) at nodes, kg.
 
-    Raises ModelError for a mass that has inertia, is eccentric or differs by direction.
+    Raises ModelError for a mass that has inertia, is eccentric, differs by direction or couples nodes.
     """
     found = np.zeros(model.mesh.n_nodes)
     beside = point_masses(model.attached, model.dofs_per_node)
@@ -257,7 +262,7 @@ def node_masses(model: FiniteElementModel) -> NDArray[np.float64]:
 
 
 def refuse_attached(attached: Attached, what: str) -> None:
-    """ModelError if the model has attachments, which `what` does not support."""
+    """Raise ModelError if there are attachments; `what` names the feature that does not support them."""
     if attached.what:
         raise ModelError(
             f"{what} has no {attached.what} beside its elements; leave them out of the model, or use a body "
@@ -416,7 +421,11 @@ def nodal_freedoms(
 
 
 def _check_thickness(mesh: Mesh, section: Section, thickness: float) -> None:
-    """Check for a length in millimetres on a mesh in metres, the usual mistake."""
+    """Check the wall thickness, often given in millimetres on a mesh in metres.
+
+    ModelError if it exceeds the diagonal of the mesh's bounding box; SuppleWarning if it exceeds five times
+    the median side of the triangles.
+    """
     corners = section.corners(mesh)
     extent = float(np.linalg.norm(np.ptp(mesh.nodes, axis=0)))
     width = float(np.median(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)))

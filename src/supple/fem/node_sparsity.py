@@ -93,7 +93,7 @@ def node_sparsity(cells: Sequence[IntArray], n_nodes: int, dofs_per_node: int) -
 
 
 def cell_nodes(dofs: IntArray, dofs_per_node: int) -> IntArray:
-    """Nodes (E, k) from elements' freedoms (E, n), which contain all freedoms of each node, or 3 of its 6."""
+    """Nodes (E, k) of elements with freedoms (E, n): all freedoms of each node, or the first 3 of 6."""
     nodes = dofs // dofs_per_node
     return nodes[:, np.flatnonzero(np.append(True, np.diff(nodes[0]) != 0))]
 

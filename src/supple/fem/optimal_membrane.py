@@ -43,14 +43,14 @@ def linear_gradients(xy: FloatArray) -> FloatArray:
 def drilling_strain(xy: FloatArray) -> FloatArray:
     """Constant strain that drilling rotations d_i add to the strain of the corner displacements.
 
-    The sum is the strain of the basic stiffness, L^T / (A t), with the lumping matrix L.
+    The sum of both strains is the strain L^T u / (A t) of the basic stiffness, with the lumping matrix L.
 
     Parameters
     ----------
     xy : float array (E, 3, 2)      corners, counter-clockwise
     Returns
     -------
-    float array (E, 3, 3)           strains xx, yy, xy (engineering shear) of d_1 d_2 d_3
+    float array (E, 3, 3)           rows strains xx, yy, xy (engineering shear); columns d_1 d_2 d_3
     """
     to_next, to_last = xy - xy[:, NEXT], xy[:, LAST] - xy
     (x_ai, y_ai), (x_ja, y_ja) = np.moveaxis(to_next, 2, 0), np.moveaxis(to_last, 2, 0)
@@ -92,7 +92,7 @@ def higher_order_weight(E: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    E : float array (..., 3, 3)     plane-stress stiffness, to any scale and in any axes of the plane
+    E : float array (..., 3, 3)     plane-stress stiffness times any factor, in any axes of the plane
     """
     E11, E12, E13, E22, E23, E33 = (E[..., i, j] for i, j in zip(*np.triu_indices(3), strict=True))
     W = (

@@ -98,7 +98,7 @@ def internal_forces(block: QuadraticStrain, Q: FloatArray, stretching: FloatArra
 
         f = sum_g w A^T D [B (q + z) + 1/2 N(Gq, Gq)],   A = B + N(Gq)G
 
-    stretching : z (E, n, t)    motion whose linear strain alone counts, such as a condensed motion
+    stretching : z (E, n, t)    displacement of which only the linear strain B z acts, as a condensed motion
     """
     a = _directions(block.G, Q)
     stress = block.weighted_D @ (_directions(block.B, Q + stretching) + _half_square(block.N, a))
@@ -119,7 +119,7 @@ def strain_rate_force(block: QuadraticStrain, q: Array, rates: Array) -> Array:
 
 
 def strain_rate_tangent(block: QuadraticStrain, q: Array, rates: Array) -> Array:
-    """Derivative (E, n, n) by q of the force of stresses D eps_dot at given rates; not symmetric.
+    """Derivative (E, n, n) of `strain_rate_force` with respect to q, at constant rates; not symmetric.
 
     sum_g w { A^T D N(G q_dot)G + G^T N^T(D eps_dot) G },   A = B + N(Gq)G
     """
@@ -135,7 +135,7 @@ def strain_rate_tangent(block: QuadraticStrain, q: Array, rates: Array) -> Array
 def tangent(block: QuadraticStrain, q: Array, *, material: float = 1.0) -> Array:
     """Tangent stiffness dF/dq (E, n, n): sum_g w { A^T D A + G^T N^T(sigma) G }, A = B + N(Gq)G.
 
-    material : a factor on all but the geometric term, as strain-rate damping adds to the material term
+    material : factor on the material term (strain-rate damping is proportional to this term)
     """
     parts = tangent_parts(block, q)
     return material * parts[:, 0] + parts[:, 1]
@@ -200,7 +200,7 @@ def pair_forces(block: QuadraticStrain, X: FloatArray) -> FloatArray:
 
 
 def force_parts(block: QuadraticStrain, X: FloatArray) -> Iterator[FloatArray]:
-    """The parts of the internal force in m directions, one after the other; p is the number of pairs j <= k.
+    """Yield the terms of the internal force for m directions, one array each; p counts the pairs j <= k.
 
         sum_g w B^T D N(G x_j, G x_k)                       (E, n, p)   once
         sum_g w G^T N(G x_j)^T D B x_k                      (E, n, m)   for every j
@@ -224,12 +224,12 @@ def force_parts(block: QuadraticStrain, X: FloatArray) -> Iterator[FloatArray]:
 def strain_pair_forces(
     block: QuadraticStrain, X: FloatArray, first: NDArray[np.integer], second: NDArray[np.integer]
 ) -> FloatArray:
-    """Forces of the quadratic strain of selected pairs of directions, through the linear strains alone.
+    """Forces of the quadratic strain of selected pairs of directions, in the undeformed geometry.
 
         f_p = sum_g w B^T D N(G x_first(p), G x_second(p))
 
-    This is the first of the three terms of `pair_forces`. It balances the stress of N(x, y); products of x or
-    y with the response are not included.
+    This is the first of the three terms of `pair_forces`: the force of the stress D N(x, y). The other two
+    terms, of the linear stresses of x and of y, are not included.
 
     Parameters
     ----------
@@ -242,7 +242,7 @@ def strain_pair_forces(
     a = _directions(block.G, X)
     stiff_B = block.weighted_D @ block.B
     forces = np.empty((*block.dofs.shape, len(first)))
-    # One direction and all its partners at a time: the arrays of all pairs at once would be large.
+    # One direction and all directions paired with it at a time: the arrays of all pairs would be large.
     for j in np.unique(first):
         pairs = np.flatnonzero(first == j)
         second_strain = _contract(block.N, a[..., j]) @ a[..., second[pairs]]

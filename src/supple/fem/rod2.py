@@ -13,10 +13,10 @@ FloatArray = NDArray[np.float64]
 
 
 def rod_strain(ends: FloatArray, dofs: NDArray[np.int64], section: RodSection) -> QuadraticStrain:
-    """Strain arrays of rods: strains and their stiffness, with x along the rod and g = (u_2 - u_1) / L:
+    """Strain arrays of rods: strains and stiffness D, with x along the rod and g = (u_2 - u_1) / L:
 
-        eps = g_x + 1/2 g.g     E A L
-        k   = x . (theta_2 - theta_1)     G J / L, where J is not 0
+        eps = g_x + 1/2 g.g     D = E A L
+        k   = x . (theta_2 - theta_1)     D = G J / L; only if J > 0
 
     Parameters
     ----------

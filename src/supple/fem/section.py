@@ -41,8 +41,8 @@ class Section:
     offsets : float array (E, 2, 3) or None     rigid arms from the nodes to the beam ends, m
     released : bool array (E, 12) or None       freedoms of the ends of beams, in the axes of the beam, that
                                                 carry no force or moment
-    reduced : bool                              for HEXA20: reduced integration by eight points, plus a share
-        of a rule with fourteen
+    reduced : bool                              for HEXA20: reduced integration, by eight points with weight
+        3/4 and fourteen points with weight 1/4
     incompatible : bool                         for HEXA8: incompatible modes, which remove locking in bending
     mass_share : float array (E,) or None       for shells: the fraction of a cell's area that has mass
     surface_curvature : float array (E, 3, 3) or None
@@ -51,7 +51,8 @@ class Section:
 
     Raises
     ------
-    ModelError   per-cell arrays of another shape, not finite, or for another kind of cell
+    ModelError   per-cell arrays of another shape or not finite; offsets or released for other cells than
+                 beams, mass_share for other cells than shells
     """
 
     cell_type: CellType
@@ -89,7 +90,7 @@ class Section:
                     raise ModelError(f"{name} are for beams only, not for {type(self.property).__name__}")
 
     def turns_nodes(self) -> bool:
-        """Whether its cells have stiffness in the nodal rotations."""
+        """Whether the cells have stiffness in the nodal rotations."""
         if isinstance(self.property, RodSection):
             return self.property.J > 0
         return self.cell_type.dimension < 3

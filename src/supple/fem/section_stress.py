@@ -77,7 +77,7 @@ class SectionStress:
         return stress.reshape(n_cells, -1, 6, displacements.shape[1])
 
     def of(self, cells: NDArray[np.int64]) -> SectionStress:
-        """The same for some of the cells."""
+        """The stress of some of the cells, by their numbers in the section."""
         return replace(
             self,
             nodes=self.nodes[cells],
@@ -88,12 +88,12 @@ class SectionStress:
         )
 
     def in_layers(self, n_layers: int) -> SectionStress:
-        """The same, with a single layer repeated n_layers times."""
+        """The stress in n_layers layers: a single layer is repeated; n_layers layers stay unchanged."""
         k, _, points = self.to_nodes.shape
         return replace(self, to_nodes=np.broadcast_to(self.to_nodes, (k, n_layers, points)))
 
     def linearized(self) -> SectionStress:
-        """The same without the quadratic strain."""
+        """The stress without the quadratic strain."""
         return replace(self, arrays=replace(self.arrays, N=np.zeros_like(self.arrays.N)))
 
     def shares(self, n_nodes: int, n_layers: int) -> csc_array:
@@ -113,11 +113,11 @@ class SectionStress:
 
 
 def section_stress(model: FiniteElementModel, section: Section, block: QuadraticStrain) -> SectionStress:
-    """The stress of one section of a model, averaged at nodes over its cells alone.
+    """The stress of one section of a model; each cell has weight 1 at its nodes, so no average yet.
 
     Raises
     ------
-    ModelError   a laminate: its A-B-D matrix does not define the stress of each ply
+    ModelError   a laminate, whose A-B-D matrix does not define the stress of each ply; a CoupledBeamSection
     """
     nodes, corners = section.nodes(model.mesh), section.corners(model.mesh)
     if section.cell_type in SOLID_ELEMENTS:
@@ -149,7 +149,10 @@ def section_forces(model: FiniteElementModel, section: Section, block: Quadratic
 
 
 def states_stress(section: Section) -> bool:
-    """Whether stress is defined for a section; not for beams by matrices or without recovery points."""
+    """Whether a section is part of stress recovery: not for beams by matrices or without recovery points.
+
+    True for laminates, for which `section_stress` raises ModelError.
+    """
     return not isinstance(section.property, LineSection) or has_points(section.property)
 
 

@@ -18,12 +18,12 @@ __all__ = ["shear_share"]
 
 SOLID_WALL = 5 / 6
 
-# Factor of shear stiffness at which the shear energy is linear in flexibility, on any mesh.
+# Factor on the shear stiffness for which the shear energy is proportional to the flexibility, on any mesh.
 STIFFER = 1e4
 
 
 def shear_share(model: FiniteElementModel, shapes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Ratio (k,) of transverse shear energy to that of all strains, in motions of small strain.
+    """Ratio (k,) of transverse shear energy to the strain energy of the model, in k linear motions.
 
     The shear energy is that of homogeneous walls that are modelled as rigid in shear, evaluated from their
     bending with the shear factor 5/6. The ratio is the relative decrease that shear causes in the square of a
@@ -52,7 +52,7 @@ def shear_share(model: FiniteElementModel, shapes: NDArray[np.float64]) -> NDArr
 def _energy(
     model: FiniteElementModel, section: Section, wall: HomogeneousSection, shapes: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Energy (k,) of the linear strains of some walls."""
+    """Energy (k,), J, of the linear strains of a section with the property `wall`."""
     dofs = nodal_freedoms(section.nodes(model.mesh), 6)
     block = shell_triangle(
         section.corners(model.mesh),

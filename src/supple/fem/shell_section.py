@@ -88,7 +88,7 @@ class HomogeneousSection:
 
     @property
     def rotary_inertia_per_area(self) -> float:
-        """Density times t^3/12 plus the mass at its offset, about the nodes, kg."""
+        """Density times t^3/12, plus mass per area times offset squared: inertia about the nodes, kg."""
         return self.material.density * self.thickness**3 / 12 + self.mass_per_area * self.offset**2
 
     @property
@@ -116,7 +116,7 @@ class LaminateSection:
             direction of the laminate's x axis; `Section.directions` overrides it
     shear : float array (2, 2) or None
         transverse shear stiffness, order xz, yz, N/m; None where it is rigid
-    thickness : float or None                           m, for pictures; None where unknown
+    thickness : float or None                           m, for graphics only; None if unknown
     mass_offset : float                     distance of the mass centre from the nodes, along the normal, m
 
     Raises

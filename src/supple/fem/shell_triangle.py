@@ -85,7 +85,7 @@ def shell_triangle(
 
     Raises
     ------
-    ModelError   an element is normal to its direction
+    ModelError   a direction that is normal to its element
     """
     axes = element_axes(corners, section, directions)
     xy = plane_coordinates(corners, axes)
@@ -151,13 +151,13 @@ def layer_strain(
     heights: ArrayLike,
     surface_curvature: FloatArray | None = None,
 ) -> FloatArray:
-    """Plane strain eps_m + o kappa_1 + z kappa at the centroid from the strains of triangles, (E, l, 3, 18).
+    """In-plane strain eps_m + o kappa_1 + z kappa at the centroid from the element strains, (E, l, 3, 18).
 
     Parameters
     ----------
     corners : float array (E, 3, 3)
     axes : float array (E, 3, 3)    of the elements
-    section : HomogeneousSection    with the offset o of its middle
+    section : HomogeneousSection    with the offset o of its mid-surface
     heights : float array (l,)      z along the normal from the middle of the wall, m
     surface_curvature : float array (E, 3, 3) or None   as in `Section`
     """
@@ -167,7 +167,7 @@ def layer_strain(
 
 
 def _shear_flexibility(xy: FloatArray, section: ShellSection) -> FloatArray:
-    """Phi (E, 3) of the sides."""
+    """Shear flexibility phi (E, 3) of the sides."""
     return side_shear_flexibility(xy, free_bending(section), section.shear)
 
 
@@ -240,8 +240,8 @@ def element_axes(
 ) -> FloatArray:
     """Axes (E, 3, 3) of each element, rows x y z in global components; z the normal.
 
-    x is the element's own direction or the section's, projected onto the element; for an isotropic section
-    the first side.
+    x is the projection of `directions`, or else of the section's reference direction, onto the element;
+    without both, the first side.
     """
     first = corners[:, 1] - corners[:, 0]
     normal = np.cross(first, corners[:, 2] - corners[:, 0])

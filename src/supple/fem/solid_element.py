@@ -195,14 +195,16 @@ SOLID_ELEMENTS = {
         (CellType.HEXA20, product_rule(CellType.HEXA20, 5)),
     )
 }
-"""Linear elements are too stiff in bending, above all slender ones: prefer quadratic ones."""
+"""The default element of each cell type. Linear elements are too stiff in bending, above all slender ones:
+prefer quadratic elements.
+"""
 
 _REDUCED_HEXA20 = replace(SOLID_ELEMENTS[CellType.HEXA20], strain_rule=reduced_cube())
 _INCOMPATIBLE_HEXA8 = replace(SOLID_ELEMENTS[CellType.HEXA8], incompatible=True)
 
 
 def solid_element(kind: CellType, *, reduced: bool = False, incompatible: bool = False) -> SolidElement:
-    """The element of a cell type; a HEXA20 may have reduced integration, a HEXA8 incompatible modes."""
+    """The element of a cell type; `reduced` acts on HEXA20 only, `incompatible` on HEXA8 only."""
     if reduced and kind is CellType.HEXA20:
         return _REDUCED_HEXA20
     return _INCOMPATIBLE_HEXA8 if incompatible and kind is CellType.HEXA8 else SOLID_ELEMENTS[kind]

@@ -33,12 +33,12 @@ class _Part(NamedTuple):
     linear: csr_array
     """`L`, ((s + d) P, n)"""
     gather: csc_array
-    """`L^T`, of the same arrays: transposing takes as long as a product for a small body"""
+    """`L^T`, with the arrays of `L`; stored, as transposing takes as long as a product for a small body"""
     first: NDArray[np.intp]
     second: NDArray[np.intp]
     """`i` and `j` of the products, (k,)"""
     products: csr_array | Array
-    """`P`, sparse (s, k), or per point (P, s, k)"""
+    """Coefficients of the quadratic form: one sparse matrix (s, k), or a matrix per point, (P, s, k)"""
     sums: tuple[csr_array, csr_array]
     """Selection of the products by their first and their second gradient, (d, k)"""
 

@@ -81,7 +81,7 @@ class StressLayers:
         )
 
     def largest(self, values: FloatArray) -> FloatArray:
-        """Largest of values (..., l): in solids and shells, then in each beam end, (..., 1 + ends)."""
+        """Largest value (or 0) of values (..., l) in walls, then in each beam end: (..., 1 + ends)."""
         ends = values[..., self.walls :].reshape(*values.shape[:-1], self.ends, self.points)
         walls = values[..., : self.walls].max(axis=-1, initial=0.0)
         return np.concatenate([walls[..., None], ends.max(axis=-1, initial=0.0)], axis=-1)
@@ -150,7 +150,7 @@ class StressRecovery:
         """Stress (N, l, 6) at nodes, Pa: from a linear fit in each cell, averaged over the cells of a node.
 
         Layers are those of `StressLayers`. Where shells meet at an angle or in different thickness, the
-        average mixes their stresses; use the stress at points there. Ends of beams are not averaged.
+        average mixes their stresses; use `at_points` there. Ends of beams are not averaged.
         """
         total = np.zeros((self.n_nodes * self.n_layers, 6))
         for section, averaging in zip(self.sections, self.averaging, strict=True):
@@ -269,13 +269,13 @@ def beam_end_ranks(model: FiniteElementModel) -> dict[int, NDArray[np.int64]]:
 
 
 def has_stress(model: FiniteElementModel) -> bool:
-    """Whether some section has recovery points and none is a laminate, whose plies are unknown."""
+    """Whether stress is defined for some section, and no section is a laminate, whose plies are unknown."""
     given = [section for section in model.sections if states_stress(section)]
     return bool(given) and not any(isinstance(section.property, LaminateSection) for section in given)
 
 
 def cells_without_stress(model: FiniteElementModel) -> int:
-    """Number of beams without stress: those by matrices, and those without points of stress recovery."""
+    """Number of beams without stress: beams given by matrices, and beams without recovery points."""
     return sum(len(section.cells) for section in model.sections if not states_stress(section))
 
 
@@ -307,8 +307,8 @@ def von_mises(stress: FloatArray) -> FloatArray:
 def von_mises_strain(strain: FloatArray) -> FloatArray:
     """Von Mises equivalent strain (...) of strains (..., 6) with engineering shears: sqrt(2/3 e:e).
 
-    e is the deviator. In an isotropic material it is the von Mises stress over 3 G; in uniaxial tension
-    2 (1 + nu) / 3 times the stretch.
+    e is the deviator. In an isotropic material the equivalent strain is the von Mises stress over 3 G; in
+    uniaxial tension it is 2 (1 + nu) / 3 times the axial strain.
     """
     half = strain * [1.0, 1.0, 1.0, 0.5, 0.5, 0.5]
     return von_mises(half) / 1.5

@@ -23,11 +23,11 @@ ON_AXIS = 8
 
 
 def turn_generator(body: Any, axis: Array, point: Array) -> Array | None:
-    """J (r, r): coordinates `exp(psi J) q` represent the shape of q rotated by psi about the axis.
+    """Generator J (r, r): coordinates `exp(psi J) q` represent the shape of q rotated by psi about the axis.
 
     A mesh of n equal sectors is mapped onto itself by a rotation of 2 pi / n; J follows from the logarithm of
-    that map and is exact for shapes of fewer than n / 2 waves around. Zeros (0, 0) for a rigid body; None if
-    the body is not cyclic, or if its columns contain a shape without its rotated copy.
+    that map and is exact for shapes of fewer than n / 2 waves around the axis. Zeros (0, 0) for a rigid body;
+    None for a body without `nodal_basis` or cyclic symmetry, or with a shape without its rotated copy.
 
     body : ReducedBody, or any other with a `nodal_basis`
     axis, point : (3,) in the body's frame
@@ -56,9 +56,10 @@ def waves_around(nodes: Array, fields: Array, axis: Array, point: Array) -> Arra
 
         P_n x = (1 / S) sum_k exp(- 2 pi i n k / S) R^k x,     R a rotation by one of S sectors
 
-    Real and imaginary parts are a shape and its copy rotated by a quarter of a wave: the columns contain
-    every shape with its rotated copy. Shapes of more than `MOST_WAVES` waves are left out, and those of half
-    as many waves as sectors, which have no rotated copy. Without cyclic symmetry the fields are unchanged.
+    P_n x is the part of a field x with n waves. Its real and imaginary parts are a shape and its copy rotated
+    by a quarter of a wave, so that the result contains every shape with its rotated copy. Shapes of more than
+    `MOST_WAVES` waves are left out, and shapes of half as many waves as sectors, which have no rotated copy.
+    Without cyclic symmetry the fields are returned unchanged.
     """
     turned = _turned_by_a_sector(nodes, axis, point)
     if turned is None:
@@ -84,7 +85,10 @@ def _image(fields: Array, order: Array, sectors: int, axis: Array) -> Array:
 
 
 def _turned_by_a_sector(nodes: Array, axis: Array, point: Array) -> tuple[Array, int] | None:
-    """Image of each node in the least rotation of the mesh onto itself; number of sectors; or None."""
+    """Image of each node in the smallest rotation that maps the mesh onto itself, and number of sectors.
+
+    None if no rotation by 2 pi / n, n >= 3, maps the mesh onto itself.
+    """
     places = nodes - point
     size = float(np.ptp(places, axis=0).max()) or 1.0
     radii = np.linalg.norm(places - np.outer(places @ axis, axis), axis=1)

@@ -40,12 +40,13 @@ class CriticalSpeed(NamedTuple):
 class CampbellDiagram(Summarized):
     """Modes over speed, tracked by the modal assurance criterion (MAC).
 
-    rates : (ns,) rad/s
-    eigenvalues : complex (ns, nm)      one column per mode, in `axes`; NaN where the mode has ended
+    rates : (ns,) spin rates, rad per unit of time
+    eigenvalues : complex (ns, nm)      one column per mode, in `axes`; NaN at speeds without a matching mode
     errors : (ns, nm) | None            relative basis errors of the eigenvalues; infinite for a mode that the
                                         full bodies do not have, NaN without a mode or a full equilibrium;
                                         None without known full bodies
-    likeness : (ns - 1, nm)             MAC between neighbouring speeds; low where modes veer
+    likeness : (ns - 1, nm)             MAC of each mode between neighbouring speeds; low where modes veer;
+                                        NaN without a matching mode
     axes : str                          description of the axes of the frequencies
     sense : (ns, nm)                    sense of whirl: 1 forward, -1 backward, 0 for neither or unknown
     in_space : (ns, nm)                 frequencies in space, rad per unit of time; NaN for modes that do not
@@ -79,7 +80,7 @@ class CampbellDiagram(Summarized):
     def critical_speeds(self) -> tuple[CriticalSpeed, ...]:
         """Speeds at which the frequency of a whirl equals the spin rate, by linear interpolation.
 
-        Backward whirl counts in standing axes, where unequal bearings mix both senses.
+        Backward whirl is included only in standing axes, where unequal bearings mix both senses.
         """
         found = []
         pairs = zip(self.rates, self.in_space, self.sense, strict=True)
@@ -99,7 +100,7 @@ class CampbellDiagram(Summarized):
 
     @property
     def frequencies(self) -> Array:
-        """Damped angular frequencies, rad/s, (ns, nm)."""
+        """Damped angular frequencies, rad per unit of time, (ns, nm)."""
         return self.eigenvalues.imag
 
     @property
@@ -112,7 +113,8 @@ class CampbellDiagram(Summarized):
 def modal_assurance(first: MachineModes, second: MachineModes) -> Array:
     """MAC `|a^H b|^2 / (|a|^2 |b|^2)` of the shapes of two sets of modes, in the mass norm, (n1, n2).
 
-    Zero for pure controller modes.
+    Zero for pure controller modes. Raises ModelError for modes of machines with unequal numbers of
+    coordinates.
     """
     if len(first.shapes) != len(second.shapes):
         raise ModelError("modal assurance compares modes of the same machine")
@@ -137,13 +139,13 @@ def campbell_diagram(
     fulls: Mapping[str, FullBody] | Sequence[FullBody] | None = None,
     progress: Callable[[float], None] = lambda _: None,
 ) -> CampbellDiagram:
-    """Modes of a machine over speed, each speed at its own steady equilibrium, tracked by their shapes.
+    """Modes of a machine over speed, about the equilibrium at each speed, tracked by their shapes.
 
     Parameters
     ----------
     spins : Spin    in tracking order, with small steps of the rate; the first rate may be zero
-    n_modes : number of the slowest modes at the first speed
-    time : at which loads and laws are evaluated
+    n_modes : number of modes: the slowest ones at the first speed
+    time : time at which loads and laws are evaluated
     fulls : the bodies with all their coordinates, as for `equilibrium`: at each speed an equilibrium and some
         modes of the full machine are computed for comparison
 
@@ -215,7 +217,7 @@ def campbell_diagram(
 
 
 def _some(modes: MachineModes, chosen: np.ndarray) -> MachineModes:
-    """Some modes, by their numbers."""
+    """The modes with the numbers `chosen`."""
     return replace(
         modes,
         eigenvalues=modes.eigenvalues[chosen],
@@ -226,7 +228,7 @@ def _some(modes: MachineModes, chosen: np.ndarray) -> MachineModes:
 
 
 def _errors(linear: LinearMachine | SparseMachine, chosen: np.ndarray) -> Array:
-    """Basis errors of some modes, by their numbers; NaN where unknown."""
+    """Basis errors of the modes with the numbers `chosen`; NaN without known full bodies."""
     if not isinstance(linear, LinearMachine) or linear.full is None:
         return np.full(len(chosen), np.nan)
     error = machine_modes(linear, int(chosen.max()) + 1).error

@@ -15,7 +15,7 @@ __all__ = ["FrequencyResponse", "RandomResponse", "frequency_response", "random_
 
 
 _BLOCK_BYTES = 2**27
-"""Largest memory of the matrices that are solved at once, bytes."""
+"""Largest memory, bytes, of the matrices that are solved at once; more frequencies are split into blocks."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +23,7 @@ class FrequencyResponse:
     """`H(i w)` from the inputs of a state space to its outputs.
 
     angular_frequencies : (nf,) rad/s
-    transfer : complex (nf, no, ni)
+    transfer : complex (nf, no, ni); `no` and `ni` are the numbers of outputs and inputs
     """
 
     space: StateSpace
@@ -75,7 +75,9 @@ def random_response(response: FrequencyResponse, density: ArrayLike) -> RandomRe
 
         S_z(w) = H S_u H^H,         rms^2 = integral S_z dw
 
-    density : (nf,), uncorrelated and equal at all inputs, or (nf, ni, ni)     one-sided, per rad/s
+    for the densities S_u of the inputs and S_z of the outputs; the integral is over the given frequencies.
+
+    density : S_u, (nf,), uncorrelated and equal at all inputs, or (nf, ni, ni)     one-sided, per rad/s
     Raises ModelError for another shape, or a density that is negative or not finite.
     Source: [Bendat2010] chapter 7.
     """

@@ -24,7 +24,8 @@ __all__ = ["LinearMachine"]
 
 Array = np.ndarray
 TURNING, STANDING = "turning with the machine", "standing in space"
-"""Axes of the frequencies: forward whirl of frequency w in space has w minus the spin in co-rotating axes."""
+"""Axes of the frequencies: a forward whirl of frequency w in space has the frequency w minus the spin rate in
+co-rotating axes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,13 +54,14 @@ class LinearMachine(Summarized):
         z' = E_p y + E_v y' + E_z z
 
     `p` contains per body the translation and the rotation of its frame, in the frame's own axes, and its
-    deformation coordinates; `N` spans the motions that the joints leave free, so that no constraint is left.
+    deformation coordinates; `f` contains the forces conjugate to `p`; `N` spans the motions that the joints
+    leave free, so that no constraint is left.
     For a rotating machine, the axes rotate with the machine: C contains the gyroscopic, K the centrifugal
     terms. `z` contains the states of the controllers, one after the other.
 
     system    : System          in its equilibrium
     spin      : Spin | None
-    time      : float           of loads and laws
+    time      : float           at which loads and laws are evaluated
     mass, damping, stiffness : (k, k)
     basis     : N, (n, k)
     full_mass : (n, n)          mass matrix of `p`, without the joints' constraints
@@ -100,7 +102,7 @@ class LinearMachine(Summarized):
 
     @property
     def axes(self) -> str:
-        """Description of the axes of its motions and frequencies."""
+        """Description of the axes of the motions and frequencies: `TURNING` or `STANDING`."""
         turns = self.spin is not None and self.spin.rate != 0 and not self.is_in_space
         return TURNING if turns else STANDING
 
@@ -110,7 +112,10 @@ class LinearMachine(Summarized):
         return len(self.mass)
 
     def motion_near(self, displacements: Array, rates: Array, times: Array | None = None) -> Solution:
-        """The bodies' motion for small p (t, n) about the equilibrium; velocities of p' (t, n) at p = 0."""
+        """Motion of the bodies for small p (t, n) about the equilibrium.
+
+        The velocities are those for the rates p' (t, n) at p = 0.
+        """
         bodies, first = {}, 0
         for placed in self.system.bodies:
             after = first + 6 + placed.body.n_coordinates

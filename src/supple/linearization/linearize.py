@@ -49,20 +49,21 @@ def linearize(
 
         M p'' + C p' + K p + G^T l = 0,     G p = 0     ->     M_y y'' + C_y y' + K_y y = 0,     p = N y
 
-    The loops of controllers are closed, and their states are added to the motion (`LinearMachine`).
+    The loops of controllers are closed: the states of the controllers are additional unknowns
+    (`LinearMachine`).
 
     A rotating machine is described in co-rotating axes, if the equations are constant there; otherwise in
     standing axes (`in_standing_axes`). There a rotor on unequal bearings, and three or more equal blades on a
-    flexible tower, have constant equations. If the equations also vary there, the machine has Floquet modes
-    (`Periodic`).
+    flexible tower, have constant equations. If the equations also vary in standing axes, the result is
+    periodic (`Periodic`), and its modes are Floquet modes.
 
     With full bodies the result is a `SparseMachine`: `A p = 0` includes the conditions of their frames, and
     `machine_modes` finds its slowest modes.
 
     Parameters
     ----------
-    time : of the loads and laws, which are constant; a driven joint between rotating and standing bodies has
-        the spin's rate, whatever its law
+    time : time at which loads and laws are evaluated, as constants; a driven joint between rotating and
+        standing bodies has the spin's rate, whatever its law
     spin : Spin             of the machine, or of the bodies listed in it
     search, fulls, progress : as for `equilibrium`; with the full bodies `machine_modes` gives the basis
         errors of the reduced ones
@@ -127,7 +128,10 @@ def _full_machine(
     *,
     is_in_space: bool = False,
 ) -> FullMachine | None:
-    """The machine about its equilibrium with all coordinates; None where that is unknown."""
+    """The machine with all coordinates, about its equilibrium; None if either is unknown.
+
+    Warns BasisWarning of reduced bodies with large errors at the equilibrium.
+    """
     full = full_rest(found, fulls, time, search)
     if full is None:
         return None

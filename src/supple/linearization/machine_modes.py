@@ -22,13 +22,15 @@ from supple.summary import Summarized, Summary
 __all__ = ["MachineModes", "machine_modes"]
 
 _MOTIONLESS = 1e-12
-"""Share of motion below which a mode is a pure controller mode."""
+"""Norm of motion and velocity, relative to that of all states, below which only controllers take part in a
+mode."""
 
 _NO_DAMPING = 1e-12
-"""Damping ratio within rounding."""
+"""Damping ratio up to which a summary shows zero."""
 
 _ROUNDING = 512.0
-"""Relative to stiffness, in units of the floating-point precision: rounding of terms that cancel."""
+"""Rounding error of stiffness terms that cancel, relative to the terms, in units of the floating-point
+precision."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -55,7 +57,7 @@ class MachineModes(Summarized):
     error: ModeError | None = None
 
     def summary(self) -> Summary:
-        """Frequency, damping and the body that moves most, by mode."""
+        """Frequency, damping ratio and the body with the largest share of kinetic energy, by mode."""
         names = [placed.body.name for placed in self.machine.system.bodies]
         most = self.kinetic_shares.argmax(axis=0)
         damping = np.where(abs(self.damping_ratios) > _NO_DAMPING, self.damping_ratios, 0.0)
@@ -98,7 +100,7 @@ class MachineModes(Summarized):
 
     @property
     def unstable(self) -> np.ndarray:
-        """Which modes grow faster than round-off explains, (k,)."""
+        """Mask (k,): True for modes that grow by more than rounding errors."""
         # Round-off is relative to the fastest motion, even if that is not among the modes.
         squares = abs(np.diag(self.machine.stiffness)) / np.diag(self.machine.mass)
         largest = max(float(np.max(abs(self.eigenvalues))), float(np.sqrt(squares.max())))
@@ -120,15 +122,15 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
     For a machine with full bodies the slowest modes are found by shift and invert (`slowest_motions`); with
     damping or gyroscopic terms, a slower mode may be missed.
 
-    If the full bodies of reduced ones are known (`linearize`), and a number is given, the same modes are
-    computed with all coordinates (`MachineModes.error`).
+    If the full bodies of reduced ones are known (`linearize`), and `n_modes` is given, the modes are also
+    computed with all coordinates, for the basis errors (`MachineModes.error`).
 
     Warns BasisWarning of modes whose eigenvalue is off by 1 % or more, and of modes missing from the bases.
 
     Raises
     ------
     ModelError      a number that is not positive; all modes of a large machine with full bodies
-    AccuracyError   modes of such a machine, or Floquet modes, that do not converge
+    AccuracyError   modes of a machine with full bodies, or Floquet modes, that do not converge
     """
     if n_modes is not None and not (n_modes >= 1 and n_modes == int(n_modes)):
         raise ModelError(f"number of modes must be a whole number, at least 1, got {n_modes}")
@@ -158,7 +160,7 @@ def _floquet(machine: LinearMachine, n_modes: int | None) -> tuple[Any, Any, Any
 
 
 def _slowest_of(full: FullMachine) -> Callable[[SparseMachine, int], tuple[Any, Any]]:
-    """The slowest modes in the axes of the machine."""
+    """Function for the slowest modes of the full machine, in the axes of the reduced machine."""
     standing = full.standing
     if standing is None:
         return _slowest
@@ -266,8 +268,9 @@ def _state_matrix(machine: LinearMachine, lower: Any) -> tuple[Array, float]:
 def _is_zero(values: Any, left: Any, right: Any, unit: float) -> np.ndarray:
     """Whether eigenvalues are zero within rounding.
 
-    Rounding moves an eigenvalue by its size over `|w^H v|` of the left and right unit vectors, which are
-    nearly orthogonal for the two zeros of a free motion, but not for a single slow pole.
+    A rounding error e of the matrix changes an eigenvalue by e / `|w^H v|`, with the left and right unit
+    eigenvectors w and v. These are nearly orthogonal for the two zeros of a free motion, but not for a single
+    slow pole.
     """
     moved = abs(values) * abs(np.einsum("ij,ij->j", left.conj(), right))
     return (abs(values) < 3e-7 * unit) & (moved < 1e-12 * unit)

@@ -18,11 +18,13 @@ from supple.simulation.equilibrium import LARGEST_ERROR, REMEDY
 __all__ = ["ModeError", "mode_error"]
 
 MORE = 4
-"""Additional modes of the full machine, among which each mode is matched."""
+"""Number of modes of the full machine that are computed for matching, in addition to those to be matched."""
 UNLIKE = 0.5
-"""MAC below which a mode of the reduced machine does not match any mode of the full one."""
+"""MAC below which modes of the reduced and the full machine match only if their eigenvalues differ by less
+than `LARGEST_ERROR`."""
 STILL = 1e-6
-"""Ratio to the fastest eigenvalue below which motions count as rigid."""
+"""Smallest reference value of relative differences, as a fraction of the largest |eigenvalue|: slower motions
+count as rigid."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +66,9 @@ def mode_error(
     shapes: Any,
     slowest: Callable[[SparseMachine, int], tuple[Any, Any]],
 ) -> ModeError:
-    """Compare the slowest modes (k,), shapes (n, k), with those of the full machine.
+    """Errors of the slowest modes, by comparison with those of the full machine.
 
+    values, shapes : eigenvalues (k,) and shapes (n, k) of the reduced machine
     slowest : function for eigenvalues and shapes of the slowest modes of a machine with full bodies
     Modes are matched by the highest MAC; among similar shapes, by the nearest frequency.
     """

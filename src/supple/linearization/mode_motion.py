@@ -11,7 +11,7 @@ from supple.linearization.machine_modes import MachineModes
 __all__ = ["mode_motion"]
 
 LARGEST_TURN = 1.0
-"""rad, largest rotation of a frame; the scale of modes that rotate bodies without translation of a node."""
+"""rad, largest rotation of a frame; it limits the amplitude of modes that mainly rotate bodies."""
 
 
 def mode_motion(
@@ -27,8 +27,9 @@ def mode_motion(
     Parameters
     ----------
     number : number of the mode, from 0 for the slowest
-    amplitude : a, the largest translation of a node, unit of length, limited by a frame rotation of one
-        radian
+    amplitude : largest translation of a node, unit of length, which determines a; reduced if a frame would
+        rotate by more than one radian
+    n_instants : number of instants per period
 
     Raises ModelError for a mode that does not exist.
     """

@@ -6,8 +6,8 @@ Harmonics of the matrices and of the mode give one quadratic eigenvalue problem 
 
     sum_j [ (s + i j r)^2 M_(h-j) + (s + i j r) C_(h-j) + K_(h-j) ] y_j = 0.
 
-Each mode appears once for every harmonic, at s + i h r. The copy with its mean harmonic nearest to zero is
-kept: its frequency is that of most of the motion.
+Each mode appears once for every harmonic, at s + i h r. Of these copies, the result contains the one with the
+mean harmonic nearest to zero, whose frequency is that of most of the motion.
 Source: Hill's determinant; [Hammond1974] for rotors whose equations remain periodic.
 """
 
@@ -26,14 +26,15 @@ __all__ = ["FloquetModes", "Periodic", "floquet_modes"]
 Array = np.ndarray
 
 ROUNDS = (4, 7, 11)
-"""Numbers of harmonics of a mode, increased until sufficient."""
+"""Highest harmonics of a mode: the next one is used if the mode has not decayed at the last one (`LEFT`)."""
 LEFT = 1e-4
 """Allowed part of a mode in its highest harmonics, relative to its norm; the square of this part is about the
 relative error of the frequency."""
 LARGEST = 4000
-"""Largest number of states of the eigenvalue problem."""
+"""Largest number of states of the eigenvalue problem with more harmonics than the first of `ROUNDS`."""
 HALF = 1e-3
-"""Distance of a mean harmonic from one half within which both neighbours are kept."""
+"""Tolerance of a mean harmonic of +-1/2, where two copies of a mode are equally near to zero: the one at -1/2
+is removed if that at +1/2 exists."""
 ZERO = 3e-7
 """Ratio to a typical frequency below which an eigenvalue is zero within rounding."""
 

@@ -2,12 +2,13 @@
 
     ( s^2 M + s C + K ) x + A^T l = 0,    A x = 0
 
-A basis of slow motions is extended by the residual of each requested mode, solved at a fixed shift z,
+A basis of slow motions is extended by the response t to the residual of each requested mode (s, x), computed
+at a fixed shift z,
 
     t = K(z)^-1 ( s^2 M + s C + K ) x,    K(z) = K + z C + z^2 M,
 
-until the residual vanishes. For an undamped machine at rest these are shifted and inverted block Lanczos
-steps.
+until t is negligible. For an undamped machine at rest these are steps of the block Lanczos method with shift
+and invert.
 Source: [Voss2004].
 """
 
@@ -24,24 +25,27 @@ from supple.linearization.sparse_machine import LARGEST_DENSE, SlowMotions, Spar
 __all__ = ["slowest_motions"]
 
 _GUARD = 4
-"""Number of additional modes, so that none of the requested ones is missed."""
+"""Number of modes computed in addition to the requested ones, so that none of the latter is missed."""
 
 _LEFT = 1e-8
-"""Largest part of a mode outside the basis."""
+"""Allowed norm of t, relative to that of the mode."""
 
 _ALLOWED = 1e-5
-"""Largest part where rounding prevents better accuracy."""
+"""Allowed norm of t if it no longer decreases to a third in a round, because of rounding."""
 
 _ROUNDS = 60
 
 _NEW = 1e-5
-"""Ratio to a motion below which its new part is rounding."""
+"""Norm of the part of a motion outside the basis, relative to that of the motion, below which it is
+rounding."""
 
 
 def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) -> Array:
-    """Motions (n, k), mass-orthonormal, whose span contains the slowest modes; may be all motions.
+    """Motions (n, k), mass-orthonormal, whose span contains the slowest modes; for a small machine, possibly
+    all motions.
 
-    modes_of : function for eigenvalues, coordinates and controller states of modes, slowest first
+    modes_of : function that returns eigenvalues, coordinates and controller states of the modes of a
+        `LinearMachine`, slowest first
 
     Raises
     ------
@@ -69,7 +73,7 @@ def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) 
         before, left = left, float(parts[:n_modes].max())
         if len(values) >= wanted and (left <= _LEFT or (left <= _ALLOWED and left > before / 3)):
             return basis
-        # Real and imaginary part have a common scale: a part that is far smaller is rounding.
+        # Real and imaginary part are scaled by one factor, so that a far smaller part counts as rounding.
         new = responses[:, parts > _LEFT] / parts[parts > _LEFT]
         larger = _enlarged(machine, basis, np.hstack([new.real, new.imag]))
         if larger.shape[1] == basis.shape[1]:

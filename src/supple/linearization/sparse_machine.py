@@ -1,4 +1,4 @@
-"""A linearised machine with full bodies, with the freedoms of their finite elements."""
+"""A linearised machine with full bodies, in the degrees of freedom of their finite elements."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ class SparseMachine:
 
     system    : System          in its equilibrium
     spin      : Spin | None
-    time      : float           of loads and laws
-    equations : SparseEquations
+    time      : float           at which loads and laws are evaluated
+    equations : SparseEquations     M, C, K and the constraints A, of joints and body frames
     """
 
     system: System
@@ -61,7 +61,7 @@ class SparseMachine:
 
     @cached_property
     def slow(self) -> SlowMotions:
-        """The solver for slow motions, and a few slow motions."""
+        """A factorised shifted matrix, and a few slow motions; AccuracyError if no shift is found."""
         rigid = 6 * len(self.system.bodies)
         return _slow_motions(self.equations, min(rigid, _MOST, self.size - _FIRST) + _FIRST)
 
@@ -112,7 +112,7 @@ class SlowMotions:
 
 
 def _slow_motions(equations: SparseEquations, number: int) -> SlowMotions:
-    """A shift of the size of the slowest vibrations, from a few steps of subspace iteration."""
+    """Slow motions by subspace iteration, with a shift of the size of their frequencies."""
     mass, stiffness = equations.mass, equations.stiffness
     n = mass.shape[0]
     squares = abs(stiffness.diagonal()) / np.where(mass.diagonal() > 0, mass.diagonal(), np.inf)

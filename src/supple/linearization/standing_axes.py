@@ -44,13 +44,13 @@ __all__ = ["CONSTANT", "FEW", "BodyColumns", "Sampled", "constant_in_standing_ax
 CONSTANT = 1e-6
 """Relative variation of the equations over the rotation above which they are not constant."""
 FEW, SAMPLES = 7, 16
-"""Numbers of angles of a revolution at which equations are compared, and their harmonics found."""
+"""Numbers of angles of a revolution: `FEW` for comparing the equations, `SAMPLES` for their harmonics."""
 FINE = 64
 """Least number of angles for the coordinates W alone; their derivatives are computed from their harmonics."""
 PER_BLADE = 3
 """Angles per blade: the motion of N blades has up to N / 2 waves, the matrices harmonics of up to N + 2."""
 BETWEEN = 0.7
-"""rad, not a fraction of a revolution: detects variations that vanish at all evenly spaced angles."""
+"""Additional angle of comparison, rad: it detects variations that vanish at all evenly spaced angles."""
 ROUNDING = 64 * np.finfo(float).eps
 """Rounding error of a sum, relative to its terms."""
 SAME_PLACE = 1e-6
@@ -67,7 +67,7 @@ class Sampled(NamedTuple):
 
 
 class BodyColumns(NamedTuple):
-    """Positions of the motions of each body among some coordinates, and the bodies.
+    """Slices of the coordinates of each body among those of the machine, and the bodies.
 
     bodies : objects with `n_coordinates`; deformable ones also with `nodes` and a `nodal_basis`
     """
@@ -77,7 +77,7 @@ class BodyColumns(NamedTuple):
 
 
 def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str) -> LinearMachine:
-    """The machine in coordinates that suit both standing and rotating parts.
+    """The machine in standing axes: with constant equations if possible, otherwise with periodic ones.
 
     refusal : error message with the reason why the machine is not linearised in co-rotating axes
     Raises ModelError for a machine with controllers, one whose equilibrium varies with rotation, or one whose
@@ -102,9 +102,9 @@ def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str)
 def constant_in_standing_axes(
     found: RestingState, time: float, spin: Spin, columns: BodyColumns, sampled: Sampled
 ) -> LinearMachine | None:
-    """The machine in the coordinates in which it was sampled; None if its equations are not constant.
+    """The machine in standing axes, from sampled equations; None if no coordinates make them constant.
 
-    Its `basis` maps to these coordinates.
+    Its `basis` maps to the coordinates of the samples.
     """
     constant = _constant(_seen_in_every_way(found, spin, columns, sampled))
     return None if constant is None else _machine(found, time, spin, constant, None)
@@ -144,7 +144,7 @@ def _sampled(found: RestingState, time: float, spin: Spin, number: int, refusal:
 
 
 class _Coordinates(NamedTuple):
-    """`W` and its derivatives by the angle, (s, n, n)."""
+    """`W` and its first and second derivative by the angle, (s, n, n) at s angles."""
 
     values: Array
     first: Array
@@ -152,7 +152,7 @@ class _Coordinates(NamedTuple):
 
     @classmethod
     def of_fine(cls, W: Array, number: int) -> _Coordinates:
-        """Coordinates at `number` of the angles of W; harmonics over all angles give exact derivatives."""
+        """Coordinates at `number` of the angles of W; the derivatives follow from the harmonics of all W."""
         harmonics = 1j * np.fft.fftfreq(len(W), 1 / len(W))[:, None, None]
         spectrum = np.fft.fft(W, axis=0)
         spectrum[abs(spectrum) < ROUNDING * abs(spectrum).max()] = 0.0
@@ -214,7 +214,7 @@ def _seen(sampled: Sampled, spin: Spin, coordinates: _Coordinates) -> _Seen | No
 
 
 def _without_noise(matrices: Sequence[Array], rate: float) -> Iterator[Array]:
-    """The matrices without entries that are rounding, which would disturb the scales of eigenvalues."""
+    """The matrices with entries that are rounding errors set to zero, as they would disturb eigenvalues."""
     mass, _, stiffness = matrices
     size = np.sqrt(np.abs(np.diag(stiffness)) + rate**2 * np.diag(mass))
     for matrix, scale in zip(matrices, (rate**2, abs(rate), 1.0), strict=True):
@@ -252,7 +252,10 @@ def _hub(found: RestingState, turning: Array) -> int:
 
 
 def _hub_in_space(found: RestingState, spin: Spin, columns: BodyColumns, angles: Array) -> Array:
-    """`S` (s, n, n): the hub's rigid motion from its twist at the axis, in standing axes."""
+    """Map `S` (s, n, n) to the motions of rotating bodies from the hub's twist and motions relative to it.
+
+    The twist of the hub is that of a point on the axis, in standing axes.
+    """
     turning, starts = turning_bodies(found, spin), _starts(columns)
     n = columns.slices[-1].stop
     with_hub, configuration = np.zeros((n, 6)), found.configuration
@@ -301,7 +304,7 @@ def _equal_bodies(found: RestingState, spin: Spin, columns: BodyColumns) -> list
 def _round_bodies(
     found: RestingState, spin: Spin, columns: BodyColumns, blades: list[int], angles: Array
 ) -> Array:
-    """Map (s, n, n) to the motion of rotating bodies with cyclic symmetry from motion in standing axes."""
+    """Map (s, n, n) to the motions of bodies with cyclic symmetry, in own axes, from standing axes."""
     turning, configuration = turning_bodies(found, spin), found.configuration
     hub, slices = _hub(found, turning), columns.slices
     T = np.tile(np.eye(slices[-1].stop), (len(angles), 1, 1))
@@ -329,7 +332,10 @@ def _length(part: slice) -> int:
 
 
 def _multi_blade(columns: BodyColumns, groups: list[list[int]], angles: Array) -> Array:
-    """`T` (s, n, n): the coordinates of equal bodies from multi-blade ones, stored at their positions."""
+    """Map `T` (s, n, n) to the coordinates of equal bodies from multi-blade coordinates.
+
+    The multi-blade coordinates have the positions of the bodies' coordinates.
+    """
     n = columns.slices[-1].stop
     T = np.tile(np.eye(n), (len(angles), 1, 1))
     for group in groups:

@@ -81,8 +81,9 @@ def state_space(
         A = [ -M^-1 K  -M^-1 C   M^-1 H ],   B = [ M^-1 b^T ],    C, D by rows
             [   E_p      E_v      E_z   ]        [    0    ]
 
-    A port `c` gives the row `(c, 0, 0)`, its velocity `(0, c, 0)`, its acceleration c times the second row of
-    A and the feedthrough `c M^-1 b^T`. The loops of controllers are closed.
+    b contains the rows of the input ports (`Port.row`). An output port with the row c gives `(c, 0, 0)` in C,
+    its velocity `(0, c, 0)`, its acceleration c times the second row of A, and `c M^-1 b^T` in D. The loops
+    of controllers are closed.
     Raises ModelError without an input or output, for full bodies, and for periodic equations.
     """
     if isinstance(machine, SparseMachine):
@@ -124,7 +125,7 @@ def _rates(control: LinearControl) -> Array:
 
 
 def _row(machine: LinearMachine, output: Any, acceleration: Array, by_force: Array) -> tuple[Array, Array]:
-    """Rows of C (m,) and D (ni,)."""
+    """Rows of C (m,) and D (ni,) for an output."""
     silent = np.zeros(by_force.shape[1])
     if isinstance(output, Acceleration):
         own = output.of.row(machine)

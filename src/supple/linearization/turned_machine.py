@@ -21,23 +21,23 @@ __all__ = ["TurnedEquations", "equations_turned_on", "refuse_other_speeds", "tur
 
 
 SAME_RATE = 1e-9
-"""Ratio to the spin rate up to which a drive counts as fixed."""
+"""Ratio of a drive's rate to the spin rate up to which the drive counts as fixed."""
 
 
 class TurnedEquations(NamedTuple):
-    """Linear equations at an angle, and the part of the forces that the joints cannot balance there."""
+    """Linear equations at an angle, and the largest relative unbalance of forces there."""
 
     equations: LinearEquations | SparseEquations
     unbalanced: float
 
 
 def turning_bodies(found: RestingState, spin: Spin) -> np.ndarray:
-    """Whether each body rotates, (nb,)."""
+    """Mask (nb,): True for bodies that rotate."""
     return found.turning.angular_velocities @ spin.axis != 0
 
 
 def refuse_other_speeds(found: RestingState, time: float, spin: Spin) -> None:
-    """Raise ModelError for a drive with a rate between bodies that both rotate, or both stand."""
+    """Raise ModelError for a drive with a nonzero rate between bodies that both rotate, or both stand."""
     turning = turning_bodies(found, spin)
     for joint in found.system.joints:
         if not isinstance(joint, PrescribedRotation) or _turns(joint.first, found, turning) != _turns(
@@ -67,7 +67,7 @@ def equations_turned_on(found: RestingState, time: float, spin: Spin, angle: flo
 
 
 def _turned_on(found: RestingState, time: float, spin: Spin, angle: float) -> System:
-    """The machine with its rotating bodies at a later angle, and its driven joints accordingly."""
+    """The machine with its rotating bodies rotated by an angle, and its driven joints at matching angles."""
     turn = Rotation.from_rotvec(angle * spin.axis).as_matrix()
     turning = turning_bodies(found, spin)
     system = placed_at_rest(found)

@@ -1,7 +1,8 @@
 """Whirl of rotating bodies, forward or backward, and its frequency in space.
 
-For a motion `Re( a e^(i w t) )` normal to the axis, `a_1 + i a_2` rotates with the spin and `a_1 - i a_2`
-against it. In axes that rotate at W both parts have the frequency w; in space they have w + W and w - W.
+A motion `Re( a e^(i w t) )` normal to the axis has a part `a_1 + i a_2` that rotates with the spin and a part
+`a_1 - i a_2` that rotates against it. In axes that rotate at the rate W both parts have the frequency w; in
+space they have the frequencies w + W and w - W.
 """
 
 from __future__ import annotations
@@ -21,10 +22,11 @@ Array = np.ndarray
 LEAST = 1e-6
 """Share of the kinetic energy of a mode below which motion normal to the axis is not whirl."""
 ROUND, TURNING_ROUND = 1e-3, 0.5
-"""Difference of both senses over their sum, above which an orbit has a sense: for orbits in space, however
-flat; and in co-rotating axes, where a flat orbit is a sum of two motions in space."""
+"""Difference of the squares of both parts, relative to their sum, above which an orbit has a sense: `ROUND`
+in standing axes; `TURNING_ROUND` in co-rotating axes, where a flat orbit is a sum of two motions in space."""
 ALIKE = 1e-6
-"""Relative distance of frequencies in co-rotating axes within which modes are arbitrary combinations."""
+"""Relative difference of two frequencies in co-rotating axes up to which the sense is unknown: the modes are
+then arbitrary combinations."""
 ON_AXIS = 1e-6
 """Allowed distance from the axis of an interface on the axis, relative to the size of the body."""
 
@@ -63,7 +65,7 @@ def whirl(modes: MachineModes) -> Whirl:
 def _across(machine: LinearMachine, shapes: Array) -> tuple[Array, Array]:
     """Motions (j, k) along two directions normal to the axis: of the rotor as a whole, of points on the axis.
 
-    The squares of the motions are in units of their kinetic energy.
+    The motions are scaled such that their squares have the unit of the modes' kinetic energy norm.
     """
     spin = machine.spin
     assert spin is not None
@@ -92,7 +94,7 @@ def _across(machine: LinearMachine, shapes: Array) -> tuple[Array, Array]:
 
 
 def _on_axis(machine: LinearMachine, placed: Placed, shapes: Any, directions: Array) -> Array:
-    """Motions (2, p, k) of interfaces of a body on the axis, times the root of their share of its mass."""
+    """Motions (2, p, k) of a body's interfaces on the axis, each times the square root of mass / p."""
     spin, body = machine.spin, placed.body
     assert spin is not None
     arms = [placed.position + placed.rotation @ end.position - spin.point for end in body.interfaces]

@@ -19,8 +19,9 @@ class Contact:
     nodes : At(part, node set)
     obstacle : RigidPlane(..), RigidCylinder(..) or RigidSphere(..)
     stiffness : N/m per node; default `fraction * m omega_max^2`, with the mass m of the node and the highest
-        frequency omega_max of the part
-    fraction : shortens the stable step by the factor sqrt(1 + fraction)
+        frequency omega_max, rad/s, of all finite-element parts
+    fraction : in (0, 1]; the default stiffness divides the stable time step by at most sqrt(1 + fraction)
+    Raises ModelError for a stiffness that is not positive, or a fraction outside (0, 1].
     """
 
     nodes: At
@@ -40,9 +41,11 @@ class SurfaceContact:
     nodes : At(part, node set)
     surface : At(part, node set)    outer faces with all corners in the set; choose the coarser, or
         stiffer, side
-    stiffness : N/m per node; default `fraction * m omega_max^2`, with the mass m of the lightest node of
-        either side
-    fraction : shortens the stable step by at most the factor sqrt(1 + 2 fraction)
+    stiffness : N/m per node; default `fraction * m omega_max^2` of the node, with omega_max as in `Contact`,
+        or less where a node of `surface` permits less
+    fraction : in (0, 1]; the default stiffness divides the stable time step by at most sqrt(1 + 2 fraction)
+    Raises ModelError for both node sets on one part, a stiffness that is not positive, or a fraction outside
+    (0, 1].
     """
 
     nodes: At
@@ -62,7 +65,7 @@ class SurfaceContact:
 
 @dataclass(frozen=True)
 class Support:
-    """Fixed nodes of finite elements.
+    """Nodes of a finite-element part that are fixed along some axes.
 
     nodes : At(part, node set);   axes : fixed directions, 0 to 2 for x, y, z; for shells also 3 to 5, the
         rotations about x, y, z

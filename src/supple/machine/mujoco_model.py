@@ -41,12 +41,16 @@ _FREE, _BALL, _SLIDE, _HINGE = 0, 1, 2, 3
 _CONNECT, _WELD = 0, 1
 _PARALLEL = 1e-6
 _PLACE = 1e-6
-"""Largest distance of an interface from its joint, relative to the machine's size."""
+"""Largest distance of an interface from its joint, relative to the largest coordinate of the joints."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Group:
-    """Welded bodies merged into one; mass, centre and inertia in the axes of the first body."""
+    """Welded bodies merged into one, in the frame of the first body.
+
+    `centre` is the centre of mass, `inertia` the inertia about it, `points` the interfaces; `position` and
+    `rotation` of the frame are global.
+    """
 
     name: str
     position: Array
@@ -57,7 +61,7 @@ class _Group:
     points: dict[str, Array] = field(default_factory=dict)
 
     def local(self, point: Array) -> Array:
-        """A global point in the axes of the group."""
+        """Coordinates (3,) of a global point in the frame of the group."""
         return self.rotation.T @ (point - self.position)
 
 
@@ -72,21 +76,22 @@ def read_mujoco(
 
     Bodies are rigid; welded ones are merged. Hinges, slides and balls become joints of the same name, on
     interfaces of the same name. A slide and a hinge along one axis become a cylindrical joint, two
-    perpendicular hinges a universal one; connect and weld close loops. Limits become stops with the stiffness
-    of MuJoCo; stiffness and damping of joints become springs and dampers. Shapes of bodies are not read, so
-    there is no contact.
+    perpendicular hinges at one point a universal joint. The constraints connect and weld become ball and
+    fixed joints. Limits become stops with the stiffness of MuJoCo; stiffness and damping of joints become
+    springs and dampers. Shapes of bodies are not read, so the machine has no contacts.
 
     Parameters
     ----------
     bodies : replacements of rigid bodies by name, such as a ReducedBody, in the axes of the file's body; each
         joint needs an interface of its name at its position
-    leave_out : features of the file that are omitted: "actuators", "tendons", "friction", "armature",
-        "equality", "limits" (of joint motions)
+    leave_out : features of the file to omit: "actuators", "tendons", "friction", "armature", "equality"
+        (constraints other than connect and weld), "limits" (of joint motions)
     Raises
     ------
     ImportFormatError   mujoco missing (install `supple[mujoco]`); a file that MuJoCo rejects
-    ModelError          joints without an equivalent here; features that are not read, unless left out; bodies
-                        that are not in the file, or whose interfaces do not fit its joints
+    ModelError          joints without an equivalent in `supple`; features that are not read and not in
+                        `leave_out`; replacements of bodies that are not in the file, or whose interfaces are
+                        not at its joints
     """
     model, data = _compiled(source)
     reader = _Reader(model, data)
@@ -157,12 +162,12 @@ class _Reader:
         self.name = bytes(model.names).split(b"\0")[0].decode() or "the machine"
 
     def label(self, addresses: Any, number: int, else_: str) -> str:
-        """The name of an object, or a substitute."""
+        """The name of an object in the file; `else_` for an unnamed object."""
         found = bytes(self.model.names)[addresses[number] :].split(b"\0")[0].decode()
         return found or else_
 
     def groups(self) -> dict[int, _Group]:
-        """Groups of welded bodies, by the number of the first body; without those welded to the ground."""
+        """Groups of welded bodies, by the number of their first body, without bodies welded to the ground."""
         model, data = self.model, self.data
         result = {}
         for first in np.unique(model.body_weldid[1:]).tolist():
@@ -189,7 +194,7 @@ class _Reader:
         return result
 
     def end(self, groups: dict[int, _Group], body: int, name: str, point: Array) -> At:
-        """The end at a new interface of a body, or the ground."""
+        """Add an interface to a body and return its end; the ground for a body welded to the ground."""
         group = groups.get(int(self.model.body_weldid[body]))
         if group is None:
             return GROUND
@@ -207,7 +212,7 @@ class _Reader:
         *,
         limits: bool,
     ) -> None:
-        """Add the joint between a body and its parent, and the springs, dampers and stops in it."""
+        """Append the joint between a body and its parent, and the springs, dampers and stops of the joint."""
         model, data = self.model, self.data
         kinds = [int(model.jnt_type[j]) for j in own]
         if kinds == [_FREE]:
@@ -243,7 +248,7 @@ class _Reader:
             loads += self._in_joint(j, ends, isinstance(joints[-1], Universal), limits)
 
     def _in_joint(self, j: int, ends: dict[str, At], is_universal: bool, limits: bool) -> list[Load]:
-        """Spring, damper and stop of a joint."""
+        """Spring, damper and stop of a joint; ModelError for those that are not read."""
         model = self.model
         kind, dof = int(model.jnt_type[j]), int(model.jnt_dofadr[j])
         axis = tuple(self.data.xaxis[j].tolist())
@@ -296,14 +301,17 @@ class _Reader:
         return found
 
     def _penalty(self, j: int, dof: int) -> Penalty:
-        """Penalty of a limit, as stiff as MuJoCo's: k = I / (tau zeta)^2, with the effective inertia I."""
+        """Penalty of a limit with MuJoCo's stiffness `k = I / (tau zeta)^2`.
+
+        I is the effective inertia, tau the time constant and zeta the damping ratio in `solref`.
+        """
         time, ratio = (float(value) for value in self.model.jnt_solref[j])
         inertia = 1 / max(float(self.model.dof_invweight0[dof]), np.finfo(float).tiny)
         rate = 1 / (time * ratio) ** 2 if time > 0 else -time  # negative numbers are stiffness and damping
         return Penalty(stiffness=inertia * rate)
 
     def close_loops(self, groups: dict[int, _Group], joints: list[Joint]) -> None:
-        """Add joints for the connect and weld constraints of the file."""
+        """Append joints for the active connect and weld constraints of the file to `joints`."""
         model, data = self.model, self.data
         for number in range(model.neq):
             kind = int(model.eq_type[number])
@@ -327,7 +335,7 @@ class _Reader:
 
 
 def _placed(group: _Group, other: Any) -> Placed:
-    """The rigid body, or its replacement."""
+    """The rigid body of a group, or its replacement; ModelError for a replacement that does not fit."""
     rigid = RigidBody(group.name, group.mass, group.centre, group.inertia, group.points)
     form = rigid if other is None else other
     if other is not None:

@@ -20,7 +20,7 @@ Vector = tuple[float, float, float]
 class Obstacle(Protocol):
     """A rigid surface that translates; frozen and hashable.
 
-    velocity : (3,) at the start;   mass : kg, infinite for a constant velocity
+    velocity : (3,) m/s, at the start;   mass : kg, infinite for a constant velocity
     """
 
     @property
@@ -34,7 +34,10 @@ class Obstacle(Protocol):
         ...
 
     def gap(self, x: Array) -> tuple[Array, Array]:
-        """Distance (n,) of points (3, n) from the surface at its initial position, and its normals (3, n)."""
+        """Distances (n,) of points (3, n) from the surface in its initial position, and its normals (3, n).
+
+        A distance is negative inside the obstacle; normals are unit vectors that point out of the obstacle.
+        """
         ...
 
 
@@ -42,7 +45,8 @@ class Obstacle(Protocol):
 class RigidPlane:
     """The half space behind a plane; the normal points to the side of the nodes.
 
-    point, normal : (3,);   velocity : (3,) m/s;   mass : kg
+    point : (3,) m;   normal : (3,) of any length;   velocity : (3,) m/s;   mass : kg
+    Raises ModelError for a zero normal, or a mass that is not positive.
     """
 
     point: Vector
@@ -59,7 +63,7 @@ class RigidPlane:
         _check_mass(self.mass)
 
     def gap(self, x: Array) -> tuple[Array, Array]:
-        """See `Obstacle`."""
+        """Distances (n,) and normals (3, n), as defined in `Obstacle.gap`."""
         n = jnp.array(self.normal)[:, None]
         return (n * (x - jnp.array(self.point)[:, None])).sum(axis=0), jnp.broadcast_to(n, x.shape)
 
@@ -69,6 +73,7 @@ class RigidSphere:
     """A sphere.
 
     centre : (3,) m;   radius : m;   velocity : (3,) m/s;   mass : kg
+    Raises ModelError for a mass or radius that is not positive.
     """
 
     centre: Vector
@@ -82,7 +87,7 @@ class RigidSphere:
         _check_radius(self.radius)
 
     def gap(self, x: Array) -> tuple[Array, Array]:
-        """See `Obstacle`."""
+        """Distances (n,) and normals (3, n), as defined in `Obstacle.gap`."""
         return _from_core(x - jnp.array(self.centre)[:, None], self.radius)
 
 
@@ -90,7 +95,8 @@ class RigidSphere:
 class RigidCylinder:
     """An infinite cylinder.
 
-    point, axis : (3,);   radius : m;   velocity : (3,) m/s;   mass : kg
+    point : (3,) m, on the axis;   axis : (3,) of any length;   radius : m;   velocity : (3,) m/s;   mass : kg
+    Raises ModelError for a zero axis, or a mass or radius that is not positive.
     """
 
     point: Vector
@@ -109,7 +115,7 @@ class RigidCylinder:
         _check_radius(self.radius)
 
     def gap(self, x: Array) -> tuple[Array, Array]:
-        """See `Obstacle`."""
+        """Distances (n,) and normals (3, n), as defined in `Obstacle.gap`."""
         axis = jnp.array(self.axis)[:, None]
         arm = x - jnp.array(self.point)[:, None]
         return _from_core(arm - axis * (axis * arm).sum(axis=0), self.radius)

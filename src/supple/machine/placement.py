@@ -12,7 +12,10 @@ __all__ = ["rotation_matrix", "space_vector"]
 
 
 def space_vector(what: str, value: object) -> np.ndarray:
-    """Three finite numbers (3,), read-only; ModelError with the name of the quantity."""
+    """The value as an array (3,), read-only.
+
+    Raises ModelError unless it consists of three finite numbers; `what` names the quantity in the message.
+    """
     check_numbers(what, value)
     array = np.array(value, dtype=float)
     if array.shape != (3,) or not np.isfinite(array).all():
@@ -24,7 +27,7 @@ def space_vector(what: str, value: object) -> np.ndarray:
 def rotation_matrix(what: str, value: object) -> np.ndarray:
     """Rotation matrix (3, 3), read-only, from a rotation vector (3,), rad, or a matrix.
 
-    Raises ModelError for a matrix that is not orthonormal, or that mirrors.
+    Raises ModelError for another shape, or a matrix that is not orthonormal or has a negative determinant.
     """
     check_numbers(what, value)
     matrix = np.array(value, dtype=float)

@@ -1,4 +1,4 @@
-"""Pose of a marker and wrench on it, which joints and forces use for a body of any form."""
+"""Pose of a marker and wrench on a marker: data that joints and forces exchange with bodies of any type."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Pose(NamedTuple):
 
 
 class Wrench(NamedTuple):
-    """Force at the point of one end, and moment, global components."""
+    """Force (3,) at the point of one end, and moment (3,), global components."""
 
     force: jax.Array
     moment: jax.Array

@@ -20,7 +20,7 @@ from supple.mesh import Cuts, DividedMesh, Division, cuts_at_sections, divided
 
 __all__ = ["SplitBody", "split_body"]
 
-# Smallest relative change of frequencies by the ties that causes a warning.
+# Smallest relative change of a frequency by the ties that causes a warning.
 NOTABLE = 0.02
 
 Interface = RigidInterface | AveragingInterface
@@ -31,10 +31,10 @@ Tie = Callable[..., Interface]
 class SplitBody:
     """Parts of a body, and the joints between them.
 
-    name  : of the whole body
+    name  : str            name of the whole body
     mesh  : DividedMesh    nodes and cells of each part
     parts : FlexibleBody   named NAME-1, NAME-2, ..., all in the axes of the whole mesh
-    base  : At             the first interface of the whole body, on the part with it; None without one
+    base  : At             first interface of the whole body; None for a body without interfaces
     """
 
     name: str
@@ -44,7 +44,7 @@ class SplitBody:
 
     @property
     def joints(self) -> tuple[Fixed, ...]:
-        """One joint at each cut."""
+        """Fixed joints between the parts, one at each cut."""
         return tuple(
             Fixed(
                 first=At(part_name(self.name, cut.first), cut.name),
@@ -56,14 +56,14 @@ class SplitBody:
 
     @property
     def bases(self) -> Mapping[str, At]:
-        """Reference interface of the deflections of each part: the first interface of the whole body."""
+        """Reference interface of the deflections, by part: the first interface of the whole body for all."""
         return {} if self.base is None else {part.name: self.base for part in self.parts}
 
     def frequencies(self, count: int) -> NDArray[np.float64]:
-        """The lowest elastic frequencies of the tied parts, free and undeformed, rad/s.
+        """The `count` lowest elastic frequencies of the tied parts, free and undeformed, rad/s.
 
-        Their difference from those of the whole body is the effect of the ties: rigid ties stiffen a body
-        whose sections would deform, averaging ties soften it.
+        The ties change the frequencies of the whole body: rigid ties stiffen a body whose sections would
+        deform, averaging ties soften it.
         """
         first = np.cumsum([0, *(part.n for part in self.parts)])
         rows = []
@@ -86,9 +86,9 @@ class SplitBody:
 
 
 def frequency_changes(whole: FlexibleBody, split: SplitBody) -> NDArray[np.float64]:
-    """Relative changes (3,) of the lowest free frequencies of a body by the ties between its parts.
+    """Relative changes (3,) of the lowest elastic frequencies of a free body by the ties between its parts.
 
-    SuppleWarning if one of them reaches 2 %.
+    SuppleWarning if the magnitude of a change is 2 % or more.
     """
     before = np.sqrt(whole.lowest_modes(3, (whole.mass @ whole.rigid_modes).T).values)
     changes = split.frequencies(3) / before - 1
@@ -115,18 +115,19 @@ def split_body(
 ) -> SplitBody:
     """Split a body into tied parts, for rotations beyond the limit of one floating frame.
 
-    The rotations relative to a floating frame are limited. With k equal parts, each one rotates relative to
-    its own frame by about 1 / k of the rotation in the whole body. SuppleWarning states the change of the
-    lowest frequencies by the ties, if it is 2 % or more.
+    The rotations relative to a floating frame are limited. With k equal parts, the rotation of each part
+    relative to its own frame is about 1 / k of the rotation in the whole body. SuppleWarning states the
+    changes of the three lowest frequencies by the ties, if one of them is 2 % or more.
 
     Parameters
     ----------
-    model      : of the whole body
+    name       : name of the whole body
+    model      : finite-element model of the whole body
     division   : AlongAxis | ByCellSets     cells of each part
-    interfaces : of the whole body; each belongs to the part that has all of its nodes
+    interfaces : interfaces of the whole body; each is assigned to the part that contains all of its nodes
     tie        : RigidInterface (sections keep their shape) | AveragingInterface (sections may warp)
-    cuts       : cuts_at_sections | cuts_at_nodes, which ties each shared node by six constraints; this is
-        exact for nodes with rotations
+    cuts       : cuts_at_sections | cuts_at_nodes; cuts_at_nodes ties each shared node by six constraints,
+        which is exact for nodes with rotations
 
     Raises
     ------
@@ -161,5 +162,5 @@ def split_body(
 
 
 def part_name(name: str, part: int) -> str:
-    """Name of a part of a body, counted from 0: `blade-1` is part 0."""
+    """Name of a part of a body by the number of the part, from 0: `blade-1` for part 0 of `blade`."""
     return f"{name}-{part + 1}"

@@ -37,7 +37,7 @@ _Form = TypeVar("_Form")
 
 _ACROSS = 1e-3
 """Smallest component of a servo's unit axis along the free directions of a joint; less is an error."""
-# Members that every form of body needs in a machine.
+# Attributes that every type of body needs in a machine.
 _BODY = ("name", "kind", "n_coordinates", "interfaces")
 _EXPLICIT = ("modal", "explicit")
 """Kinds of bodies for explicit runs only: modal parts on four-point frames, finite-element parts."""
@@ -70,11 +70,11 @@ class Placed(Summarized):
     velocity : (3,)           of the frame origin, global; for an elastic body this is the origin of its mesh
         (for the velocity of the centre of mass use `with_centre_velocity`)
     angular_velocity : (3,)   body components, rad/s
-        A velocity of None follows from the joints, their laws and the other bodies, and is zero where these
-        leave it free. A given velocity, even zero, is kept where the joints allow it.
-    coordinates, coordinate_rates : (r,) deformation at the start, and its rates; default zero
+        A velocity of None is computed from the joints, their laws and the other bodies; components that these
+        do not determine are zero. A given velocity, also zero, is changed only where the joints require it.
+    coordinates, coordinate_rates : (r,) reduced coordinates at the start, and their rates; default zero
     assembled : AssembledPose pose at assembly, which determines the points and axes of joints and forces;
-        default the initial pose. An `equilibrium` starts in another pose of the same machine.
+        default the initial pose. The two poses differ, for example, after `equilibrium`.
     Raises ModelError for a vector of the wrong size, a matrix that is not a rotation, or a FlexibleBody,
         which must first be reduced, or placed as a FullBody.
     """
@@ -135,19 +135,19 @@ class Placed(Summarized):
 
     @property
     def assembly(self) -> AssembledPose:
-        """Pose at assembly of joints and forces."""
+        """Pose at which joints and forces are assembled: `assembled`, or by default the initial pose."""
         return self.assembled or AssembledPose(self.position, self.rotation)
 
     @property
     def twist(self) -> np.ndarray:
-        """Velocity and angular velocity (6,) as given, zero if omitted."""
+        """Given velocity and angular velocity (6,); zero for those that are None."""
         given = (self.velocity, self.angular_velocity)
         return np.concatenate([np.zeros(3) if part is None else part for part in given])
 
     def in_form(self, form: Any, onto: Any) -> Placed:
-        """The body in another form; `onto` maps the coordinates and their rates.
+        """The placed body with another type of body, `form`; `onto` maps the coordinates and their rates.
 
-        onto : (r', r)     a matrix, dense or sparse
+        onto : (r', r)     a matrix, dense or sparse; r' coordinates of `form`
         """
         return replace(
             self,
@@ -157,11 +157,11 @@ class Placed(Summarized):
         )
 
     def with_centre_velocity(self, velocity: ArrayLike) -> Placed:
-        """The same body with a given velocity (3,) of its undeformed centre of mass, global.
+        """The placed body with a given velocity v_c (3,) of its undeformed centre of mass c, global.
 
             v = v_c - A (w x c)
 
-        The angular velocity is the given one, or zero if it was omitted.
+        v is the velocity of the frame origin. The angular velocity w is not changed, or zero if it is None.
         """
         turning = np.zeros(3) if self.angular_velocity is None else self.angular_velocity
         centre = space_vector(f"centre velocity of body '{self.body.name}'", velocity)
@@ -169,7 +169,7 @@ class Placed(Summarized):
         return replace(self, velocity=origin, angular_velocity=turning)
 
     def moved_to(self, position: np.ndarray, rotation: np.ndarray) -> Placed:
-        """The body in another pose, with its joints and forces at the same points and axes.
+        """The body in another initial pose; its pose at assembly does not change.
 
         rotation : (3, 3); its rounding errors after many rotations are removed
         """
@@ -189,12 +189,12 @@ Load = ForceElement | NodalLoad | BaseAcceleration
 
 @dataclass(frozen=True, eq=False, repr=False)
 class System(Summarized):
-    """Bodies, joints, loads and gravity; checked when built.
+    """Bodies, joints, loads and gravity; checked at construction.
 
     bodies : Placed, one per body, names unique; a body given without `Placed` is at the origin, unrotated
     joints : Joint, names unique
     loads : ForceElement | NodalLoad | BaseAcceleration
-    gravity : (3,) global, e.g. (0, 0, -9.81)
+    gravity : (3,) acceleration, global, e.g. (0, 0, -9.81); default zero
     controllers : Controller | SampledController, names unique
     ties, contacts, supports : Tie, Contact | SurfaceContact, Support: for explicit parts
     Raises ModelError: no body, a name used twice, a joint or load on a body or interface that does not exist,
@@ -246,7 +246,7 @@ class System(Summarized):
         self._check_parts()
 
     def summary(self) -> Summary:
-        """Bodies with their forms, joints with their ends, loads, gravity and controllers."""
+        """Bodies with their types, joints with their ends, loads, controllers and gravity."""
         sizes = (f"{item} {len(getattr(self, item))}" for item in ("bodies", "joints", "loads"))
         rows = [
             (f"body {placed.body.name}", f"{placed.body.kind}, {placed.body.n_coordinates} coordinates")
@@ -261,14 +261,14 @@ class System(Summarized):
         named |= {item: [each.nodes for each in getattr(self, item)] for item in _OF_PARTS}
         rest = [(item, listed(names)) for item, names in named.items() if names]
         rest += [("gravity", place_text(self.gravity))] if self.gravity.any() else []
-        # Bodies and joints of long chains are truncated, so that the loads are shown.
+        # The rows of bodies and joints are truncated, so that the rows of loads are shown.
         most = N_LINES - 2 - len(rest)
         if len(rows) > most:
             rows = [*rows[:most], ("...", f"{len(rows) - most} bodies and joints more")]
         return Summary(f"System: {', '.join(sizes)}", rows + rest)
 
     def _check_parts(self) -> None:
-        """Check that ties, contacts and supports act on node sets of explicit parts."""
+        """Raise ModelError unless ties, contacts and supports act on node sets of explicit parts."""
         for item, (kinds, expected) in _OF_PARTS.items():
             for each in getattr(self, item):
                 check_instance(f"System, {item}", each, kinds, expected)
@@ -399,23 +399,23 @@ class System(Summarized):
 
     @property
     def n_constraints(self) -> int:
-        """Number of the joints' equations, redundant ones included."""
+        """Number of constraint equations of all joints, including redundant ones."""
         return sum(joint.n_constraints for joint in self.joints)
 
     @property
     def constraint_slices(self) -> dict[str, slice]:
-        """Slice of each joint's equations among all equations, by its name."""
+        """Slice of each joint's equations in the vector of all constraint equations, by joint name."""
         ends = np.cumsum([0, *(joint.n_constraints for joint in self.joints)])
         spans = zip(self.joints, pairwise(ends), strict=True)
         return {joint.name: slice(int(begin), int(end)) for joint, (begin, end) in spans}
 
     def placed(self, name: str, what: str = "lookup") -> Placed:
-        """The placed body of that name."""
+        """The placed body with a name; ModelError, beginning with `what`, if there is none."""
         return self.bodies[self.body_index(name, what)]
 
     @property
     def rigid_contacts(self) -> tuple[Contact, ...]:
-        """Contacts with rigid obstacles, in their order in results."""
+        """Contacts with rigid obstacles, in the order of the results."""
         return tuple(contact for contact in self.contacts if isinstance(contact, Contact))
 
     @property
@@ -434,12 +434,12 @@ class System(Summarized):
         return body.mesh
 
     def bodies_of(self, form: type[_Form]) -> dict[str, _Form]:
-        """The bodies of one form, by name, in the system's order: `system.bodies_of(FullBody)`."""
+        """The bodies of one type, by name, in the order of `bodies`: `system.bodies_of(FullBody)`."""
         named = ((placed.body.name, placed.body) for placed in self.bodies)
         return {name: body for name, body in named if isinstance(body, form)}
 
     def body_index(self, name: str, what: str = "lookup") -> int:
-        """Index in `bodies` of the body of that name."""
+        """Index in `bodies` of the body with a name; ModelError, beginning with `what`, if there is none."""
         names = [placed.body.name for placed in self.bodies]
         if name not in names:
             raise ModelError(f"{what}: there is no body '{name}'" + did_you_mean(name, names))

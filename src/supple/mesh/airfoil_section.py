@@ -16,9 +16,9 @@ __all__ = ["AirfoilSection", "TrailingEdge"]
 FloatArray = NDArray[np.float64]
 
 FEWEST_POINTS = 5
-# Tolerance of x/c = 0 and 1, beyond which the outline is in another unit than its chord.
+# Largest deviation of the extreme x/c from 0 and 1; beyond it the outline is not relative to its chord.
 CHORD_TOLERANCE = 0.02
-# Rounded coordinates near a thin edge may cross by this much.
+# Points whose two sides are closer than this (y/c), as in rounded data at a thin edge, show no crossing.
 CROSSING_TOLERANCE = 1e-5
 
 

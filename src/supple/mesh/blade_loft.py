@@ -21,7 +21,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 NARROWEST_PANEL = 0.05
-"""Least part of the chord for the nose and aft panels."""
+"""Least length of the nose panel and of the aft panel, as a fraction of the chord."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,7 +109,7 @@ def loft_blade(stations: BladeStations, webs: ShearWebs, grid: BladeGrid = Blade
            web_aft; axes as in `BladeStations`
     Raises
     ------
-    MeshError   webs beyond root or tip, or outside the section at some span; unusable cells
+    MeshError   webs beyond root or tip, or outside the section at some span; cells that `Mesh` rejects
     """
     span = _ring_spans(stations, webs, grid)
     skin_nodes = _rings(stations, webs, grid, span)
@@ -179,7 +179,7 @@ def _rings(stations: BladeStations, webs: ShearWebs, grid: BladeGrid, span: Floa
             f"(aft) on a chord of {chord[k]:g}; they need {NARROWEST_PANEL} .. "
             f"{1 - NARROWEST_PANEL}, so end the webs before, or move them nearer to the pitch axis"
         )
-    # Beyond the webs, towards a slender tip, the panels keep their least share of the chord.
+    # Outside the span of the webs, as at a slender tip, the panels have at least this fraction of the chord.
     fore, aft = np.maximum(fore, NARROWEST_PANEL), np.minimum(aft, 1 - NARROWEST_PANEL)
     y = stations.shapes(span)
     x = np.broadcast_to(SHAPE_POINTS, y.shape)
@@ -222,7 +222,7 @@ def _interpolate_rows(x: FloatArray, y: FloatArray, at: FloatArray) -> FloatArra
 
 
 def _split_skin(around: IntArray, grid: BladeGrid, n_nodes: int) -> tuple[IntArray, IntArray]:
-    """Skin triangles, with centre nodes from n_nodes on, and corners (c, 4) of the quadrilaterals there."""
+    """Skin triangles, and corners (c, 4) of centre-split quadrilaterals; centres numbered from n_nodes."""
     halves = alternating_triangles(around)
     segment, panel = np.array(grid.centre_splits, dtype=np.int64).reshape(-1, 2).T
     cut = panel * grid.n_segments + segment

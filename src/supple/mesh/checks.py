@@ -20,10 +20,10 @@ FloatArray = NDArray[np.float64]
 
 # A triangle whose height is below this fraction of its longest edge has no usable normal or curvature.
 FLATTEST_TRIANGLE = 1e-6
-# A line has no direction when it is shorter than this fraction of the whole mesh.
+# A line has no direction when it is not longer than this fraction of the mesh's largest extent along an axis.
 SHORTEST_LINE = 1e-9
-# A solid cell is flat when its smallest Jacobian falls below this fraction of its longest extent cubed;
-# slender cells (1 : 1000 in two directions) reach 1e-6.
+# A solid cell is flat when its smallest Jacobian falls below this fraction of its longest extent cubed, and
+# inverted when it falls below minus this value; slender cells (1 : 1000 in two directions) reach 1e-6.
 FLATTEST_SOLID = 1e-10
 
 
@@ -36,7 +36,7 @@ def check_mesh(
     cell_ids: Mapping[CellType, IntArray],
     links: IntArray,
 ) -> None:
-    """Raise MeshError at the first error, with the mesh's ids; later checks rely on earlier ones."""
+    """Raise MeshError at the first error, with node and cell ids; later checks rely on earlier ones."""
     names = _Names(node_ids, cell_ids)
     _check_node_coordinates(nodes, names)
     _check_cell_arrays(cells, links)

@@ -126,7 +126,7 @@ def connecting_rod(outline: RodOutline, cells: RodCells, cell_type: CellType) ->
     Mesh   node sets big_bore, small_bore, big_rim, small_rim (without the shank), z_min, z_max
     Raises
     ------
-    MeshError   sizes not positive, eyes that overlap; counts too low; a surface cell type
+    MeshError   another cell type; `Eye`, `RodOutline` and `RodCells` check sizes and counts
     """
     section, quads, sets = _section(outline, cells)
     half = 0.5 * outline.thickness

@@ -36,7 +36,7 @@ def cylinder(
     Mesh   node sets root (x = 0), tip (x = length), surface (at the radius)
     Raises
     ------
-    MeshError   sizes not positive; counts below one; a surface cell type
+    MeshError   sizes not positive; counts below one; another cell type
     """
     check_sizes(radius=radius, length=length)
     check_counts(n_core=n_core, n_ring=n_ring, n_length=n_length)

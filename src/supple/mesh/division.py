@@ -63,7 +63,8 @@ class AlongAxis:
     def cells(self, mesh: Mesh) -> Sequence[CellNumbers]:
         """The cells of each part, from the lowest to the highest along the axis.
 
-        Raises MeshError where no section of nodes is within half a part's length of a cut.
+        Raises MeshError where no flat section of nodes, beyond the previous cut, is within half a part's
+        length of a cut.
         """
         direction = _longest_direction(mesh) if self.axis is None else _unit(self.axis)
         along = mesh.nodes @ direction
@@ -134,7 +135,7 @@ class ByCellSets:
 class Cut:
     """The common nodes of two parts.
 
-    first, second : numbers of the parts, the first lower
+    first, second : numbers of the parts, first < second
     nodes : int array (k,)      numbers, in the whole mesh, of the common nodes
     name : name of these nodes in both parts; cuts with the same name have the same nodes
     """
@@ -179,7 +180,7 @@ class DividedMesh:
         return {cut.name: cut.nodes for cut in self.cuts if part in cut}
 
     def neighbours_from(self, start: int) -> Iterator[tuple[int, Cut]]:
-        """Every other part, nearest to part `start` first, with the last cut on the path to it."""
+        """Other parts connected to part `start`, by number of cuts on the path, with the last cut on it."""
         reached, boundary = {start}, [start]
         while boundary:
             ahead = []
@@ -224,7 +225,7 @@ def cuts_at_nodes(mesh: Mesh, _cells: Sequence[CellNumbers], members: Sequence[I
 def divided(mesh: Mesh, division: Division, cuts: Cuts = cuts_at_sections) -> DividedMesh:
     """Divide a mesh into parts that share the nodes of the sections between them.
 
-    cuts : where parts are tied: cuts_at_sections, or cuts_at_nodes
+    cuts : function that returns the cuts, where parts are tied: cuts_at_sections or cuts_at_nodes
 
     Raises
     ------
@@ -285,7 +286,7 @@ def _loose_nodes(mesh: Mesh, members: Sequence[IntArray]) -> list[IntArray]:
 def _shared_out(
     node_sets: Mapping[str, IntArray], members: Sequence[IntArray]
 ) -> tuple[dict[str, IntArray], ...]:
-    """The node sets of each part, such that each node of a set is in one part."""
+    """The node sets of each part; each node of a set is assigned to one part (see `DividedMesh`)."""
     found: tuple[dict[str, IntArray], ...] = tuple({} for _ in members)
     for name, nodes in node_sets.items():
         inside = np.array([np.isin(nodes, own) for own in members])

@@ -13,13 +13,13 @@ IntArray = NDArray[np.int64]
 CREASE = np.radians(20.0)
 """Largest angle between neighbours on one smooth surface; beyond it their edge is a crease."""
 ONE_SURFACE = 0.9
-"""Least share of the squares of heights that a quadratic fit must explain; below it there is a crease."""
+"""Least fraction of the weighted squares of heights that a quadratic fit must explain; below it, a crease."""
 SAME_NORMAL = 0.1
-"""Differences of normals count as zero below this share of the largest difference nearby."""
+"""Differences of normals count as zero up to this fraction of the largest difference nearby."""
 FLAT = 1e-6
 """Difference of normals, rad, below which there is no curvature."""
 DETERMINED = 1e-3
-"""Share of the largest eigenvalue of a fit below which the neighbours do not determine a curvature."""
+"""Fraction of the largest eigenvalue of a fit; for lower eigenvalues the curvature component is zero."""
 
 SYMMETRIC = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 1.0], [1.0, 0.0]]])
 
@@ -145,10 +145,10 @@ def _fitted(
 
 
 def _smallest_fit(rows: FloatArray, wanted: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Least-squares values (E, c) of `rows . values - wanted`, and the explained share (E,).
+    """Values (E, c) of least weighted squares of `rows . values - wanted`, and the explained share (E,).
 
-    The values are the smallest of all equally good fits. The share is that of the weighted squares of
-    `wanted`.
+    The values are the smallest of all equally good fits. The explained share is the fraction of the weighted
+    squares of `wanted` that the fit reproduces.
     """
     weighted = (rows * weight[..., None]).swapaxes(1, 2)
     eigenvalues, vectors = np.linalg.eigh(weighted @ rows)

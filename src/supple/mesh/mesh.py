@@ -133,7 +133,7 @@ class Mesh(Summarized):
         return sum(len(array) for array in self.cells.values())
 
     def nodes_of(self, name: str) -> IntArray:
-        """Node numbers of a named node set; MeshError lists all sets."""
+        """Node numbers of a named node set; MeshError for an unknown name, with all names."""
         if name not in self.node_sets:
             raise MeshError(f"no node set '{name}' in this mesh; it has {_listed(self.node_sets)}")
         return self.node_sets[name]
@@ -158,13 +158,13 @@ class Mesh(Summarized):
         return not np.array_equal(self.node_ids, np.arange(self.n_nodes))
 
     def cells_of(self, name: str) -> Mapping[CellType, IntArray]:
-        """Cell numbers, by type, of a named cell set; MeshError lists all sets."""
+        """Cell numbers, by type, of a named cell set; MeshError for an unknown name, with all names."""
         if name not in self.cell_sets:
             raise MeshError(f"no cell set '{name}' in this mesh; it has {_listed(self.cell_sets)}")
         return self.cell_sets[name]
 
     def only_cell_type(self) -> CellType:
-        """The type of all cells; MeshError when the mesh mixes several."""
+        """The type of all cells; MeshError unless the mesh has exactly one type."""
         if len(self.cells) != 1:
             counts = ", ".join(f"{len(array)} {kind.name}" for kind, array in self.cells.items())
             raise MeshError(f"the mesh mixes cell types ({counts}); keep one, for instance by its cell set")

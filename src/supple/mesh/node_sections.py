@@ -39,7 +39,7 @@ class NodeSection:
 
     position : mean position of its nodes along the axis
     below : computes, for each cell type, whether the cells (E,) are on the lower side
-    is_plane : whether it is normal to the axis; otherwise its nodes are not always in a plane
+    is_plane : whether the section is a plane normal to the axis; the nodes of a layer may not be in a plane
     """
 
     position: float
@@ -147,7 +147,7 @@ def _planes(mesh: Mesh, along: FloatArray) -> Iterator[NodeSection]:
 
 
 def _layers(mesh: Mesh, along: FloatArray, *, from_low: bool) -> Iterator[NodeSection]:
-    """Layers by steps from cell to cell over any common node."""
+    """Layers by the number of steps from one end; a step leads from a cell to any cell with a common node."""
     height = along if from_low else -along
     ends = np.flatnonzero(height <= height.min() + _SAME_PLANE * np.ptp(height))
     n, counts = mesh.n_nodes, [len(cells) for cells in mesh.cells.values()]

@@ -19,9 +19,10 @@ _QUADRATIC = {
 
 
 def to_quadratic(mesh: Mesh) -> Mesh:
-    """The mesh with the quadratic type of each solid cell, TETRA10 for TETRA4; edges stay straight.
+    """The mesh with the quadratic type of each solid cell, such as TETRA10 for TETRA4; edges stay straight.
 
-    New nodes follow the old; a new node joins a node set when both ends of its edge are members.
+    New nodes follow the old; a node set contains a new node when it contains both ends of the edge. Node ids,
+    cell ids and links of `mesh` are not copied.
 
     Raises
     ------

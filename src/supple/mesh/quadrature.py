@@ -47,11 +47,11 @@ def irons_cube() -> Quadrature:
 
 
 def reduced_cube() -> Quadrature:
-    """The eight Gauss points on the cube with a share of 3/4, the fourteen of Irons with 1/4.
+    """The eight Gauss points on the cube with the factor 3/4, and the fourteen points of Irons with 1/4.
 
     Eight points alone leave six zero-energy modes of a HEXA20. In a row of single cells, some of these modes
-    have lower frequencies than the bending modes if the share of full integration is too small. A quarter of
-    the excess stiffness of full integration remains.
+    have lower frequencies than the bending modes if the factor on the fourteen points is too small. A quarter
+    of the excess stiffness of full integration remains.
     """
     few, full = gauss_cube(2), irons_cube()
     share = 0.25
@@ -141,7 +141,7 @@ def product_rule(kind: CellType, n: int) -> Quadrature:
 
 
 def _prism(triangle: FloatArray, weights: FloatArray, n: int) -> Quadrature:
-    """Points of a triangle (p, 2) at n places along a wedge."""
+    """Product rule on the wedge: points (p, 2) of a triangle times n Gauss points along the wedge."""
     z, w = roots_legendre(n)
     points = np.column_stack([np.repeat(triangle, n, axis=0), np.tile(z, len(triangle))])
     return Quadrature(points, np.outer(weights, w).ravel())

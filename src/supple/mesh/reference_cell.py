@@ -36,7 +36,7 @@ def reference_nodes(cell_type: CellType) -> NDArray[np.float64]:
 
 
 def shape_functions(cell_type: CellType, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Shape functions N_a (p, k) of a solid cell at parent points (p, 3): N(xi) = p(xi) P^-1."""
+    """Shape functions N_a (p, k) of a solid cell at parent points (p, 3), as in `shape_gradients`."""
     exponents = _exponents(cell_type)
     return _powers(points, exponents) @ np.linalg.inv(_powers(reference_nodes(cell_type), exponents))
 
@@ -44,7 +44,7 @@ def shape_functions(cell_type: CellType, points: NDArray[np.float64]) -> NDArray
 def shape_gradients(cell_type: CellType, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Gradients dN_a/dxi_i of a solid cell's shape functions at parent points.
 
-    The N_a span the functions of the cell and are one at their own node, zero at the others:
+    N_a is one at node a and zero at the other nodes. With the functions p_m of the cell (see `_exponents`):
         N(xi) = p(xi) P^-1,   P_am = p_m(xi_a)
 
     Parameters

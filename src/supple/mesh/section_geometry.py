@@ -16,7 +16,7 @@ Point = tuple[float, float]
 Loop = tuple[Point, ...]
 
 ROUND_POINTS = 8
-"""Points on a circle; between two of them the bending stress is at most 8 % above the larger stress there."""
+"""Points on a circle; between two of them, bending stress is at most 8 % above their larger stress."""
 ROUND_CORNERS = 16
 """Corners of the polygon that represents a circle."""
 SAME_PLACE = 1e-9
@@ -57,7 +57,7 @@ class SectionGeometry:
             raise MeshError("the hole of a section needs as many corners as its first loop")
 
     def moved(self, y: float, z: float) -> SectionGeometry:
-        """The geometry, shifted."""
+        """The geometry shifted by (y, z), m; the torsional shear is unchanged."""
 
         def all_of(loop: Loop) -> Loop:
             return tuple((p[0] + y, p[1] + z) for p in loop)
@@ -70,7 +70,7 @@ class SectionGeometry:
         )
 
     def mirrored(self) -> SectionGeometry:
-        """The geometry mirrored in z; under the same torsion, only the y components of shear change sign."""
+        """The geometry with z replaced by -z; the y components of the torsional shear change sign."""
 
         def all_of(loop: Loop) -> Loop:
             return tuple((y, -z) for y, z in loop)
@@ -83,7 +83,7 @@ class SectionGeometry:
         )
 
     def turned(self) -> SectionGeometry:
-        """The geometry, rotated by a right angle about the origin: y to -z, z to y."""
+        """The geometry rotated by a right angle about the origin: the y axis to -z, the z axis to y."""
 
         def all_of(loop: Loop) -> Loop:
             return tuple((z, -y) for y, z in loop)
@@ -98,7 +98,7 @@ class SectionGeometry:
 
 @dataclass(frozen=True)
 class Wall:
-    """A rectangle of a thin-walled section: its centre, its sizes along y and z.
+    """A rectangle of a thin-walled section, with centre (y, z), height along y and width along z, m.
 
     shear : stress along its longer side per unit torsional moment, m^-3: thickness / J of an open section,
             1 / (2 A thickness) around a closed cell of area A (Bredt)
@@ -117,7 +117,7 @@ class Wall:
 
     @property
     def corners(self) -> Loop:
-        """Its corners, in order."""
+        """Corners (y, z) of the rectangle, in order around it."""
         h, w = self.height / 2, self.width / 2
         return tuple((self.y + a * h, self.z + b * w) for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1)))
 
@@ -168,7 +168,7 @@ def circular_section(radius: float, inner: float = 0.0) -> SectionGeometry:
 def walled_section(walls: Sequence[Wall], *, box: tuple[Loop, Loop] | None = None) -> SectionGeometry:
     """A section of rectangles; the points are corners of its convex hull, where bending stress is largest.
 
-    box : outer and inner rim of walls that form one closed box, for drawing
+    box : outer and inner rim of walls that form one closed box, for graphics
     """
     owners = [(corner, wall) for wall in walls if min(wall.height, wall.width) > 0 for corner in wall.corners]
     hull = np.array(_convex_hull([corner for corner, _ in owners]))

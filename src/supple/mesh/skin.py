@@ -64,6 +64,8 @@ def skin_of(mesh: Mesh) -> Skin:
 
     Faces shared by two solid cells are interior and left out; faces with mid-edge nodes are divided at them,
     so that a curved face looks curved. Beams (LINE2) have no faces: `body_surface` shows them.
+
+    Raises ModelError for a mesh without faces, such as beams alone.
     """
     parts = [_skin_of_faces(faces) for faces in outer_faces(mesh, middles=True)]
     if not parts:

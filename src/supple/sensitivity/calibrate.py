@@ -29,11 +29,13 @@ __all__ = ["calibrate"]
 Array = NDArray[np.float64]
 
 _MOST = 100
-"""Largest number of runs of a fit."""
+"""Largest number of residual evaluations of a fit; runs for Jacobians are not counted."""
 _KEPT = 1e-7
-"""Weight of the initial values, relative to the largest singular value of the scaled Jacobian."""
+"""Weight of the deviation from the initial values, relative to the largest singular value of the scaled
+Jacobian."""
 _NEAR = 1e-3
-"""Smallest notable step, relative to the parameter sizes, and gain, relative to the sum of squares."""
+"""A fit is rejected if one more linearised step exceeds this fraction of a parameter's size and reduces the
+sum of squares by more than this fraction."""
 
 
 @checked_arguments
@@ -52,16 +54,17 @@ def calibrate(
 
         minimise  sum_i ((computed_i(p) - measured_i) / deviation_i)^2
 
-    by a trust region with exact Jacobians (`sensitivities`). It finds the minimum nearest to the initial
-    values; a motion that is out of phase by half a period or more may lead to another one. Parameters that
-    the measurements do not determine keep their initial values.
+    by a trust-region method with exact Jacobians (`sensitivities`). The method finds a local minimum near the
+    initial values: the wrong one, possibly, if the first computed motion is out of phase with the measured
+    motion by half a period or more. Parameters that the measurements do not determine keep their initial
+    values.
 
     Parameters
     ----------
     build, run, observables, sizes : as for `sensitivities`
     parameters : initial values, by name
-    measurements : of channels of the observables
-    bounds : by name, lowest and highest value; by default none
+    measurements : measured values of channels of the observables
+    bounds : lowest and highest value of parameters, by name; by default none
 
     Returns
     -------
@@ -70,8 +73,9 @@ def calibrate(
     Raises
     ------
     ModelError          as for `sensitivities`; fewer measured values than parameters, a measurement without
-                        deviation among several, a start outside the bounds
-    ConvergenceError    a fit that does not converge, or a run with the initial values that does not
+                        deviation among several, an initial value outside its bounds
+    ArgumentError       as for `sensitivities`
+    ConvergenceError    a fit that does not converge, or a run with the initial values that does not converge
 
     Warns
     -----
@@ -107,7 +111,7 @@ def calibrate(
 
 
 def _could_improve(jacobian: Array, residuals: Array) -> bool:
-    """Whether a step to the minimum of the linearised residuals would still be a notable improvement."""
+    """Whether the step to the minimum of the linearised residuals, and its gain, both exceed `_NEAR`."""
     step = np.linalg.lstsq(jacobian, residuals)[0]
     gained = jacobian @ step
     return bool(np.max(np.abs(step), initial=0.0) > _NEAR and gained @ gained > _NEAR * residuals @ residuals)
@@ -151,7 +155,7 @@ class _Fit:
     measurements: tuple[Measurement, ...]
     sizes: Mapping[str, float]
     given: frozenset[str]
-    """Names of parameters with a given size; the sizes of all other parameters follow their values"""
+    """Names of parameters with a given size; any other size is reduced to the current value if smaller"""
     runs: int = field(default=0)
     broken: str = ""
     """Cause of the last failed run"""
@@ -166,7 +170,7 @@ class _Fit:
         return np.concatenate([each.residuals(times, values, column) for each, column in pairs])
 
     def residuals(self, values: Array) -> Array:
-        """Residuals (n,); inf where a run fails, so that the fit steps back."""
+        """Weighted residuals (n,); inf if the run fails, so that the trust region shrinks."""
         self.runs += 1
         system = self.build(self._named(values))
         columns = [each.column(system, self.observables) for each in self.measurements]
@@ -180,7 +184,7 @@ class _Fit:
         return self._stacked(solution, read(self.observables, system, solution), columns)
 
     def jacobian(self, values: Array) -> Array:
-        """Jacobian (n, p)."""
+        """Jacobian (n, p) of the weighted residuals."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SuppleWarning)
             return self._jacobian(values)[0]

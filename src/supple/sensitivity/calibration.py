@@ -16,7 +16,7 @@ __all__ = ["Calibration", "Uncertainty", "uncertainty"]
 Array = NDArray[np.float64]
 
 _UNDETERMINED = 1e-7
-"""Singular values of the scaled Jacobian below this fraction of the largest are rounding."""
+"""Singular values of the scaled Jacobian up to this fraction of the largest count as zero."""
 _INVOLVED = 1e-3
 """Component of an undetermined direction above which a parameter is part of it."""
 
@@ -25,10 +25,9 @@ _INVOLVED = 1e-3
 class Uncertainty:
     """Uncertainty of fitted parameters, in linear approximation about the fit.
 
-    covariance : (p, p);    deviations, correlation : (p,) and (p, p) from it; inf and nan for parameters that
-        the data do not determine
-    undetermined : directions in which parameters change without any change of the residuals, each as the
-        relative changes of its parameters
+    covariance : (p, p); parameters that the data do not determine have variance inf and covariances nan
+    undetermined : combinations of parameter changes that do not change the residuals; each contains, by name,
+        the changes of its parameters relative to their sizes
     """
 
     covariance: Array
@@ -41,13 +40,13 @@ class Uncertainty:
 
     @property
     def correlation(self) -> Array:
-        """(p, p)."""
+        """Correlation matrix (p, p); nan for parameters that the data do not determine."""
         with np.errstate(invalid="ignore"):
             return self.covariance / np.outer(self.deviations, self.deviations)
 
 
 def without_undetermined(jacobian: Array) -> Array:
-    """A scaled Jacobian (n, p) without the directions within rounding, which the data do not determine."""
+    """A scaled Jacobian (n, p) with zero in place of singular values of directions that are undetermined."""
     left, singular, right = np.linalg.svd(jacobian, full_matrices=False)
     return (left * np.where(_determined(singular), singular, 0.0)) @ right
 
@@ -57,10 +56,10 @@ def _determined(singular: Array) -> NDArray[np.bool_]:
 
 
 def uncertainty(jacobian: Array, sizes: Mapping[str, float], variance: float) -> Uncertainty:
-    """Covariance `s^2 (J^T J)^-1`; J (n, p) is the Jacobian of residuals divided by their deviations.
+    """Uncertainty with the covariance `s^2 (J^T J)^-1`; J (n, p) is the Jacobian of the weighted residuals.
 
-    sizes : of the parameters by name, which scale the Jacobian
-    variance : s^2, 1 where deviations are known
+    sizes : sizes of the parameters by name, which scale the Jacobian
+    variance : s^2, 1 if the deviations are known
     Source: [BatesWatts1988], section 2.1.
     """
     scale = np.array(list(sizes.values()))
@@ -87,11 +86,11 @@ class Calibration(Summarized):
     """Parameters of a machine fitted to measurements.
 
     parameters : fitted values by name
-    uncertainty : of the parameters
-    residuals : by measurement, in their given order: computed minus measured (k,), in the units of the
-        measurement
-    misfit : weighted sum of squares of the residuals, divided by their number minus the number of parameters:
-        near 1 if the deviations are known, otherwise an estimate of the squared deviation
+    uncertainty : uncertainty of the parameters
+    residuals : for each measurement, in the given order: computed minus measured values (k,), in the units of
+        the measurement
+    misfit : weighted sum of squares of the residuals, divided by their number minus the number of parameters
+        (at least 1): near 1 if the deviations are known, otherwise an estimate of the squared deviation
     jacobian : (n, p) of the weighted residuals
     solution : the run of the fitted machine
     runs : number of runs, with and without derivatives

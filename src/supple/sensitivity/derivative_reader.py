@@ -2,8 +2,9 @@
 
     d Q(machine(p), motion(p)) / dp = dQ/dmachine machine' + dQ/dmotion motion'
 
-Sensors are cheap functions of NumPy arrays. Each part is a central difference of fourth order: the first over
-machines with other parameters at fixed motion, the second along the derivative of the motion.
+A prime denotes the derivative with respect to p. Sensors are cheap functions of NumPy arrays. Both terms are
+central differences of fourth order: the first between machines with neighbouring parameter values at constant
+motion, the second between motions displaced along motion'.
 """
 
 from __future__ import annotations
@@ -30,7 +31,8 @@ __all__ = ["DerivativeReader", "read"]
 Array = NDArray[np.float64]
 
 _STEPS = (1.0, 1e-2, 1e-4)
-"""Steps along a motion, relative to `small_step`, tried in turn until the observable is smooth."""
+"""Steps along motion', relative to the smaller of `small_step` and the parameter's step: the next one is
+tried for observables that are not smooth."""
 
 
 def read(observables: Observables, system: System, solution: Solution) -> dict[str, Array]:
@@ -43,7 +45,7 @@ def read(observables: Observables, system: System, solution: Solution) -> dict[s
 class DerivativeReader:
     """Derivatives of observables of a run.
 
-    states : at the output times (t, ..);   changes : their derivatives (t, p, ..)
+    states : states at the output times (t, ..);   changes : derivatives of the states (t, p, ..)
     """
 
     machine: ParameterChanges
@@ -54,7 +56,7 @@ class DerivativeReader:
     def derivatives(self, parameter: str, number: int, values: Mapping[str, Array]) -> dict[str, Array]:
         """Derivatives of all observables with respect to a parameter.
 
-        values : by observable, of the run itself
+        number : position of the parameter;   values : values of the run itself, by observable
         Raises ModelError for an observable that is not a smooth function of the parameter.
         """
         own = self.machine.neighbours[number]
@@ -71,7 +73,7 @@ class DerivativeReader:
         return {name: by_machine[name] + by_motion[name] for name in values}
 
     def _check_elements(self, parameter: str, systems: Sequence[System]) -> None:
-        """Raise ModelError for stress in elements if the parameter replaces elastic bodies."""
+        """ModelError for observables of finite elements if the parameter creates elastic bodies again."""
         bodies = {id(placed.body) for placed in self.machine.system.bodies}
         others = (placed.body for system in systems for placed in system.bodies)
         if all(body.kind == "rigid" or id(body) in bodies for body in others):
@@ -84,7 +86,7 @@ class DerivativeReader:
                 )
 
     def _by_motion(self, number: int, values: Mapping[str, Array]) -> dict[str, Array]:
-        # Forces may depend on a parameter that moves nothing, such as the mass of a pendulum.
+        # A parameter that does not affect the motion, such as the mass of a pendulum, may affect forces.
         of_motion = small_step(self.machine.model, self.states, self.changes, number)
         largest = min(of_motion, self.machine.neighbours[number].step)
         found: dict[str, Array] = {}
@@ -110,7 +112,7 @@ class DerivativeReader:
     def _smooth(
         values: Mapping[str, Array], around: Sequence[Mapping[str, Array]], step: float
     ) -> dict[str, Array]:
-        """Derivatives of the observables that are smooth."""
+        """Derivatives of the observables that are smooth; others are left out."""
         found = {name: [own[name] for own in around] for name in values}
         return {
             name: central_difference(own, step)

@@ -2,12 +2,12 @@
 
     f' = (8 (f_1 - f_-1) - (f_2 - f_-2)) / (12 h),        error h^4 f^(5) / 30
 
-at f_-2, f_-1, f_1, f_2, steps h apart. The differences
+where f_k is the value at k h from the middle. The differences
 
     f_2 - 2 f_1 + 2 f_-1 - f_-2,        f_-2 - 4 f_-1 + 6 f_0 - 4 f_1 + f_2
 
-are of order h^3 and h^4 for a smooth function, and of order h at a kink. At a jump, or for a wave no longer
-than the steps, they are of the order of the function itself.
+are of order h^3 and h^4 for a smooth function, and of order h at a kink. At a jump, or for an oscillation
+with a wavelength of h or less, they are of the order of the function itself.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ __all__ = ["OFFSETS", "central_difference", "looks_smooth"]
 OFFSETS = (-2, -1, 1, 2)
 """Evaluation points besides the middle, in steps."""
 _SMOOTH = 1e-3
-"""Largest of these differences, relative to the change from the first value to the last: the derivative of a
-sine is then accurate to 1e-7."""
+"""Largest of these differences for a smooth function, relative to |f_2 - f_-2|: the derivative of a sine is
+then accurate to 1e-7."""
 _ROUNDING = 1e-8
-"""Largest difference relative to the values: the accuracy of positions at rest."""
+"""Additional allowance for these differences, relative to f_0: the accuracy of positions at rest."""
 _NOTHING = 1e-6
-"""Least reference value: rounding errors of zero are not functions of a parameter."""
+"""Smallest reference value for `_ROUNDING`: below it, values count as rounding errors of zero."""
 
 
 def central_difference(values: Sequence[ArrayLike], step: float) -> NDArray[np.float64]:
@@ -37,9 +37,9 @@ def central_difference(values: Sequence[ArrayLike], step: float) -> NDArray[np.f
 
 
 def looks_smooth(middle: ArrayLike, values: Sequence[ArrayLike], size: float = 0.0) -> bool:
-    """Whether a derivative from these values is one of a smooth function.
+    """Whether f_0 and four values, at `OFFSETS` times the step, appear to be those of a smooth function.
 
-    size : least reference for the values
+    size : smallest reference value for rounding errors
     """
     far_below, below, above, far_above = (np.asarray(own, dtype=float) for own in values)
     third = far_above - 2 * (above - below) - far_below
@@ -47,5 +47,5 @@ def looks_smooth(middle: ArrayLike, values: Sequence[ArrayLike], size: float = 0
     change = np.max(np.abs(far_above - far_below), initial=0.0)
     largest = np.max(np.abs(np.asarray(middle, dtype=float)), initial=max(size, _NOTHING))
     allowed = _SMOOTH * change + _ROUNDING * largest
-    # In this form NaN is not smooth.
+    # NaN does not satisfy the inequality, and thus is not smooth.
     return all(bool(np.max(np.abs(own), initial=0.0) <= allowed) for own in (third, fourth))

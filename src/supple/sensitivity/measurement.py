@@ -25,7 +25,7 @@ class Measurement:
     """A measured history of one channel of a sensor.
 
     observable : name of the sensor or other observable with values (t, c)
-    times : (k,)            ascending, within the run; between output times a cubic spline is used
+    times : (k,)            ascending, within the run; a cubic spline interpolates the computed values
     values : (k,)           in the units of the model; nan for missing values
     channel : str | int     name of the channel, or number of the column; 0 for a single channel
     deviation : float | (k,)    standard deviation of the noise; None only in a fit of one measurement, where
@@ -58,17 +58,17 @@ class Measurement:
 
     @property
     def known(self) -> NDArray[np.bool_]:
-        """(k,) True for existing values."""
+        """Mask (k,): True for finite measured values."""
         return np.isfinite(np.asarray(self.values))
 
     @property
     def weights(self) -> Array:
-        """One over the deviations of existing values; ones if unknown."""
+        """Reciprocal deviations (k',) of the k' finite measured values; ones without known deviations."""
         deviation = 1.0 if self.deviation is None else np.asarray(self.deviation)
         return np.broadcast_to(1 / deviation, np.shape(self.times))[self.known]
 
     def column(self, system: System, observables: Any) -> int:
-        """Number of the channel among the columns of its observable."""
+        """Column number of the channel in its observable; ModelError if a name does not exist."""
         found = observables_of(observables, system)
         if self.observable not in found:
             raise ModelError(
@@ -85,7 +85,7 @@ class Measurement:
         return names.index(self.channel)
 
     def residuals(self, times: Array, values: Mapping[str, Array], column: int) -> Array:
-        """Weighted differences (k',) between computed and measured values.
+        """Residuals (k',): computed minus measured values, divided by the deviations.
 
         times : (t,) output times of the run;   values : by observable, (t, c)
         """
@@ -93,7 +93,10 @@ class Measurement:
         return self.weights * (computed - np.asarray(self.values)[self.known])
 
     def at_times(self, times: Array, values: Array, column: int) -> Array:
-        """A column of values (t, c) at the times of existing measured values, (k',)."""
+        """A column of values (t, c), interpolated at the times of the finite measured values, (k',).
+
+        Raises ModelError for measured times outside the run, or a column that does not exist.
+        """
         own = np.asarray(self.times)[self.known]
         slack = 1e-9 * (times[-1] - times[0])
         if own.size and (own[0] < times[0] - slack or own[-1] > times[-1] + slack):

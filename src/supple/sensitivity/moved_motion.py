@@ -1,4 +1,4 @@
-"""Solutions displaced from a run along the derivative of its motion with respect to a parameter."""
+"""States of a run, displaced along the derivative of its motion with respect to a parameter."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from supple.methods.floating.compiled.state import State
 __all__ = ["displaced_states", "small_step"]
 
 _SMALL = 1e-3
-"""Displacement of the motion: rad, or relative to the machine's length or a body's deformation."""
+"""Largest change of the motion by `small_step`: rotations in rad, positions relative to the machine's length,
+deformations relative to the largest one of the body."""
 _UNDEFORMED = 1e-8
 """Least reference value of a deformation, relative to the machine's length."""
 
@@ -23,7 +24,7 @@ _UNDEFORMED = 1e-8
 def displaced_states(states: State, change: StateChange, parameter: int, step: float) -> State:
     """States (t, ..) displaced by a step of a parameter along derivatives (t, p, ..).
 
-    Rotations are displaced on their group.
+    Displaced rotation matrices are orthogonal: A exp(step [w]).
     """
     carried = change.carried
     of_configuration = carried.configuration
@@ -47,14 +48,14 @@ def displaced_states(states: State, change: StateChange, parameter: int, step: f
 
 
 def _rotation_vectors(rotations: np.ndarray, changes: np.ndarray) -> np.ndarray:
-    """`w` (.., 3) of `dA = A [w]`, body components."""
+    """`w` (.., 3) of `dA = A [w]`, in body axes; [w] is the skew matrix of w."""
     skew = np.swapaxes(rotations, -1, -2) @ changes
     skew = (skew - np.swapaxes(skew, -1, -2)) / 2
     return np.stack([skew[..., 2, 1], skew[..., 0, 2], skew[..., 1, 0]], axis=-1)
 
 
 def small_step(model: Model, states: State, change: StateChange, parameter: int) -> float:
-    """A step of a parameter that changes the motion little; inf if it has no effect."""
+    """The step of a parameter that changes the configuration by at most `_SMALL`; inf without any effect."""
     configuration, of = states.configuration, change.carried.configuration
     turn = _rotation_vectors(configuration.rotations, of.rotations[:, parameter])
     sizes = [np.abs(turn).max(), np.abs(of.origins[:, parameter]).max() / float(model.length)]

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 class Observable(Protocol):
-    """Named numbers of a run; every sensor is one."""
+    """Named values of a run; every sensor is an observable."""
 
     @property
     def name(self) -> str:
@@ -40,8 +40,8 @@ class Statistic:
     sensor : Observable     with values (t, c)
     of : callable           function of a column (t,), such as `np.max`, `np.mean`, `np.std`
 
-    Extremes are taken over the output times; their derivative is that of the value at the time of the
-    extreme.
+    Extremes are taken over the output times; the derivative of an extreme is that of the value at the time of
+    the extreme.
     """
 
     name: str
@@ -52,7 +52,7 @@ class Statistic:
         check_fields(self)
 
     def values(self, system: System, solution: Solution) -> Array:
-        """(c,)."""
+        """The statistic of each column, (c,)."""
         columns = np.asarray(self.sensor.values(system, solution)).T
         return np.array([self.of(column) for column in columns], dtype=float)
 
@@ -64,8 +64,8 @@ Observables = Sequence[Any] | Callable[[System], Sequence[Any]]
 def observables_of(observables: Observables, system: System) -> dict[str, Any]:
     """Observables by name, for a machine.
 
-    Raises ModelError for two with one name, and for a list with observables that refer to parts of one
-    machine, which would not depend on its parameters.
+    Raises ModelError for two observables of equal name, and for a list with observables that refer to parts
+    of one machine: these parts would not change with the parameters.
     """
     is_list = isinstance(observables, Sequence)
     found = observables if is_list else observables(system)

@@ -1,8 +1,9 @@
-"""Derivatives of a compiled machine's numbers, start and stops with respect to parameters.
+"""Derivatives of a compiled machine's numbers, initial state and stops with respect to parameters.
 
-These quantities are smooth and cost little compared to a run, so they are differentiated by central
-differences of fourth order: exact up to rounding for polynomials of low order, which most of them are. The
-motion is differentiated exactly (`methods/floating/compiled/sensitivity_step`).
+Stops are the times at which steps must end. All these quantities are smooth and cost little compared to a
+run, so they are differentiated by central differences of fourth order. Most of the quantities are polynomials
+of low order, for which the differences are exact up to rounding. The motion is differentiated exactly
+(`methods/floating/compiled/sensitivity_step`).
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from supple.sensitivity.differences import OFFSETS, central_difference, looks_sm
 __all__ = ["Build", "ParameterChanges", "parameter_changes"]
 
 Build = Callable[[Mapping[str, float]], System]
-"""The machine for parameter values by name"""
+"""Function that returns the machine for parameter values by name"""
 
 _STEP = 3e-3
 """Step, relative to a parameter's size, with truncation and rounding errors below 1e-11 of a derivative."""
@@ -44,7 +45,7 @@ class Neighbours(NamedTuple):
     """Machines at neighbouring values of one parameter."""
 
     systems: tuple[System, ...]
-    """At `OFFSETS` times the step"""
+    """Machines with the value changed by `OFFSETS` times the step"""
     step: float
 
 
@@ -57,7 +58,7 @@ class ParameterChanges:
     state: State
     stops: np.ndarray
     outputs: np.ndarray
-    """True for stops that are output times, without the initial one"""
+    """Indices of the output times among the stops; the initial time is not a stop"""
     changes: MarchChanges
     neighbours: tuple[Neighbours, ...]
 
@@ -73,11 +74,12 @@ class _Numbers(NamedTuple):
 def parameter_changes(
     build: Build, parameters: Mapping[str, float], sizes: Mapping[str, float], run: Run
 ) -> ParameterChanges:
-    """The machine at some parameters, with derivatives of its numbers by each of them.
+    """The machine for some parameter values, with derivatives of its numbers by each parameter.
 
     sizes : magnitude of a large change of each parameter, by name
 
-    Raises ModelError for a machine without derivatives, or a parameter that changes more than numbers.
+    Raises ModelError for a machine without derivatives, or a parameter that changes more than numbers or
+    changes numbers with a jump or a kink.
     """
     system = _built(build, parameters)
     _check_marches(system, run)
@@ -120,7 +122,7 @@ def _neighbours(build: Build, parameters: Mapping[str, float], name: str, step: 
 
 
 def _stops(system: System, run: Run) -> tuple[np.ndarray, np.ndarray]:
-    """The stops of a run, and which of them are output times."""
+    """The stops of a run, and the indices of the output times among them."""
     return Stops(run.times, stepping_instants([system], run)).on_the_way(float(run.times[0]), run.times[1:])
 
 
@@ -164,9 +166,10 @@ def _check_same_stops(name: str, middle: Any, around: Sequence[Any]) -> None:
 
 
 def _magnitudes(numbers: _Numbers, run: Run) -> list[float]:
-    """Least reference values by leaf, for rounding and for the tolerance of an equilibrium.
+    """Smallest reference value for errors, by leaf: rounding errors, and the tolerance of an equilibrium.
 
-    Accelerations and multipliers follow from the other quantities; at rest they are rounding errors.
+    Inf for accelerations and multipliers, which thus always count as smooth: they follow from the other
+    quantities, and at rest they are rounding errors.
     """
     model, carried = numbers.model, numbers.start.carried
     length, scale = float(model.length), float(np.max(position_scale(model), initial=1.0))
@@ -187,7 +190,7 @@ def _magnitudes(numbers: _Numbers, run: Run) -> list[float]:
 def _derivatives(
     name: str, middle: _Numbers, around: Sequence[_Numbers], step: float, magnitudes: Sequence[float]
 ) -> list[np.ndarray | None]:
-    """Derivatives by leaf; None for a constant leaf."""
+    """Derivatives by leaf; None for a constant leaf; ModelError for a leaf that is not smooth."""
     found: list[np.ndarray | None] = []
     leaves = jax.tree_util.tree_leaves_with_path(middle)
     rows = zip(leaves, magnitudes, *map(jax.tree.leaves, around), strict=True)

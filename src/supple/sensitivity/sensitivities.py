@@ -74,19 +74,21 @@ def sensitivities(
 ) -> Sensitivities:
     """Derivatives of sensors and statistics of a run with respect to parameters of its machine.
 
-    The discrete motion is differentiated: the number of steps is constant, and their lengths follow the kinks
-    of laws. The derivatives are accurate to about 1e-9 and the tolerance of the run, for any motion. They
-    include initial values, an equilibrium or an assembly within `build`. Forward mode: the cost grows with
-    the number of parameters, not of observables.
+    The time-discrete motion is differentiated: the number of steps is constant, and the step lengths change
+    with the times of kinks in laws. For any motion, the relative error of the derivatives is about 1e-9 plus
+    the tolerance of the run. The derivatives include the effects of parameters on initial values, and on an
+    equilibrium or an assembly within `build`. Forward mode: the cost grows with the number of parameters, not
+    of observables.
 
     Parameters
     ----------
-    build : callable        the System for a mapping of values by name; it is called four further times per
-        parameter, at 0.3 and 0.6 % of its size to either side
+    build : callable        returns the System for a mapping of values by name; it is called once, and four
+        times per parameter, with changes of 0.3 and 0.6 % of the parameter's size to either side
     parameters : values by name
     run : Run               as for `simulate`, with fixed or adaptive steps
     observables : sensors, `Statistic` of them, or any object with a name and `values(system, solution)`;
-        a function of the System for those that refer to its parts, such as a `SpringForceSensor`
+        if some refer to parts of the System, such as a `SpringForceSensor`: a function of the System that
+        returns all observables
     sizes : magnitude of a large change of each parameter, by name; by default the magnitude of its value, so
         that a parameter with value 0 needs a size
 
@@ -119,7 +121,11 @@ def sensitivities(
 
 
 def sizes_of(parameters: Mapping[str, float], sizes: Mapping[str, float]) -> dict[str, float]:
-    """A large change of each parameter."""
+    """The size of each parameter, by name: the magnitude of a large change.
+
+    Raises ModelError without parameters or for an unknown name, ArgumentError for a value that is not finite
+    or a size that is not finite and positive.
+    """
     if not parameters:
         raise ModelError("give at least one parameter, with its value")
     for name in sizes:
@@ -138,7 +144,7 @@ def sizes_of(parameters: Mapping[str, float], sizes: Mapping[str, float]) -> dic
 
 
 def _marched(machine: ParameterChanges, run: Run) -> tuple[State, StateChange, Solution]:
-    """States and derivatives at the output times, and the solution."""
+    """States and derivatives at the output times, and the solution; ConvergenceError if a step fails."""
     began = perf_counter()
     found = march_with_changes(
         machine.model, controls(run), machine.state, machine.stops, machine.changes, run.n_steps

@@ -22,7 +22,8 @@ def consistent_accelerations(
 ) -> tuple[Any, Any, Any]:
     """Accelerations (n,), multipliers (m,), and whether the iteration of friction and joint forces fails.
 
-    They solve `M vdot + G^T lambda = - forces`, `G vdot = - d2g/dt2`, with d2g/dt2 at constant velocity.
+    Accelerations and multipliers solve `M vdot + G^T lambda = - forces`, `G vdot = - d2g/dt2`, with d2g/dt2
+    at constant velocity.
     """
     terms = joint_terms(model, time, configuration, velocity)
     mass = mass_matrix(model.bodies_alone, configuration)

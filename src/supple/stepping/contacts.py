@@ -20,7 +20,7 @@ __all__ = ["Contacts", "contacts_of"]
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class Contacts:
-    """The force elements of a machine that act by a penalty, each as a group of one."""
+    """The force elements of a machine that act by a penalty, each as a group of one element."""
 
     kinds: tuple[type[ForceElement], ...] = field(metadata=STATIC)
     groups: tuple[ForceGroup, ...]

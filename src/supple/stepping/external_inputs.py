@@ -40,7 +40,7 @@ class _External(UnboundedLaw):
 
 @dataclass(frozen=True)
 class ExternalInputs:
-    """A machine with inputs in place of some laws of time.
+    """A machine in which inputs replace some laws of time.
 
     system : the machine; a placeholder with the initial value replaces the law of each input
     variables : the inputs in the order of the input vector
@@ -63,7 +63,7 @@ class ExternalInputs:
         return jax.tree.map(constant, model, is_leaf=_is_external)
 
     def check_read(self, arrays: Any) -> None:
-        """ModelError for an input that the arrays of the equations do not contain."""
+        """ModelError for an input whose placeholder is not in the arrays of the equations."""
         laws = [leaf for leaf in jax.tree.leaves(arrays, is_leaf=_is_external) if _is_external(leaf)]
         read = {int(place) for law in laws for place in np.ravel(law.places)}
         for place, variable in enumerate(self.variables):

@@ -21,14 +21,14 @@ __all__ = ["FloatingSteps", "floating_steps"]
 
 @dataclass(frozen=True, eq=False)
 class FloatingSteps:
-    """The `Marching` of rigid and reduced bodies; its arrays are the model."""
+    """The `Marching` of rigid and reduced bodies; its `arrays` are the `Model` of the machine."""
 
     controls: Controls
     size: float
     n_velocities: int
 
     def reached(self, arrays: Model, state: State, end: Any) -> State:
-        """The state at the time `end`; forward-mode derivatives are those of the discrete motion."""
+        """The state at the time `end`; its forward-mode derivatives are those of the time-discrete motion."""
         return marched_to(self.controls, arrays, state, end)
 
     def motion(self, _arrays: Model, state: State) -> SystemMotion:
@@ -36,7 +36,7 @@ class FloatingSteps:
         return system_motion(state)
 
     def model(self, arrays: Model) -> Model:
-        """The model, which is the arrays."""
+        """The model: `arrays` itself."""
         return arrays
 
 

@@ -24,18 +24,20 @@ from supple.stepping.variables import Variable
 __all__ = ["AffineArrays", "MachineParameters", "affine_arrays"]
 
 _STEP = 2.0**-6
-"""Relative step of a parameter for slopes; a power of two, for which slopes of linear arrays are exact."""
+"""Step of a parameter for slopes, relative to its value, or absolute for a value of zero; a power of two, for
+which slopes of linear arrays are exact."""
 _ROUNDING = 1e-12
-"""Largest change that counts as rounding, as a fraction of the largest entry of an array."""
+"""Largest change of an entry that counts as rounding, as a fraction of the largest entry of the array."""
 _AFFINE = 1e-10
-"""Largest deviation from the affine function in the check, as a fraction of the largest entry."""
+"""Allowed deviation from the affine function in the check, as a fraction of the largest entry of the array
+or, if larger, of its change."""
 
 Exported = tuple[System, Sequence[Quantity], Mapping[str, Any]]
 
 
 @dataclass(frozen=True, eq=False)
 class MachineParameters:
-    """Numbers that can be changed in an exported machine.
+    """Parameters of an exported machine, and a function that builds the machine for other values.
 
     variables : parameters with their initial values
     machine : function, values (k,) -> system, sensors and inputs with these values
@@ -111,7 +113,7 @@ def affine_arrays(made: Callable[[NDArray[np.float64]], Any], parameters: Machin
 
 
 def _alike(base: Any, other: Any, name: str) -> list[Any]:
-    """The leaves of a pytree that must have the structure and shapes of another one; ModelError otherwise."""
+    """The leaves of `other`; ModelError if its structure or shapes differ from those of `base`."""
     leaves = jax.tree.leaves(other)
     if jax.tree.structure(base) != jax.tree.structure(other) or any(
         np.shape(one) != np.shape(two) for one, two in zip(jax.tree.leaves(base), leaves, strict=True)

@@ -1,4 +1,4 @@
-"""A machine for its sensors: stations on intrinsic bodies are bodies of their own."""
+"""A machine for evaluating its sensors, in which stations of intrinsic bodies are separate bodies."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class SensedMachine:
 
 
 def ends_on_lines(system: System, sensors: Sequence[Quantity]) -> list[At]:
-    """Ends on intrinsic bodies that sensors read."""
+    """Ends on intrinsic bodies that sensors use."""
     ends: list[At | None] = []
     for sensor in sensors:
         place = getattr(sensor, "place", None)

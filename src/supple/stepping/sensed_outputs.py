@@ -37,7 +37,7 @@ from supple.units import UnitSystem
 __all__ = ["SensedOutputs", "sensed_outputs"]
 
 Reads = Callable[[Model, SystemMotion, Any, Any], Any]
-"""Function (model, motion, previous reading (c,), time since then) -> channels (c,)."""
+"""Function (model, motion, previous channels (c,), time since the previous channels) -> channels (c,)."""
 
 
 @dataclass(frozen=True)
@@ -46,12 +46,15 @@ class SensedOutputs:
 
     variables: tuple[Variable, ...]
     reads: tuple[tuple[int, Reads], ...]
-    """By sensor, the number of channels and the function that reads them"""
+    """For each sensor, the number of channels and the function that computes them"""
     left_out: tuple[str, ...]
     """Names of sensors that JAX cannot trace"""
 
     def at(self, model: Model, motion: SystemMotion, before: Any, elapsed: Any) -> Any:
-        """Channels (k,) at a motion; before : (k,) readings a time `elapsed` earlier, to continue angles."""
+        """Channels (k,) for a motion.
+
+        before : (k,) channels at a time earlier by `elapsed`, from which angles are continued
+        """
         parts, first = [jnp.zeros(0)], 0
         for size, read in self.reads:
             parts.append(read(model, motion, before[first : first + size], elapsed))
@@ -60,7 +63,7 @@ class SensedOutputs:
 
 
 def sensed_outputs(seen: SensedMachine, sensors: Sequence[Quantity], units: UnitSystem) -> SensedOutputs:
-    """The readings of sensors as functions of a state; sensors that JAX cannot trace are left out."""
+    """The channels of sensors as functions of a motion; sensors that JAX cannot trace are left out."""
     variables, reads, left_out = [], [], []
     for sensor in sensors:
         read = _read_of(seen, sensor)
@@ -103,7 +106,10 @@ def _absolute(moving: Any, time: Any, model: Model) -> Any:
 
 @dataclass(frozen=True)
 class _Point:
-    """A point of a body, `r = R + A (x + U q + q^T H q)`."""
+    """A point of a body, `r = R + A (x + U q + q^T H q)`, with the frame's origin R and axes A.
+
+    rest : x, position of the undeformed point in the body's frame;   q : deformation coordinates
+    """
 
     body: int
     rest: np.ndarray
@@ -208,7 +214,7 @@ def _joint_motion(seen: SensedMachine, sensor: JointMotionSensor) -> Reads:
 
 
 def _joint_wrench(system: System, name: str) -> Callable[[Model, SystemMotion], Any]:
-    """Function for force and moment (6,) on the second end, in axes of the first, as `joint_wrenches`."""
+    """Function (model, motion) -> force and moment (6,) on the second end, in axes of the first end."""
     joint = next(each for each in system.joints if each.name == name)
     rows = system.constraint_slices[name]
     (reader,) = readers_of(system, {"joint": JointReading(name)})
@@ -234,7 +240,11 @@ def _joint_force(seen: SensedMachine, sensor: JointForceSensor) -> Reads:
 
 
 class _Unnamed:
-    """A function that equals every object of this type, as its data are leaves of the enclosing pytree."""
+    """A function that compares equal to every other one of this type.
+
+    Its variable data are leaves of the enclosing pytree, so that pytrees of machine variants have equal
+    structures.
+    """
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.function = function
@@ -287,4 +297,4 @@ _READS: dict[type, Callable[[SensedMachine, Any], Reads | None]] = {
     SpringForceSensor: _element,
     ElementEnergySensor: _element,
 }
-"""Functions that build a reader, by the type of the sensor."""
+"""Functions that build the `Reads` of a sensor, by the type of the sensor; None if JAX cannot trace it."""

@@ -47,16 +47,16 @@ class StepState(NamedTuple):
     output: Any
     """Outputs (o,)"""
     touching: Any
-    """Whether each stop or contact (c,) is closed"""
+    """Mask (c,): True for stops and contacts that are closed"""
     state: MarchingState
 
 
 class _Parts(NamedTuple):
-    """Data that may depend on the parameters; with parameters, also the initial state."""
+    """Data that may depend on the parameters; for a machine with parameters, also the initial state."""
 
     arrays: Any
     reads: Any
-    """Functions that read the outputs"""
+    """Functions that compute the outputs"""
     contacts: Contacts
     configuration: Any = None
     velocity: Any = None
@@ -64,15 +64,16 @@ class _Parts(NamedTuple):
 
 
 _SAME = 1e-9
-"""Largest relative difference of outputs between affine arrays and arrays built from other values."""
+"""Allowed difference between the output from affine arrays and that from arrays built from other values,
+relative to 1 + |output|."""
 
 
 @dataclass(frozen=True, eq=False)
 class StepProgram:
     """A machine as a function from the state at one time to the state at a later time.
 
-    march : the time integration of its method
-    parts : data of equations and outputs, as functions of the parameters
+    march : the time integration
+    parts : data of equations and outputs, as affine functions of the parameters
     parameters : numbers that can be changed
     start : the state at the start of the run
     duration : duration of the run
@@ -104,7 +105,11 @@ class StepProgram:
         )
 
     def started(self, parameter: Any, given: Any) -> StepState:
-        """The state at the start of the run, with parameters (k,) and inputs (i,)."""
+        """The state at the start of the run for parameters (k,) and inputs (i,).
+
+        Only for a machine with parameters. `failed` is True if the iteration of friction and joint forces
+        does not converge.
+        """
         parts = self.parts.at(parameter)
         model = self.inputs.given(parts.arrays, given)
         begun: Any = self.start.state
@@ -126,10 +131,10 @@ class StepProgram:
         return StepState(parameter, given, output, parts.contacts.at(motion), state)
 
     def advanced(self, now: StepState, end: Any) -> StepState:
-        """The state at `end`, by equal steps of `size` at most, or before the first step that fails.
+        """The state at `end`, by equal steps of at most `size`; if a step fails, the state before that step.
 
         JAX can trace and compile this function. Forward-mode derivatives (`jax.jvp`, `jax.jacfwd`) with
-        respect to inputs and state are those of the discrete motion.
+        respect to inputs and state are those of the time-discrete motion.
         """
         parts = self.parts.at(now.parameter)
         arrays = self.inputs.given(parts.arrays, now.input)
@@ -161,18 +166,20 @@ def step_program(
     units: UnitSystem = UNNAMED,
     parameters: MachineParameters | None = None,
 ) -> StepProgram:
-    """The time integration of a machine of rigid, reduced and joined intrinsic bodies, as a step function.
+    """The time integration of a machine of rigid, reduced and intrinsic bodies, from one time to the next.
 
     Parameters
     ----------
     run : Run       start, steps and tolerances
-    sensors : their channels are the outputs; `outputs.left_out` names those that JAX cannot trace
+    sensors : sensors whose channels are the outputs; `outputs.left_out` of the result names the sensors that
+        JAX cannot trace
     inputs : joints and loads of the machine whose laws become inputs, by the name of the input
     input_units : units of the inputs,  units : units of the sensors
     parameters : numbers that can be changed before the start, or between two steps
 
-    Raises ModelError for other forms of bodies, other methods, sampled controllers, a machine without
-    outputs, and as `affine_arrays`.
+    Raises ModelError for other kinds of bodies, intrinsic bodies with a supported root, a kinematic or
+    explicit method, sampled controllers, a machine without outputs, parameters beside intrinsic bodies, and
+    as `affine_arrays`.
     """
     own = () if parameters is None else parameters.variables
     _check(system, run, inputs, own)
@@ -211,7 +218,7 @@ def _read(sensed: SensedOutputs, model: Model, motion: SystemMotion) -> np.ndarr
 def _by_parameters(parameters: MachineParameters, time: float, sensed: SensedOutputs) -> AffineArrays:
     """The parts of a machine of rigid and reduced bodies as affine functions of its parameters.
 
-    Raises ModelError if a parameter changes how outputs are read, and as `affine_arrays`.
+    Raises ModelError if a parameter changes how outputs are computed, and as `affine_arrays`.
     """
     made: list[tuple[np.ndarray, _Parts, SensedOutputs]] = []
 

@@ -17,13 +17,13 @@ NOT_OF_A_CASE = (MemoryShortageError, MissingPackageError, ResultFileError)
 """Errors of the computer or the disk; not recorded for the cases, because a later attempt may succeed."""
 
 MOST = 2
-"""Number of killed processes after which the cases of a share run in isolated processes."""
+"""Number of unfinished attempts from which the cases of a share run in isolated processes."""
 
 
 class Attempts:
     """Files that mark attempts to run a share, one per attempt, until the share is finished.
 
-    folder : folder of the sweep;  share : number of the share
+    folder : folder of the sweep, or of a certificate;  share : number of the share, 0 for a certificate
     """
 
     def __init__(self, folder: Path, share: int) -> None:

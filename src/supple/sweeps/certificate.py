@@ -29,7 +29,7 @@ from supple.storage.sealed_hdf5 import open_sealed, writing_sealed
 __all__ = ["Certificate", "EstimatedError", "Representative", "read_certificate", "write_certificate"]
 
 NOTHING = 1e-9
-"""Basis errors below this fraction of the displacement give no effectivity."""
+"""Ratio of basis error to largest displacement up to which the error is negligible for the effectivity."""
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,8 @@ class Representative:
 class EstimatedError(NamedTuple):
     """Estimated error of the worst body of a case, a length.
 
-    The worst body has the largest ratio of basis error to allowed error; if no ratio exceeds one, the largest
-    estimate.
+    The worst body is the body with the largest ratio of basis error to allowed error; if no ratio exceeds
+    one, the body with the largest estimated total error.
 
     estimated : total error;  basis : error of the basis;  allowed : NaN without a requested accuracy
     """
@@ -103,11 +103,14 @@ class Certificate:
         return max(ratios) / min(ratios) if ratios else 1.0
 
     def other_share(self, body: str) -> float:
-        """Largest ratio of the other parts of the error to the size."""
+        """Largest ratio of the errors of step, Newton and model together to the largest displacement."""
         return max((each.others / each.size for each in self._of(body) if each.size), default=0.0)
 
     def case_error(self, case: int, indicated: Mapping[str, ErrorIndicator]) -> EstimatedError:
-        """Estimated error of a case from its indicators by body; of a representative, its full estimates."""
+        """Estimated error of a case: full estimates of a representative case, otherwise `scaled_indicator`.
+
+        indicated : indicators of the case, by body
+        """
         full = {each.body: each for each in self.representatives if each.case == case}
         if self.reason or not full or full.keys() != indicated.keys():
             return self.scaled_indicator(indicated)
@@ -117,7 +120,7 @@ class Certificate:
         )
 
     def scaled_indicator(self, indicated: Mapping[str, ErrorIndicator]) -> EstimatedError:
-        """Estimated error of a case from its indicators by body."""
+        """Estimated error of a case from its indicators by body; NaN without indicators or with `reason`."""
         if self.reason or not indicated:
             return EstimatedError()
         found = []

@@ -36,7 +36,10 @@ __all__ = ["CertifiedGroup", "certified_group", "swept_case"]
 
 _CERTIFICATE = "certificate.h5"
 MANY = 256
-"""Smallest group for which smaller bases are searched; for a blade the search pays from 150 cases on."""
+"""Number of cases of a group from which smaller bases are searched.
+
+For a blade, the search saves time from 150 cases on.
+"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,7 +28,7 @@ CLASSES = 20
 DAMAGE = "damage"
 """Statistic of hot spots: Miner's sum of a case, failure at 1."""
 _SMALLEST = 1e-3
-"""Smallest range in a spectrum, as a fraction of the largest; smaller ranges cause negligible damage."""
+"""Fraction of a channel's largest range; ranges up to it are omitted from the spectrum, as negligible."""
 
 
 class FatigueLoads(CheckedTable):

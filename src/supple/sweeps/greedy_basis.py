@@ -2,9 +2,10 @@
 
 Some cases of a group are simulated first. The error of the case with the largest motion is estimated in full.
 If it exceeds the accuracy, the bases are enriched for this case, and the search starts again. Otherwise the
-motion that the bases lack gives columns of an indicator, which estimates the errors of all cases. The case
-with the largest estimate is the next; if it has a full estimate already, the case with the smallest one is
-the second representative, and a later search ends (docs/theory/greedy_certification.md).
+motion that the bases lack gives columns of an indicator, which estimates the errors of all cases. The next
+representative is the case with the largest estimate. If that case has a full estimate already, the second
+representative is the case with the smallest estimate; after the second, the search ends, unless another
+estimate exceeds the allowed error (docs/theory/greedy_certification.md).
 """
 
 from __future__ import annotations
@@ -139,7 +140,10 @@ class _Search:
         return None
 
     def _first(self, number: int | None) -> int:
-        """Index of a case; by default, of the first case in which a body has its largest motion."""
+        """Index of the case `number`; if it is None or did not run, of the first case with a largest motion.
+
+        A largest motion is that of any one body over all cases.
+        """
         if number in self._numbers:
             return self._numbers.index(number)
         sizes = np.array(
@@ -215,8 +219,9 @@ class _Search:
         """Index of the next representative; None ends the search.
 
         The second representative is the case with the largest scaled indicator. If that case has a full
-        estimate, it is the case with the smallest one, which shows the spread. A later representative has the
-        largest indicator of all cases, or exceeds the allowed error.
+        estimate, the second is the case with the smallest scaled indicator, which shows the spread. A third
+        has the largest scaled indicator of all cases. Further ones, up to `MOST_EXCEEDING`, exceed the
+        allowed error.
         """
         stated = {each.case for each in self.certificate.representatives}
         errors = [self.certificate.scaled_indicator(own) for own in found]
@@ -237,7 +242,7 @@ class _Search:
 def _with_locking(
     system: System, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]
 ) -> System:
-    """The machine with the locking of its bodies in their reports; files of bodies do not contain locking."""
+    """The machine with the locking of each nonlinear body in its report, which files of bodies omit."""
     bodies = []
     for each in system.bodies:
         placed, body = each, cast("Any", each.body)

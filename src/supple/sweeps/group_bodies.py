@@ -42,7 +42,8 @@ class GroupBodies:
     """The reduced bodies of a group of cases.
 
     reduced : bodies by name, with the damping of the representative case
-    rayleigh : alpha and beta of Rayleigh damping, by body; of damping by ratio, from the modes of the mesh
+    rayleigh : alpha and beta of Rayleigh damping in the representative case, by body; a damping ratio is
+        converted with the frequencies of the body before reduction
     tables : tables of these bodies in the representative case
     """
 

@@ -37,13 +37,17 @@ Bounds = dict[str, list[tuple[float, float]]]
 """Allowed error and largest displacement in each case, by body."""
 
 SHARE = 0.1
-"""Largest change of the motion of a case due to the smaller bases, as a fraction of the allowed error."""
+"""Largest change of motion due to smaller bases, as a fraction of the allowed error; above it, the next
+value of `MISSED` is tried."""
 MISSED = (1.0, 0.1, 0.01)
 """Values of a that are tried in this order, as fractions of the smallest relative accuracy."""
 LOOKED = 500
-"""Number of times at which two runs of a case are compared; a tenth of the allowed error needs no more."""
+"""Runs with at least twice this number of output times are compared at every second, third, .. time only.
+
+This number of times suffices to check a tenth of the allowed error.
+"""
 SOFTEST = 1e-7
-"""Smallest frequency that is not zero, as a fraction of the highest frequency of a basis."""
+"""Ratio of lowest to highest frequency of a basis up to which the body has a mechanism; its basis stays."""
 
 
 def principal_directions(coordinates: Array, stiffness: Array, missed: float) -> Array:

@@ -33,7 +33,7 @@ __all__ = ["march_cases"]
 MOST_AT_ONCE = 64
 """Largest number of cases whose motions are in memory at a time."""
 NUMBERS_AT_ONCE = 2**26
-"""Largest count of numbers in the motions in memory, 512 MiB."""
+"""Largest count of numbers in the motions in memory, 512 MiB, unless `MARCHED_AT_ONCE` cases need more."""
 NUMBERS_OF_A_BODY = 40
 """Numbers per body and output time for its frame and a joint, in addition to its coordinates and rates."""
 
@@ -114,7 +114,11 @@ def _errors(
     cases: Sequence[SweptCase],
     solutions: Sequence[Solution],
 ) -> list[EstimatedError]:
-    """Estimated errors of runs of some cases; NaN for runs that stopped early."""
+    """Estimated errors of the runs of some cases.
+
+    NaN for runs that stopped early; NaN for all without a certificate, or, with a SuppleWarning, if the
+    indicators cannot be computed.
+    """
     bodies = certified.certificate.bodies
     none = [EstimatedError()] * len(cases)
     if not bodies:

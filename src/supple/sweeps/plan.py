@@ -96,9 +96,10 @@ class SweepPlan:
         return float(start["time"]) if isinstance(start, Mapping) else 0.0
 
     def representative(self, group: int) -> int:
-        """The case of a group whose bodies are reduced for all cases: the first with the most damping.
+        """The case of a group whose bodies are reduced for all cases.
 
-        Its damping is scaled for the other cases, and is zero only if all cases have zero damping.
+        It is the first case with the largest value in the first damping column; the next columns decide among
+        equal values. Its damping ratios are scaled for the other cases; a ratio of zero is zero in all cases.
         """
         cases = np.flatnonzero(self.group == group)
         damping = [
@@ -169,10 +170,12 @@ def make_plan(
         for path, place in places.items()
         if not all(is_number_of_run(place, value, family.raw) for value in table.columns[path])
     ]
-    group = numbered(
-        [tuple(map(repr, row)) for row in zip(*(table.columns[path] for path in apart), strict=True)],
-        len(table),
-    )
+    keys = [list(map(repr, table.columns[path])) for path in apart]
+    ratios = [path for path, place in places.items() if path not in apart and _is_ratio(place)]
+    if len(ratios) > 1:
+        # A group scales the damping of one of its cases: no ratio of that case may be zero for others only.
+        keys += [[value == 0 for value in table.columns[path]] for path in ratios]
+    group = numbered(list(zip(*keys, strict=True)), len(table))
     share = _shares(group, output.cases_per_share)
     inputs = _inputs(family, table, places) | {
         name: digest_of(text.encode()) for name, text in (texts or {}).items()
@@ -195,6 +198,11 @@ def _check_columns(table: CaseTable, output: SweepOutput, raw: Raw) -> None:
         for name in names:
             if name not in table.columns:
                 raise CaseError(f"{what}: no column is named {name!r}{did_you_mean(name, table.columns)}")
+
+
+def _is_ratio(place: KeyPath) -> bool:
+    """Whether a place of the case file is the damping ratio of a body."""
+    return place[0] == "body" and place[-2:] == ("damping", "ratio")
 
 
 def _stands(path: str, raw: Raw) -> bool:

@@ -189,7 +189,8 @@ def read_sweep(folder: Path | str) -> Any:
     coordinates. Variables per case are status (0 ran, 1 failed, 2 killed, -1 not run yet), cause, no_estimate
     (the reason), seconds, end_time, estimated_error, basis_error, allowed_error, runs, steps and iterations.
     Parameters are coordinates by their paths. Cases without results are NaN. With a lifetime in
-    `output.fatigue`, the variable lifetime (fatigue, channel) has its loads and damage.
+    `output.fatigue`, the variable lifetime (fatigue, channel) has the damage-equivalent ranges and the damage
+    over the lifetime.
 
     Raises
     ------

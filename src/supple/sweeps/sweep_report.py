@@ -112,8 +112,8 @@ def write_sweep_report(
     Parameters
     ----------
     n_reports : number of cases to simulate again
-    allow_code : run the Python file of `control` for them, if the case names one
-    progress : called with the finished fraction of these cases
+    allow_code : run the Python file of `control` in these simulations, if the case names one
+    progress : called with the finished fraction of the cases to simulate again
 
     Raises
     ------

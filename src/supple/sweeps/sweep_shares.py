@@ -94,7 +94,7 @@ def sweep_shares(folder: Path, plan: SweepPlan) -> SweepShares:
 
 
 def largest_ratio(folder: Path, shares: SweepShares, cases: Sequence[int], level: int) -> int:
-    """The one of some cases with the largest ratio of basis error to allowed error at a level."""
+    """The case of `cases` with the largest ratio of basis error to allowed error in its run at a level."""
     ratios = dict.fromkeys(cases, 0.0)
     for share, own in enumerate(shares.level):
         if own == level:

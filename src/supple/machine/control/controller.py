@@ -18,15 +18,16 @@ __all__ = ["Controller", "SampledController"]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Controller:
-    """A control law of time, readings and controller states, evaluated within the compiled step.
+    """A control law, a function of time, readings and controller states z, evaluated in the compiled step.
 
         dz/dt = rates(t, readings, z),     u = outputs(t, readings, z)
 
     Each output adds to the law of time of a force element: the torque of a `TorqueBetween`, the command of a
-    `MotorCurve`, ... The states are integrated by the trapezoidal rule (second order, unconditionally
-    stable) together with the motion: outputs and motion of a step are simultaneous, without lag.
+    `MotorCurve`, and so on. The states are integrated by the trapezoidal rule (second order, unconditionally
+    stable) together with the motion: outputs and motion of a step belong to the same instant, without lag.
 
-    Both functions are written with `jax.numpy`, and are part of the compiled program, as a `TimeFunction` is.
+    `rates` and `outputs` are written with `jax.numpy`, and are part of the compiled program, like the
+    function of a `TimeFunction`.
 
     reads : JointReading or EndReading, by name
     drives : force elements with a law of time, by name; they must not be among the machine's loads
@@ -34,7 +35,8 @@ class Controller:
         `readings` is a dictionary of `AxialMotion` and `Pose`, `states` an array (k,)
     rates : `(time, readings, states) -> (k,)`; None without states
     initial : (k,) states at the start
-    Raises ModelError for an element without a law of time, states without rates, or rates without states.
+    Raises ModelError for no element or one without a law of time, states that are not finite numbers (k,),
+    states without rates, or rates without states.
     """
 
     reads: Mapping[str, Reading]
@@ -65,17 +67,18 @@ class Controller:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SampledController:
-    """A law in plain Python, called between steps; its outputs are constant until the next sampling instant.
+    """A control law in plain Python; its outputs are constant until the next sampling instant.
 
-    At every instant `start + i every` of a run, the time integration stops, the law is called once, and the
-    accelerations are computed again for the new outputs. The memory is stored in result files, so that an
-    interrupted run continues exactly.
+    At each sampling instant `start + i every`, i = 0, 1, ..., of a run, the time integration stops, the law
+    is called once, and the accelerations are computed again for the new outputs. The memory is stored in
+    result files, so that an interrupted run continues exactly.
 
     reads, drives : as in `Controller`; readings are NumPy arrays and numbers
     law : `(time, readings, memory) -> (outputs, memory)`, outputs `{name: value}` for every driven element
     memory : initial memory: numbers and arrays by name, whose shapes are fixed
     every : sampling period
-    Raises ModelError for an element without a law of time, or a period that is not positive.
+    Raises ModelError for no element or one without a law of time, a period that is not positive and finite,
+    or a memory that is not a dictionary of numbers and arrays.
     """
 
     reads: Mapping[str, Reading]

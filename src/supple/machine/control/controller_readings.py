@@ -1,4 +1,4 @@
-"""Readings of a controller: positions and velocities, not accelerations, which depend on its outputs."""
+"""Readings of a controller: positions and velocities; not accelerations, which depend on the outputs."""
 
 from __future__ import annotations
 

@@ -48,5 +48,5 @@ class ForceBetween(AxialElement):
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """`F_2 = f(t) z_1 = - F_1`, both on one line."""
+        """`F_2 = f(t) z_1 = - F_1`, both on one line of action through the second point."""
         return force_pair(first, second, value * first.axes[:, 2], jnp.zeros(3))

@@ -1,4 +1,4 @@
-"""Base of elements about or along an axis, which is fixed to their first end."""
+"""Base of force elements with an axis, which is fixed to the first end."""
 
 from __future__ import annotations
 
@@ -15,15 +15,19 @@ __all__ = ["AxialElement"]
 
 @dataclass(frozen=True, kw_only=True)
 class AxialElement(ForceElement):
-    """An element about or along an axis of its first end; subclasses define its force.
+    """A force element with an axis fixed to its first end; subclasses define its force.
 
-    axis : direction at the start, global axes; it is fixed to the first end
+    axis : direction in the initial configuration, global axes, of any length
+    Raises ModelError for an axis without a direction.
     """
 
     axis: tuple[float, float, float]
 
     blocked_by: ClassVar[tuple[str, ...]] = ()
-    """Joint equations, named without axis, that prevent the element's motion (an error); empty: no check."""
+    """Names in `Joint.rows`, without the axis, of equations that prevent the element's motion.
+
+    A `System` with such a joint between the same ends is an error. Empty: no check.
+    """
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -23,17 +23,18 @@ _SYMMETRIC = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Bushing(AxialElement):
-    """Forces and moments `K x + C dx/dt` for `x = (d, theta)`, in the first end's axes.
+    """Generalized force `Q = - K x - C dx/dt` for the relative motion `x = (d, theta)` of the ends.
 
-        d = A_1^T (r_2 - r_1) - d_0,    exp(theta) = A_1^T A_2,    force on x: Q = - K x - C dx/dt
+        d = A_1^T (r_2 - r_1) - d_0,    exp(theta) = A_1^T A_2
 
-    `d_0` is the offset of the ends at assembly, where the bushing is undeformed. `Q` is the force conjugate
-    to x, so that `x^T K x / 2` is conserved without damping; the angle of theta must stay below pi.
+    A_1 and A_2 are the axes of the bushing on the first and on the second end. The bushing is undeformed at
+    the offset `d_0` and without relative rotation. `Q` is conjugate to x, so `x^T K x / 2` is the elastic
+    energy. The magnitude of the rotation vector theta must stay below pi.
 
-    axis : z of the bushing at the start, global axes
-    x_axis : the bushing's x axis is as near this direction as possible
+    axis : z axis of the bushing in the initial configuration, global axes
+    x_axis : direction in the initial configuration, global axes; the x axis is as near it as possible
     stiffness, damping : (6,) diagonal, or (6, 6) symmetric, positive semidefinite; translations first
-    Raises ModelError for any other matrix.
+    Raises ModelError for any other stiffness or damping.
     """
 
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
@@ -41,7 +42,7 @@ class Bushing(AxialElement):
     stiffness: Any
     damping: Any = (0.0,) * 6
     offset: tuple[float, float, float] | None = None
-    """d_0, in the bushing's axes; default the offset of its ends at assembly"""
+    """d_0, in the bushing's axes; default the offset of the ends at assembly"""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -67,7 +68,7 @@ class Bushing(AxialElement):
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """`Q` on the second end, its opposite on the first."""
+        """The wrench equivalent to `Q` on the second end, and the balancing wrench on the first."""
         stiffness, damping, offset = parameters
         x = _deformation(first, second, offset)
         turning = rotation_right_jacobian(x[3:])
@@ -93,7 +94,7 @@ def _deformation(first: Pose, second: Pose, offset: jax.Array) -> jax.Array:
 
 
 def _matrix(what: str, given: Any) -> tuple[tuple[float, ...], ...]:
-    """A symmetric, positive semidefinite matrix (6, 6), as tuples."""
+    """The matrix (6, 6), as tuples; ModelError unless it is symmetric and positive semidefinite."""
     array = np.asarray(given, dtype=float)
     matrix = np.diag(array) if array.shape == (6,) else array
     if matrix.shape != (6, 6) or not np.isfinite(matrix).all():
@@ -101,7 +102,7 @@ def _matrix(what: str, given: Any) -> tuple[tuple[float, ...], ...]:
     size = abs(matrix).max()
     if abs(matrix - matrix.T).max() > _SYMMETRIC * size:
         raise ModelError(f"{what} must be symmetric: otherwise it would generate energy")
-    # Scaled by the diagonal, so that moments are not compared with forces.
+    # The matrix is scaled by its diagonal, so that moments are not compared with forces.
     own = np.sqrt(np.abs(np.diag(matrix)))
     scale = np.where(own > 0, own, np.sqrt(size) if size else 1.0)
     scaled = matrix / np.outer(scale, scale)

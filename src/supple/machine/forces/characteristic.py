@@ -1,4 +1,4 @@
-"""Tables over one variable or two: linear interpolation, constant beyond their ends."""
+"""Tables over one or two variables: linear interpolation, constant beyond the ends of a table."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["Curve", "Surface"]
 
 @dataclass(frozen=True)
 class Curve:
-    """`z(x)` through rows of a table, linear between them, constant beyond its ends.
+    """`z(x)` through the rows of a table, linear between the rows, constant beyond the first and last row.
 
     x : (n,) ascending      z : (n,)
     Raises ModelError for another shape, numbers that are not finite, and x that does not ascend.
@@ -46,7 +46,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Surface:
-    """`z(x, y)` through a table, bilinear between its rows and columns, constant beyond its edges.
+    """`z(x, y)` through a table, bilinear between rows and columns, constant normal to the edges beyond them.
 
     x : (n,) ascending      y : (m,) ascending      z : (n, m)
     Raises ModelError for another shape, numbers that are not finite, and x or y that does not ascend.
@@ -77,14 +77,14 @@ class Surface:
 
 
 def curve_at(x: ArrayLike, parameters: Sequence[ArrayLike]) -> jax.Array:
-    """The value of a curve (x (n,), z (n, ...))."""
+    """The value at x of a curve with the parameters x (n,) and z (n, ...)."""
     places, values = map(jnp.asarray, parameters)
     row, share = _interval(x, places)
     return (1 - share) * values[row] + share * values[row + 1]
 
 
 def surface_at(x: ArrayLike, y: ArrayLike, parameters: Sequence[ArrayLike]) -> jax.Array:
-    """The value of a surface (x (n,), y (m,), z (n, m))."""
+    """The value at x and y of a surface with the parameters x (n,), y (m,) and z (n, m)."""
     rows, columns, values = map(jnp.asarray, parameters)
     (row, down), (column, across) = _interval(x, rows), _interval(y, columns)
     upper = (1 - across) * values[row, column] + across * values[row, column + 1]
@@ -93,13 +93,13 @@ def surface_at(x: ArrayLike, y: ArrayLike, parameters: Sequence[ArrayLike]) -> j
 
 
 def _interval(x: ArrayLike, places: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """The row before a value, and the fraction of the interval to the next row, 0 to 1."""
+    """Number of the row before x, and the fraction, 0 to 1, of the interval from this row to the next."""
     row = jnp.clip(jnp.searchsorted(places, x, side="right") - 1, 0, len(places) - 2)
     return row, jnp.clip((x - places[row]) / (places[row + 1] - places[row]), 0.0, 1.0)
 
 
 def _freeze(table: Any, *names: str) -> None:
-    # As tuples, so that force elements with equal tables compare equal.
+    # Arrays are stored as tuples, so that force elements with equal tables compare equal.
     for name in names:
         check_numbers(f"{type(table).__name__}, {name}", getattr(table, name))
         array = np.asarray(getattr(table, name), dtype=float)

@@ -20,7 +20,7 @@ __all__ = ["ForceElement"]
 
 @dataclass(frozen=True, kw_only=True)
 class ForceElement(ABC):
-    """A force law between two markers; its tangent follows by differentiation."""
+    """A force law between two markers; JAX differentiates `wrenches` for the tangent."""
 
     first: At | Any
     """An end: "BODY.INTERFACE", `At(body, interface)`, or "ground"; stored as an `At`."""
@@ -30,7 +30,7 @@ class ForceElement(ABC):
     value_shape: ClassVar[tuple[int, ...]] = ()
     """Shape of the law's value, if there is a law."""
     acts_along_line: ClassVar[bool] = False
-    """True if the law needs the line between its ends; the ends must then not coincide."""
+    """True if the force depends on the direction between the ends, which must then not coincide."""
 
     reads_reaction: ClassVar[bool] = False
     """True if the `value` of `wrenches` is a joint force instead of a law's value, as in `JointFriction`."""
@@ -51,7 +51,7 @@ class ForceElement(ABC):
 
     @property
     def initial_axes(self) -> np.ndarray:
-        """Axes of both markers in the initial configuration, global, as columns."""
+        """Common axes of both markers in the initial configuration, global, as columns."""
         return np.eye(3)
 
     @property
@@ -61,16 +61,16 @@ class ForceElement(ABC):
 
     @property
     def law(self) -> TimeLaw | None:
-        """The law of time, if there is one."""
+        """The law of time; None without one."""
         return None
 
     @property
     def parameters(self) -> tuple[Any, ...]:
-        """Numbers and arrays for `wrenches`."""
+        """Numbers and arrays passed to `wrenches` and `energy`."""
         return ()
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> Self:  # noqa: ARG002 - most need no places
-        """The element completed by data from the positions (3,) of its ends at assembly."""
+        """The element, completed by data from the global positions (3,) of its ends at assembly."""
         return self
 
     @staticmethod
@@ -80,12 +80,12 @@ class ForceElement(ABC):
 
     @staticmethod
     def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
-        """Recoverable energy stored in the element; zero for most."""
+        """Recoverable energy stored in the element; zero unless a subclass defines it."""
         return 0.0
 
 
 def check_anchor(element: ForceElement, anchor: Any) -> None:
-    """Raise ModelError unless an element with an end on the ground, and only such, has a finite anchor."""
+    """Raise ModelError unless the anchor is finite (3,) for an end on the ground, else None."""
     if (GROUND in (element.first, element.second)) != (anchor is not None):
         raise ModelError(
             f"{element.label}: an end on the ground, and only such an end, needs an anchor: the global "

@@ -21,13 +21,14 @@ __all__ = ["Coulomb", "PrismaticFriction", "RevoluteFriction"]
 
 @dataclass(frozen=True, kw_only=True)
 class Coulomb:
-    """Friction `mu N v / sqrt(|v|^2 + w^2)` against the sliding velocity v of a contact.
+    """Friction `mu N v / sqrt(|v|^2 + w^2)` against the sliding velocity v of a contact with normal force N.
 
-    Below the width w it acts as a damper: contacts creep instead of sticking. With a tangential force T < mu
-    N the velocity is `v = w s / sqrt(1 - s^2)`, `s = T/(mu N)`.
+    For |v| below the width w the friction acts as a damper: contacts creep instead of sticking. Under a
+    tangential force `T < mu N` the creep velocity is `v = w s / sqrt(1 - s^2)`, `s = T/(mu N)`.
 
     coefficient : mu, not negative
     width : w, a velocity, positive
+    Raises ModelError for any other coefficient or width.
     """
 
     coefficient: NotNegative
@@ -45,7 +46,7 @@ class Coulomb:
 
 
 def regularized_direction(velocity: jax.Array, width: jax.Array) -> jax.Array:
-    """`v / sqrt(|v|^2 + w^2)` of a number or a vector (3,)."""
+    """`v / sqrt(|v|^2 + w^2)` for a velocity v, a number or a vector (3,), and a width w."""
     return velocity / jnp.sqrt(jnp.sum(velocity**2) + width**2)
 
 
@@ -54,10 +55,10 @@ class RevoluteFriction(AxialElement):
     """Moment `M v / sqrt(v^2 + w^2)` against the rate v of the angle about the axis of a hinge.
 
     M does not depend on the joint force. For a preload N at a radius r, `M = mu N r`. For friction that
-    follows the joint force use `HingeFriction`, or contacts.
+    depends on the joint force use `HingeFriction`, or contacts.
 
     moment : M, a number or a law of time
-    width : w, rad per time; below it the friction acts as a damper
+    width : w, rad per time; for |v| below w the friction acts as a damper
     """
 
     moment: Any
@@ -82,12 +83,13 @@ class RevoluteFriction(AxialElement):
 
 @dataclass(frozen=True, kw_only=True)
 class PrismaticFriction(AxialElement):
-    """Force `F v / sqrt(v^2 + w^2)` against the speed v of the slide along an axis.
+    """Force `F v / sqrt(v^2 + w^2)` against the sliding speed v along an axis.
 
-    F does not depend on the joint force. For a preload N, `F = mu N`.
+    F does not depend on the joint force. For a preload N, `F = mu N`. For friction that depends on the joint
+    force use `SlideFriction`, or contacts.
 
     force : F, a number or a law of time
-    width : w, a velocity; below it the friction acts as a damper
+    width : w, a velocity; for |v| below w the friction acts as a damper
     """
 
     force: Any

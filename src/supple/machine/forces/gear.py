@@ -28,17 +28,19 @@ class Gear(AxialElement):
 
         s = l (z_1 phi_1 + z_2 phi_2) / (z_1 + z_2),      l = |r_2 - r_1|
 
-    with the angles of both wheels relative to the line of centres, about the axis. The line may rotate with a
-    carrier, as for planets; no carrier body is needed. `s` is wrapped to half a tooth, so the number of
-    revolutions is not limited; a deflection beyond half a tooth makes the wheels skip a tooth.
+    with the angles phi_1 and phi_2 of both wheels about the axis, relative to the line of centres. The line
+    may rotate about the axis, as for planet gears; no carrier body is needed. `s` is wrapped to plus or minus
+    half a tooth pitch, so the number of revolutions is not limited; beyond half a tooth pitch the wheels skip
+    a tooth.
 
     The joints must keep the axes of both wheels parallel.
 
     teeth : numbers of teeth of both wheels, z_1 and z_2; negative for a ring with inner teeth
     stiffness : k of the tooth mesh, force per length
     damping : c of the tooth mesh, force per velocity
-    anchor : centre of a wheel on the ground, global axes, a length
-    Raises ModelError for numbers of teeth that are not whole, or whose sum is zero.
+    anchor : global position of the centre of a wheel that is fixed to the ground
+    Raises ModelError for numbers of teeth that are not whole, are zero, or have the sum zero, and for an
+    anchor without an end on the ground, or such an end without an anchor.
     """
 
     teeth: tuple[int, int]
@@ -46,7 +48,7 @@ class Gear(AxialElement):
     damping: NotNegative = 0.0
     anchor: tuple[float, float, float] | None = None
     line: tuple[float, float, float] | None = None
-    """From the first centre to the second at assembly; default from the positions of the ends"""
+    """Vector from the first centre to the second at assembly; default from the positions of the ends"""
 
     acts_along_line: ClassVar[bool] = True
 
@@ -62,7 +64,7 @@ class Gear(AxialElement):
 
     @property
     def initial_axes(self) -> np.ndarray:
-        """Z along the axis, x along the line of centres."""
+        """Z along the axis, x along the line of centres at assembly."""
         return axes_along(self.axis, hint=self.line)
 
     @property
@@ -102,7 +104,7 @@ class Gear(AxialElement):
 
 
 def _mesh(first: Pose, second: Pose, parameters: Parameters) -> tuple[jax.Array, ...]:
-    """Distance of the centres, unit vectors along and across their line, and `s`."""
+    """Distance of the centres, unit vectors along and across the line of centres, and `s`."""
     teeth_1, teeth_2, _, _ = parameters
     axis = first.axes[:, 2]
     between = second.point - first.point

@@ -26,11 +26,11 @@ __all__ = ["HingeFriction", "JointFriction", "SlideFriction"]
 class JointFriction(ForceElement):
     """Friction `mu N v / sqrt(v^2 + w^2)` in a joint, where N is the joint force across the axis.
 
-    N depends on the motion: it follows from the joint's multipliers at the same instant. Forces along the
-    axis and tilting moments cause no friction.
+    N depends on the motion: it is computed from the joint's Lagrange multipliers at the same instant. Forces
+    along the axis and moments cause no friction.
 
     joint : a joint of the machine          coefficient : mu, not negative
-    width : w; below it the friction acts as a damper
+    width : w; for |v| below w the friction acts as a damper
     """
 
     joint: Joint
@@ -38,7 +38,7 @@ class JointFriction(ForceElement):
     width: Positive
     first: At | Any = GROUND
     second: At | Any = GROUND
-    """Both ends are those of the joint."""
+    """`first` and `second` are set to the ends of the joint; other values are ignored."""
 
     reads_reaction: ClassVar[bool] = True
     kinds: ClassVar[tuple[type[Joint], ...]] = ()
@@ -110,6 +110,6 @@ class SlideFriction(JointFriction):
 
 
 def _size(across: jax.Array) -> jax.Array:
-    """Magnitude of the force, with a finite derivative at zero."""
+    """Magnitude of a force (2,), with a finite derivative at zero."""
     square = across @ across
     return jnp.where(square > 0, jnp.sqrt(jnp.where(square > 0, square, 1.0)), 0.0)

@@ -24,14 +24,14 @@ class JournalBearing(AxialElement):
     """Force `- K(Omega) u - C(Omega) du/dt` on the journal, the second end, across the bearing's axis.
 
     `u` (2,) is the offset of the journal from the bearing, the first end, along x and y of the bearing;
-    `Omega` is the angular velocity of the journal relative to the bearing, about the axis. Cross terms of
-    opposite sign feed energy into whirl. Matrices are interpolated linearly between the speeds of the table,
-    and constant beyond them.
+    `Omega` is the angular velocity of the journal relative to the bearing, about the axis. Cross terms K_xy
+    and K_yx of opposite sign feed energy into whirl. K and C are interpolated linearly between the speeds of
+    the table, and constant beyond the first and last speed.
 
-    x_axis : the bearing's x axis is as near this direction as possible
-    stiffness, damping : (2, 2), or (n, 2, 2) with speeds
+    x_axis : direction at the start, global axes; the bearing's x axis is as near it as possible
+    stiffness, damping : (2, 2) for all speeds, or (n, 2, 2), one matrix for each speed
     speeds : (n,) rad per time, ascending, two or more
-    Raises ModelError for other shapes, and for numbers that are not finite.
+    Raises ModelError for other shapes, matrices that are not finite, and speeds that do not ascend.
     """
 
     x_axis: tuple[float, float, float] | None = None
@@ -68,7 +68,7 @@ class JournalBearing(AxialElement):
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """Wrenches on the bearing and the journal, in balance."""
+        """Force on the journal, and the balancing wrench on the bearing."""
         speeds, stiffness, damping = parameters
         speed = axial_motion(first, second).rate
         across = first.axes[:, :2]

@@ -1,4 +1,4 @@
-"""Forces and torques over time at one interface: dead (fixed in space) or follower (rotating with it)."""
+"""Forces and torques over time at one interface: dead (fixed in space), or follower (rotating with it)."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class FollowerForce(ForceElement):
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """`F = A_p f(t)`."""
+        """`F = A_p f(t)` on the first end, with its axes A_p; zero on the second end."""
         return Wrench(first.axes @ value, jnp.zeros(3)), _at_rest()
 
 
@@ -55,7 +55,7 @@ class FollowerTorque(ForceElement):
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """`M = A_p m(t)`."""
+        """`M = A_p m(t)` on the first end, with its axes A_p; zero on the second end."""
         return Wrench(jnp.zeros(3), first.axes @ value), _at_rest()
 
 
@@ -75,5 +75,5 @@ class DeadTorque(ForceElement):
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """`M = m(t)`."""
+        """`M = m(t)` on the first end; zero on the second end."""
         return Wrench(jnp.zeros(3), jnp.asarray(value)), _at_rest()

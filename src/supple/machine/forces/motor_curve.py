@@ -1,4 +1,4 @@
-"""Motor: torque as a function of its speed and its command."""
+"""Motor: torque as a function of speed and command."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _OF_A_CURVE = 2
 
 @dataclass(frozen=True, kw_only=True)
 class MotorCurve(AxialElement):
-    """Torque on the second end about an axis of the first, as a function of the relative rate.
+    """Torque on the second end about an axis of the first, as a function of the relative rate, rad per time.
 
-    torque : Curve over the rate, multiplied by the command; or Surface over rate (rows) and command
+    torque : Curve over the rate, multiplied by the command; or Surface over rate (rows) and command (columns)
     command : a number or a law of time; the output of a controller adds to it
     """
 

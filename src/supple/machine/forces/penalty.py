@@ -1,4 +1,4 @@
-"""Penalty force of contacts: a spring in compression only, with damping proportional to its force."""
+"""Penalty force of contacts: compression only, with damping proportional to the elastic force."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ __all__ = ["Penalty"]
 class Penalty:
     """Contact force `F = k depth^n (1 + a d depth/dt)`, never tensile.
 
-    The force begins and ends at zero, without a jump. For a speed v before an impact, the speed w after it
-    satisfies, for any mass, k and n,
+    The force begins and ends at zero, without a jump. The speed v before an impact and the speed w after it
+    satisfy, for any mass, k and n,
 
         v/a - ln(1 + a v)/a^2 = - w/a - ln(1 - a w)/a^2
 
-    so that the restitution w/v is near 1 - 2 a v/3 for small a v.
+    so the coefficient of restitution w/v is about 1 - 2 a v/3 for small a v.
 
     stiffness : k, force per length^n, or moment per rad^n
     exponent : n >= 1; 1.5 for two spheres (Hertz)
-    dissipation : a, one per velocity; restitution is about 1 - 2/3 dissipation v
+    dissipation : a, 1/velocity, or 1/(rad per time) for a moment
     Raises ModelError for a stiffness that is not positive, an exponent below 1, a negative dissipation.
     Source: [HuntCrossley1975]
     """
@@ -56,17 +56,17 @@ class Penalty:
 
 
 def penalty_force(depth: jax.Array, rate: jax.Array, parameters: Parameters) -> jax.Array:
-    """`k depth^n (1 + a rate)` for a positive depth and a compressive force, else zero."""
+    """`k depth^n (1 + a rate)` for a positive depth and a compressive force, else zero; rate = d depth/dt."""
     stiffness, exponent, dissipation = parameters
     touches = depth > 0
-    # `where` evaluates both branches: powers have no derivative at zero or negative depth.
+    # `where` evaluates both branches, and powers have no derivative at zero or negative depth.
     inside = jnp.where(touches, depth, 1.0)
     push = stiffness * inside**exponent * jnp.maximum(1 + dissipation * rate, 0.0)
     return jnp.where(touches, push, 0.0)
 
 
 def penalty_energy(depth: jax.Array, parameters: Parameters) -> jax.Array:
-    """`k depth^(n + 1) / (n + 1)`."""
+    """`k depth^(n + 1) / (n + 1)` for a positive depth, else zero."""
     stiffness, exponent, _ = parameters
     touches = depth > 0
     inside = jnp.where(touches, depth, 1.0)

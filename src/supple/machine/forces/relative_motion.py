@@ -18,15 +18,15 @@ class AxialMotion(NamedTuple):
     angle: jax.Array
     """phi in (-pi, pi], zero at assembly"""
     rate: jax.Array
-    """dphi/dt"""
+    """`z_1 . (omega_2 - omega_1)`, equal to dphi/dt while the z axes are parallel"""
     slide: jax.Array
     """`z_1 . (r_2 - r_1)`"""
     speed: jax.Array
-    """Rate of the slide"""
+    """Rate d slide/dt along the rotating z axis of the first end"""
 
 
 def axial_motion(first: Pose, second: Pose) -> AxialMotion:
-    """Angle, slide and rates; the angle is invariant under small tilts.
+    """Angle, slide and their rates; a tilt of the second end's z axis does not change the angle.
 
     `tan(phi) = (y_1 . x_2 - x_1 . y_2) / (x_1 . x_2 + y_1 . y_2)`
     """
@@ -34,7 +34,7 @@ def axial_motion(first: Pose, second: Pose) -> AxialMotion:
     sine = y @ second.axes[:, 0] - x @ second.axes[:, 1]
     cosine = x @ second.axes[:, 0] + y @ second.axes[:, 1]
     between = second.point - first.point
-    # Relative to axes that rotate with the first end.
+    # Velocity relative to axes that rotate with the first end.
     moving = second.velocity - first.velocity - jnp.cross(first.angular_velocity, between)
     return AxialMotion(
         angle=jnp.arctan2(sine, cosine),
@@ -45,13 +45,13 @@ def axial_motion(first: Pose, second: Pose) -> AxialMotion:
 
 
 def moment_pair(first: Pose, moment: jax.Array) -> tuple[Wrench, Wrench]:
-    """A moment about the first end's z axis on the second end, and its opposite on the first."""
+    """Wrenches on both ends: a moment about z_1 on the second end, and the opposite moment on the first."""
     own = moment * first.axes[:, 2]
     return Wrench(jnp.zeros(3), -own), Wrench(jnp.zeros(3), own)
 
 
 def force_pair(first: Pose, second: Pose, force: jax.Array, moment: jax.Array) -> tuple[Wrench, Wrench]:
-    """Force and moment on the second end, and the balancing wrench on the first: momentum is conserved."""
+    """Wrenches on both ends: force and moment on the second end, and the balancing wrench on the first."""
     arm = second.point - first.point
     return Wrench(-force, -moment - jnp.cross(arm, force)), Wrench(force, moment)
 

@@ -24,13 +24,14 @@ class Screw(AxialElement):
 
         s = x - x_0 - pitch phi / (2 pi),    force -(k s + c ds/dt),    moment pitch/(2 pi) (k s + c ds/dt)
 
-    with slide x and angle phi of the second end along and about the first end's axis. `s` is wrapped to half
-    a revolution of the thread, so the number of revolutions is not limited. A cylindrical joint must
-    keep the second end on the axis.
+    with slide x and angle phi of the second end along and about the first end's axis. `s` is wrapped to plus
+    or minus half the pitch, so the number of revolutions is not limited. A cylindrical joint must keep the
+    second end on the axis.
 
     pitch : advance in one revolution, a length; positive for a right-hand thread
     stiffness : k along the axis, force per length
     damping : c along the axis, force per velocity
+    Raises ModelError for a pitch that is zero or not finite.
     """
 
     pitch: float
@@ -50,7 +51,7 @@ class Screw(AxialElement):
         return (self.pitch / (2 * np.pi), self.stiffness, self.damping, self.offset or 0.0)
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> Screw:
-        """The screw with the slide of its ends at assembly as `x_0`, if none is given."""
+        """The screw with the slide at assembly as `x_0`, if `offset` is None."""
         slide = float(self.initial_axes[:, 2] @ (second - first))
         return self if self.offset is not None else replace(self, offset=slide)
 
@@ -77,18 +78,20 @@ class Screw(AxialElement):
 class RackAndPinion(AxialElement):
     """The second end, a pinion, rolls along the first, a rack.
 
-        s = x - x_0 + radius phi,      force -(k s + c ds/dt) on the pinion where it touches the rack
+        s = x - x_0 + radius phi,    force -(k s + c ds/dt) on the pinion, along the rack, at the pitch point
 
-    with the displacement x of the pinion's centre along the rack and its angle phi about the axis, both
-    relative to the rack. `s` is wrapped to half a revolution of the pinion, so the number of
-    revolutions is not limited.
+    with the displacement x of the pinion's centre along the rack and the angle phi of the pinion about the
+    axis, both relative to the rack. `s` is wrapped to the path of half a revolution of the pinion, so the
+    number of revolutions is not limited.
 
     axis : axis of the pinion at the start, global axes; fixed to the rack
-    direction : direction of the rack at the start, global axes, across the axis; fixed to the rack
+    direction : direction of the rack at the start, global axes; made perpendicular to the axis; fixed to the
+        rack
     radius : radius of the pitch circle, a length; contact is on the side of `- axis x direction`, or on the
         opposite side for a negative radius
     stiffness : k of the tooth mesh along the rack, force per length
     damping : c of the tooth mesh along the rack, force per velocity
+    Raises ModelError for a radius that is zero or not finite, or a direction parallel to the axis.
     """
 
     direction: tuple[float, float, float]
@@ -115,7 +118,7 @@ class RackAndPinion(AxialElement):
         return (self.radius, self.stiffness, self.damping, self.offset or 0.0)
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> RackAndPinion:
-        """The pinion with the displacement of its ends at assembly as `x_0`, if none is given."""
+        """The element with the displacement x at assembly as `x_0`, if `offset` is None."""
         way = float(self.initial_axes[:, 0] @ (second - first))
         return self if self.offset is not None else replace(self, offset=way)
 
@@ -137,7 +140,7 @@ class RackAndPinion(AxialElement):
 
 
 def _rolled(first: Pose, second: Pose, parameters: Parameters) -> jax.Array:
-    """`s` of a pinion on a rack."""
+    """Deflection `s` of the mesh of a pinion and a rack."""
     radius, _, _, offset = parameters
     way = first.axes[:, 0] @ (second.point - first.point) - offset
     return radius * wrapped(way / radius + axial_motion(first, second).angle)

@@ -1,4 +1,4 @@
-"""Servos: an angle or a slide that follows a law of time by a spring and damper, within a limit."""
+"""Servos: a spring and damper, of limited force, between an angle or a slide and its law of time."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ __all__ = ["AngleServo", "SlideServo"]
 class AngleServo(AxialElement):
     """Moment `k (phi_0 - phi) + c (dphi_0/dt - dphi/dt)` about a hinge, limited in magnitude.
 
-    The difference of the angles is wrapped to (-pi, pi]: the number of revolutions is not limited, but the
-    hinge must not lag behind the law by half a revolution.
+    The difference `phi_0 - phi` is wrapped to (-pi, pi]: the number of revolutions is not limited, but the
+    magnitude of the difference must stay below pi.
 
-    angle : phi_0(t), rad, a number or a law of time        limit : largest moment
+    angle : phi_0(t), rad, a number or a law of time        limit : largest moment, default infinite
     stiffness : k, moment per rad
     damping : c, moment per angular velocity
     """
@@ -67,7 +67,8 @@ class AngleServo(AxialElement):
 class SlideServo(AxialElement):
     """Force `k (x_0 - x) + c (dx_0/dt - dx/dt)` along an axis of the first end, limited in magnitude.
 
-    slide : x_0(t), a number or a law of time, for `x = z_1 . (r_2 - r_1)`        limit : largest force
+    slide : x_0(t), a number or a law of time, for `x = z_1 . (r_2 - r_1)`
+    limit : largest force, default infinite
     stiffness : k, force per length
     damping : c, force per velocity
     """

@@ -1,4 +1,4 @@
-"""Contact of a sphere, or of a point, with a plane and with cylinders: by penalty, with friction."""
+"""Penalty contact of a sphere or a point with a plane or a cylinder, with friction."""
 
 from __future__ import annotations
 
@@ -26,16 +26,18 @@ _NO_FRICTION = (0.0, 1.0)
 class SphereContact(AxialElement):
     """A sphere about the first end against a surface fixed to the second.
 
-    Where they overlap, the penalty force acts along the normal n, and friction against the sliding velocity v
-    at the deepest point of the sphere:
+    At the deepest point of the sphere, the penalty force acts along the normal n of the surface, and friction
+    against the sliding velocity v:
 
         F = N n - mu N v / sqrt(|v|^2 + w^2),      N = k depth^n (1 + a d depth/dt)
 
-    A disc or a wheel is equal to a sphere as long as its axis is parallel to the surface.
+    A disc or a wheel acts as a sphere while its axis is parallel to the plane or to the axis of the cylinder.
 
     axis : normal of the plane, or axis of the cylinder, at the start, global axes
     radius : radius of the sphere, a length; 0 for a point, such as an interface at a node
-    anchor : point of a surface on the ground, global axes, a length
+    penalty : stiffness and dissipation of the contact
+    friction : Coulomb friction; None: no friction
+    anchor : global position of the ground end, a length; None without an end on the ground
     """
 
     radius: NotNegative = 0.0
@@ -67,7 +69,7 @@ class SphereOnPlane(SphereContact):
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """Wrenches on sphere and plane."""
+        """Wrenches on the sphere and on the plane."""
         return _pushed(first, second, _on_plane(first, second, parameters[0]), parameters)
 
     @staticmethod
@@ -78,7 +80,7 @@ class SphereOnPlane(SphereContact):
 
 @dataclass(frozen=True, kw_only=True)
 class SphereOnCylinder(SphereContact):
-    """A sphere (first end) outside a cylinder about `axis` through the second end, as a cam or a roller.
+    """A sphere (first end) outside a cylinder about `axis` through the second end, for example a cam roller.
 
     cylinder_radius : radius of the cylinder, a length
     """
@@ -90,12 +92,12 @@ class SphereOnCylinder(SphereContact):
 
     @property
     def parameters(self) -> tuple[float, ...]:
-        """Parameters of contacts, and the cylinder's radius."""
+        """`(radius, mu, w, k, n, a, cylinder_radius)`."""
         return (*super().parameters, self.cylinder_radius)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """Wrenches on sphere and cylinder."""
+        """Wrenches on the sphere and on the cylinder."""
         return _pushed(first, second, _on_cylinder(first, second, parameters), parameters[:-1])
 
     @staticmethod
@@ -123,12 +125,12 @@ class SphereInCylinder(SphereContact):
 
     @property
     def parameters(self) -> tuple[float, ...]:
-        """Parameters of contacts, and the cylinder's radius."""
+        """`(radius, mu, w, k, n, a, cylinder_radius)`."""
         return (*super().parameters, self.cylinder_radius)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """Wrenches on sphere and cylinder."""
+        """Wrenches on the sphere and on the cylinder."""
         return _pushed(first, second, _in_cylinder(first, second, parameters), parameters[:-1])
 
     @staticmethod
@@ -149,12 +151,12 @@ def _on_plane(first: Pose, second: Pose, radius: jax.Array) -> _Touch:
 
 
 def _from_axis(first: Pose, second: Pose) -> tuple[jax.Array, jax.Array]:
-    """Distance of the sphere's centre from the cylinder's axis, and the outward direction."""
+    """Distance of the sphere's centre from the cylinder's axis, and unit vector (3,) from the axis to it."""
     axis = second.axes[:, 2]
     between = first.point - second.point
     between = between - (axis @ between) * axis
     square = between @ between
-    # On the axis the direction is undefined, and zero is returned.
+    # On the axis the unit vector is undefined, and zero is returned.
     distance = jnp.sqrt(jnp.where(square > 0, square, 1.0))
     return jnp.where(square > 0, distance, 0.0), between / distance
 
@@ -170,7 +172,7 @@ def _in_cylinder(first: Pose, second: Pose, parameters: Parameters) -> _Touch:
 
 
 def _pushed(first: Pose, second: Pose, touch: _Touch, parameters: Parameters) -> Wrenches:
-    """Normal force and friction, at the deepest point of the sphere."""
+    """Wrenches of the normal force and friction at the deepest point of the sphere, on both ends."""
     radius, friction, width, *penalty = parameters
     arm = -radius * touch.normal
     other_arm = first.point + arm - second.point

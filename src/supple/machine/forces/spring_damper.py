@@ -22,8 +22,8 @@ class SpringDamper(ForceElement):
 
     stiffness : k, force per length
     damping : c, force per velocity
-    rest_length : l_0, a length; the distance at assembly if None
-    anchor : point of an end on the ground, global axes, a length
+    rest_length : l_0, a length, default 0; None: the distance of the ends at assembly
+    anchor : global position of the ground end, a length; None without an end on the ground
     """
 
     stiffness: NotNegative = 0.0
@@ -43,7 +43,7 @@ class SpringDamper(ForceElement):
         return None if self.anchor is None else np.asarray(self.anchor, dtype=float)
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> SpringDamper:
-        """The spring with the distance of its ends as its rest length, if none is given."""
+        """The spring with the distance of its ends at assembly as rest length, if `rest_length` is None."""
         if self.rest_length is not None:
             return self
         return replace(self, rest_length=float(np.linalg.norm(second - first)))

@@ -21,10 +21,10 @@ __all__ = ["AngleStop", "DistanceStop", "SlideStop"]
 
 @dataclass(frozen=True, kw_only=True)
 class AngleStop(AxialElement):
-    """Limits the angle of the second end about the first end's axis to `lower <= phi <= upper`, by a moment.
+    """Moment that limits the angle of the second end about the first end's axis to `lower <= phi <= upper`.
 
     lower, upper : limits of the angle, rad, between -pi and pi
-    penalty : Penalty   of the angle beyond a limit
+    penalty : Penalty, whose depth is the angle beyond a limit, rad
     """
 
     lower: float
@@ -58,10 +58,10 @@ class AngleStop(AxialElement):
 
 @dataclass(frozen=True, kw_only=True)
 class SlideStop(AxialElement):
-    """Limits the slide `z_1 . (r_2 - r_1)` along the first end's axis to `lower <= x <= upper`, by a force.
+    """Force that limits the slide `x = z_1 . (r_2 - r_1)` along the first end's axis: `lower <= x <= upper`.
 
     lower, upper : limits of the slide, a length; infinite: no stop on that side
-    penalty : Penalty   of the slide beyond a limit
+    penalty : Penalty, whose depth is the slide beyond a limit
     """
 
     lower: float = -np.inf
@@ -92,11 +92,11 @@ class SlideStop(AxialElement):
 
 @dataclass(frozen=True, kw_only=True)
 class DistanceStop(ForceElement):
-    """Limits the distance of two points to `lower <= l <= upper`, as a rope or a bump stop.
+    """Force that limits the distance of two points to `lower <= l <= upper`: a rope or a bump stop.
 
     lower, upper : limits of the distance, a length; an infinite upper limit is no stop
-    penalty : Penalty   of the distance beyond a limit
-    anchor : point of an end on the ground, global axes, a length
+    penalty : Penalty, whose depth is the distance beyond a limit
+    anchor : global position of the ground end, a length; None without an end on the ground
     """
 
     lower: float = 0.0

@@ -18,7 +18,7 @@ __all__ = ["TabledForce", "TabledTorque"]
 
 @dataclass(frozen=True, kw_only=True)
 class TabledTorque(AxialElement):
-    """Torque on the second end about an axis of the first, over angle (rows) and rate (columns)."""
+    """Torque on the second end about an axis of the first, a table over angle (rows) and rate (columns)."""
 
     torque: Surface
 
@@ -36,7 +36,7 @@ class TabledTorque(AxialElement):
 
 @dataclass(frozen=True, kw_only=True)
 class TabledForce(AxialElement):
-    """Force on the second end along an axis of the first, over slide (rows) and speed (columns)."""
+    """Force on the second end along an axis of the first, a table over slide (rows) and speed (columns)."""
 
     force: Surface
 

@@ -31,7 +31,7 @@ class TorsionSpringDamper(ForceElement):
     stiffness: NotNegative = 0.0
     damping: NotNegative = 0.0
     rest_angle: Any = 0.0
-    """Rest angle of the second end relative to the first, rad: a number or a law of time (a servo)."""
+    """phi_0, rest angle of the second end relative to the first, rad: a number or a law of time."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

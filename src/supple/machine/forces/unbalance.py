@@ -17,7 +17,7 @@ __all__ = ["Unbalance"]
 
 @dataclass(frozen=True, kw_only=True)
 class Unbalance(ForceElement):
-    """Force `- omega x (omega x U)` of a small eccentric mass m at the distance `U/m` from an interface.
+    """Force `- omega x (omega x U)` of a small mass m at the offset `U/m` (3,) from an interface.
 
     Only the centrifugal force is included. The weight and inertia of the mass, and its force under angular
     acceleration, are neglected. For a larger mass use a rigid body.

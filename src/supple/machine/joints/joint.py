@@ -1,8 +1,9 @@
 """Base of all joints: two ends, axes in the initial configuration, and constraint equations.
 
-The equations are functions of the *joint frames* of both ends (`Pose`): points and axes that coincide in the
-initial configuration. They may depend on `A_1^T (r_2 - r_1)` and `A_1^T A_2` only, and affinely. Jacobian and
-geometric stiffness then follow (`joint_linearization`), so a new joint is one short function.
+The equations are functions of the *joint frames* of both ends (`Pose`), which coincide in the initial
+configuration: points r_1 and r_2, and matrices A_1 and A_2, whose columns are the axes x, y and z. The
+equations must be affine functions of `A_1^T (r_2 - r_1)` and `A_1^T A_2`. `joint_linearization` then computes
+the Jacobian and the geometric stiffness, so a new joint needs only its `constraint`.
 """
 
 from __future__ import annotations
@@ -26,18 +27,21 @@ __all__ = ["Joint"]
 
 
 def relative_turn(first: Pose, second: Pose) -> jax.Array:
-    """`sin(angle) axis` of the rotation from the first to the second frame, in the first's axes, (3,)."""
+    """`sin(angle) axis` of the rotation from the first frame to the second, in the first frame, (3,)."""
     return unskew(first.axes.T @ second.axes)
 
 
 def tilt(first: Pose, second: Pose) -> jax.Array:
-    """`z_1 x z_2`: tilt of the second z axis about the first's x and y axes, (2,)."""
+    """`z_1 x z_2`: tilt of the second z axis about the x and y axes of the first frame, (2,)."""
     x, y, _ = first.axes.T @ second.axes[:, 2]
     return jnp.stack([-y, x])
 
 
 def axes_along(axis: Any, hint: Any = None) -> np.ndarray:
-    """Right-handed unit axes, as columns, the third along `axis`, the first as near `hint` as possible."""
+    """Right-handed unit axes, as columns: the third along `axis`, the first as near `hint` as possible.
+
+    Raises ModelError for an axis without a direction, or a hint parallel to the axis.
+    """
     check_numbers("the axis of a joint", axis)
     direction = _unit(axis)
     near = np.eye(3)[np.argmin(abs(direction))] if hint is None else _unit(hint)
@@ -49,7 +53,7 @@ def axes_along(axis: Any, hint: Any = None) -> np.ndarray:
 
 
 def _unit(axis: Any) -> np.ndarray:
-    """Unit vector along an axis of any length, scaled first so that no square overflows."""
+    """Unit vector along an axis of any length; ModelError for an axis without a direction."""
     direction = np.asarray(axis, dtype=float)
     if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
         raise ModelError(f"a joint axis must be three finite numbers, not all zero; got {axis}")
@@ -59,7 +63,7 @@ def _unit(axis: Any) -> np.ndarray:
 
 @dataclass(frozen=True, kw_only=True)
 class Joint(ABC):
-    """A joint between two ends; subclasses define its free motions."""
+    """A joint between two ends; subclasses define its constraint equations."""
 
     first: At | Any
     """An end: "BODY.INTERFACE", `At(body, interface)`, or "ground"; stored as an `At`."""
@@ -70,7 +74,7 @@ class Joint(ABC):
     n_constraints: ClassVar[int]
     """Number of constraint equations."""
     rows: ClassVar[tuple[str, ...]]
-    """Name of the direction that each constraint equation fixes, for messages."""
+    """Name of the direction that each constraint equation fixes; a length begins with "position"."""
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -87,12 +91,12 @@ class Joint(ABC):
 
     @property
     def initial_axes(self) -> np.ndarray:
-        """Joint axes in the initial configuration, global, as columns; z is the joint's own axis."""
+        """Joint axes in the initial configuration, global, as columns; z is the axis of the joint, if any."""
         return np.eye(3)
 
     @property
     def law(self) -> TimeLaw | None:
-        """The prescribed motion, if the joint has one."""
+        """The law of the prescribed motion; None without one."""
         return None
 
     @staticmethod
@@ -105,7 +109,7 @@ class Joint(ABC):
 
 
 def closing(first: Pose, second: Pose) -> jax.Array:
-    """Vector from the first point to the second, in the first's axes, (3,)."""
+    """Vector from the first point to the second, in the axes of the first frame, (3,)."""
     return first.axes.T @ (second.point - first.point)
 
 

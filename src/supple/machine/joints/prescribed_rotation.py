@@ -24,7 +24,7 @@ class PrescribedRotation(Joint):
     axis: tuple[float, float, float]
     """Direction of the axis in the initial configuration, global."""
     angle: Any
-    """rad, as a function of time (a number, a law, or a function written with jax.numpy)"""
+    """Angle in rad from the initial configuration: a number, a law, or a function of time in jax.numpy"""
 
     n_constraints: ClassVar[int] = Fixed.n_constraints
     rows: ClassVar[tuple[str, ...]] = Fixed.rows
@@ -41,7 +41,7 @@ class PrescribedRotation(Joint):
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:
-        """The vector between the points, and the rotation beyond the prescribed angle, (6,)."""
+        """The vector between the points, and the rotation from the prescribed to the second axes, (6,)."""
         cosine, sine = jnp.cos(value), jnp.sin(value)
         about_z = jnp.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
         turned = first._replace(axes=first.axes @ about_z)

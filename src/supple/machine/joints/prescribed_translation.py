@@ -24,7 +24,7 @@ class PrescribedTranslation(Joint):
     axis: tuple[float, float, float]
     """Direction of the axis in the initial configuration, global."""
     displacement: Any
-    """distance as a function of time (a number, a law, or a function written with jax.numpy)"""
+    """Distance from the initial configuration: a number, a law, or a function of time in jax.numpy"""
 
     n_constraints: ClassVar[int] = Fixed.n_constraints
     rows: ClassVar[tuple[str, ...]] = Fixed.rows
@@ -41,6 +41,6 @@ class PrescribedTranslation(Joint):
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:
-        """The vector between the points beyond the given distance, and the relative rotation, (6,)."""
+        """The vector between the points minus the prescribed one, and the relative rotation, (6,)."""
         offset = closing(first, second) - value * jnp.array([0.0, 0.0, 1.0])
         return stack(offset, relative_turn(first, second))

@@ -1,4 +1,4 @@
-"""Revolute joint (hinge): the points coincide, and one axis is shared."""
+"""Revolute joint (hinge): the points and the z axes of both ends coincide."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["Revolute"]
 
 @dataclass(frozen=True, kw_only=True)
 class Revolute(Joint):
-    """Ball joint with `z_1 x z_2 = 0`: rotation about the axis is free."""
+    """`r_2 - r_1 = 0` and `z_1 x z_2 = 0`: rotation about the axis is free."""
 
     axis: tuple[float, float, float]
     """Direction of the axis in the initial configuration, global."""

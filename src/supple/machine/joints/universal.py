@@ -21,7 +21,7 @@ class Universal(Joint):
     first_axis: tuple[float, float, float]
     """Axis of the cross that is fixed to the first end, in the initial configuration, global."""
     second_axis: tuple[float, float, float]
-    """Axis of the cross that is fixed to the second end; made perpendicular to the first axis."""
+    """Axis of the cross that is fixed to the second end; its component along the first axis is removed."""
 
     n_constraints: ClassVar[int] = 4
     rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "position z", "angle between the axes")

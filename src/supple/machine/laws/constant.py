@@ -41,9 +41,9 @@ class Constant(UnboundedLaw):
         return self.value
 
     def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002 - no kinks
-        """No instants."""
+        """An empty array: the law has no kinks."""
         return np.zeros(0)
 
     def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002
-        """Infinite."""
+        """Infinity: the law has no time scale."""
         return float("inf")

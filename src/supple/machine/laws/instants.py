@@ -13,7 +13,7 @@ from supple.machine.laws.time_law import TimeLaw
 __all__ = ["KnownLaw", "instants_of_law", "rows_that_bend", "shortest_scale_of", "times_within"]
 
 BENDS = 1e-6
-"""Smallest bend of a table's curve, relative to its range, that counts as a kink."""
+"""Smallest jump of the derivative of order n, times spacing^n, that is a kink; relative to the range."""
 
 
 @runtime_checkable
@@ -25,24 +25,24 @@ class KnownLaw(Protocol):
         ...
 
     def shortest_scale(self, begin: float, end: float) -> float:
-        """Shortest period, rise time or row spacing from `begin` to `end`; infinite for a constant law."""
+        """Shortest period, rise time or row spacing from `begin` to `end`; infinite without a time scale."""
         ...
 
 
 def instants_of_law(law: TimeLaw, begin: float, end: float) -> np.ndarray:
-    """Ascending times (k,) strictly between `begin` and `end` that steps should end at."""
+    """Ascending times (k,) strictly between `begin` and `end` at which time steps should end."""
     if isinstance(law, KnownLaw):
         return law.instants(begin, end)
     return sampled_instants(law, begin, end)
 
 
 def shortest_scale_of(law: TimeLaw, begin: float, end: float) -> float:
-    """Shortest time in which the law is known to vary; infinite if unknown."""
+    """Shortest time scale of a `KnownLaw` from `begin` to `end`; infinite for other laws."""
     return law.shortest_scale(begin, end) if isinstance(law, KnownLaw) else float("inf")
 
 
 def times_within(times: Iterable[float] | np.ndarray, begin: float, end: float) -> np.ndarray:
-    """The times strictly between two limits, without duplicates, ascending."""
+    """The times strictly between `begin` and `end`, ascending, without duplicates."""
     unique = np.unique(np.asarray(times, dtype=float))
     return unique[(unique > begin) & (unique < end)]
 
@@ -51,7 +51,7 @@ def rows_that_bend(times: np.ndarray, values: np.ndarray, jumps: np.ndarray, pow
     """Times of a table's first and last row, and of inner rows with a significant jump of a derivative.
 
     times : (k,)        values : (k, ...)
-    jumps : (k - 2, m)      of the derivative of order `power` at the inner rows
+    jumps : (k - 2, m)      jumps of the derivative of order `power` at the inner rows
     """
     spacing = np.minimum(np.diff(times)[:-1], np.diff(times)[1:])
     size = float(np.max(np.ptp(values, axis=0), initial=0.0))

@@ -1,4 +1,4 @@
-"""Numbers of a law of time, checked when given, but not while JAX traces them."""
+"""Numbers of a law of time: checked at construction, except when JAX traces them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["OfRows", "are_numbers", "finite", "finite_and_positive", "increasing
 
 
 def are_numbers(*values: Any) -> bool:
-    """Whether all values are numbers or arrays of them, not JAX tracers.
+    """True if all values are Python or NumPy numbers, lists, tuples or NumPy arrays; not for JAX arrays.
 
     Raises ArgumentError for text, dictionaries and classes.
     """
@@ -25,7 +25,7 @@ def are_numbers(*values: Any) -> bool:
 
 
 def finite(what: str, value: Any) -> Any:
-    """The number as a float, or the array of numbers; ModelError unless all are finite."""
+    """The number as a float, or the numbers as a read-only array; ModelError unless all are finite."""
     check_numbers(what, value)
     array = np.asarray(value, dtype=float)
     if not np.isfinite(array).all():
@@ -61,7 +61,7 @@ def increasing_rows(times: Any, values: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 class OfRows:
-    """Base of laws defined by rows: time span, and smallest spacing of rows."""
+    """Base of laws defined by rows at increasing times: time span, and smallest spacing of rows."""
 
     times: Any
 

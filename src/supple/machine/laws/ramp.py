@@ -20,11 +20,11 @@ __all__ = ["Ramp"]
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class Ramp(UnboundedLaw):
-    """From zero to a value, with continuous first and second derivatives.
+    """Rise from zero to a value, with continuous first and second derivatives.
 
         q(t) = value s^3 (10 - 15 s + 6 s^2),   s = t / duration, limited to [0, 1]
 
-    value : number or array     reached at the end
+    value : number or array     q at the time `duration` and later
     duration : float            s, positive
     Raises ModelError for a value that is not finite, or a duration that is not finite and positive.
     """
@@ -45,9 +45,9 @@ class Ramp(UnboundedLaw):
         return self.value * (s**3 * (10.0 + s * (-15.0 + 6.0 * s)))
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """Begin and end of the ramp."""
+        """Times of begin and end of the ramp, if they are strictly between `begin` and `end`."""
         return times_within([0.0, self.duration], begin, end)
 
     def shortest_scale(self, begin: float, end: float) -> float:
-        """The duration; infinite for a span without any part of the rise."""
+        """The duration; infinite if the rise is not between `begin` and `end`."""
         return float(self.duration) if begin < self.duration and end > 0 else float("inf")

@@ -1,9 +1,9 @@
 """Laws of unknown shape: jumps and turning points, found by sampling.
 
-The kinks of a Python function of time are unknown. The function is evaluated at some 17 000 equally spaced
-times of the run. Where neighbouring samples differ much, jumps are located by repeated subdivision. A pulse
-has a turning point; a step that ends there does not miss the pulse, and step control refines the next steps.
-Features shorter than the sampling distance are not found.
+The kinks of a Python function of time are unknown. The function is evaluated at about 17 000 equally spaced
+times of the run, or fewer if it has many values. Where neighbouring samples differ much, jumps are located by
+repeated subdivision. A pulse has a turning point; a step that ends there does not miss the pulse, and step
+control refines the next steps. Features shorter than the distance of the samples can be missed.
 """
 
 from __future__ import annotations
@@ -21,28 +21,28 @@ from supple.programs.program_cache import CachedProgram
 __all__ = ["Jumps", "jumps", "law_samples", "sampled_instants"]
 
 BLOCK = 64 * 33
-"""Number of times that are evaluated together: the subdivisions of all jumps in one round."""
+"""Number of times that one program evaluates: the subdivisions of all jumps in one round."""
 N_SAMPLES = 8 * BLOCK - 1
 MOST_NUMBERS = 4_000_000
-"""Largest number of values in all samples, which limits the memory for a load on many nodes."""
+"""Largest number of values in all samples: limits the memory for a load on many nodes by fewer samples."""
 MOST_JUMPS = 64
 DIVISIONS, ROUNDS = 32, 5
 """Parts of an interval, and rounds of subdivision: a jump is located to 32^-5 of the distance of samples."""
 JUMPS = 1e-4
-"""Smallest change in the last interval that counts as a jump, relative to the range of the function."""
+"""Smallest change in the last subdivided interval that is a jump, relative to the range of the function."""
 TURNS = 1e-3
-"""Smallest difference in value of adjacent turning points, relative to the range; less is ripple."""
+"""Smallest change of value to one of the adjacent turning points, relative to the range; less is ignored."""
 MOST_TURNS = 512
-"""Largest number of turning points; a function with more oscillates everywhere, so no step misses it."""
+"""Largest number of turning points; with more, none is used, since no step misses the oscillation."""
 
 _OfTime = Callable[[jax.Array], jax.Array]
 
 Sampled = Callable[[np.ndarray], np.ndarray]
-"""Values (k, m) at times (k,)"""
+"""A function of times (k,) with values (k, m)"""
 
 
 class Jumps(NamedTuple):
-    """Jumps of a function, ascending, (k,) each: the instants just before and just after."""
+    """Jumps of a function, ascending: the instants just before and just after each jump, (k,) each."""
 
     before: np.ndarray
     after: np.ndarray
@@ -50,7 +50,7 @@ class Jumps(NamedTuple):
 
 def law_samples(law: _OfTime, times: np.ndarray, *, order: int = 0) -> list[np.ndarray]:
     """Values (k, m) of a law at times (k,), and its derivatives up to an order, (k, m) each."""
-    # Blocks of one size: one program for any number of times.
+    # All blocks have one size, so one compiled program evaluates any number of times.
     size = max(1, min(BLOCK, MOST_NUMBERS // _numbers(law)))
     blocks = np.pad(times, (0, -len(times) % size), mode="edge").reshape(-1, size)
     parts = [jax.device_get(_program(order)(law, block)) for block in blocks]
@@ -110,7 +110,7 @@ def sampled_instants(law: _OfTime, begin: float, end: float) -> np.ndarray:
     n = min(N_SAMPLES, MOST_NUMBERS // numbers)
     times = np.linspace(begin, end, max(n, 2) + 1)
 
-    # Three random combinations represent many components: they change with any component.
+    # Three random combinations represent many components: a change of any component changes all three.
     mix = np.random.default_rng(0).standard_normal((numbers, 3))
 
     def of_times(at: np.ndarray) -> np.ndarray:
@@ -131,7 +131,7 @@ def _turning_points(times: np.ndarray, values: np.ndarray) -> np.ndarray:
     if not moving.size:
         return np.zeros(0)
     signs = np.sign(np.diff(values)[moving])
-    # Both ends of a plateau count: its first sample and its last.
+    # Both ends of a plateau are turning points: its first sample and its last.
     turn = np.flatnonzero(signs[1:] != signs[:-1])
     at = np.unique(np.concatenate([[0], moving[turn] + 1, moving[turn + 1], [len(values) - 1]]))
     steps = np.abs(np.diff(values[at]))

@@ -1,4 +1,4 @@
-"""A fixed vector whose size follows a law of time."""
+"""A fixed vector multiplied by a law of time."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ __all__ = ["Scaled"]
 class Scaled:
     """`v(t) = vector factor(t)`: a fixed direction, or a fixed pattern over nodes, times a law of time.
 
-    vector : (..., 3)       direction and size at factor 1
-    factor : a law or function of time with one number as its value
-    Raises ModelError for a vector that is not finite, or a factor that is not one number over time.
+    vector : (..., 3)       value at factor 1
+    factor : a law or function of time whose value is one number
+    Raises ModelError for a vector that is not finite, or a factor whose value is not one number.
     """
 
     vector: Any

@@ -42,10 +42,10 @@ class Sine(UnboundedLaw):
         return self.amplitude * jnp.sin(2.0 * math.pi * self.frequency_hz * time)
 
     def instants(self, begin: float, end: float) -> np.ndarray:  # noqa: ARG002 - it is smooth everywhere
-        """No instants."""
+        """An empty array: the law has no kinks."""
         return np.zeros(0)
 
     def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002
-        """The period."""
+        """The period; infinite for a frequency of zero."""
         frequency = abs(float(self.frequency_hz))
         return 1.0 / frequency if frequency > 0 else float("inf")

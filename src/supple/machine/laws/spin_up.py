@@ -56,7 +56,7 @@ class SpinUp(UnboundedLaw):
         object.__setattr__(self, "rise_time", float(self.rise_time))
 
     def __call__(self, time: ArrayLike) -> jax.Array:
-        """Angle theta(t) in rad, of the shape of the time."""
+        """Angle theta(t) in rad; its shape is that of `time`."""
         t = jnp.asarray(time, dtype=float)
         radian_time = self.rise_time / (2.0 * math.pi)
         ripple = radian_time**2 * (jnp.cos(t / radian_time) - 1.0)
@@ -64,7 +64,7 @@ class SpinUp(UnboundedLaw):
         return jnp.where(t <= self.rise_time, rising, self.speed * (t - 0.5 * self.rise_time))
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """The end of the rise."""
+        """The rise time, if it is strictly between `begin` and `end`."""
         return times_within([self.rise_time], begin, end)
 
     def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002 - begin decides

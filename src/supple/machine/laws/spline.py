@@ -22,9 +22,9 @@ __all__ = ["Spline"]
 class Spline(OfRows):
     """Natural cubic spline through rows.
 
-    Value, first and second derivative are continuous between the first and the last row, where the second
-    derivative is zero. Outside the rows the value is constant. A prescribed motion is not defined there,
-    because it would stop abruptly.
+    Value, first and second derivative are continuous between the first and the last row; the second
+    derivative is zero at these two rows. Outside the rows the value is constant, but a prescribed motion is
+    not defined there, because it would stop abruptly.
 
     times : (k,)        s, increasing, k >= 2
     values : (k, ...)   one row for each time
@@ -52,7 +52,7 @@ class Spline(OfRows):
         return jnp.polyval(jnp.asarray(self.coefficients)[:, piece], t - starts[piece])
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """Times of the rows, except those at which the cubic continues unchanged."""
+        """Times of the rows, except inner rows at which the third derivative does not jump."""
         times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
         third = 6.0 * np.asarray(self.coefficients)[0].reshape(len(times) - 1, -1)
         return times_within(rows_that_bend(times, values, np.diff(third, axis=0), 3), begin, end)

@@ -39,14 +39,14 @@ class Table(OfRows):
             object.__setattr__(self, "values", values)
 
     def __call__(self, time: ArrayLike) -> jax.Array:
-        """The value at a time, between the rows around it."""
+        """The value at a time; outside the rows, linear extrapolation of the first or last interval."""
         upper = jnp.clip(jnp.searchsorted(self.times, time, side="right"), 1, len(self.times) - 1)
         t0, t1 = jnp.asarray(self.times)[upper - 1], jnp.asarray(self.times)[upper]
         v0, v1 = jnp.asarray(self.values)[upper - 1], jnp.asarray(self.values)[upper]
         return v0 + (v1 - v0) * ((time - t0) / (t1 - t0))
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """Times of the rows, except those in line with their neighbours."""
+        """Times of the rows, except inner rows at which the first derivative does not jump."""
         times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
         slopes = np.diff(values.reshape(len(times), -1), axis=0) / np.diff(times)[:, None]
         return times_within(rows_that_bend(times, values, np.diff(slopes, axis=0), 1), begin, end)

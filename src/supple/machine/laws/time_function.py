@@ -23,7 +23,7 @@ class TimeFunction(UnboundedLaw):
     It must be smooth enough for its use: twice differentiable where it prescribes a motion.
 
     The function is part of the compiled program, not of its data: another function needs a new compilation,
-    and the cases of a batch must share one object. For numbers that differ between runs or cases use the
+    and the cases of a batch must share one function object. For numbers that differ between runs or cases use
     other laws. A later process reuses the stored program if the function depends only on its arguments, plain
     numbers, functions with the same property, `jax.numpy` and `math`.
     """

@@ -63,7 +63,7 @@ def as_time_law(value: Any) -> TimeLaw:
 
 
 def check_law_kind(what: str, element: Any) -> None:
-    """Raise ArgumentError unless the `law` of a joint or load is a quantity over time."""
+    """Raise ArgumentError, beginning with `what`, unless the law of a joint or load is a law of time."""
     try:
         _ = element.law
     except ArgumentError as error:
@@ -115,7 +115,7 @@ def _value_of(law: TimeLaw) -> jax.ShapeDtypeStruct:
 
 
 def _is_array(leaf: Any) -> bool:
-    """Whether a leaf is a float64 array, not a JAX tracer."""
+    """Whether a leaf is a NumPy array of float64, not a JAX tracer."""
     return isinstance(leaf, np.ndarray) and leaf.dtype == np.float64
 
 

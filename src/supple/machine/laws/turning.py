@@ -30,10 +30,11 @@ class Turning:
     """Vectors given in rotating axes: v(t) = R(axis, angle(t)) vectors(t), R by Rodrigues' formula.
 
     vectors : a law of (..., 3), in the rotating axes
-    axis : (3,) unit vector
-    angle : a law, or a function of time, rad
+    axis : (3,) unit vector, in the fixed axes
+    angle : rotation of the axes, rad, a law or a function of time
 
-    The rotation is exact between rows of a table; a table of rotated vectors would interpolate along chords.
+    If `angle` is a table, the rotation is exact also between its rows. A table of rotated vectors would be
+    interpolated along chords.
     Raises ModelError for an axis that is not a unit vector.
     """
 
@@ -69,12 +70,12 @@ class Turning:
         return min(self.vectors.end, self.angle.end)
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """Instants of the vectors and of the angle."""
+        """Instants of the laws of the vectors and of the angle, ascending."""
         own = (instants_of_law(law, begin, end) for law in (self.vectors, self.angle))
         return np.unique(np.concatenate([*own]))
 
     def shortest_scale(self, begin: float, end: float) -> float:
-        """Shortest time scale of vectors and angle, or the time of a revolution at the highest speed."""
+        """Shortest time scale of vectors and angle, or the time of one revolution at the highest speed."""
         times = np.linspace(begin, end, N_SPEEDS)
         fastest = float(np.max(np.abs(law_samples(self.angle, times, order=1)[1]), initial=0.0))
         turn = 2 * np.pi / fastest if fastest > 0 else float("inf")

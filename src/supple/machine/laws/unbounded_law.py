@@ -6,7 +6,7 @@ __all__ = ["UnboundedLaw"]
 
 
 class UnboundedLaw:
-    """A law whose time runs from minus to plus infinity."""
+    """Base of laws that are defined from minus to plus infinity."""
 
     @property
     def begin(self) -> float:

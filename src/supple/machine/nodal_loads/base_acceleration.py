@@ -12,10 +12,10 @@ __all__ = ["BaseAcceleration"]
 
 @dataclass(frozen=True, kw_only=True)
 class BaseAcceleration:
-    """Accelerated base; the motion is relative to it.
+    """Acceleration a(t) of the base, which is the ground of the machine.
 
-    `- m a(t)` acts on every mass, like gravity. The ground of the joints, positions and displacements are
-    relative to the base. The energies of `balances` include gravity, not this load.
+    The force `- m a(t)` acts on every mass m, like gravity. Positions, displacements and the ground of joints
+    are relative to the base. The energies of `balances` include gravity, but not this load.
     """
 
     acceleration: Any

@@ -20,14 +20,17 @@ __all__ = ["DeadForce"]
 
 @dataclass(frozen=True, kw_only=True)
 class DeadForce(NodalLoad):
-    """Forces in global components at an interface or at nodes of a body."""
+    """Forces in global components at an interface or at nodes of a body.
+
+    Raises ModelError for nodes without a `body`, or the ground.
+    """
 
     body: str = ""
-    """Name of the body; may be omitted if `at` includes it."""
+    """Name of the body; omitted if `at` is "BODY.INTERFACE"."""
     at: str | Sequence[int] | np.ndarray
-    """An interface's name, or node indices (k,), of the body; or "BODY.INTERFACE"."""
+    """Name of an interface of `body`, or node indices (k,) of `body`; without `body`, "BODY.INTERFACE"."""
     force: Any
-    """(3,) at the interface, or the same at every node, or (k, 3): constant, law or function of time."""
+    """(3,) at the interface or each node, or (k, 3), one per node: constant, law or function of time."""
 
     follows_nodes: ClassVar[bool] = False
     turns_against_frame: ClassVar[bool] = True
@@ -60,20 +63,20 @@ class DeadForce(NodalLoad):
 
     @property
     def nodes(self) -> np.ndarray:
-        """The node indices; none at an interface."""
+        """The node indices (k,); empty at an interface."""
         return np.zeros(0, int) if isinstance(self.at, str) else node_numbers(self.label, self.at)
 
     @property
     def facets(self) -> np.ndarray:
-        """Each node alone, or the point of the interface."""
+        """One facet (1,) per node, (k, 1); (1, 1) for the point of an interface."""
         return np.arange(1 if isinstance(self.at, str) else len(self.nodes))[:, None]
 
     @property
     def value_shapes(self) -> tuple[tuple[int, ...], ...]:
-        """One force for all, or one per node."""
+        """(3,): one force for all nodes or for the interface; (k, 3): one force per node."""
         return ((3,),) if isinstance(self.at, str) else ((3,), (len(self.nodes), 3))
 
     @staticmethod
     def facet_forces(places: jax.Array, rotation: jax.Array, value: jax.Array) -> jax.Array:  # noqa: ARG004
-        """`A^T F`."""
+        """`A^T F`, (1, 3), with the rotation A of the frame and the global force F."""
         return (value @ rotation)[None]

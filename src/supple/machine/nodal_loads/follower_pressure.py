@@ -20,12 +20,13 @@ __all__ = ["FollowerPressure"]
 
 @dataclass(frozen=True, kw_only=True)
 class FollowerPressure(NodalLoad):
-    """Pressure on triangles or quadrilaterals, against their normals.
+    """Pressure on triangles or quadrilaterals, against the normals of the faces.
 
-    A triangle with deformed corners a, b, c has `f = - p (b - a) x (c - a) / 6` on each of them; a
-    quadrilateral a, b, c, d has `f = - p (c - a) x (d - b) / 8`. The corners are counter-clockwise, viewed
-    from the side on which the pressure acts.
+    On each corner of a triangle with deformed corners a, b, c the force is `- p (b - a) x (c - a) / 6`; on
+    each corner of a quadrilateral a, b, c, d it is `- p (c - a) x (d - b) / 8`. The corners are
+    counter-clockwise, viewed from the side on which the pressure acts.
 
+    Raises ModelError for faces of another shape, or with one node twice.
     Source: [BonetWood1997] section 6.5, one-point rule, exact for triangles and parallelograms.
     """
 
@@ -64,22 +65,22 @@ class FollowerPressure(NodalLoad):
 
     @property
     def nodes(self) -> np.ndarray:
-        """Corners of the faces."""
+        """Node indices (k,) of the corners of the faces, each once, ascending."""
         return np.unique(self.faces)
 
     @property
     def facets(self) -> np.ndarray:
-        """The faces."""
+        """The corners of each face, (e, 3) or (e, 4), as positions in `nodes`."""
         return np.searchsorted(self.nodes, self.faces)
 
     @property
     def value_shapes(self) -> tuple[tuple[int, ...], ...]:
-        """One pressure for all faces."""
+        """Shape () of one pressure for all faces."""
         return ((),)
 
     @staticmethod
     def facet_forces(places: jax.Array, rotation: jax.Array, value: jax.Array) -> jax.Array:  # noqa: ARG004
-        """`- p / 6 (b - a) x (c - a)` on every corner of a triangle; a quarter each for a quadrilateral."""
+        """`- p (b - a) x (c - a) / 6` on each corner, or `- p (c - a) x (d - b) / 8` for quadrilaterals."""
         if places.shape[0] == 3:
             area = jnp.cross(places[1] - places[0], places[2] - places[0]) / 2
         else:

@@ -1,7 +1,7 @@
 """Base of all loads on nodes: forces on facets of a few nodes each, in the frame of their body.
 
-A load is one function, `facet_forces`, from which the engines compute the forces of all facets and their
-derivatives. A facet is a single node if the load does not depend on neighbouring nodes.
+A load defines one function, `facet_forces`, from which the solvers compute the forces on all facets and the
+derivatives of these forces. A facet is a single node if the load does not depend on neighbouring nodes.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ class NodalLoad(ABC):
     body: str
 
     follows_nodes: ClassVar[bool]
-    """Whether the forces, in body components, change as the nodes are displaced."""
+    """True if the forces, in body components, depend on the displacements of the nodes."""
     turns_against_frame: ClassVar[bool]
-    """Whether the forces, in body components, change as the frame rotates."""
+    """True if the forces, in body components, depend on the rotation of the frame."""
 
     @property
     @abstractmethod
@@ -44,17 +44,17 @@ class NodalLoad(ABC):
     @property
     @abstractmethod
     def nodes(self) -> np.ndarray:
-        """(k,) node numbers from 0, each once."""
+        """Node indices (k,), each once; empty for a load at an interface."""
 
     @property
     @abstractmethod
     def facets(self) -> np.ndarray:
-        """(e, m) nodes of every facet, as positions in `nodes`."""
+        """Nodes (e, m) of each facet, as positions in `nodes`."""
 
     @property
     @abstractmethod
     def value_shapes(self) -> tuple[tuple[int, ...], ...]:
-        """Allowed shapes of the law's value; an additional first axis has one entry per facet."""
+        """Allowed shapes of the law's value; the first axis of the larger shape has one entry per facet."""
 
     @staticmethod
     @abstractmethod
@@ -68,7 +68,7 @@ class NodalLoad(ABC):
 
 
 def node_numbers(label: str, nodes: Any) -> np.ndarray:
-    """Node numbers (k,); ModelError unless they are a list of one or more whole numbers."""
+    """Node indices (k,) as integers; ModelError unless they are a list of one or more whole numbers."""
     check_numbers(f"{label}, nodes", nodes)
     numbers = np.asarray(nodes)
     if numbers.ndim != 1 or numbers.size == 0:

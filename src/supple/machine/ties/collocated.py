@@ -1,4 +1,4 @@
-"""Nodes tied to another mesh at their positions."""
+"""Tie of nodes to the points of another mesh at the same positions."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ __all__ = ["Collocated"]
 
 @dataclass(frozen=True)
 class Collocated:
-    """Each node is tied to the node of the other mesh at its position, or to the face under it.
+    """Each node is tied to the node of the other mesh at its position, or to the nearest face.
 
-    Linear displacements are transferred exactly. Forces act on the corners near each node only: where the
-    tied mesh is the coarser one, a constant traction is not transferred exactly.
+    Faces are used unless every node has a node of the other mesh at its position. Linear displacements are
+    transferred exactly. Forces act only on the corners of the face at each node: where the tied mesh is the
+    coarser one, a constant traction is not transferred exactly.
     """
 
     def weights(
@@ -29,11 +30,12 @@ class Collocated:
         within: float,
         what: str,
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Nodes (n, c) of a mesh that points (n, 3) follow, and their weights (n, c), which sum to one.
+        """Nodes (n, c) of a mesh that points (n, 3) follow, and their weights (n, c), one in sum per point.
 
         faces : (T, 3) triangles of the tied side, as indices of `points`
         within : largest distance between the sides, m
-        Raises ModelError for a point without a face.
+        what : name of the tie in messages
+        Raises ModelError for a point farther than `within` from every face.
         """
         met = meeting_nodes(points, mesh.nodes, within)
         if (met >= 0).all():

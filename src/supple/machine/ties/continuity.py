@@ -1,8 +1,8 @@
-"""Continuity of a tie of two modal sub-domains: combinations of the gap between their interfaces.
+"""Continuity of a tie of two modal parts: combinations of the gap between the interfaces that must be zero.
 
-Each basis allows only a few motions of its interface. If all nodes must coincide, only motions that both
-bases contain remain. Modes of free parts have few common motions, so the tie locks. The continuity is
-therefore a choice of the model, which depends on the static shapes in the bases.
+The modal basis of each part allows only a few motions of its interface. If all nodes must coincide, only
+motions that both bases contain remain. The free modes of two parts have few common motions, so the tie locks.
+The user therefore chooses the continuity according to the static shapes in the bases.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ _COLLINEAR = 1e-6  # relative width of an interface, below which its rotation ab
 
 
 class Continuity(Protocol):
-    """Combinations of the gap of two interfaces that are set to zero."""
+    """Combinations of the gap between two interfaces that a tie sets to zero."""
 
     def patterns(self, points: FloatArray, reach: FloatArray) -> FloatArray:
-        """L (r, n, 3) with sum_c L_rc . gap_c = 0.
+        """Coefficients L (r, n, 3) of r combinations: sum_c L_rc . gap_c = 0 over the nodes c.
 
-        points : (n, 3) of the interface
+        points : (n, 3) positions of the nodes of the interface
         reach : (3 n, m)    gap due to each motion of the two parts, scaled to unit kinetic energy
         """
         ...
@@ -38,14 +38,14 @@ class Continuity(Protocol):
 class MeanMotion:
     """Equal mean displacement and mean rotation of the interfaces: the best-fit rigid motion of each.
 
-    Six combinations; three for a single node; five for nodes on one line, about which the parts rotate as on
-    a hinge. The forces of the tie are distributed as those of an `AveragingInterface`. A `Rubin` basis
-    includes the static responses to these forces, so both parts bend as under the true force. Sections may
-    warp independently, which makes a joint of solids slightly too soft.
+    There are six combinations; three for a single node; five for nodes on one line, about which the parts
+    can rotate as on a hinge. The forces of the tie are distributed as those of an `AveragingInterface`. A
+    `Rubin` basis includes the static responses to these forces, so both parts bend as under the true force.
+    The sections of both parts warp independently, which makes a tie of solids slightly too soft.
     """
 
     def patterns(self, points: FloatArray, reach: FloatArray) -> FloatArray:  # noqa: ARG002 - of the protocol
-        """See `Continuity`."""
+        """Coefficients L (r, n, 3), as defined in `Continuity.patterns`."""
         arms = points - points.mean(axis=0)
         size = max(float(np.linalg.norm(arms, axis=1).max()), 1e-300)
         turns = [np.cross(axis, arms / size).ravel() for axis in np.eye(3)]
@@ -59,9 +59,12 @@ class MeanMotion:
 class EveryNode:
     """All nodes of the interfaces coincide, in every motion that the two bases contain.
 
-    A combination is imposed if its gap can exceed `tolerance` times the largest (singular values of `reach`);
-    the other combinations are not imposed. Suitable if both bases contain the same motions of the interface:
-    static shapes of rigid interfaces, or nearly all modes. With few free modes the tie locks.
+    The combinations are the left singular vectors of `reach`. One is imposed if its singular value exceeds
+    `tolerance` times the largest singular value. Suitable if both bases contain the same motions of the
+    interface: static shapes of rigid interfaces, or nearly all modes. With few free modes the tie locks.
+
+    tolerance : between 0 and 1
+    Raises ModelError for any other tolerance.
     """
 
     tolerance: float = 1e-4
@@ -71,7 +74,7 @@ class EveryNode:
             raise ModelError(f"the tolerance of a tie must lie in (0, 1), got {self.tolerance}")
 
     def patterns(self, points: FloatArray, reach: FloatArray) -> FloatArray:
-        """See `Continuity`."""
+        """Coefficients L (r, n, 3), as defined in `Continuity.patterns`."""
         across, sizes, _ = np.linalg.svd(reach, full_matrices=False)
         kept = across[:, sizes > self.tolerance * sizes[0]]
         return kept.T.reshape(-1, len(points), 3)

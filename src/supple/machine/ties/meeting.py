@@ -17,15 +17,15 @@ IntArray = NDArray[np.int64]
 
 
 def meeting_nodes(points: FloatArray, nodes: FloatArray, within: float) -> IntArray:
-    """Numbers (n,) of the nodes (N, 3) at points (n, 3); -1 where no node is within the distance."""
+    """Numbers (n,) of the nodes (N, 3) nearest to points (n, 3); -1 where none is at most `within` away."""
     distance, nearest = KDTree(nodes).query(points)
     return np.where(distance <= within, nearest, -1)
 
 
 def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[IntArray, FloatArray]:
-    """Corners (n, 3) of a face under each point (n, 3) and their weights (n, 3), which sum to one.
+    """Corners (n, 3) of the nearest face triangle to each point (n, 3), and their weights, with the sum one.
 
-    Weights are linear on triangles, so a tie of different meshes passes the patch test.
+    Weights (n, 3) are linear on triangles, so linear displacements are transferred exactly.
     Raises ModelError where a point is farther than `within` from every face: the interfaces do not match.
     """
     triangles = np.concatenate(
@@ -36,7 +36,7 @@ def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[
         ]
     )
     corners = mesh.nodes[triangles]
-    # A face under a point has its centre within the largest face size; only such faces are tested.
+    # The centre of the nearest face is at most the largest face size plus `within` away from the point.
     centres, reach = corners.mean(axis=1), np.linalg.norm(np.ptp(corners, axis=1), axis=1).max()
     tree = KDTree(centres)
     found, weights = np.empty((len(points), 3), dtype=np.int64), np.empty((len(points), 3))
@@ -56,9 +56,9 @@ def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[
 
 
 def _gaps(point: FloatArray, corners: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distances (t,) of a point from its projections onto triangles (t, 3, 3).
+    """Distances (t,) of a point from its projections onto triangles (t, 3, 3), and area coordinates (t, 3).
 
-    Also the area coordinates (t, 3) of the projections, which are limited to the triangles.
+    The area coordinates are those of the projections, which are limited to the triangles.
     """
     edges = corners[:, 1:] - corners[:, :1]
     gram = np.einsum("tai,tbi->tab", edges, edges)

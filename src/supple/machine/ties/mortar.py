@@ -1,11 +1,12 @@
-"""Mortar tie of different meshes: positions equal in the mean, weighted by dual functions of the tied side.
+"""Mortar tie of different meshes: mean positions, weighted by dual functions of the tied side, are equal.
 
     int psi_i (x_tied - x) dA = 0   ->   x_i = sum_m (int psi_i N_m dA / int N_i dA) x_m
 
-with linear shape functions N of both sides and psi_i = 4 N_i - 1 on each triangle of the tied side, which is
-biorthogonal to its N (int psi_i N_j = delta_ij int N_i). Each node follows the corners near it; no system of
-equations is solved. Both integrals are exact: faces are cut along the edges of the other side. Therefore
-linear displacements are transferred exactly in one direction, and constant tractions in the other.
+with linear shape functions N_i of the tied side, N_m of the other side, and dual functions psi_i = 4 N_i - 1
+on each triangle of the tied side, which are biorthogonal to N_j (int psi_i N_j dA = delta_ij int N_i dA).
+Each node follows corners near it; no system of equations is solved. Both integrals are exact: faces are cut
+along the edges of the other side. Therefore linear displacements are transferred exactly to the tied side,
+and constant tractions exactly to the other side.
 
 B. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989-1012, on dual Lagrange multipliers.
 """
@@ -36,19 +37,20 @@ _MIDDLES = np.array([[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]])
 
 @dataclass(frozen=True)
 class Mortar:
-    """Nodes follow the other mesh in the mean over the faces around them, by exact integrals.
+    """Each node follows a weighted mean of the other mesh over the faces at the node, by exact integrals.
 
-    The faces must be covered by the other mesh, and have straight sides and corner nodes only. The two sides
-    may be `within` apart, for curved surfaces.
+    The other mesh must cover the faces of the tied side. Faces must have straight sides and corner nodes
+    only. The two sides may be apart, for curved surfaces, by at most `Tie.within`.
     """
 
     def weights(
         self, points: FloatArray, faces: IntArray, mesh: Mesh, within: float, what: str
     ) -> tuple[IntArray, FloatArray]:
-        """Nodes (n, c) of a mesh that points (n, 3) follow, and their weights (n, c), which sum to one.
+        """Nodes (n, c) of a mesh that points (n, 3) follow, and their weights (n, c), one in sum per point.
 
         faces : (T, 3) triangles of the tied side, as indices of `points`
         within : largest distance between the sides, m
+        what : name of the tie in messages
         Raises ModelError for points that are not corners of a face, and faces that the mesh does not cover.
         """
         alone = np.setdiff1d(np.arange(len(points)), faces)
@@ -87,7 +89,7 @@ def _areas(corners: FloatArray) -> FloatArray:
 
 
 def _near(first: FloatArray, second: FloatArray) -> tuple[IntArray, IntArray]:
-    """Numbers of pairs of triangles (T, 3, 3), (U, 3, 3) that are near enough to overlap."""
+    """Row numbers of the pairs of triangles (T, 3, 3) and (U, 3, 3) that are near enough to overlap."""
     centres = first.mean(axis=1), second.mean(axis=1)
     reach = sum(
         float(np.linalg.norm(corners - centre[:, None], axis=2).max())
@@ -100,7 +102,8 @@ def _near(first: FloatArray, second: FloatArray) -> tuple[IntArray, IntArray]:
 def _overlaps(own: FloatArray, other: FloatArray, within: float) -> tuple[FloatArray, FloatArray]:
     """Int psi_i N_m dA (P, 3, 3) over the common part of pairs of triangles (P, 3, 3), and its area (P,).
 
-    Area coordinates (1 - s - t, s, t) are those of the first triangle; the second is projected on its plane.
+    Area coordinates (1 - s - t, s, t) are those of the first triangle; the second triangle is projected onto
+    the plane of the first.
     """
     edges = own[:, 1:] - own[:, :1]
     gram = edges @ edges.swapaxes(1, 2)
@@ -120,7 +123,7 @@ def _overlaps(own: FloatArray, other: FloatArray, within: float) -> tuple[FloatA
     at = np.einsum("gc,pvci->pvgi", _MIDDLES, fans)
     N_own = np.concatenate([1 - at.sum(axis=-1, keepdims=True), at], axis=-1)
     N_other = _area_coordinates(at, to_other)
-    # Faces that overlap only in projection, at a distance, are on different sides of the body.
+    # Faces that overlap in projection, but are farther than `within` apart, are on different sides of a body.
     close = np.abs(np.einsum("pvgm,pm->pvg", N_other, height)).max(axis=(1, 2)) <= within
     weight = doubled * (_areas(own) * close)[:, None] / 3  # 2 A times doubled / 2, over three points
     coupling = np.einsum("pv,pvgi,pvgm->pim", weight, 4 * N_own - 1, N_other, optimize=True)
@@ -142,10 +145,10 @@ def _area_coordinates(at: FloatArray, to_other: FloatArray) -> FloatArray:
 
 
 def _common_polygon(flat: FloatArray, to_other: FloatArray, upright: NDArray[np.bool_]) -> FloatArray:
-    """Corners (P, 15, 2), in order, of the intersection of triangles with the reference triangle.
+    """Corners (P, 15, 2), in order, of the intersections of triangles (P, 3, 2) with the reference triangle.
 
-    These are corners of one triangle inside the other, and intersections of sides; unused rows repeat the
-    first corner. Pairs without an intersection have all corners at one point.
+    The corners are corners of one triangle inside the other, and intersections of sides. Unused rows repeat
+    the first corner. For a pair without an intersection all corners are at one point.
     """
     reference = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
     count = len(flat)

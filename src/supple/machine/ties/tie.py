@@ -18,13 +18,13 @@ class Tie:
     """Nodes that move with another part, in explicit runs.
 
     nodes : At(part, node set)
-    on : str    the part that the nodes are tied to. On a part of finite elements they must match its nodes;
-                on a modal part they may be anywhere on the faces of its cells. Nodes of a modal part can
-                be tied only to another modal part
+    on : str    the part that the nodes are tied to. On a part of finite elements, the tied nodes must be at
+                nodes of this part; on a modal part, they may be anywhere on the faces of its cells. Nodes of
+                a modal part can be tied only to another modal part
     within : float      largest distance of the nodes from the part, relative to the size of the set
     transfer : Collocated() or Mortar()     how nodes follow a modal part with another mesh
-    continuity : MeanMotion() or EveryNode(..)      continuity of two modal parts; nodes of finite elements
-                are tied one by one
+    continuity : MeanMotion() or EveryNode(..)      continuity of two modal parts; not used for nodes of
+                finite elements, which are tied one by one
     """
 
     nodes: At
