@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from supple.body import RayleighDamping
+from supple.body import LinearRayleighDamping, RayleighDamping
 from supple.cases import read_case, run_case, static_case
 from supple.cases.static_case import spin_of
 from supple.errors import CaseError, ModelError, SuppleWarning
@@ -80,8 +80,11 @@ def test_loads_on_nodes_are_shared_out_and_frames_follow_the_cuts(case_folder):
     assert sum(len(each) for each in nodes) == 27
 
 
-def test_a_ratio_on_modes_is_one_on_those_of_the_whole(case_folder):
-    ratio = '{ kind = "rayleigh-ratio", ratio = 0.02, modes = [1, 2], held = "root" }'
+@pytest.mark.parametrize(
+    ("kind", "made"), [("rayleigh-ratio", RayleighDamping), ("linear-rayleigh-ratio", LinearRayleighDamping)]
+)
+def test_a_ratio_on_modes_is_one_on_those_of_the_whole(case_folder, kind, made):
+    ratio = f'{{ kind = "{kind}", ratio = 0.02, modes = [1, 2], held = "root" }}'
     path = rewritten(case_folder, ('{ kind = "rayleigh", alpha = 0.0, beta = 0.02 }', ratio))
     case = read_case(path)
     body = case.tables.body[0]
@@ -89,7 +92,7 @@ def test_a_ratio_on_modes_is_one_on_those_of_the_whole(case_folder):
     rewritten(case_folder, (SPLIT, "split = { parts = 2 }\n" + SPLIT))
     with pytest.warns(SuppleWarning, match="is split: its mass damping, alpha"):
         damped = [part.damping.build() for part in read_case(path).parts.body]
-    assert damped == [RayleighDamping(expected.alpha, expected.beta)] * 2
+    assert damped == [made(expected.alpha, expected.beta)] * 2
 
 
 @pytest.mark.parametrize(

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.body import FlexibleBody, RayleighDamping, connection_named
+from supple.body import FlexibleBody, connection_named
 from supple.cases.bodies import Body, NodalFixed
 from supple.cases.case_tables import CaseTables
-from supple.cases.damping import Rayleigh, RayleighRatio
+from supple.cases.damping import LinearRayleigh, LinearRayleighRatio, Rayleigh, RayleighRatio
 from supple.cases.interfaces import InterfaceTable
 from supple.cases.joints import JointTable
 from supple.cases.loads import Force
@@ -117,20 +117,24 @@ def base_of(body: Body, source: SplitSource) -> At | None:
 
 
 def with_damping(body: Body, whole: FlexibleBody) -> Body:
-    """A split body with the same alpha and beta in all parts, for damping of kind rayleigh(-ratio).
+    """A split body with the same alpha and beta in all parts.
 
-    The ratio of rayleigh-ratio refers to modes of the whole body. Other kinds of damping are unchanged.
+    A ratio refers to modes of the whole body. Modal damping is unchanged.
 
     Warns SuppleWarning if mass damping acts relative to the frame of each part instead of the body's.
     """
     damping = body.damping
-    if isinstance(damping, RayleighRatio):
+    if isinstance(damping, RayleighRatio | LinearRayleighRatio):
         assert body.frame is not None  # a rule of the case file
-        made: RayleighDamping = damping.build(whole, body.frame.build())
-        damping = Rayleigh(kind="rayleigh", alpha=made.alpha, beta=made.beta, held=None)
-    if isinstance(damping, Rayleigh):
+        made = damping.build(whole, body.frame.build())
+        numbers = {"alpha": made.alpha, "beta": made.beta, "held": None}
+        if isinstance(damping, RayleighRatio):
+            damping = Rayleigh(kind="rayleigh", **numbers)
+        else:
+            damping = LinearRayleigh(kind="linear-rayleigh", **numbers)
+    if isinstance(damping, Rayleigh | LinearRayleigh):
         damping = damping.model_copy(update={"held": None})  # an interface of one part alone
-    if isinstance(damping, Rayleigh) and damping.alpha > 0:
+    if isinstance(damping, Rayleigh | LinearRayleigh) and damping.alpha > 0:
         warnings.warn(
             f"body '{body.name}' is split: its mass damping, alpha = {damping.alpha:.3g}, acts on motion "
             "relative to each part's frame, so that the lowest modes of the whole are damped less; "
