@@ -329,3 +329,12 @@ def test_rods_and_offsets_that_cannot_be():
     own = Section(CellType.LINE2, np.arange(1), PLAIN, offsets=together)
     with pytest.raises(ModelError, match="the offsets of beam 0 of its section make its ends coincide"):
         finite_element_model(line(), (own,))
+
+
+def test_a_tapered_beam_has_one_elastic_material():
+    """The modulus of the second end was ignored; a density of its own counts."""
+    other = replace(GENERAL.material, density=2 * GENERAL.material.density)
+    assert replace(GENERAL, second=replace(GENERAL, second=None, material=other)).second is not None
+    softer = replace(GENERAL.material, youngs_modulus=0.5 * GENERAL.material.youngs_modulus)
+    with pytest.raises(ModelError, match="its second end has other moduli"):
+        replace(GENERAL, second=replace(GENERAL, second=None, material=softer))

@@ -100,6 +100,11 @@ class BeamSection:
                 )
             rotary.setflags(write=False)
             object.__setattr__(self, "rotary", rotary)
+        if self.second is not None and _moduli(self.material) != _moduli(self.second.material):
+            raise ModelError(
+                "beam section: its second end has other moduli; a tapered beam has one elastic material, so "
+                "scale area, I1, I2 and J of the second section instead"
+            )
         object.__setattr__(self, "orientation", _direction(self.orientation))
 
     @property
@@ -250,6 +255,10 @@ def _inertia(section: BeamSection) -> FloatArray:
     else:
         about_centre = np.diag(section.rotary)
     return np.block([[mass * np.eye(3), -mass * arm], [mass * arm, about_centre - mass * arm @ arm]])
+
+
+def _moduli(material: Isotropic) -> tuple[float, float]:
+    return material.youngs_modulus, material.shear_modulus
 
 
 def _between(first: FloatArray, second: FloatArray, places: FloatArray) -> FloatArray:
