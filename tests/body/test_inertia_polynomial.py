@@ -135,3 +135,22 @@ def test_places_alone_keep_their_energy_at_any_displacement(solid):
     velocity = np.cross(w, body.nodes + q.reshape(-1, 3)) + rates.reshape(-1, 3)
     expected = velocity.ravel() @ (body.mass @ velocity.ravel()) / 2
     assert energy(body, w, q, rates) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("interfaces", [(), (RigidInterface("end", np.array([2, 3])),)], ids=["free", "tied"])
+@pytest.mark.parametrize("columns", [(), (0,), (1,), (3,)], ids=str)
+def test_products_of_all_axes_are_those_of_the_matrices(interfaces, columns):
+    """Of one field, of several, and of none."""
+    body = beam(interfaces)
+    parts = InertiaPolynomial(body)
+    fields = np.random.default_rng(3).standard_normal((body.n, *columns))
+    back, forth = parts.rate_products(fields)
+    spun = parts.spin_products(fields)
+    assert back.shape == forth.shape == (3, *fields.shape)
+    assert spun.shape == (3, 3, *fields.shape)
+    for i, matrix in enumerate(parts.by_rate):
+        np.testing.assert_allclose(back[i], matrix.T @ fields, rtol=0, atol=1e-11)
+        np.testing.assert_allclose(forth[i], matrix @ fields, rtol=0, atol=1e-11)
+    for (i, j), matrix in zip(SPIN_PAIRS, parts.by_spin, strict=True):
+        np.testing.assert_allclose(spun[i, j], matrix @ fields, rtol=0, atol=1e-11)
+        np.testing.assert_allclose(spun[j, i], matrix.T @ fields, rtol=0, atol=1e-11)

@@ -78,7 +78,7 @@ class InertiaPolynomial:
             return fields
         ahead = np.moveaxis(fields, axis, 0)
         gathered = self._rest.T @ ahead.reshape(len(ahead), -1)
-        return np.moveaxis(gathered.reshape(-1, *ahead.shape[1:]), 0, axis)
+        return np.moveaxis(gathered.reshape(len(gathered), *ahead.shape[1:]), 0, axis)
 
     @cached_property
     def _blocks(self) -> _Blocks:
@@ -169,9 +169,11 @@ class InertiaPolynomial:
 
         The result has the shape (..., n, ...), the leading axes from `turns`.
         """
-        momenta = (self._points @ fields).reshape(-1, 3, fields[0].size)
-        rotated = turns.reshape(-1, 3) @ momenta.swapaxes(0, 1).reshape(3, -1)
-        by_point = rotated.reshape(-1, 3, len(momenta), fields[0].size).swapaxes(1, 2)
+        # All lengths are stated, because fields may have no columns.
+        number, points, columns = turns.size // 9, len(fields) // 3, fields[0].size
+        momenta = (self._points @ fields).reshape(points, 3, columns)
+        rotated = turns.reshape(-1, 3) @ momenta.swapaxes(0, 1).reshape(3, points * columns)
+        by_point = rotated.reshape(number, 3, points, columns).swapaxes(1, 2)
         return by_point.reshape(*turns.shape[:-2], *fields.shape)
 
     @cached_property
