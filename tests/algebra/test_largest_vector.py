@@ -25,6 +25,18 @@ def test_no_instant_has_a_larger_one(seed, n_times):
         assert row == int(np.argmax(lengths))
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_of_one_coordinate_the_bound_is_the_value(seed):
+    """Rounding may not exclude the longest vector."""
+    rng = np.random.default_rng(seed)
+    rows, coordinates = rng.normal(size=(6, 1)), rng.normal(size=(200, 1))
+    value, row = largest_vector(rows, coordinates)
+    assert row == int(np.argmax(np.abs(coordinates[:, 0])))
+    assert value == pytest.approx(
+        np.abs(coordinates).max() * np.sqrt((rows.reshape(2, 3) ** 2).sum(axis=1).max())
+    )
+
+
 def test_few_instants_of_a_vibration_are_looked_at(monkeypatch):
     rng = np.random.default_rng(1)
     times = np.linspace(0, 60, 3001)[:, None]

@@ -15,6 +15,8 @@ STRIDE = 64
 """Distance of times that are always evaluated; a power of two."""
 AT_ONCE = 64
 """Number of times whose vectors are in memory together."""
+ROUNDING = 1e-12
+"""Relative rounding error of a length, by which the bound of the longest vector may be below its value."""
 
 
 def largest_vector(rows: Any, coordinates: Array) -> tuple[float, int]:
@@ -40,7 +42,7 @@ def largest_vector(rows: Any, coordinates: Array) -> tuple[float, int]:
     known = np.arange(0, n_times, STRIDE)
     values = _lengths(rows, coordinates[known])
     longest = unit_lengths @ np.abs(coordinates).max(axis=0)
-    rows = vectors[longest >= values.max()].reshape(-1, rows.shape[1])
+    rows = vectors[longest * (1 + ROUNDING) >= values.max()].reshape(-1, rows.shape[1])
     stride = STRIDE
     while stride > 1:
         stride //= 2
