@@ -68,6 +68,8 @@ def converged(
         near = smooth and not any(map(is_large, own.values()))
         if max(changes.values()) <= (FIRST_ORDER if near else SMALL_SECOND):
             break
+    if any(map(is_large, own.values())) and max(changes.values()) > SMALL_SECOND:
+        changes = dict.fromkeys(histories, np.inf)  # a march that diverges slowly changes little each time
     if max(changes.values()) <= FIRST_ORDER:
         return found, own, changes
     return first, histories, changes
