@@ -117,7 +117,7 @@ def test_a_correction_that_was_killed_goes_on_with_the_run_that_was_cut_off(
     with pytest.raises(KilledError):
         archive.simulate(1, with_body(system, padded(result.body)), RUN, progress=stop)
     assert not read_header(archive.motion(1)).complete
-    assert read_solution(archive.motion(1)).times[-1] == pytest.approx(0.5)
+    assert 0.5 <= read_solution(archive.motion(1)).times[-1] < RUN.times[-1]
     simulated.clear()
     again = repeated(system, tmp_path)
     assert simulated == [result.body.r]
