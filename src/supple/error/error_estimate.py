@@ -57,7 +57,7 @@ from supple.reduction import ReducedBody, ReductionBasis
 __all__ = ["ErrorEstimate", "ErrorEstimator", "MissingMotionAlongRun", "estimate_error"]
 
 INSTANTS = 24
-FRESH = 8
+FRESH = 7
 """Sample times out of every `INSTANTS` that are not used to build the error space. The corrections at these
 times measure the part of the error outside that space."""
 DIVERGED = 10.0
