@@ -45,6 +45,7 @@ from supple.error.residual_correction import (
     corrections_of,
     displacements,
     expanded_states,
+    rms_over_points,
 )
 from supple.integrate import ErrorPart, FramedMotion, Solution
 from supple.integrate.engine import Progress
@@ -118,7 +119,7 @@ class _Changes:
         index, full = self.seen.indices[number], self.fulls[number]
         at = place.at if isinstance(place.at, str) else list(place.at)
         moved = displacements(self.seen, index, full, at, self.states, self.steps)
-        return float(np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1)).max())
+        return float(rms_over_points(moved).max())
 
 
 def _with_exact_rotations(

@@ -23,6 +23,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -181,9 +182,14 @@ def corrections_of(
             deformation=own[:, 6:].T,
             origin=own[:, :3],
             rotation=own[:, 3:6],
-            rms=np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1)),
+            rms=rms_over_points(moved),
         )
     return found
+
+
+def rms_over_points(vectors: np.ndarray) -> np.ndarray:
+    """Root-mean-square length (k,) over the points of vectors (k, p, 3)."""
+    return np.sqrt(np.mean(np.sum(vectors**2, axis=2), axis=1))
 
 
 def displacements(
@@ -216,7 +222,7 @@ def displacements(
             return full.expand(coordinates)[:, at]
 
     own = steps[:, prepared.slices[index]]
-    if not fixes_rigid_motion(prepared.system, prepared.model):
+    if not seen.joints_fix_rigid_motion:
         return expand(frame_projector(full.body, MeanAxisFrame())(own[:, 6:].T).T)
     part = prepared.coordinate_slices[index]
     coordinates = np.array([state.configuration.coordinates[part] for state in states])
@@ -240,6 +246,11 @@ class ExpandedStates:
     solution: Solution
     instants: np.ndarray
     expanded: Mapping[str, _ExpandedMotion]
+
+    @cached_property
+    def joints_fix_rigid_motion(self) -> bool:
+        """Whether the joints of the machine fix all rigid motion."""
+        return fixes_rigid_motion(self.prepared.system, self.prepared.model)
 
     def state(self, row: int) -> FullState:
         """The state at the output time with index `instants[row]`."""
