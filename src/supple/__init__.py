@@ -1,4 +1,4 @@
-"""Reduced-order flexible multibody dynamics: finite-element bodies made small, fast and trustworthy.
+"""Reduced-order flexible multibody dynamics: reduced finite-element bodies, with estimates of their error.
 
     import supple as sp
 
@@ -6,7 +6,7 @@ provides the names that most scripts need, in the order of the workflow:
 
     mesh -> model -> body -> reduction -> machine -> run -> correction -> results -> files -> pictures
 
-All other names are in the sub-packages. A name is loaded on first use, so the import is fast.
+All other names are in the sub-packages. The sub-package of a name is loaded when the name is first used.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Checks of the arguments of functions and constructors.
 
-A failed check raises ArgumentError; `check_ranges` raises ModelError. The message contains location,
-expectation and given value. JAX tracers pass as numbers.
+A failed check raises ArgumentError; `check_ranges` raises ModelError. The message contains the name of the
+argument, the expected kind of value and the given value. `check_number` accepts JAX tracers.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ _NUMBERS = frozenset("iuf")
 
 
 def given(value: Any) -> str:
-    """Short description of a value for messages, with the text `used_with` of its class, if any."""
+    """Short description of a value for messages; contains the attribute `used_with` of its class, if any."""
     if isinstance(value, type):
         return f"the class {value.__name__} itself; make one: {value.__name__}(...)"
     if hasattr(value, "shape") and hasattr(value, "dtype") and getattr(value, "ndim", 0):
@@ -58,7 +58,7 @@ def given(value: Any) -> str:
 
 
 def check_instance(what: str, value: Any, kinds: type | tuple[type, ...], expected: str) -> None:
-    """Raise unless the value is of one of the kinds; `expected` describes them, with an example."""
+    """Raise unless the value is of one of the types `kinds`; `expected` describes them, with an example."""
     if not isinstance(value, kinds):
         raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
 

@@ -25,7 +25,7 @@ from supple.other_processes import python_command, python_environment
 SECONDS = 15.0
 _BYTES_PER_SECOND = 50e6
 _WAITING = 4
-"""Limit of the elapsed time, relative to that of the processor time, for a busy computer."""
+"""Limit of the elapsed time, as a multiple of the limit of the processor time, for a busy computer."""
 MEMORY = 2 * 2**30
 _TIMES_ITS_SIZE = 20
 
@@ -84,7 +84,7 @@ def _exit_of(words: list[str], seconds: float) -> tuple[int | None, str]:
 
 
 def copy_within_limits(path: str, copy: str, seconds: str, memory: str, *parts: str) -> int:
-    """Copy the parts in this process, with its time and memory limited; returns its exit code."""
+    """Limit the time and memory of this process, copy the parts in it, and return its exit code."""
     _limit(float(seconds), int(memory))
     try:
         with h5py.File(path, "r", locking=False) as source, h5py.File(copy, "w") as target:

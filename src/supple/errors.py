@@ -11,7 +11,7 @@ class SuppleError(Exception):
 
 
 class ArgumentError(SuppleError, ValueError, TypeError):
-    """An argument of the wrong kind for a function or constructor."""
+    """An argument of a function, constructor or command with a wrong type or an invalid value."""
 
 
 class MeshError(SuppleError, ValueError):
@@ -42,7 +42,7 @@ class ModelError(SuppleError, ValueError):
 
 
 class AccuracyError(SuppleError, ArithmeticError):
-    """A result that fails its own check; the message contains the deviation."""
+    """A result that fails a check of its accuracy; the message contains the deviation."""
 
 
 class ConvergenceError(SuppleError, RuntimeError):
@@ -126,13 +126,13 @@ class StepCutWarning(SuppleWarning):
 
 
 def did_you_mean(name: str, known: Collection[str]) -> str:
-    """End of the message for an unknown name: the nearest of the known names, or all of them."""
+    """End of the message for an unknown name: the most similar known name, or all if none is similar."""
     nearest = nearest_name(name, known)
     return f"; did you mean '{nearest}'?" if nearest else f"; there are: {', '.join(known) or 'none'}"
 
 
 def nearest_name(name: str, known: Iterable[str]) -> str | None:
-    """The known name with the most similar spelling, ignoring case; None if none is near."""
+    """The known name with the most similar spelling, ignoring case; None if no name is similar."""
     by_lower = {candidate.lower(): candidate for candidate in known}
     for spelled in (name.lower().replace("_", "-"), name.lower()):
         if nearest := get_close_matches(spelled, by_lower, n=1):

@@ -1,4 +1,4 @@
-"""Optional packages, loaded by the functions that need them, with a message if missing."""
+"""Import of optional packages by the functions that need them, with an error message if one is missing."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from supple.errors import MissingPackageError
 
 
 def optional_package(name: str, purpose: str, extra: str) -> ModuleType:
-    """The package of that name.
+    """Import the package `name` and return it.
 
-    purpose : description of its use
-    extra : extra of supple that installs it
+    purpose : use of the package, as the subject of the message, such as "an MP4 film"
+    extra : optional dependency group of supple that installs it: pip install 'supple[EXTRA]'
 
     Raises MissingPackageError if it is not installed.
     """

@@ -35,7 +35,7 @@ def available_cores() -> int:
 
 
 def in_threads(function: Callable[[_Given], _Found], arguments: Sequence[_Given]) -> list[_Found]:
-    """Results of a function of large arrays, in order, computed by threads on the available cores."""
+    """Results of a function for each argument, in order, computed by threads on the available cores."""
     number = min(available_cores(), len(arguments))
     if number < 2:
         return [function(each) for each in arguments]
@@ -44,11 +44,11 @@ def in_threads(function: Callable[[_Given], _Found], arguments: Sequence[_Given]
 
 
 def python_command(*words: str) -> list[str]:
-    """Command that runs a script or module in this Python. `multiprocessing` would run the caller's script
-    again. The folder of the script is not on the import path (-P)."""
+    """Command that runs a script or module in this Python, and not the script of the caller, which
+    `multiprocessing` would run again. The folder of the script is not on the import path (-P)."""
     return [sys.executable, "-P", *words]
 
 
 def python_environment(**variables: str) -> dict[str, str]:
-    """Environment of a process that can import the same modules, with further variables."""
+    """Environment of a process that can import the same modules as this one, with further variables."""
     return {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), **variables}

@@ -1,4 +1,4 @@
-"""Progress of long work: a bar after two seconds in a terminal or notebook, and a line in the log."""
+"""Progress of computations: a bar after two seconds in a terminal or notebook, a log record at the end."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ T = TypeVar("T")
 
 LOGGER = logging.getLogger("supple")
 PATIENCE = 2.0
-"""s, delay until a bar appears."""
+"""s, time from the start of a computation until its bar appears."""
 BETWEEN = 0.2
-"""s, between two updates of a notebook."""
+"""s, least time between two updates of a bar in a notebook."""
 
 
 class Share(Protocol):
@@ -57,9 +57,12 @@ def by_step(share: Share) -> Callable[[str, float], None]:
 def with_progress_bar(
     title: str, adapter: Adapter | None = None
 ) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Decorator of long work: it shows a bar, and logs title and duration at the end.
+    """Decorator of a long computation: it shows a bar, and logs the title and the duration at the end.
 
-    With an adapter the work reports its progress to the bar. No bar is shown if the caller passes `progress`.
+    adapter : from the `Share` of the bar to the argument `progress` of the decorated function; None: the bar
+        shows no fraction
+
+    No bar is shown if the caller passes `progress`.
     """
 
     def decorate(work: Callable[P, T]) -> Callable[P, T]:
@@ -88,7 +91,7 @@ def with_progress_bar(
 def progress_bar(title: str) -> Iterator[Share | None]:
     """Context with a bar; yields its `Share`, or None if no bar is shown.
 
-    No bar is shown if bars are switched off, without a terminal or notebook, or if the caller shows one.
+    No bar is shown if bars are switched off, without a terminal or notebook, or inside another such context.
     """
     if not (_switch["on"] and _outermost.get() and _is_watched()):
         yield None
@@ -106,7 +109,7 @@ def _is_watched() -> bool:
 
 
 def _is_notebook() -> bool:
-    """Whether this process is a notebook kernel; an imported IPython alone does not show this."""
+    """Whether this process is a notebook kernel, and not only has IPython imported."""
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     return hasattr(shell, "kernel")
 

@@ -51,9 +51,9 @@ class Summary:
 
 
 class Summarized:
-    """Base of objects with a `summary`: `print` shows ten lines, a notebook a table, `repr` the title.
+    """Base of objects with a `summary`: `print` shows up to ten lines, a notebook a table, `repr` the title.
 
-    A dataclass of this kind needs `repr=False`.
+    A dataclass with this base needs `repr=False`.
     """
 
     def summary(self) -> Summary:

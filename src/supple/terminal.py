@@ -1,4 +1,4 @@
-"""The terminal of the commands: bars, lines, tables, warnings and errors on one console.
+"""Output of the commands: bars, lines, tables and warnings on standard output, errors on standard error.
 
 Lines and tables are INFO records of the logger "supple.cli". `shown_log` prints them on the console; a
 program that calls a command may redirect them. Library code logs to "supple" and prints nothing.
@@ -32,13 +32,13 @@ from rich.text import Text
 from supple.errors import SuppleError, SuppleWarning
 
 MISTAKE = 2
-"""Exit code of a command with an error in its input."""
+"""Exit code for an error raised by supple or the operating system, or for a lack of memory."""
 
 FAULT = 1
-"""Exit code of a command with an internal error of supple."""
+"""Exit code for any other error, which is a fault of supple."""
 
 WIDTH_OF_FILES = 140
-"""Width, in characters, of output that is not on a terminal; the widest table of a report fits."""
+"""Width, in characters, of output that is not on a terminal; the widest table of the commands fits."""
 
 
 def _console(*, stderr: bool = False) -> Console:
@@ -65,7 +65,7 @@ class PrintedMessage:
         return text.getvalue().rstrip("\n")
 
     def print_on(self, console: Console) -> None:
-        """Print it in colours."""
+        """Print the content on a console, in colours if the console shows them."""
         console.print(self._content, soft_wrap=self._soft_wrap)
 
 
@@ -134,14 +134,14 @@ def say(text: str, style: str = "") -> None:
 
 
 def show_any_character() -> None:
-    """Escape characters that the encoding of the output lacks, instead of failing."""
+    """Make standard output and error escape characters that their encoding lacks, instead of failing."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
 
 
 def worded(step: str, detail: str = "") -> str:
-    """A step and its progress, in a line."""
+    """A step and its detail in one line, with control characters escaped."""
     return plain(f"{step}: {detail}" if detail else step)
 
 
@@ -200,8 +200,8 @@ def print_rows(title: str, rows: Iterable[tuple[str, str]]) -> None:
 def reported_errors(*, debug: bool) -> Iterator[None]:
     """Print log records; print an error as a message and exit. With `debug` the error is raised.
 
-    Errors raised by supple or by the system are mistakes of the input (exit code `MISTAKE`). All other
-    errors are faults of supple (`FAULT`), and the message states this.
+    An error raised by supple or the operating system, or a lack of memory, gives the exit code `MISTAKE`. Any
+    other error is a fault of supple (exit code `FAULT`), and the message states this.
     """
     try:
         with shown_log():
@@ -240,7 +240,7 @@ def _message_of(error: Exception) -> tuple[str, int]:
 
 @contextmanager
 def reported_warnings() -> Iterator[None]:
-    """Print warnings of supple as they occur, without a source line."""
+    """Print every warning of supple when it is issued, also repeated ones, without a source line."""
     with warnings.catch_warnings():
         warnings.simplefilter("always", SuppleWarning)
         show_others = warnings.showwarning

@@ -49,7 +49,7 @@ _ENERGIES = MappingProxyType({"J": 1.0, "mJ": 1e-3, "uJ": 1e-6, "kJ": 1e3, "MJ":
 _WATTS = MappingProxyType({"W": 1.0, "mW": 1e-3, "uW": 1e-6, "kW": 1e3, "MW": 1e6})
 _SPELLINGS = MappingProxyType({"µm": "um", "μm": "um", "µs": "us", "μs": "us", "sec": "s", "tonne": "t"})
 _IMPERIAL = ("in", "ft")
-# Largest relative difference of two units that are the same, within round-off.
+# Units whose sizes in SI differ relatively by less than this are the same, within round-off.
 _SAME = 1e-9
 
 
@@ -76,7 +76,10 @@ def with_unit(number: str, unit: str) -> str:
 
 
 def plain_number(value: float, digits: int = 3) -> str:
-    """A number with significant digits; whole parts below 1e9 are written out: "1050", not "1.05e+03"."""
+    """A number with significant digits, such as "0.675".
+
+    From 10^digits to 1e9 the number is rounded to a whole number: "1050", not "1.05e+03".
+    """
     return f"{value:.0f}" if 10**digits <= abs(value) < 1e9 else f"{value:.{digits}g}"
 
 
@@ -105,7 +108,9 @@ class UnitSystem:
 
     @classmethod
     def stated(cls, units: Mapping[str, str]) -> UnitSystem:
-        """The system for given names of units: length, mass, time, force, stress; all must agree.
+        """The system for given names of units of length, mass, time, force and stress.
+
+        A unit of force or stress is compared with the others only if length, mass and time are known.
 
         By default the mass follows from length, time and force: slinch from in, s and lbf.
 
@@ -131,7 +136,7 @@ class UnitSystem:
 
     @classmethod
     def parsed(cls, text: str) -> UnitSystem:
-        """The system from its `str`."""
+        """The system from the text that `str` returns."""
         return cls(**dict(part.split(" ", 1) for part in text.split(", ") if part))
 
     def __str__(self) -> str:
@@ -197,7 +202,10 @@ class UnitSystem:
 
     @property
     def stress_shown(self) -> DisplayUnit:
-        """Stresses are displayed in MPa, or in psi with lengths in feet or inches."""
+        """Stresses are displayed in MPa, or in psi with lengths in feet or inches.
+
+        If one of the units of length, mass and time is unknown, they are displayed unconverted.
+        """
         factor = self.in_si(mass=1, length=-1, time=-2)
         if factor is None:
             return DisplayUnit("", 1.0)
@@ -206,13 +214,13 @@ class UnitSystem:
 
     @property
     def frequency_shown(self) -> DisplayUnit:
-        """Frequencies are displayed in Hz, for any unit of time."""
+        """Frequencies are displayed in Hz for any known unit of time, else in cycles per unit of time."""
         factor = self.in_si(time=-1)
         return DisplayUnit("", 1.0) if factor is None else DisplayUnit("Hz", _ratio(factor, 1.0))
 
     @property
     def rotation_shown(self) -> DisplayUnit:
-        """Speeds of rotation are displayed in rpm if the unit of time is known."""
+        """Rotation speeds are displayed in rpm for any known unit of time, else in rad per unit of time."""
         factor = self.in_si(time=-1)
         return (
             DisplayUnit("rad per unit of time", 1.0)
@@ -288,7 +296,7 @@ def _power(name: str, power: int) -> str:
 
 
 def _ratio(factor: float, unit: float) -> float:
-    """The quotient to 12 digits, so that powers of ten are exact."""
+    """The quotient rounded to 12 significant digits, so that a power of ten is exact."""
     quotient = factor / unit
     return float(f"{quotient:.12g}")
 
@@ -297,4 +305,4 @@ SI = UnitSystem("m", "kg", "s")
 """Metre, kilogram, second."""
 
 UNNAMED = UnitSystem()
-"""Units of a model without given units."""
+"""Unit system of a model whose units are not stated."""

@@ -21,7 +21,7 @@ def bend_beam(
     Parameters
     ----------
     end_load : array (3,)     force along x and y (they keep their direction), moment
-    n_load_steps : int        more steps help Newton's method through large rotations
+    n_load_steps : int        with more load steps, Newton's method converges at larger rotations
     tolerance : float         on the residual, relative to the internal force
 
     Raises

@@ -1,4 +1,4 @@
-"""Reductions for comparison: with the default tensors, or with those of published work."""
+"""Reductions for comparison, with the default stiffness tensors or with those of published work."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from supple.reduction import (
 __all__ = ["TENSORS", "reduce_to_compare"]
 
 TENSORS: dict[str, QuarticChoice] = {"condensed": CondensedQuartic(), "plain": PlainQuartic()}
-"""Condensed: the default of `reduce`; plain: a body that moves in its columns only, as in [Wu2019]."""
+"""Condensed: the default of `reduce`; plain: a body that moves only in its basis, as in [Wu2019]."""
 
 
 def reduce_to_compare(
@@ -32,7 +32,10 @@ def reduce_to_compare(
     tensors: str,
     damping: RayleighDamping | None = None,
 ) -> ReducedBody:
-    """Reduce with tensors named in TENSORS; no warnings of locking, because locking is compared."""
+    """Reduce without a LockingWarning, because locking is one of the compared properties.
+
+    tensors : key of `TENSORS`
+    """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", LockingWarning)
         quartic = TENSORS[tensors]

@@ -1,4 +1,4 @@
-"""The computer of a measurement."""
+"""Description of the computer on which a benchmark runs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _PACKAGES = ("supple", "numpy", "scipy", "jax", "jaxlib", "rslab")
 
 
 def describe_computer() -> dict[str, Any]:
-    """Processor, cores, thread limits, versions and date, stored with every result."""
+    """Processor, cores, thread limits, versions of packages and date of this call, for the report."""
     return {
         "processor": _processor(),
         "cores": os.cpu_count(),

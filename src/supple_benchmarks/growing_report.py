@@ -26,7 +26,9 @@ def keep_report(
 ) -> Report:
     """Write the report after each study, so that an interruption loses one study at most.
 
-    target : path of the report;   tables, draw : functions of the complete report
+    target : path of the report
+    studies : generator that performs the studies, and yields the whole report after each
+    tables, draw : functions of the complete report; return its tables and the paths of its pictures
     Returns the complete report.
     """
     target.parent.mkdir(parents=True, exist_ok=True)

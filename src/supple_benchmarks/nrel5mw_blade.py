@@ -87,7 +87,8 @@ FRAMES: dict[str, Frame] = {"nodal-fixed": NodalFixedFrame(ROOT), "mean-axis": M
 KINEMATICS: dict[str, ShellKinematics] = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
 
 SECTION = HomogeneousSection(Isotropic(61.13e9, 0.3, 1474.9), 0.02)
-"""Gives 17 740 kg and 0.675 Hz within 0.7 % as first frequency, which depends on E / rho only (thin wall)."""
+"""Gives a mass of 17 740 kg, and a first frequency of 0.675 Hz within 0.7 %. The frequency of a thin wall
+depends on E / rho only."""
 DAMPING_RATIO = 0.02
 RATED_SPEED = 1.267
 """rad/s, 12.1 rpm; the speed for which the loads are computed."""
@@ -98,10 +99,10 @@ COARSE_GRID = BladeGrid(
     nose_panel=2, cap=1, aft_panel=2, web_depth=1, root_segments=1, web_segments=20, tip_segments=1
 )
 LOAD_STEP = 0.02
-"""s, between the rows of the load table: the wind's shortest period is 2 s."""
+"""s, between the rows of the load table; the shortest period of the wind is 2 s."""
 AXIS = (1.0, 0.0, 0.0)
 _MEAN_OVER = 100.0
-"""s, the period of the wind's harmonics"""
+"""s, period of the lowest harmonic of the wind: the mean load is averaged over it."""
 
 
 @dataclass(frozen=True)
@@ -200,13 +201,13 @@ class Blade:
 
 
 def root_clamped_frequencies(body: FlexibleBody, n: int = 5) -> Array:
-    """The lowest n frequencies of the blade clamped at its root, rad/s."""
+    """The n lowest angular frequencies of the blade clamped at its root, rad/s."""
     modes = body.lowest_modes(n, body.interface(ROOT).motion.toarray())
     return np.sqrt(modes.values)
 
 
 def blade_damping(frequencies: Array) -> RayleighDamping:
-    """Two per cent in the first two clamped modes."""
+    """Damping with a ratio of two per cent at the first two of the given angular frequencies, rad/s."""
     return rayleigh_from_ratios(DAMPING_RATIO, float(frequencies[0]), float(frequencies[1]))
 
 

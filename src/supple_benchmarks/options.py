@@ -1,4 +1,4 @@
-"""Options that the commands of all benchmarks share."""
+"""Options of the commands of all benchmarks."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from supple_benchmarks.progress import Progress
 
 
 def until_early_end(system: System, run: Run, *, progress: Progress) -> tuple[Solution, float | None]:
-    """The motion, and the time of an early end, or None."""
+    """The motion, and the last time of a run that ended early; None for a complete run."""
     solution = simulate(system, run, progress=progress, check=False)
     progress(1.0)
     return solution, None if solution.stopped is None else float(solution.times[-1])

@@ -37,7 +37,7 @@ def _of_group() -> int | None:
 
 
 def require_memory(needed: float, what: str, remedy: str) -> None:
-    """MemoryShortageError where the given number of bytes is not available, with the purpose and a remedy."""
+    """Raise MemoryShortageError, with the purpose and a remedy, if the needed bytes are not available."""
     available = available_memory()
     if available is not None and needed > available:
         raise MemoryShortageError(

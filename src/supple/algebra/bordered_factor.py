@@ -27,10 +27,10 @@ __all__ = ["BorderedFactor", "bordered_factor"]
 Array = NDArray[np.float64]
 
 LARGEST_REFINEMENT = 1e-3
-"""As for sparse factors: largest relative change of a solution by one refinement."""
+"""Largest relative change of a solution by one refinement; above it the system counts as singular."""
 
 _ROUNDING = 1e-13
-"""Largest skew part of a symmetric matrix, relative to its largest entry."""
+"""Largest entry of `A - A^T` over the largest of A, up to which the interior A counts as symmetric."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,9 +65,10 @@ class BorderedFactor:
 
     @cached_property
     def negative(self) -> int:
-        """Number of negative eigenvalues of the whole symmetric system: `m` more than K has on `A x = 0`.
+        """Number of negative eigenvalues of the whole symmetric system.
 
-        Zero if the interior is not symmetric, where the number is undefined. Source: Haynsworth.
+        Without columns W, it is m plus the number of K on `A x = 0`. Zero is returned if the interior is not
+        symmetric, where the number is undefined. Source: Haynsworth.
         """
         if not self.symmetric:
             return 0
@@ -93,7 +94,7 @@ class BorderedFactor:
         return solution
 
     def check(self) -> None:
-        """AccuracyError where the system is singular to working precision."""
+        """Raise AccuracyError if the system is singular to working precision."""
         right = np.zeros((self.matrix.shape[0], 1))
         diagonal = abs(self.matrix.diagonal()[: self.n])
         right[: self.n, 0] = np.sqrt(diagonal) * np.random.default_rng(0).standard_normal(self.n)
@@ -120,9 +121,10 @@ def bordered_factor(
     matrix : sparse (n, n)      K, of symmetric pattern; its `interior` rows and columns regular
     constraint : sparse (m, n)  A, of full row rank
     interior : (k,)             numbers of the rows to be eliminated sparsely
-    columns : W, (n, w)         weights : c, (w,), none of them zero
+    columns : (n, w)            W; by default none
+    weights : (w,)              c, none of them zero
 
-    Raises AccuracyError where the system is singular.
+    Raises AccuracyError if the system is singular to working precision.
     """
     n = int(matrix.shape[0])
     parts: list[list[Any]] = [[sparse.csr_array(matrix), constraint.T], [constraint, None]]

@@ -206,7 +206,10 @@ def constrained_factor(
 
 
 def _border_factor(border: NDArray[np.float64], m: int) -> tuple[Any, NDArray[np.float64]]:
-    """Scale the border, as its multipliers have the units of forces and moments, and factor it."""
+    """Scale the border, as its multipliers have the units of forces and moments, and factor it.
+
+    Returns the factor and the scales (m + d,). Raises ModelError for a singular border.
+    """
     if border.shape[0] == 0:
         return (border, np.zeros(0, dtype=np.intp)), np.zeros(0)
     scale = np.ones(border.shape[0])
@@ -229,7 +232,10 @@ def _border_factor(border: NDArray[np.float64], m: int) -> tuple[Any, NDArray[np
 
 
 def _check_equilibrium(factor: ConstrainedFactor) -> None:
-    """Solve one pseudo-random case and check K x + D^T mu - b relative to the largest of its terms."""
+    """Raise AccuracyError if the solution of a pseudo-random case violates equilibrium or the constraint.
+
+    K x + D^T mu - b is compared with the largest of its terms, D x with a bound from the energy of x.
+    """
     K, D = factor.grounded.stiffness, factor.constraint
     rng = np.random.default_rng(0)
     b = np.sqrt(np.abs(K.diagonal())) * rng.standard_normal(factor.n)

@@ -12,7 +12,10 @@ from supple.errors import ModelError
 
 
 def dense_rows(constraint: Any, n: int) -> NDArray[np.float64]:
-    """D as a dense, read-only (m, n) array; no rows when there is no constraint."""
+    """D as a dense, read-only (m, n) array; (0, n) without a constraint.
+
+    Raises ModelError for a wrong shape, or numbers that are not finite.
+    """
     if constraint is None:
         constraint = np.zeros((0, n))
     elif sparse.issparse(constraint):

@@ -63,8 +63,8 @@ def lowest_modes(
     stiffness, mass : sparse array (n, n)   symmetric; K positive semi-definite, M positive definite
     n_modes         : int                   0 <= n_modes <= n - m
     constraint      : array (m, n) or None  D of full row rank; R^T M leaves the elastic modes of a free body
-    grounded        : GroundedFactor        a factor of this stiffness, as for `count_below`; the numbers of a
-                                            large factor are released meanwhile
+    grounded        : GroundedFactor        a factor of this stiffness, as for `count_below`; above 100 000
+                                            freedoms its numbers are released, and computed again on its use
     Returns
     -------
     Eigenpairs   .values (n_modes,) ascending, .vectors (n, n_modes) with X^T M X = I, largest entry positive

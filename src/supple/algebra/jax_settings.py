@@ -2,12 +2,13 @@
 
 - 64-bit floats (`jax_enable_x64`): lengths of a blade and strains of a millionth occur in one equation.
 - One thread (`NPROC`): a compiled step is hundreds of operations shorter than a microsecond, and passing them
-  between threads takes longer than computing them. Read when JAX starts; an earlier setting is kept.
+  between threads takes longer than computing them. JAX reads `NPROC` when it starts; an earlier setting is
+  kept.
 - A process forked after compiled code has run refuses to run more (`check_not_forked`): JAX's threads do not
   survive a fork, and the child would wait for them for ever.
 - Loops become functions of machine code (`XLA_FLAGS`), as XLA otherwise interprets a list of operations one
-  by one. A program is one piece of machine code, as one thread compiles it. Read when JAX starts; earlier
-  settings are kept.
+  by one. A program is one piece of machine code, as one thread compiles it. JAX reads `XLA_FLAGS` when it
+  starts; earlier settings are kept.
 - Compiled programs of any size are cached between processes: in the folder of JAX_COMPILATION_CACHE_DIR, or
   in the user's cache, unless another folder was set before.
 - Compiled programs are released before they exhaust a process (`bound_programs`): Linux limits the number of
@@ -113,7 +114,8 @@ _MAPS = Path("/proc/self/maps")
 _MOST_MAPS = Path("/proc/sys/vm/max_map_count")
 _PAGES = Path("/proc/self/statm")
 _LOOK_EVERY = 64
-"""Programs between two counts: a count takes milliseconds, and no program takes a hundred maps."""
+"""Number of new programs after which the memory maps are counted again: a count takes milliseconds, and no
+program uses a hundred maps."""
 
 _WORTH_RELEASING = 1000
 """Fewest programs, of 1 to 2 MB each: fewer do not fill the memory, and take a minute to compile again."""
@@ -123,8 +125,8 @@ def bound_programs() -> bool:
     """Release all compiled programs of a Linux process if there are too many; returns whether it did.
 
     There are too many if the process uses two thirds of the memory maps that the system allows, or if there
-    are a thousand and the process holds more memory than is still available. A later run reads them from the
-    cache folder, or compiles them again.
+    are a thousand and the process uses more memory than is still available. A later run reads its programs
+    from the cache folder, or compiles them again.
     """
     if _Process.compiled_since_looked < _LOOK_EVERY or not _MAPS.exists():
         return False

@@ -16,7 +16,7 @@ STRIDE = 64
 AT_ONCE = 64
 """Number of times whose vectors are in memory together."""
 ROUNDING = 1e-12
-"""Relative rounding error of a length, by which the bound of the longest vector may be below its value."""
+"""Fraction of the length of a vector by which its computed bound may be below its computed length."""
 
 
 def largest_vector(rows: Any, coordinates: Array) -> tuple[float, int]:
@@ -24,12 +24,13 @@ def largest_vector(rows: Any, coordinates: Array) -> tuple[float, int]:
 
         f(q) = max_p |R_p q|,    f(q) <= f(q_k) + sum_j |q - q_k|_j f(e_j)
 
-    because f is a norm. A time is evaluated only if its bounds from the nearest evaluated times exceed the
-    largest known value; for a vibration, a tenth of the times are evaluated. Vectors that are shorter
-    than this value at all times, |R_p q| <= sum_j |R_p e_j| max_t |q_j|, are left out.
+    because f is a norm; e_j are the unit vectors, and q_k is the motion at an evaluated time. A time is
+    evaluated only if its bounds from the nearest evaluated times exceed the largest known value; for a
+    vibration, a tenth of the times are evaluated. Vectors that are shorter than this value at all times,
+    |R_p q| <= sum_j |R_p e_j| max_t |q_j|, are left out.
 
-    rows : (3 P, r) R; with a sparse R, as for the thousands of coordinates of a full body, the bound excludes
-        nothing, and all times are evaluated
+    rows : (3 P, r)     the matrices R_p (3, r) of P vectors. If it is sparse, as for the thousands of
+        coordinates of a full body, the bound excludes nothing, and all times are evaluated
     coordinates : (t, r)
     """
     if not isinstance(rows, np.ndarray):

@@ -9,7 +9,9 @@ __all__ = ["narrow_indices"]
 
 
 def narrow_indices(matrix: csc_array) -> csc_array:
-    """The same matrix with 32-bit indices, if these suffice: a quarter less memory and memory traffic.
+    """The matrix with 32-bit indices if these suffice, otherwise the given one.
+
+    Matrices with 32-bit indices take a quarter less memory and memory traffic than with 64-bit indices.
 
     SciPy keeps the width of the given indices, also in all products.
     """

@@ -78,7 +78,7 @@ class Rslab:
         return self._factor(_rslab().analyze(matrix, path="ldlt"), matrix)
 
     def general(self, matrix: sparse.csc_array) -> RawFactor:
-        """Factor as P_r^T A P_c = L U; rslab pairs rows and columns by value: new values, new analysis."""
+        """Factor as P_r^T A P_c = L U; new values need a new analysis, as the permutations depend on them."""
         factor = _rslab().lu(matrix)
         return RawFactor(lambda b: _solve_with_rslab(factor, b), _inertia_of_unsymmetric, self.general)
 
@@ -170,7 +170,8 @@ def installed_solver() -> DirectSolver:
 class SparseFactor:
     """The factors of a sparse matrix, checked by the `factorize_` functions and by `refactorize`.
 
-    Their numbers, gigabytes for a large body, can be released; the next solution computes them again.
+    The numbers of the factors, gigabytes for a large body, can be released; the next solution computes them
+    again.
     """
 
     def __init__(self, matrix: sparse.csc_array, raw: RawFactor) -> None:
@@ -240,7 +241,10 @@ def factorize_symmetric(matrix: Any, *, solver: DirectSolver | None = None) -> S
 
 
 def factorize_general(matrix: Any, *, solver: DirectSolver | None = None) -> SparseFactor:
-    """Factor a sparse matrix of symmetric pattern and unsymmetric values, as `factorize_symmetric` does."""
+    """Factor a sparse matrix of symmetric pattern and unsymmetric values.
+
+    Arguments, result and errors are those of `factorize_symmetric`, except that `inertia` raises ModelError.
+    """
     matrix = _square_csc(matrix)
     return _checked(lambda: (solver or installed_solver()).general(matrix), matrix)
 
@@ -258,7 +262,7 @@ def _square_csc(matrix: Any) -> sparse.csc_array:
 
 
 def _checked(factor: Callable[[], RawFactor], matrix: sparse.csc_array) -> SparseFactor:
-    """Solve for a pseudo-random load, refine once; a change above LARGEST_REFINEMENT is an AccuracyError."""
+    """The factor; AccuracyError if a refinement changes a random solution by more than LARGEST_REFINEMENT."""
     n = matrix.indptr.size - 1
     try:
         raw = factor()

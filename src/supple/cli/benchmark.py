@@ -15,7 +15,7 @@ from typer.core import TyperGroup
 __all__ = ["GROUP", "BenchmarkGroup"]
 
 GROUP = "supple.benchmarks"
-"""Entry points of benchmarks."""
+"""Name of the group of entry points that register benchmarks."""
 
 
 class BenchmarkGroup(TyperGroup):
@@ -27,11 +27,11 @@ class BenchmarkGroup(TyperGroup):
         self.commands = cast(Any, {each.name: each for each in offered})
 
     def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002  (Typer's signature)
-        """Names of all benchmarks, in order."""
+        """Names of all benchmarks, in alphabetical order."""
         return list(self.commands)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002  (Typer's signature)
-        """The command of a benchmark, loaded now; None for an unknown name."""
+        """The command of a benchmark, whose module is loaded here; None for an unknown name."""
         offered = cast(Any, self.commands.get(cmd_name))
         if offered is None:
             return None

@@ -29,10 +29,12 @@ def print_check(path: Path, *, n_frequencies: int) -> None:
     """Print the check of every elastic body in the file at `path`.
 
     path : case file (.toml), deck (.bdf, .dat, .nas, .blk, .inp) or HDF5 file of matrices
+    n_frequencies : number of elastic modes to compute for each body
 
     Raises
     ------
-    ModelError   a model that is refused, after all findings are printed
+    ModelError   a model that is refused, after the findings of all bodies are printed; before them, a body
+                 from a section table or condensed matrices that cannot be built
     SuppleError  a file that cannot be read, or of another kind
     """
     refused = []
@@ -58,7 +60,10 @@ def check_table(name: str, check: ModelCheck, units: UnitSystem = UNNAMED) -> Ta
 
 
 def _print_lines(case: Case) -> None:
-    """Print one line for each body from a section table or condensed matrices; ModelError if refused."""
+    """Print one line for each body from a section table or condensed matrices.
+
+    Raises ModelError for a body that cannot be built.
+    """
     hertz, factor = case.units.frequency_shown
     for table in case.tables.body:
         if not table.is_line:

@@ -35,7 +35,10 @@ class DeckReport:
     superelements: Mapping[str, MassProperties | None] = field(default_factory=dict)
 
     def as_json(self) -> dict[str, Any]:
-        """The documented output of `supple info --json`."""
+        """The documented output of `supple info --json`.
+
+        The key `frequencies_hz` contains cycles per unit of time of the deck: Hz only for decks in seconds.
+        """
         found: dict[str, Any] = {
             **_described(self.deck, self.mass),
             "left_out": [
@@ -63,9 +66,12 @@ def _described(deck: Deck, mass: MassProperties | None) -> dict[str, Any]:
 
 
 def deck_report(deck: Deck, *, n_modes: int = 0, held: bool = False) -> DeckReport:
-    """Mass, and frequencies on request; a fault of the model is part of the report.
+    """Report of a deck, with its mass, and with frequencies if requested.
 
-    held : find frequencies of the model on the deck's own supports, instead of the free model
+    An error of the model does not end the report: the report contains its message in `faults`.
+
+    n_modes : number of frequencies; 0: none
+    held : frequencies of the model on the supports of the deck, instead of those of the free model
     """
     faults: list[str] = []
     mass = frequencies = None
@@ -92,7 +98,7 @@ def _mass(deck: Deck) -> MassProperties | None:
 
 
 def element_counts(deck: Deck) -> dict[str, int]:
-    """Number of elements of each type, by the file's own names."""
+    """Number of elements of each type, by the name of the type in the file."""
     ids: dict[str, list[np.ndarray]] = {}
     for each in deck.elements:
         ids.setdefault(each.name, []).append(each.ids)

@@ -31,7 +31,7 @@ class ExportOptions:
 
     @property
     def given(self) -> list[str]:
-        """Names of the options given."""
+        """Names of the options whose values differ from the defaults."""
         return [each.name for each in fields(self) if getattr(self, each.name) not in (each.default, [])]
 
 

@@ -21,6 +21,8 @@ def export_case(
 ) -> None:
     """Write a body of the case at `path`, clamped at its joints, under its loads at one time.
 
+    The deck contains no springs, force elements, ties or contacts of the case.
+
     body : name of one body; by default the only one with elements
     abaqus : three-node shells for Abaqus, instead of the six-node ones for CalculiX
     time : time at which the loads are evaluated; by default the end of the run

@@ -49,7 +49,7 @@ def export_c(
     Raises
     ------
     CaseError           mistakes in the case file; an unknown input; a body that corrects itself
-    ModelError          as `step_program` and `write_machine`
+    ModelError          as for `step_program` and `write_machine`
     ResultFileError     a file that cannot be read or written
     """
     _export(
@@ -71,11 +71,11 @@ def export_fmu(
 ) -> None:
     """Write the machine as an FMU.
 
-    fmi : version of FMI
+    fmi : version of FMI, 2 or 3
     platforms : operating systems of its libraries; by default this computer's
     linear : export the machine linearised about its equilibrium, as matrices
 
-    Raises ArgumentError for an unknown operating system, and as `export_c`, `write_fmu`, `linear_form`.
+    Raises ArgumentError for an unknown operating system, and as for `export_c`, `write_fmu`, `linear_form`.
     """
     kinds = _platforms(platforms)
     if linear:
@@ -204,7 +204,7 @@ def _step(case: Case, system: System, inputs: Sequence[str]) -> StepProgram:
 
 
 def _parameters(case: Case, system: System, inputs: Sequence[str]) -> MachineParameters | None:
-    """The parameters of the case, and a function for its machine with other values."""
+    """The parameters of the case, with a function that builds the machine for given values; or None."""
     given = case.tables.parameter
     if not given:
         return None
@@ -248,7 +248,11 @@ def _unit(case: Case, element: Any) -> str:
 
 
 def machine_outputs(case: Case, system: System) -> list[Quantity]:
-    """Sensors and tracked places of the case, and motions of joints about or along their axes."""
+    """Sensors and tracked places of the case, and motions of joints about or along their axes.
+
+    Only revolute, prismatic and cylindrical joints have such motions. A joint whose motion a sensor of the
+    case measures gets no further output.
+    """
     sensors = list(case.sensors)
     tracked = [PositionSensor(name, case.place(name)) for name in case.parts.output.track]
     joints = [

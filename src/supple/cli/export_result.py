@@ -45,8 +45,9 @@ def export_result(
     Raises
     ------
     ArgumentError       invalid times
-    ModelError          another suffix; as the writers
-    ResultFileError     as for `result_machine`; a file that cannot be written
+    ModelError          a target with another suffix; as for the writers
+    ResultFileError     as for `result_machine`; a target that is the result or one of its reduced bodies, or
+                        that cannot be written
     """
     suffix = target.suffix.lower()
     if suffix not in (*_PICTURES, *TABLE_SUFFIXES):
@@ -129,7 +130,7 @@ def _write_picture(
 def _with_stress(
     elements: Mapping[str, FiniteElementModel], bodies: Sequence[str] | None
 ) -> dict[str, FiniteElementModel]:
-    """The elements of the bodies that have stress; bodies without stress are reported."""
+    """The elements of the bodies that have stress; prints a line for each body without stress."""
     known = {}
     for name, model in elements.items():
         if bodies and name not in bodies:

@@ -58,7 +58,8 @@ SUPERELEMENT_SUFFIXES = (*_OF_INTERFACES, *_OF_BODIES, _OPENFAST, _CLOSED)
 def export_superelement(path: Path, target: Path, *, body: Sequence[str] | None, abaqus: bool) -> None:
     """Write the reduced body at `path`, a case or the file of a reduced body, in the target's format.
 
-    body : name of one body of the case; by default the only one
+    body : at most one name of a body of the case; by default its only body. Not used for a file of a reduced
+        body
     abaqus : write a deck (.inp) with matrices for Abaqus, instead of equations for CalculiX
 
     Raises

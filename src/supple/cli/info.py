@@ -20,8 +20,8 @@ def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: 
     """Print a summary of the file at `path`: a case, mesh, deck or result.
 
     json : output file for the numbers of a deck
-    n_modes : number of frequencies of a deck
-    held : frequencies with the deck's own supports
+    n_modes : number of lowest frequencies of a deck to compute
+    held : compute these frequencies with the supports of the deck, instead of for the free model
 
     Raises
     ------

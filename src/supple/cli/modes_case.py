@@ -18,6 +18,7 @@ def modes_case(
     """Print the modes of the case at `path`, or its frequencies over speed.
 
     rates : "FROM:TO:NUMBER" of a Campbell diagram, rad per unit of time; None: modes at the rate of `[spin]`
+    time : time at which loads and laws are evaluated; not used for a Campbell diagram
     Errors as for `cases.modes_case` and `cases.campbell_case`.
     """
     speeds = None if rates is None else _speeds(rates)

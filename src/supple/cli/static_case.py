@@ -10,7 +10,7 @@ from supple.results.rest_tables import rest_error_table, rest_tables
 from supple.terminal import ProgressBars, print_table, progress_bars, say
 
 _STABILITY = {True: "Stable", False: "Unstable", None: "An"}
-"""Word for an equilibrium by its stability; None: not known."""
+"""First word of the printed line, by the stability of the equilibrium; None: unknown stability."""
 
 
 def static_case(path: Path, folder: Path, *, time: float, errors: bool, allow_code: bool) -> None:

@@ -42,7 +42,7 @@ def chosen_executors(workers: int | None, cluster: str | None, mpi: bool) -> Exe
 
 
 def share_of(text: str) -> tuple[int, int]:
-    """The number of a job, and the number of all jobs, from K/N."""
+    """The number of a job and the number of all jobs, from "K/N"; ArgumentError for another text."""
     try:
         number, of = map(int, text.split("/"))
     except ValueError:
@@ -61,7 +61,10 @@ def sweep_cases(
     force: bool,
     allow_code: bool,
 ) -> None:
-    """Run the unfinished cases of a sweep file; exit with 3 or 4 as in `SweepStatus`.
+    """Run the unfinished cases of a sweep file; exit with the code of its `SweepStatus`.
+
+    share : "K/N": only the part of job K of N, in this process, without the executors. While parts of other
+        jobs are missing, the exit code is 0
 
     If interrupted by Ctrl-C (SIGINT) or the system (SIGTERM), print what is done, and exit with 130 or 143.
     """

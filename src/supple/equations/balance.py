@@ -1,10 +1,11 @@
-"""Equations of motion of a system of floating bodies with joints: a sum of terms, and its exact tangent.
+"""Equations of motion of a system of floating bodies with joints: a sum of terms, and its tangent.
 
     M(q) vdot + c(q, v) + f(q) + D(q) v + G(q)^T lambda = Q(t, q, v),        g(q, t) = 0
 
 assembled from the 6 + r equations of each body: force (global), moment about the frame origin (body
 components), deformation. Each term is in its own file: `inertia`, `internal_force`, `joint_force`,
-`marker_force`, `control_force`, `nodal_load`. Source: [Wu2019] (26)-(28), (50).
+`marker_force`, `control_force`, `nodal_load`. The tangent omits the change of the damping D(q) with q and the
+dependence of joint friction on the multipliers; otherwise it is exact. Source: [Wu2019] (26)-(28), (50).
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ __all__ = ["Balance", "Linearization", "balance", "constraint_jacobian", "tangen
 
 
 class Linearization(NamedTuple):
-    """Quantities that the tangent reuses from the equations at the same motion, by group."""
+    """Data from the evaluation of the equations for the tangent at the same motion, one entry per group."""
 
     inertia: tuple[InertiaTerms, ...]
     internal: tuple[InternalMatrices, ...]
@@ -46,7 +47,7 @@ class Linearization(NamedTuple):
 
 
 class Balance(NamedTuple):
-    """The terms in balance, each (n,), whose sum is the residual; and the constraint residuals."""
+    """Terms whose sum is the residual, (n,) each; constraint residuals; data of the tangent."""
 
     inertia: AnyArray
     internal: AnyArray
@@ -103,8 +104,9 @@ def tangent(
 ) -> jax.Array:
     """Derivative of the residual with respect to the new accelerations, (n, n).
 
-    Velocities and increments of the configuration follow the accelerations with the `factors` of the step;
-    the linearisation is that of `balance` at the same motion.
+    linearization : of `balance` at the same motion
+    increments : (n,) of the configuration, from the start of the step
+    factors : derivatives of the increments and of the velocities with respect to the accelerations
     """
     blocks = tangent_blocks(model, motion, linearization, increments, factors)
     return assembled_matrix((model.n_velocities, model.n_velocities), blocks)
@@ -117,7 +119,7 @@ def tangent_blocks(
     increments: jax.Array,
     factors: StepFactors,
 ) -> list[MatrixBlock]:
-    """The contributions to `tangent`."""
+    """The blocks whose sum is the matrix of `tangent`, from the same arguments."""
     turns = turns_by_increment(model, increments)
     blocks = []
     for group, terms, matrices in zip(

@@ -63,13 +63,15 @@ T = TypeVar("T")
 def build_model(
     system: System, active: tuple[int, ...] | None = None, like: tuple[System, Model] | None = None
 ) -> Model:
-    """The arrays of a system; `active` leaves out redundant constraint equations.
+    """The arrays of a system.
 
-    like : a system and its model, whose arrays are reused where the bodies and joints are the same objects
+    active : numbers of the constraint equations in use; by default all
+    like : a system and its model, whose arrays of bodies are reused if both systems have the same body
+        objects, and whose arrays of joints if they also have the same joint objects
 
     A full body is represented only by the motions of its interfaces, six coordinates each, on which joints
     and forces depend. Its inertia, elasticity and nodal loads belong to the sparse method.
-    Raises ModelError for explicit finite elements.
+    Raises ModelError for explicit finite elements, and for a force element along a line whose ends coincide.
     """
     system.check_has_frames()
     sizes = tuple(_size(placed) for placed in system.bodies)
@@ -101,7 +103,7 @@ def build_model(
 
 
 def station_model(seen: System, n_floating: int, active: tuple[int, ...] | None) -> Model:
-    """The model of floating bodies, followed by stations without mass and inertia."""
+    """The model of `n_floating` floating bodies followed by stations, which have no mass and no inertia."""
     model = build_model(seen, active)
     return replace(model, groups=tuple(_weightless(group, n_floating) for group in model.groups))
 
@@ -133,7 +135,10 @@ def _size(placed: Placed) -> int:
 
 
 def seen_coordinates(body: BodyForm, coordinates: np.ndarray) -> np.ndarray:
-    """Coordinates (t, r) of a body in the model: for a full body the motions of its interfaces."""
+    """Coordinates of a body in the model over time, from its own (t, r).
+
+    They are the motions of the interfaces, six each, for a full body; the own coordinates for other bodies.
+    """
     if not body.uses_interface_motions:
         return coordinates
     return np.hstack([coordinates[:, :0], *(coordinates @ each.motion.T for each in body.interfaces)])
@@ -176,14 +181,14 @@ def _stacked(trees: Sequence[Any]) -> Any:
 
 
 def _shared(trees: Sequence[Any]) -> Any:
-    """As `_stacked`; identical trees are stored once, with a leading axis of one."""
+    """As `_stacked`; if all trees have the same array objects, one is stored, with a leading axis of one."""
     first = jax.tree.leaves(trees[0])
     same = all(a is b for tree in trees for a, b in zip(jax.tree.leaves(tree), first, strict=True))
     return _stacked(trees[:1] if same else trees)
 
 
 def _stacked_laws(laws: Sequence[Any]) -> Any:
-    """The laws of a group as one law with JAX arrays, which is not checked again; None without laws."""
+    """The laws of a group as one law of JAX arrays, whose numbers no law checks; None without laws."""
     if laws[0] is None:
         return None
     return jax.tree.map(lambda *leaves: jnp.asarray(np.stack([np.asarray(leaf) for leaf in leaves])), *laws)
@@ -203,7 +208,8 @@ def rigid_gram(body: RigidBody) -> np.ndarray:
 
 
 ONE_POINT = 1e-12
-"""Size of a system that counts as a single point, relative to the radius of gyration of rigid bodies."""
+"""Largest size of a system that counts as a single point, over the largest radius of gyration of its rigid
+bodies."""
 
 _ELASTIC = ("stiffness", "damping")
 _TENSORS = ("cubic", "quartic", "damping_cubic", "damping_quartic")
@@ -359,7 +365,10 @@ def _force_groups(
 
 
 def _reaction_rows(system: System, loads: Sequence[ForceElement]) -> Places | None:
-    """The first two equations of joints with friction; their multipliers are the force normal to the axis."""
+    """Places of the first two equations of joints with friction; None for other elements.
+
+    The multipliers of these equations are the joint force normal to the axis.
+    """
     if not isinstance(loads[0], JointFriction):
         return None
     rows = system.constraint_slices

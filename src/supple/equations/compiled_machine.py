@@ -40,11 +40,11 @@ class CompiledMachine:
     model: Model
 
     def restricted(self, active: tuple[int, ...]) -> Self:
-        """The machine without some of its constraint equations."""
+        """The machine with the constraint equations `active` only."""
         return replace(self, model=replace(self.model, active=active))
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
-        """Constraints and their derivatives."""
+        """Constraint residuals, their Jacobian, and their time derivatives, as NumPy arrays."""
         terms = joint_terms(self.model, np.asarray(float(time)), configuration, velocity)
         return JointTerms(*map(np.asarray, terms))
 
@@ -54,7 +54,7 @@ class CompiledMachine:
 
     @property
     def slices(self) -> tuple[slice, ...]:
-        """Positions of each body's freedoms in the vectors."""
+        """Positions of each body's velocities in vectors (n,)."""
         return self.model.slices
 
     @property
@@ -63,7 +63,7 @@ class CompiledMachine:
         return self.model.slices
 
     def frame_masses(self, configuration: Configuration) -> np.ndarray:
-        """Diagonal blocks of the mass matrix."""
+        """Diagonal blocks (nb, 6, 6) of the mass matrix, for the velocities of the frames."""
         mass = self.metric(configuration)
         return np.array([mass[p.start : p.start + 6, p.start : p.start + 6] for p in self.model.slices])
 
@@ -84,7 +84,7 @@ class CompiledMachine:
         return bordered_solve(mass, terms.jacobian, np.zeros(len(mass)), -joint_residual)[: len(mass)]
 
     def joint_masses(self, configuration: Configuration, terms: JointTerms) -> np.ndarray:
-        """The multipliers of `least_change` for a unit residual of each equation."""
+        """`(G M^-1 G^T)^-1` (m, m): multipliers y of `least_change` for a unit residual of each equation."""
         mass, m = self.metric(configuration), len(terms.residual)
         return bordered_solve(mass, terms.jacobian, np.zeros((len(mass), m)), -np.eye(m))[len(mass) :]
 

@@ -27,7 +27,7 @@ AnyArray = Any
 
 
 class Configuration(NamedTuple):
-    """Position of every body."""
+    """Position, orientation and deformation of every body."""
 
     origins: AnyArray
     """(nb, 3) frame origins, global"""
@@ -38,7 +38,7 @@ class Configuration(NamedTuple):
 
 
 class ControlState(NamedTuple):
-    """State of all controllers at one time, one entry each."""
+    """State of all controllers at one time; every tuple has one entry per controller."""
 
     states: tuple[AnyArray, ...]
     """(k,) states, followed by the angles of the joints that are read, with whole revolutions"""
@@ -51,7 +51,7 @@ class ControlState(NamedTuple):
 
 
 class ControlStep(NamedTuple):
-    """The step as controllers need it: its start and its length."""
+    """Data of a time step for controllers: their state at its start, and its length."""
 
     start: ControlState
     size: AnyArray

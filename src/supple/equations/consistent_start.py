@@ -29,10 +29,8 @@ from supple.machine import JointFriction, System
 __all__ = ["ConsistentStart", "consistent_start"]
 
 _REDUNDANT = 1e-9
-"""A constraint row is redundant if its part independent of earlier rows is smaller than this fraction of it.
-
-The norm is that of `StartingMachine.metric`.
-"""
+"""A row of the Jacobian is redundant if the part of it that is independent of earlier rows is at most this
+fraction of the row, in the norm of `StartingMachine.metric`."""
 _OPEN = 1e-3
 """Constraint residual, relative to the system's size or in rad, above which the model is in error."""
 
@@ -56,7 +54,8 @@ def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
     Raises
     ------
     ModelError          a constraint residual above a thousandth (of the size, or in rad); joints that
-                        contradict each other; a mechanism at a singular position (dead point)
+                        contradict each other; a mechanism at a singular position (dead point); friction that
+                        depends on the multiplier of a redundant equation
     ConvergenceError    joints that cannot be closed
 
     Warns
@@ -109,7 +108,7 @@ def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
 def _check_nearby(
     every: M, machine: M, time: float, configuration: Configuration, velocity: np.ndarray
 ) -> None:
-    """ModelError where the equations left out are redundant only in the initial configuration."""
+    """Raise ModelError if the equations left out are redundant only in the initial configuration."""
 
     def closed(motion: np.ndarray) -> Configuration:
         increment = np.zeros_like(velocity)
@@ -165,7 +164,7 @@ def _check_joints_closed(system: System, model: Model, residuals: np.ndarray) ->
 
 
 def check_friction_known(system: System, active: tuple[int, ...]) -> None:
-    """ModelError where friction depends on the multiplier of an omitted equation."""
+    """Raise ModelError if friction depends on the multiplier of an omitted equation."""
     rows = system.constraint_slices
     for load in system.loads:
         if not isinstance(load, JointFriction):
@@ -180,7 +179,7 @@ def check_friction_known(system: System, active: tuple[int, ...]) -> None:
 
 
 def _check_redundant_closed(system: System, active: tuple[int, ...], residuals: np.ndarray) -> None:
-    """ModelError when an omitted equation is violated: the joints then contradict each other."""
+    """Raise ModelError if an omitted equation is violated: the joints then contradict each other."""
     labels, scales = row_labels(system), row_scales(system)
     for index in sorted(set(range(len(residuals))) - set(active)):
         if abs(residuals[index]) > 1e-9 * scales[index]:

@@ -4,8 +4,8 @@ The states z of a controller with readings y obey the trapezoidal rule over a st
 
     z_1 = z_0 + h/2 ( f(t_0, y_0, z_0) + f(t_1, y_1, z_1) ),
 
-solved for z_1 at each evaluation of the equations: outputs then depend only on the motion y_1, and the
-tangent includes the derivatives of the outputs.
+solved for z_1 at each evaluation of the equations of motion: at the end of the step, the outputs then depend
+only on the time and the readings y_1, and the tangent includes their derivatives.
 """
 
 from __future__ import annotations
@@ -89,7 +89,10 @@ def tangent(
 
 
 def stepped(model: Model, motion: SystemMotion) -> ControlState | None:
-    """The controllers at the end of a step; a step of zero length changes only their rates and angles."""
+    """The controllers at the end of a step; None without controllers.
+
+    In a step of zero length only the rates of the states and the joint angles change.
+    """
     if not model.controllers:
         return None
     step = _step(motion)
@@ -148,7 +151,7 @@ def _step(motion: SystemMotion) -> ControlStep:
 
 
 def seen_ends(law: ControlLaw) -> list[Ends]:
-    """All ends that a controller reads or drives: readers first."""
+    """The ends of all readings of a controller, two each, then the ends of the elements that it drives."""
     read = [end for each in law.readers for end in (each.first, each.second)]
     return read + driven_ends(law)
 
@@ -289,7 +292,7 @@ def _outputs(law: ControlLaw, number: int, motion: SystemMotion, readings: Mappi
 
 
 def local_forces(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
-    """Forces (a, 12) on the driven ends as a function of displacements and rates (e, 12) of all ends."""
+    """A function of displacements and rates (e, 12) of all e ends: forces (a, 12) on the a driven ends."""
     at = moved_markers(law, motion)
     n_read = 2 * len(law.readers)
 

@@ -32,9 +32,9 @@ __all__ = ["LinearControl", "RestingControl", "control_at_rest", "unrest"]
 
 
 class LinearControl(NamedTuple):
-    """Small changes `z` of the states of all controllers, for motions `p` and velocities `v`.
+    """Equations of small changes `z` of the states of all controllers, for motions `p` and velocities `v`.
 
-    z' = E_p p + E_v v + E_z z,      with the forces H z
+    z' = E_p p + E_v v + E_z z;      the controllers exert the forces H z
     """
 
     forces: AnyArray
@@ -52,7 +52,7 @@ class LinearControl(NamedTuple):
         return len(self.by_state)
 
     def along(self, motions: AnyArray) -> LinearControl:
-        """The same for motions `N y`, N (n, m): `N^T H`, `E_p N`, `E_v N`."""
+        """The equations for motions `N y`, N (n, m): `N^T H`, `E_p N`, `E_v N`, `E_z`."""
         return LinearControl(
             motions.T @ self.forces, self.by_position @ motions, self.by_velocity @ motions, self.by_state
         )
@@ -67,7 +67,10 @@ class RestingControl(NamedTuple):
 
 
 def control_at_rest(model: Model, motion: SystemMotion) -> RestingControl:
-    """Linearised controllers at a motion with `resting_control`, by the model's increments and velocities."""
+    """The controllers, linearised at a motion that has a `resting_control`.
+
+    The motions p are increments of the model's configuration, the velocities v those of the model.
+    """
     n, k = model.n_velocities, len(first_states(model))
     if not k:
         none = np.zeros((n, 0))
@@ -78,9 +81,13 @@ def control_at_rest(model: Model, motion: SystemMotion) -> RestingControl:
 def unrest(
     system: System, control: RestingControl, position_scale: Any, velocity: Any, states: Any
 ) -> dict[str, float]:
-    """Relative rate of each state, keyed by a description with the rate.
+    """Rate of each state over the size of its terms, keyed by a description of the state with its rate.
+
+    The terms are those of the linear equations, for a large motion, for the velocities at equilibrium, and
+    for states as large as the largest one, after a scaling that makes the states comparable.
 
     position_scale, velocity : (n,) a large motion, and the velocities at equilibrium
+    states : (k,) at equilibrium
     """
     rates, linear = control
     controllers = [own for own in system.controllers if isinstance(own, Controller)]
@@ -157,7 +164,7 @@ def _with_states(motion: SystemMotion, number: int, states: jax.Array) -> System
 
 
 def _local_rates(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
-    """Rates (k,) as a function of displacements and velocities (e, 12) of all ends, and of the states."""
+    """A function of displacements and rates (e, 12) of all ends, and of the states (k,): their rates (k,)."""
     moved = moved_markers(law, motion)
 
     def of(variations: jax.Array, velocities: jax.Array, states: jax.Array) -> jax.Array:
@@ -168,6 +175,6 @@ def _local_rates(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
 
 
 def _forces_by_states(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
-    """Forces (a, 12) on the driven ends as a function of the states."""
+    """A function of the states: forces (a, 12) on the a driven ends."""
     still = jnp.zeros((len(seen_ends(law)), N_LOCAL))
     return lambda states: local_forces(law, number, _with_states(motion, number, states))(still, still)

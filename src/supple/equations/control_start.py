@@ -64,7 +64,7 @@ def kept_control(control: ControlState | None) -> dict[str, np.ndarray]:
 
 
 def resumed_control(system: System, known: Mapping[str, Any]) -> ControlState | None:
-    """The stored controller states; ModelError if the recorded part has other controllers, or none."""
+    """The stored controller states; ModelError if their names or shapes are not those of the system's."""
     fresh = fresh_control(system)
     if fresh is None:
         return None

@@ -15,7 +15,10 @@ __all__ = ["kinds_of_rows", "known_position_scale", "position_scale"]
 
 
 def position_scale(model: Model) -> jax.Array:
-    """Scale of a large change of each freedom, (n,)."""
+    """Size of a large change of each freedom, (n,).
+
+    It is the system's length for translations, 1 rad for rotations, and `coordinate_scale` for deformations.
+    """
 
     def of_group(group: BodyGroup) -> tuple[Places, jax.Array]:
         k = len(group.members)
@@ -31,7 +34,7 @@ known_position_scale = CachedProgram(position_scale, STARTING)
 
 
 def kinds_of_rows(model: Model) -> np.ndarray:
-    """(3, n) rows that select translations, rotations and deformations of the velocity vector."""
+    """Three rows (3, n) with ones at the translations, rotations and deformations of the velocity vector."""
     kinds = np.zeros((3, model.n_velocities))
     for part in model.slices:
         kinds[0, part.start : part.start + 3] = 1

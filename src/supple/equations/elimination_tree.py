@@ -50,7 +50,7 @@ class EliminationTree:
 
 
 def elimination_tree(model: Model) -> EliminationTree:
-    """The elimination order of a machine, known when a program is compiled."""
+    """The elimination order of a machine; it depends only on the static fields of the model."""
     joints = list(_joints(model))
     neighbours = _neighbours(model)
     border = _border(model, neighbours)
@@ -105,7 +105,7 @@ def _neighbours(model: Model) -> dict[int, set[int]]:
 
 
 def _border(model: Model, neighbours: dict[int, set[int]]) -> set[int]:
-    """Bodies whose removal leaves trees: repeatedly the one with the most neighbours on closed paths."""
+    """Bodies whose removal leaves trees: repeatedly, of those on closed paths, one with most neighbours."""
     left = {body: set(others) for body, others in neighbours.items()}
 
     def without(body: int) -> None:

@@ -1,7 +1,8 @@
 """Inertia of a full finite-element body in a floating frame: forces, momenta, and their tangents.
 
-Lagrange's equations of the kinetic energy of `InertiaPolynomial`, in the body's coordinates q, with the
-momentum `S q'` of the rates and the first moment `s = s_0 + S q`:
+Lagrange's equations of the kinetic energy of `InertiaPolynomial`, which defines P_i, B_i, k_ij, Z_ij and J.
+With the body's coordinates q, the momentum `S q'` of the rates, the first moment `s = s_0 + S q`, and the
+frame's angular velocity w and acceleration a:
 
     coordinates  e = M q'' + w'_i (P_i + B_i^T q) + w_i (B_i^T - B_i) q' - w_i w_j (k_ij + Z_ij q) + S^T a
     force        p = P' + w x P,             P = w x s + S q',     P' = m a + w' x s + w x S q' + S q''

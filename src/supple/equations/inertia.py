@@ -66,11 +66,9 @@ def tangent(
     turns: jax.Array,
     factors: StepFactors,
 ) -> jax.Array:
-    """Derivatives of inertia and internal forces, (k, 6 + r, 6 + r).
+    """Derivatives of inertia and internal forces by the accelerations at the step's end, (k, 6 + r, 6 + r).
 
-    They are with respect to the accelerations at the end of the step.
-
-    elastic : (k, r, r)     the same, of the internal forces
+    elastic : (k, r, r)     derivatives of the internal forces by the accelerations of the coordinates
     turns : (k, 3, 3)       `T` in `dpsi = T dincrement`, of the frames' rotations
     """
 

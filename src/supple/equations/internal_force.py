@@ -50,6 +50,6 @@ def tangent(matrices: InternalMatrices, factors: StepFactors) -> jax.Array:
     """Derivative of the internal forces with respect to the coordinates' new accelerations, (k, r, r).
 
     The change of D(g) with g is neglected: damping is small compared with the elastic force, and Newton's
-    iteration converges equally fast.
+    iteration converges as fast as with this term.
     """
     return factors.by_position * matrices.stiffness + factors.by_velocity * matrices.damping

@@ -14,16 +14,20 @@ from supple.machine import System
 __all__ = ["joints_assembled", "joints_closed", "row_labels"]
 
 _LARGEST_TURN = 0.3
-"""rad, largest rotation of a body in an iteration; also the largest translation, over the machine's size."""
+"""Largest component of a body's rotation (rad), and of its translation over the machine's size, in an
+iteration."""
 _MOST_ITERATIONS = 200
 _UNCLOSED = 1e-10
-"""Residual of joints that count as closed, relative to the machine's size, or in rad."""
+"""Largest residual of a joint that counts as closed, over the machine's size or in rad."""
 
 
 def joints_closed(
     machine: StartingMachine, time: float, configuration: Configuration, velocity: np.ndarray
 ) -> Configuration:
-    """The configuration projected on the joints by Newton's method, to rounding accuracy."""
+    """The configuration projected on the joints by Newton's method, to rounding accuracy.
+
+    Raises ConvergenceError if the residual is not at rounding level after 20 iterations.
+    """
     still = np.zeros_like(velocity)
     largest, before = 0.0, np.inf
     for _ in range(20):
@@ -57,7 +61,10 @@ def _rigid_change(
 def _least_rigid_change(
     machine: StartingMachine, configuration: Configuration, terms: JointTerms
 ) -> tuple[np.ndarray, float]:
-    """The least rigid motion (nb, 6) in the mass norm that best closes the joints; the residual's norm."""
+    """The least rigid motion (nb, 6) in the mass norm that best closes the joints, and what remains open.
+
+    The second result is the norm of the remaining residual, to first order.
+    """
     frames = [slice(part.start, part.start + 6) for part in machine.joint_slices]
     whitening = [np.linalg.inv(np.linalg.cholesky(own)).T for own in machine.frame_masses(configuration)]
     jacobian = np.hstack([terms.jacobian[:, part] @ own for part, own in zip(frames, whitening, strict=True)])
@@ -77,8 +84,8 @@ def _of_bodies(machine: StartingMachine, change: np.ndarray) -> np.ndarray:
 def joints_assembled(machine: StartingMachine, time: float, configuration: Configuration) -> Configuration:
     """The configuration near the given one in which all joints are closed, however far they are open.
 
-    Gauss-Newton iteration on the rows of all joints. Each step is the least rigid motion, limited so that no
-    body rotates by more than 0.3 rad or moves by more than 0.3 of the machine's size.
+    Gauss-Newton iteration on the rows of all joints. Each step is the least rigid motion, scaled down so that
+    no component of a body's rotation exceeds 0.3 rad, and none of its translation 0.3 of the machine's size.
 
     Raises
     ------

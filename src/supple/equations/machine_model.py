@@ -53,9 +53,9 @@ class BodyGroup:
     stiffness: Any
     """(k, r, r)"""
     cubic: Any
-    """(k, n2, r), or (1, n2, r) for equal bodies; None for linear ones"""
+    """(k, n2, r) with n2 = r (r + 1) / 2, or (1, n2, r) for equal bodies; None for linear bodies"""
     quartic: Any
-    """(k, n2, n2), or (1, n2, n2), or `PairBlocks` of these"""
+    """(k, n2, n2), or (1, n2, n2) for equal bodies, or `PairBlocks` of these; None for linear bodies"""
     damping: Any
     """(k, r, r), undeformed"""
     damping_cubic: Any
@@ -127,7 +127,7 @@ class ForceGroup:
     first: Ends
     second: Ends
     reaction: Places | None = field(default=None, metadata=STATIC)
-    """Constraint equations; their multipliers take the place of a law"""
+    """Constraint equations whose multipliers take the place of a law (`JointFriction`); else None"""
 
 
 @jax.tree_util.register_dataclass
@@ -263,7 +263,7 @@ class Model:
         return self.gravity - sum(law(time) for law in self.base_accelerations)
 
     def loads_at(self, time: Any) -> Model:
-        """The model with loads fixed at a time, without their tables, which may be long."""
+        """The model with the values of its loads at a time as constant laws, without tables of the loads."""
 
         def held(group: ForceGroup) -> ForceGroup:
             if group.law is None:

@@ -171,7 +171,7 @@ def frame_map(marker: Marker) -> jax.Array:
 
 @jax.jit
 def wrench_stiffness(marker: Marker, wrench: jax.Array, motion: jax.Array) -> jax.Array:
-    """Derivative of `frame_motion(marker)^T wrench` by the local freedoms at constant wrench, (12, 12).
+    """Derivative of `frame_map(marker)^T wrench` by the local freedoms at constant wrench, (12, 12).
 
     `wrench` (6,) is the force in global components and the moment in the joint's axes; `motion` (6, 12) is
     the `frame_map`.

@@ -24,15 +24,15 @@ __all__ = ["ControllerSampling", "march_sampled", "sampling_of"]
 S = TypeVar("S")
 
 _SAME = 1e-6
-"""Relative to a period: call times nearer to an output time are moved to that time."""
+"""A call time nearer to an output time than this fraction of the period is moved to that output time."""
 
 
 @dataclass(frozen=True, eq=False)
 class ControllerSampling:
     """Sampled controllers of a machine, and the call times of each.
 
-    A call is made when the march continues from its time. If one part of a run ends and the next begins at a
-    call time, the two parts together therefore make one call.
+    A controller is called when the integration continues from a call time, not when it ends there. It is
+    therefore called once if one part of a run ends at a call time and the next part begins there.
     """
 
     system: System
@@ -41,7 +41,7 @@ class ControllerSampling:
 
     @property
     def every(self) -> np.ndarray:
-        """All instants, ascending."""
+        """The call times of all controllers, ascending."""
         return np.unique(np.concatenate(list(self.instants.values())))
 
     def called(self, model: Model, motion: SystemMotion, control: ControlState) -> ControlState | None:

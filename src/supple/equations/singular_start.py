@@ -22,7 +22,7 @@ __all__ = ["check_redundant_nearby", "neighbours"]
 MOVED_BY = 1e-3
 """Size of the motion, over the system's size or in rad; a residual quadratic in it is then 1e-6."""
 OPENED_BY = 1e-8
-"""Largest residual of a truly redundant equation: a thousand times that of the closed joints."""
+"""Largest residual of a truly redundant equation, over the system's size or in rad."""
 DIRECTIONS = 3
 """Number of random combinations of the free motions, because a single motion may not open the joint."""
 

@@ -27,9 +27,11 @@ __all__ = [
 OPEN = 1e-6
 """Largest residual of a closed joint, over the machine's size or in rad; six-digit placements satisfy it."""
 SLOWED = 1e-5
-"""Largest energy of an unreported change, over the kinetic energy; three-digit velocities satisfy it."""
+"""Largest kinetic energy of an unreported change of a body's given velocity, over that of all bodies with a
+given velocity; three-digit velocities satisfy it."""
 UNMET = 1e-3
-"""Largest remaining rate not reported, over the largest rate; three-digit placements satisfy it."""
+"""Largest unreported rate that no rigid motion cancels, over the largest rate of an equation; three-digit
+placements satisfy it."""
 NAMED = 0.1
 """Smallest reported change of a body or joint, over the largest change."""
 ROUNDING = 1e-9
@@ -93,7 +95,7 @@ class StartEnergies(NamedTuple):
 
 @dataclass(frozen=True)
 class StartChange:
-    """Corrections of an initial state; empty if they are only rounding.
+    """Corrections of an initial state; those below the limits of this module are left out.
 
     open, moved : open joints, the worst first; bodies moved to close them
     against, slowed : joints violated by the velocities, the worst first; bodies whose given velocity was
@@ -175,7 +177,7 @@ def velocities_taken(system: System, velocities: np.ndarray) -> tuple[VelocityFr
 
 
 def _largest(energies: np.ndarray, least: float) -> np.ndarray:
-    """Bodies with at least a tenth of the largest energy, where this is more than `least`."""
+    """Numbers of the bodies whose energy exceeds `least` and is at least a tenth of the largest energy."""
     return np.flatnonzero((energies > least) & (energies >= NAMED * np.max(energies, initial=0.0)))
 
 

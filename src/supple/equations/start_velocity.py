@@ -51,7 +51,7 @@ class RigidFit(NamedTuple):
     left: np.ndarray
     """Remaining rates (m,), with rounding"""
     unmet: np.ndarray
-    """Remaining rates, with rounding set to zero"""
+    """Remaining rates (m,); zeros if all of them are rounding"""
     largest: float
     """Largest rate of an equation due to all velocities, over its scale"""
 

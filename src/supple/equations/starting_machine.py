@@ -67,7 +67,7 @@ class StartingMachine(Protocol):
         ...
 
     def restricted(self, active: tuple[int, ...]) -> Self:
-        """The machine without some of its constraint equations."""
+        """The machine with the constraint equations `active` only."""
         ...
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:

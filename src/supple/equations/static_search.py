@@ -65,7 +65,7 @@ _WANTED = 5
 _SLOWER, _FASTER = 0.5, 1.5
 """Smallest and largest ratio of the next increase to a successful one."""
 _ON_THE_WAY = 1e-6
-"""Residual of intermediate equilibria."""
+"""Relative residual of intermediate equilibria, unless `StaticSearch.residual` is larger."""
 
 ROUND_OFF = 1e-4
 """Smallest reference of a residual, relative to the largest kind of terms, both as work in a large motion:
@@ -79,7 +79,8 @@ class StaticSearch:
 
     residual        : unbalanced force, moment and deformation, over the largest term in balance
     largest_move    : largest motion of a point in an iteration, over the size of the system; rotations in rad
-    max_iterations  : limit before ConvergenceError
+    max_iterations  : largest number of iterations of a search, before ConvergenceError
+    Raises ValueError for a number that is not positive and finite.
     """
 
     residual: float = 1e-9
@@ -151,7 +152,7 @@ class Equations(Protocol):
 
     @property
     def is_discrete(self) -> bool:
-        """Whether the velocities conjugate to forces and those of masses differ by a discretisation error."""
+        """Whether forces and masses act on different velocities, equal except for a discretisation error."""
         ...
 
     def start(self) -> StaticState:
@@ -177,7 +178,7 @@ class Equations(Protocol):
         ...
 
     def eased(self, share: float, held: np.ndarray) -> Self:
-        """The machine at a share of its angular velocity, with forces (n,) subtracted."""
+        """The machine at a share of its angular velocity; the forces `held` (n,) are subtracted."""
         ...
 
     def moved(self, configuration: Any, increment: np.ndarray) -> Any:
@@ -213,10 +214,12 @@ def search_equilibrium(
     search: StaticSearch,
     progress: Callable[[int, float], None] = lambda *_: None,
 ) -> tuple[StaticState, int]:
-    """The equilibrium reached by descent from a configuration with closed joints, and the iterations.
+    """The equilibrium reached by descent from a configuration with closed joints; number of iterations.
 
-    Load and rotation are increased in steps where the direct search fails within the iterations of a full
-    revolution.
+    If the direct search fails within the iterations of a full revolution, load and rotation are increased in
+    steps. If this fails, too, the direct search is repeated with all iterations. Only the direct search is
+    made if `max_iterations` does not exceed the iterations of a full revolution.
+
     progress : called with the iteration and the largest relative residual
     Raises ConvergenceError   no equilibrium found: an unsupported body, or loads beyond the strength of a
     body

@@ -78,7 +78,10 @@ class StationBody(Protocol):
         ...
 
     def tangent(self, state: BodyState, station_forces: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Derivatives M, C, K (6 + r, 6 + r) by u', u and increments, for forces (6 s,) at the stations."""
+        """Derivatives M, C, K (6 + r, 6 + r) of the body's equations by u', u and increments.
+
+        station_forces : (6 s,)     f_s
+        """
         ...
 
     def motion(self, states: list[BodyState]) -> FramedMotion:

@@ -84,7 +84,7 @@ class SteadyEquations:
         return replace(self, turning=None)
 
     def eased(self, share: float, held: np.ndarray) -> Self:
-        """The machine at a share of its angular velocity, with forces (n,) subtracted."""
+        """The machine at a share of its angular velocity; the forces `held` (n,) are subtracted."""
         return replace(self, turning=None if self.turning is None else self.turning.slowed(share), held=held)
 
     @property
@@ -94,7 +94,7 @@ class SteadyEquations:
 
     @property
     def slices(self) -> tuple[slice, ...]:
-        """Positions of the motions of each body."""
+        """Positions of the motions of each body in the linear equations."""
         return self.machine.slices
 
 

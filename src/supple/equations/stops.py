@@ -14,7 +14,8 @@ from supple.machine.laws.instants import instants_of_law
 __all__ = ["Stops", "laws_of", "padded_stops", "stepping_instants"]
 
 _NEAREST = 1e-5
-"""Relative to the duration: instants nearer to a stop are skipped, as accelerations would lose digits."""
+"""Instants nearer to a stop than this fraction of the duration are skipped, as accelerations would lose
+digits. This distance is limited to the first step from above, then to the smallest step from below."""
 
 
 def laws_of(system: System) -> list[tuple[str, TimeLaw]]:
@@ -65,6 +66,9 @@ class Stops:
 
 
 def padded_stops(stops: np.ndarray, fewest: int = 1) -> np.ndarray:
-    """Stops, with the last one repeated, to a power of two: runs of similar length share a program."""
+    """Stops, with the last one repeated until their number is a power of two, or `fewest` if this is larger.
+
+    Runs of similar length then share a program.
+    """
     number = max(fewest, 2 ** (len(stops) - 1).bit_length())
     return np.pad(stops, (0, number - len(stops)), mode="edge")

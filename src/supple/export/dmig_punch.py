@@ -3,7 +3,8 @@
     DMIG*   KAAX                           1               1
     *                      1               1 1.234567890D+05
 
-A field has sixteen columns. Each entry of the lower triangle has one card, column by column.
+A field has sixteen columns. A column of the matrix has a header card (DMIG*), and one card for each of its
+nonzero entries in the lower triangle.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ def write_dmig_punch(path: Path | str, node_ids: ArrayLike, dofs_per_node: int, 
 
     node_ids : (N,) ids of the grids;   dofs_per_node : 3 or 6, components 1 to 3 or 6
     matrices : (n, n) symmetric, sparse or dense, n = N * dofs_per_node; names have at most eight characters
-    Raises ModelError: a matrix of another size, or one that is not symmetric or not finite; no matrix.
+    Raises ModelError: no matrix; a longer name; a matrix of another size, not symmetric or not finite.
     Raises ResultFileError: the file cannot be written.
     """
     ids = np.asarray(node_ids)

@@ -1,12 +1,13 @@
 """Reduced bodies for Exudyn: the file that its ObjectFFRFreducedOrderInterface loads.
 
-Exudyn's nodal-based floating frame with modal reduction uses the same inertia integrals as supple. These
-integrals are copied, not computed again. With x~ the cross matrices of the nodes and Psi~ those of the modes,
+Exudyn's nodal-based floating frame with modal reduction uses the inertia integrals of the Gram matrix
+`ReducedBody.gram`; they are copied to the file. With the modes Psi, their cross matrices Psi~ and the cross
+matrices x~ of the nodes, the fields of the Gram matrix are
 
     [Phi_t | Phi_w0 | Phi_k | V] = [Phi_t | -x~ | -Psi~ | Psi]
 
-Exudyn's equations hold for point masses. For nodes and rigid interfaces that rotate, these equations contain
-the gyroscopic and centrifugal terms; the terms with the angular acceleration are of first order in the modes.
+Exudyn's equations hold for point masses. For nodes with rotations and for rigid interfaces, they contain the
+gyroscopic and centrifugal terms, and the terms with the angular acceleration to first order in the modes.
 
 Source: [ZwoelferGerstmayr2021].
 """
@@ -137,7 +138,7 @@ def interface_nodes(body: ReducedBody, name: str) -> list[int]:
 
 
 def _carried(motion: Array, arms: Array) -> Array:
-    """Displacement modes (k, 3, r) of points at arms (k, 3) from a virtual node: u + theta x arm."""
+    """Displacement modes (k, 3, r) of points at arms (k, 3) from an interface: u + theta x arm."""
     translation, rotation = motion[:3], motion[3:]
     return translation + np.cross(rotation.T, arms[:, None]).swapaxes(1, 2)
 

@@ -85,9 +85,10 @@ def write_static_deck(
 
     Raises
     ------
-    ModelError          beams and pyramids; laminates given by their A-B-D matrix alone; shells with an offset
-                        or an added mass; anisotropic materials, or a separate shear modulus; loads of a wrong
-                        shape or not finite; no load; no clamped node
+    ModelError          another suffix; beams and pyramids; laminates given by their A-B-D matrix alone;
+                        shells with an offset or an added mass; anisotropic materials, or a separate shear
+                        modulus; loads of a wrong shape or not finite; no load; no clamped node, or one out
+                        of range
     ResultFileError     the file cannot be written
     """
     path = Path(path)
@@ -258,7 +259,7 @@ def _section_name(number: int) -> str:
 
 
 def _set_names(sets: Iterable[str]) -> Iterator[str]:
-    """Names that both programs read; a name that differs from an earlier name only in case gets a number."""
+    """Names that both programs read; a name equal to an earlier one, apart from case, gets a number."""
     taken: set[str] = set()
     for name in sets:
         plain = re.sub(r"\W", "_", name, flags=re.ASCII)

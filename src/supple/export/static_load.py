@@ -30,16 +30,16 @@ def static_load(
 
     Parameters
     ----------
-    loads : NodalLoad           on this body, or the base acceleration; laws are evaluated at `time`
+    loads : NodalLoad           on this body; also base accelerations; laws are evaluated at `time`
     rotation : (3,)             rotation vector of the body, mesh axes to global, rad
-    gravity : (3,)              global, m/s^2; its nodal load is that of the consistent mass matrix
+    gravity : (3,)              global, m/s^2; its load is the nodal mass matrix of the body times gravity
     Returns
     -------
     float array (N, 3) or (N, 6)    forces, N, and for shells moments, N m
 
     Raises
     ------
-    ModelError      a load at an interface, which has no node of the mesh
+    ModelError      a load at an interface, or a force element: the mesh has no node there
     """
     loads = tuple(loads)
     bases = [np.asarray(load.law(time)) for load in loads if isinstance(load, BaseAcceleration)]

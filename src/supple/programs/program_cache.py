@@ -59,7 +59,11 @@ class CachedProgram:
         return self.compiled(*arguments)(*arguments)
 
     def compiled(self, *arguments: Any) -> Any:
-        """The compiled program for arguments of the same structure."""
+        """The compiled program for arguments of the same structure.
+
+        In one process, functions in the structure are compared by identity: a later change of the values that
+        a function reads from its module or closure has no effect.
+        """
         key = self.signature(*arguments)
         if key not in self._at_hand:
             with _no_garbage_collected():

@@ -190,7 +190,7 @@ def _taken(name: str, following: Any, around: Mapping[str, Any]) -> Any:
     attribute = following.argval
     if value.__name__ == "numpy":  # constants only: its functions do not accept traced arrays
         return _described(getattr(value, attribute))
-    # File names are not represented.
+    # Functions that read files are excluded: the content of a file is not part of the digest.
     if value.__name__ not in ("jax.numpy", "math") or attribute.startswith(("load", "from")):
         raise _StrangerError
     return value.__name__

@@ -42,7 +42,8 @@ _ALONE = (DeadTorque, FollowerForce, FollowerTorque, Unbalance)
 class MarkedPlace:
     """A point with axes, over time.
 
-    body : "" for the ground;   points : (t, 3) in space;   rest : (3,) in the body, mesh axes
+    body : "" for the ground;   points : (t, 3) in space
+    rest : (3,) undeformed, mesh axes of the body; for the ground, the first of the points
     axes : (t, 3, 3) in space, as columns
     """
 
@@ -73,7 +74,10 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class Arrow:
-    """A force, a moment or a contact force, (t, 3) in space, at a point."""
+    """A force, a moment or a contact force at a point.
+
+    kind : "force", "moment" or "contact";   values : (t, 3) in space
+    """
 
     name: str
     kind: str

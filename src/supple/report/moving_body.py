@@ -25,9 +25,9 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 DISPLACEMENT_TOLERANCE = 1e-5
-"""Displacement error from omitted shapes, relative to the largest displacement."""
+"""Allowed error of a displacement by omitted shapes, relative to the largest displacement component."""
 FIELD_TOLERANCE = 5e-3
-"""Error of a colour field, relative to its largest value; half of it is due to omitted shapes."""
+"""Allowed error of a colour field, relative to its largest value; omitted shapes may cause half of it."""
 _NUMBERS = 2**21
 """Largest number of displacement components in memory at a time (16 MiB)."""
 _FIELD_NUMBERS = 2**24
@@ -38,9 +38,11 @@ _FIELD_NUMBERS = 2**24
 class MovingBody:
     """The drawn points of a body, `r(t, n) = position + rotation (rest + displacement(t, n))`.
 
-    name, kind : of the body;   seen_from : the interface that defines the axes, or a description
+    name, kind : of the body
+    seen_from : name of the interface that defines the axes of the displacements, or a description of the axes
     rest : (N, 3) undeformed, mesh axes
-    node_ids : (N,) id in the mesh file of the node of each point; without a mesh, its number
+    node_ids : (N,) id of the node of each point in the mesh file; without a mesh, number of the node; (0,)
+        for a rigid body
     surface : triangles of the points, with their lifetimes;   edges : (e, 2) feature edges
     position : (t, 3), rotation : (t, 3, 3)      of the axes of the displacements
     displacement : along these axes; None for a rigid body
@@ -94,10 +96,11 @@ def moving_body(
 ) -> MovingBody:
     """A deformable body in a run; without a mesh its nodes are drawn as points.
 
-    Displacements are relative to the interface of `deflections`. For explicit elements, which have no frame,
-    they are relative to the best-fit axes of the nodes at each time.
+    Displacements are relative to the reference interface of deflections. Explicit elements have no frame:
+    their displacements are relative to the best-fit axes of the nodes at each time.
 
     colourings : colourings with values for the body, by name
+    bases : reference interfaces of deflections, by body; by default the first interface of the body
     """
     motion = solution.bodies[body.name]
     surface = surface_of(body, look, motion)
@@ -209,6 +212,10 @@ def _fitted_axes(body: BodyForm, motion: Motion) -> tuple[Array, Array]:
 
 
 def _rows(n_times: int, numbers: int, held: int = _NUMBERS) -> list[slice]:
-    """Blocks of eight or more times; larger ones contain at most `held` numbers, `numbers` for each time."""
+    """Blocks of successive times, with `numbers` numbers for each time.
+
+    A block has the most times for which it contains at most `held` numbers, but at least eight. The last
+    block may have fewer.
+    """
     size = max(8, held // max(1, numbers))
     return [slice(start, min(start + size, n_times)) for start in range(0, n_times, size)]

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _SAMPLED = 60
-"""Number of times at which the extent of the motion is evaluated."""
+"""Largest number of times at which the extent of the motion is evaluated."""
 _LINK_THICKNESS = 0.012
 """Thickness of the bars of a rigid body, relative to the extent of the machine."""
 _ARROW_LENGTH = 0.16
@@ -45,9 +45,9 @@ class MovingObstacle:
 
 @dataclass(frozen=True)
 class FieldScale:
-    """The common range of a field's colours, over all bodies and times, in the displayed unit.
+    """Range of the values of a field over all bodies and times, for its colours, in the displayed unit.
 
-    label : with the unit;   factor : on values of the model
+    label : name of the field with its unit;   factor : displayed value over value in the model's units
     error : error stated beside the values in the page; zero if none is stated
     """
 

@@ -40,7 +40,7 @@ class NodalShapes:
 
 
 def nodal_shapes(blocks: Iterable[Array], *, tolerance: float) -> NodalShapes:
-    """The shapes and amplitudes of a field given in blocks of times.
+    """Shapes and amplitudes that represent a field, given in blocks of times, within a tolerance.
 
     Each block adds the directions that the existing shapes lack, from the eigenvectors of the Gram matrix of
     the remainder. At the end all shapes are ordered by the singular values of the amplitudes, and the

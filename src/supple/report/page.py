@@ -141,12 +141,12 @@ def _source(name: str) -> str:
 
 
 def _scripts(names: Sequence[str]) -> str:
-    """Scripts in one scope of their own."""
+    """The scripts, joined in the scope of one function."""
     return '(() => {\n"use strict";\n' + "\n".join(_source(f"{name}.js") for name in names) + "})();\n"
 
 
 def _policy(scripts: Sequence[str], styles: str) -> str:
-    """Content policy: no requests, and no other scripts, whatever the texts of a case contain."""
+    """Content policy: no requests, and only the given scripts, whatever the texts of a case contain."""
     allowed = " ".join(_hash(script) for script in scripts)
     return (
         f"default-src 'none'; script-src {allowed}; style-src {_hash(styles)}; img-src data: blob:; "

@@ -26,7 +26,7 @@ _HEIGHT = 760
 
 @dataclass(frozen=True, eq=False)
 class Player:
-    """A page that a notebook displays as the value of an expression."""
+    """A page that a notebook displays if it is the value of the last expression of a cell."""
 
     page: Page = field(repr=False)
 

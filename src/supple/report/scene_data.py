@@ -23,14 +23,14 @@ _LEVELS = 32767
 _STEP = 1.5e-5
 """Rounding step of amplitudes times shapes, relative to the maximum of the field, if 16 bits suffice."""
 _STEP_OF_FIELD = 3e-4
-"""The same for colour fields."""
+"""Rounding step of colour fields, relative to their maximum, if 16 bits suffice."""
 _STILL = 1e-12
 """A mark counts as fixed to its body if it moves in the body's axes by at most this fraction of the machine's
-extent. The same number limits the change of its quaternion."""
+extent. Its axes count as fixed if no component of their quaternion changes by more than this number."""
 
 
 def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, Any]:
-    """Add the arrays of a machine; return their layout and all texts.
+    """Add the arrays of a machine to `arrays`; return their layout and all texts.
 
     Positions in space are relative to the middle of the machine's bounding box; nodes and marks of a body are
     in its own axes.
@@ -82,7 +82,10 @@ def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, Any]:
 
 
 def chart_data(charts: Sequence[Chart], arrays: PackedArrays) -> list[dict[str, Any]]:
-    """Add the arrays of charts; return their layout and all texts. A shared abscissa is added once."""
+    """Add the arrays of charts to `arrays`; return their layout and all texts.
+
+    An abscissa that several charts share is added once.
+    """
     known: dict[int, dict[str, Any]] = {}
     found = []
     for chart in charts:

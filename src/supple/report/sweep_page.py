@@ -27,7 +27,7 @@ _ASSETS = Assets(
     ("arrays", "colours", "cases", "sweep_tables", "sweep_plots", "sweep"),
 )
 _NUMBERS = 2**22
-"""Largest count of numbers in a page, 32 MiB before compression: a browser opens the page in seconds."""
+"""Largest number of values in a page, 32 MiB before compression: a browser opens such a page in seconds."""
 _EXTREMES = ("minimum", "time of minimum", "maximum", "time of maximum")
 
 
@@ -93,7 +93,7 @@ class SweepPage:
 def channels_that_fit(n_cases: int, n_others: int, n_statistics: int) -> int:
     """Largest number of channels, at least one, for which a browser opens the page in seconds.
 
-    n_others : number of other columns
+    n_others : number of columns that are not of channels;   n_statistics : number of statistics per channel
     """
     return max(1, (_NUMBERS // max(n_cases, 1) - n_others) // n_statistics)
 
@@ -143,7 +143,7 @@ def write_sweep_page(path: Path | str, page: SweepPage) -> Path:
 
 
 class _Column(NamedTuple):
-    """A value of each case; texts are numbered."""
+    """One value per case; a column with texts is written as numbers of its different texts."""
 
     label: str
     kind: str

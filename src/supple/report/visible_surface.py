@@ -81,7 +81,9 @@ def _of_used_points(
 
 
 def _eroding_surface(body: Any, alive: NDArray[np.float64]) -> VisibleSurface:
-    """Surface of elements with existence (t, E): a face is visible while just one of its elements exists.
+    """Surface of elements, some of them deleted: a face is visible while exactly one of its elements exists.
+
+    alive : (t, E) whether each element exists
 
     A face between two elements appears when the first of them is deleted, and disappears with the second.
     """

@@ -46,17 +46,17 @@ def write_report(
 ) -> Path:
     """Write a run as one HTML page that needs no network: its motion in 3-D, curves, tables, inputs.
 
-    Displacements in the page agree with `node_positions` to 1e-4 of the largest.
+    Displacements in the page agree with `node_positions` to 1e-4 of the largest displacement.
 
     Parameters
     ----------
     meshes : by name of a deformable body, its mesh, or its elements, which contain the beam sections; other
         deformable bodies are drawn as points
-    title : of the page
-    tracked, readings : sources of curves, besides joint forces
+    title : title of the page; by default "Report of a run"
+    tracked, readings : motions of places and readings of sensors, drawn as curves besides the loads of joints
     elements : of bodies, by name, for colours by von Mises stress; see `von_mises_history`
     bases : reference interfaces of deflections, by body; by default the first interface of the body
-    numbers : from `summarize`, if available
+    numbers : result of `summarize`; by default it is computed here
     rounds : of a self-correction, from `correction_numbers`
     inputs : texts to include, such as the case file, by name
     units : of the model; no unit is written for units without names
@@ -81,7 +81,7 @@ def write_report(
 def run_sections(
     numbers: Mapping[str, Any], solution: Solution, rounds: Sequence[Mapping[str, Any]], units: UnitSystem
 ) -> list[PageSection]:
-    """The error estimate, then all other tables of a run."""
+    """Sections of a run: first its error estimate, then all its other tables."""
     if numbers["errors"]:
         error = PageSection("Error of the run", list(error_lines(numbers)), [error_table(numbers)])
     else:

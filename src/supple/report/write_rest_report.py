@@ -51,7 +51,7 @@ def write_static_report(
 ) -> Path:
     """Write an equilibrium as a page.
 
-    numbers : results of a static case
+    numbers : numbers of the results of a static case, as `cases.static_case` returns them
     Other parameters as for `write_report`.
     """
     known = [rest_error_table(numbers)] if found.errors else []

@@ -44,7 +44,7 @@ class Camera:
 
     @classmethod
     def looking(cls, *, along: ArrayLike, up: ArrayLike) -> Camera:
-        """Camera along a direction, with another direction upright.
+        """Camera that looks along a direction, with the direction `up` upright in the picture.
 
         Raises
         ------
@@ -70,6 +70,6 @@ class Camera:
         return cls.looking(along=-sight, up=up)
 
     def project(self, points: Array) -> tuple[Array, Array]:
-        """Picture coordinates (..., 2) of points (..., 3) and their nearness (...) to the viewer."""
+        """Picture coordinates (..., 2) of points (..., 3), and their coordinates (...) towards the viewer."""
         seen = points @ self.axes.T
         return seen[..., :2], seen[..., 2]

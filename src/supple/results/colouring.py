@@ -52,7 +52,7 @@ def _plastic_strain(body: Any, motion: Motion, _deflection: Array | None) -> Arr
 def stress_colouring(elements: Mapping[str, FiniteElementModel]) -> Colouring:
     """Colouring by von Mises stress; stress below 1e-9 of Young's modulus is round-off and shown as zero.
 
-    elements : of the bodies, by name
+    elements : finite element models of the bodies, by name
     """
 
     def values(body: Any, motion: Motion, _deflection: Array | None) -> Array | None:

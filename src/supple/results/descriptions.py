@@ -54,7 +54,7 @@ def describe_result(path: Path) -> Iterator[Row]:
 
 
 def _described(motion: Motion) -> str:
-    """Size of a motion: its coordinates, or the kinds and shapes of its arrays."""
+    """Size of a motion: number of coordinates, or name and row shape of its first array."""
     if isinstance(motion, FramedMotion):
         return f"{motion.coordinates.shape[1]} coordinates"
     first, values = next(iter(motion.arrays().items()))

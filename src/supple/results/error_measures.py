@@ -23,8 +23,8 @@ class MotionError:
     """Distance between two motions of the same n nodes.
 
     times : (t,)                s
-    rms : (t,)                  root-mean-square distance of the nodes, in the unit of length; (52)
-    relative_percent : float    relative error over all times, %; (53)
+    rms : (t,)                  root-mean-square distance of the nodes, unit of length; [Wu2019] (52)
+    relative_percent : float    relative error over all times, %; [Wu2019] (53)
     """
 
     times: Array

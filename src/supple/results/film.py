@@ -20,7 +20,7 @@ N_FRAMES = 60
 """Number of frames of an animation without a given speed."""
 MOST_FRAMES = 2000
 LARGEST_OFF = np.radians(5.0)
-"""Allowed deviation from the angle of a rotor shown at rest."""
+"""Largest deviation of a frame from the angle of a `RotorAngle`, rad; above it, ModelError."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,8 @@ def film_rows(film: Film, times: Array, rate: float, angles: Array | None = None
 
         t_i = start + i speed / rate        frame i shows the output time nearest to t_i
 
-    Without a speed, at most 60 different output times are spread over the window.
+    Without a speed, at most 60 different output times are spread over the window. With `film.at`, the output
+    times are those of `standing_rows`.
 
     Parameters
     ----------
@@ -117,7 +118,7 @@ def _check_length(number: int) -> None:
 
 
 def _window(film: Film, times: Array) -> tuple[int, int]:
-    """First and last output time in the window."""
+    """Indices of the first and the last output time in the window; ModelError if it contains none."""
     slack = 1e-9 * float(np.abs(times).max())
     start = times[0] if film.start is None else film.start
     end = times[-1] if film.end is None else film.end
@@ -133,7 +134,7 @@ def _window(film: Film, times: Array) -> tuple[int, int]:
 def standing_rows(angles: Array, at: RotorAngle) -> IntArray:
     """Indices of the output times nearest to each passage of a joint through its angle.
 
-    angles : (t,) rad, counted beyond a revolution
+    angles : (t,) rad, continuous over several revolutions
     Raises ModelError if the joint does not pass the angle, or is more than 5 deg from it at the nearest
     output time.
     """
@@ -160,7 +161,7 @@ def standing_rows(angles: Array, at: RotorAngle) -> IntArray:
 
 
 def off_angle(angles: Array, at: RotorAngle) -> float:
-    """Deviation of angles (t,) from that of a rotor shown at rest, rad."""
+    """Largest deviation of angles (t,) from the angle of `at`, modulo a revolution, rad."""
     off = angles - at.angle
     return float(np.abs(off - 2 * np.pi * np.round(off / (2 * np.pi))).max())
 

@@ -44,7 +44,7 @@ def _across(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _patch(plane: RigidPlane, seen: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
-    """A square around the projection of the moving points onto the plane, twice as wide as the projection."""
+    """A square in the plane, centred on the projection of the moving points and twice as wide."""
     normal, point = np.array(plane.normal), np.array(plane.point)
     first, second = _across(normal)
     shadow = np.column_stack([(seen - point) @ first, (seen - point) @ second])

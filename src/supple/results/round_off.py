@@ -1,4 +1,4 @@
-"""Round-off: values so small relative to their quantity that they should be zero."""
+"""Round-off: values that are negligible relative to the largest value of the same quantity."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ ROUND_OFF = 1e-9
 
 
 def without_noise(values: ArrayLike, like: ArrayLike | None = None) -> NDArray[np.float64]:
-    """Values for display; values below 1e-9 of the largest value of the same quantity become zero.
+    """Values for display; magnitudes below 1e-9 of the largest magnitude of the quantity become zero.
 
     like : other values of the same quantity, such as those in all directions
     """

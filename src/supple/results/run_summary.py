@@ -44,7 +44,8 @@ def summarize(
 
     tracked : motions of places, by their names
     fulls : full bodies by the names of their reduced bodies; their frequencies are given in the results
-    units : of the model; frequencies are in Hz, all else as computed
+    units : units of the model; frequencies are in Hz, or in one over its unit of time if that has no name;
+        all other numbers are as computed
     """
     meanings = joint_meanings(system)
     return {
@@ -72,9 +73,10 @@ def stress_numbers(
     *,
     units: UnitSystem = UNNAMED,
 ) -> dict[str, Any]:
-    """By body: its largest von Mises stress over all nodes and output times, with its time and node.
+    """By body: its largest von Mises stress over all output times and nodes, or cells of explicit parts.
 
-    elements : of the bodies, by name; bodies whose sections have no recovery points are left out
+    elements : finite element models of the bodies, by name; bodies without a model or without recovery points
+        of stress are left out
     """
     found = {}
     for placed in system.bodies:

@@ -33,7 +33,7 @@ class View:
 
 
 AS_IT_IS = View()
-"""The default camera for the machine, true to scale."""
+"""The default camera and the default enlargement."""
 
 
 def enlarged_words(factor: float) -> str:

@@ -13,7 +13,8 @@ def reserve_space(path: Path, size: int) -> None:
     """Reserve space so that an existing file can grow to `size` bytes; its length may then be `size`.
 
     HDF5 does not survive a failed write: the process crashes when it closes the file. Writing to reserved
-    bytes cannot fail, neither for a full disk nor for a quota, so the space is reserved first.
+    bytes cannot fail, neither for a full disk nor for a quota, so the space is reserved first. On other
+    systems than Linux, only the free space of the disk is checked.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Exclusive lock: one writer at a time for a file, or for a folder.
 
 The operating system locks a file, `.NAME.lock` beside a file or `.supple.lock` in a folder, and releases the
-lock when its process ends in any way. A lock file left by a killed run therefore blocks nobody.
+lock when the process ends in any way. A lock file left by a killed run therefore blocks nobody.
 """
 
 from __future__ import annotations
@@ -34,7 +34,8 @@ class ExclusiveLock:
 
     Raises
     ------
-    ResultFileError     the lock is taken, by this process or another; the folder cannot be written
+    ResultFileError     the lock is taken, by this process or another, and `wait` is False; the folder cannot
+                        be written
 
     Warns
     -----
@@ -70,7 +71,7 @@ class ExclusiveLock:
         self.release()
 
     def _acquired(self, path: Path, *, wait: bool) -> int | None:
-        """The open file; None where another process holds the lock and `wait` is set."""
+        """Descriptor of the open lock file; None if another process holds the lock and `wait` is set."""
         for _ in range(_ATTEMPTS):
             descriptor = os.open(self._neighbour, os.O_RDWR | os.O_CREAT, 0o666)
             try:

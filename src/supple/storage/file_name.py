@@ -7,16 +7,16 @@ import hashlib
 __all__ = ["file_name"]
 
 LONGEST = 150
-"""Bytes; file systems allow 255, which leaves room for suffixes and temporary files."""
+"""Largest length of a name, bytes; file systems allow 255, and suffixes and temporary files need some."""
 
 # Separators of folders, and characters with a special meaning on some operating system.
 _QUOTED = frozenset('%/\\:*?"<>|')
 
 
 def file_name(name: str) -> str:
-    """The name with forbidden characters as %XX; above `LONGEST` bytes it is cut and ends in a hash.
+    """The name with forbidden characters and a first dot as %XX; above `LONGEST` bytes, cut and with a hash.
 
-    Different names stay different; a name without such characters is unchanged.
+    Different names give different file names; a name within the limit without such characters is unchanged.
     """
     quoted = "".join(_percent(sign) if sign in _QUOTED or not sign.isprintable() else sign for sign in name)
     if not quoted or quoted[0] == ".":

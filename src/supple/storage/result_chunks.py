@@ -29,9 +29,9 @@ _INDEX_BYTES = 2**20
 class Ledger:
     """The seals of the parts of a file as they are written.
 
-    header : seal           of the header
-    layout : Layout         of the chunks
-    rows : list of seals    of the chunks
+    header : bytes          seal of the header
+    layout : Layout         layout of the chunks
+    rows : list of bytes    seals of the chunks
     n_times : int           number of output times written
     datasets : h5py.Dataset     by name, cached, because a look-up takes as long as a write
     """

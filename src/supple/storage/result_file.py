@@ -131,8 +131,8 @@ class ResultFile:
     def resume(cls, path: Path | str, *, case: str, inputs: Inputs = MappingProxyType({})) -> Self:
         """Continue the file of an interrupted run, from the state of `read_last_instant`.
 
-        inputs : the current inputs of the motion; without inputs in the file and in the call, the text of the
-            case must be the same
+        inputs : the current inputs of the motion; if neither the file nor the call has inputs, the text of
+            the case must equal that in the file
 
         Raises
         ------

@@ -18,7 +18,7 @@ from supple.storage.result_reader import read_times
 __all__ = ["ResultParts"]
 
 _PART_BYTES = 2**26
-"""Bytes per part."""
+"""Largest size of a part, bytes; a part has at least one output time."""
 
 
 class ResultParts:
@@ -26,8 +26,8 @@ class ResultParts:
 
         for part in ResultParts("blade.h5"): ...
 
-    path : of the result file
-    rows : indices (k,) of output times, ascending; all when omitted
+    path : path of the result file
+    rows : indices (k,) of output times, ascending; by default all
 
     Raises
     ------

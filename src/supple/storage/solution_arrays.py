@@ -22,7 +22,7 @@ _COUNTS = ("steps", "iterations", "rejected_steps", "factorizations")
 
 
 def to_arrays(solution: Solution) -> dict[str, Array]:
-    """Arrays by path: times, bodies/<name>/<field>, and GROUP/<name> of the groups of arrays."""
+    """Arrays by path: times, bodies/<name>/<field>, and GROUP/<name> for each GROUP of `_GROUPS`."""
     arrays = {"times": solution.times}
     for name, motion in solution.bodies.items():
         arrays |= {f"bodies/{_quoted(name)}/{field}": array for field, array in motion.arrays().items()}
@@ -44,7 +44,7 @@ def from_arrays(
 ) -> Solution:
     """The solution from arrays as `to_arrays` returns them; its arrays are read-only.
 
-    kinds : by path of the body's group; floating where missing
+    kinds : kind of motion by path of the body's group; `FloatingMotion` where missing
     """
     motions: dict[str, dict[str, Array]] = {}
     groups: dict[str, dict[str, Array]] = {group: {} for group in _GROUPS}

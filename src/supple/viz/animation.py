@@ -30,7 +30,7 @@ IntArray = NDArray[np.int64]
 
 
 class Traces(NamedTuple):
-    """Paths of points, each drawn up to the time of the frame.
+    """Paths of k points, each drawn up to the time of the frame.
 
     times : (s,), ascending     may be denser than the frames, for smooth paths
     points : (s, k, 3)
@@ -71,9 +71,10 @@ def animate(
     path : ends in .gif or .mp4; an MP4 needs ffmpeg (`pip install 'supple[film]'`)
     times : array (t,)
     positions : array (t, N, 3)     of the nodes, as `node_positions` recovers them
-    skin : Skin                     visible surface of the mesh; None with positions (t, 0, 3)
+    skin : Skin                     visible surface of the mesh; None, with positions (t, 0, 3): only glyphs
     glyphs : Glyphs                 of parts without a mesh, at the same times
-    values : array (t, N)           nodal scalar to colour by, with one scale for all frames; plain where NaN
+    values : array (t, N)           nodal scalar to colour by, with one scale for all frames; where NaN, the
+                                    plain colour of surfaces
     values_label : str              label with unit under the colour bar; no bar without it
     traces : Traces                 of points whose paths are drawn
     camera : Camera                 a three-quarter view of the whole motion by default
@@ -116,7 +117,7 @@ def animate(
 
 
 def _page(camera: Camera, points: list[Array], n_columns: int, *, is_marked: bool) -> PixelWindow:
-    """The page for all points; marks extend beyond their points."""
+    """The page for all points, with a wider margin for marks, which extend beyond their points."""
     corners = np.concatenate([camera.project(each)[0].reshape(-1, 2) for each in points])
     return page_around(corners, n_columns, margin=0.08 if is_marked else 0.04, least_aspect=0.25)
 
@@ -124,7 +125,7 @@ def _page(camera: Camera, points: list[Array], n_columns: int, *, is_marked: boo
 def _drawn_once(
     stage: Stage, shown: IntArray, progress: Callable[[float], None] | None
 ) -> Callable[[int], Array8]:
-    """Frames by number, each drawn once and reused when shown again; reports progress."""
+    """Function that draws the frame of a number; a time shown by successive frames is drawn once."""
     last, done = (-1, np.zeros((0, 0, 3), dtype=np.uint8)), set()
 
     def frame(number: int) -> Array8:

@@ -25,7 +25,7 @@ from supple.viz.mesh_plot import displacement_magnitude, plot_mesh
 from supple.viz.mode_shapes import mode_titles, plot_mode_shapes
 from supple.viz.style import as_written
 
-# Number of output times searched for the largest deflection.
+# Largest number of output times searched for the largest deflection.
 N_INSTANTS = 200
 # Deflections smaller than this share of the body's diagonal are enlarged to this share.
 VISIBLE = 0.08
@@ -61,7 +61,7 @@ def draw_mesh(path: Path, drawn: DrawnBody) -> Path:
 
 
 def draw_modes(path: Path, drawn: DrawnBody, body: ReducedBody, modes: BodyModes | None) -> Path:
-    """Picture of the modes of a reduced body; by default the modes of its basis.
+    """Picture of modes of a reduced body: of its finite-element model if `modes` is given, else of its basis.
 
     The body is clamped at its first interface, or fixed in its frame if it has no interface.
     """
@@ -90,7 +90,7 @@ def draw_intrinsic_modes(path: Path, drawn: DrawnBody, body: IntrinsicBody) -> P
 
 
 def _linear_shapes(body: BodyForm, amplitudes: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-    """Displacements (m, N, 3) and rotations, where nodes have them, for coordinates (m, r)."""
+    """Displacements (m, N, 3), and rotations (m, N, 3) or None if nodes have none, for coordinates (m, r)."""
     shapes = body.expand_rates(np.zeros_like(amplitudes), amplitudes)
     if body.dofs_per_node < 6:
         return shapes, None

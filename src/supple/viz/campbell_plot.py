@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 N_ORDERS = 4
 """Number of multiples of the speed to draw."""
 _LINE = 0.032
-"""Height of a name, as a share of the diagram."""
+"""Height of the name of a mode, as a share of the height of the diagram."""
 
 
 class CriticalPoint(Protocol):
@@ -127,7 +127,7 @@ def _draw_modes(axes: Axes, speeds: Array, frequencies: Array, names: Sequence[s
 
 
 def _apart(heights: Array, top: float) -> Array:
-    """Heights (n,) of names without overlaps: shifted up, and down again below the top."""
+    """Heights (n,) at which names do not overlap: shifted up where necessary, then down below the top."""
     order = np.argsort(heights, kind="stable")
     least = np.arange(len(heights)) * _LINE * top
     placed = np.maximum.accumulate(heights[order] - least) + least

@@ -22,7 +22,8 @@ __all__ = ["clear_of_contact"]
 FloatArray = NDArray[np.float64]
 
 CLEARANCE = 5e-4
-"""Fraction of the largest extent of the moving bodies: about a third of a pixel of an animation."""
+"""Distance of drawn nodes from the touched surface, relative to the largest extent of the bodies: about
+a third of a pixel of an animation."""
 
 
 def clear_of_contact(

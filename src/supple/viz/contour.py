@@ -28,7 +28,7 @@ IntArray = NDArray[np.int64]
 
 
 def stress_field(stress: Array, units: UnitSystem = UNNAMED) -> NodalField:
-    """Field of von Mises stresses (N,), in MPa, or psi; unconverted without units."""
+    """Field of von Mises stresses (N,), converted to MPa or psi; unconverted if the units have no names."""
     unit, factor = units.stress_shown
     return NodalField(labelled("von Mises stress", unit), factor * np.asarray(stress))
 

@@ -1,4 +1,4 @@
-"""Eigenvalue errors over the mode number, as fixed-interface modes are added. [Han2020] Fig. 4"""
+"""Eigenvalue errors over the mode number, for several numbers of fixed-interface modes. [Han2020] Fig. 4"""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def plot_eigenvalue_error(
 
     Parameters
     ----------
-    estimates : {number of modes: (N,)} infinite where the reduced body has no such eigenvalue
+    estimates : {number of modes: (N,)} relative errors, infinite where the reduced body lacks the eigenvalue
     tolerance : float                   drawn as a dashed line
     exact     : {number of modes: (N,)} drawn dashed beside the estimates
 

@@ -1,4 +1,4 @@
-"""Animation files: GIF, or MP4 where ffmpeg is installed."""
+"""Animation files: GIF, or MP4 if imageio-ffmpeg is installed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["check_film", "played_rate", "write_film"]
 
 Array8 = NDArray[np.uint8]
 Frames = Callable[[int], Array8]
-"""A frame (rows, columns, 3) by its number."""
+"""Function of the number of a frame, from 0; returns its pixels (rows, columns, 3)."""
 
 FASTEST = 50.0
 """Largest number of frames per second: browsers slow down GIFs with shorter delays."""
@@ -74,7 +74,7 @@ def _write_mp4(path: Path, frames: Frames, number: int, rate: float) -> None:
 
 
 def _even(frame: Array8) -> Array8:
-    """The frame with a white row added if its number of rows is odd; likewise for columns."""
+    """The frame with a white row added if its number of rows is odd, and a white column for an odd number."""
     rows, columns, _ = frame.shape
     return np.pad(frame, ((0, rows % 2), (0, columns % 2), (0, 0)), constant_values=255)
 

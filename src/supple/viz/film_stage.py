@@ -39,7 +39,7 @@ _LINE = 16
 class Moving:
     """Moving parts in front of the camera, at the times of the frames.
 
-    positions : (t, N, 3), of the skin;  values : (t, N), plain where NaN
+    positions : (t, N, 3), of the skin;  values : (t, N), in the plain colour of surfaces where NaN
     paths : (s, k, 3) points of k paths;  reached : (t,) number of the s points drawn in each frame
     clock : function of the number of a frame; returns the text of its time
     """
@@ -54,7 +54,7 @@ class Moving:
 
 
 class Stage:
-    """A page that shows one frame after another."""
+    """A page on which frames are drawn one after another."""
 
     def __init__(
         self,
@@ -152,7 +152,7 @@ class _Sheet(NamedTuple):
     def below(
         self, page: PixelWindow, camera: Camera, scale: ScalarMappable, label: str, units: UnitSystem
     ) -> None:
-        """The axis cross, the length bar, and the colour bar if it has a label."""
+        """Draw the axis cross, the length bar, and the colour bar if it has a label."""
         high = np.array([page.high[0], page.low[1]])
         strip = PixelWindow(page.low - np.array([0.0, _STRIP * page.pixel]), high, page.n_columns)
         carry(self.strip, strip)

@@ -65,7 +65,7 @@ class Mark(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Glyphs:
-    """Lines (t, s, 2, 3) between points, marks, and thin lines, at the times of a motion."""
+    """Lines (t, s, 2, 3) from point to point, marks, and thin lines, at t times of a motion."""
 
     lines: Array
     marks: tuple[Mark, ...]
@@ -74,7 +74,7 @@ class Glyphs:
 
     @property
     def is_empty(self) -> bool:
-        """Whether there is nothing to draw."""
+        """Whether there are neither marks nor thin lines; `glyphs_of` gives no lines without marks."""
         return not self.marks and self.thin_lines is None
 
     @property
@@ -117,7 +117,7 @@ def glyphs_of(system: System, solution: Solution, rows: slice | NDArray[np.int64
 
 
 def surface_glyphs(surface: BodySurface, nodes: Array) -> Glyphs | None:
-    """Links and masses of a body with nodes at (t, N, 3); None if the body has neither."""
+    """Glyphs of the links and masses of a body with nodes at (t, N, 3); None if the body has neither."""
     if not (len(surface.links) or len(surface.masses)):
         return None
     marks = (Mark(MASS_STYLE, nodes[:, surface.masses]),) if len(surface.masses) else ()

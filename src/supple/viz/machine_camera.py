@@ -20,9 +20,9 @@ __all__ = ["machine_camera", "upright_camera"]
 Array = NDArray[np.float64]
 
 _INSTANTS, _NODES = 20, 500
-"""Numbers of output times and nodes that represent the extent of a motion."""
+"""Numbers of output times, and of nodes of each body, that represent the extent of a motion."""
 _IN_FRONT = 0.1
-"""Least cosine between the normal of a wall and the line to the viewer."""
+"""Least cosine of the angle between the normal of a wall and the direction to the viewer."""
 
 
 def machine_camera(system: System, solution: Solution, meshes: Mapping[str, Look | None]) -> Camera:

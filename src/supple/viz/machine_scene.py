@@ -30,14 +30,16 @@ __all__ = ["MachineScene", "drawn_bodies", "machine_scene"]
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 _EDGE_ON = 0.05
-"""Cosine below which a wall is viewed edge-on, or from behind."""
+"""A wall is drawn as an outline if the cosine of the angle between its normal and the direction to the viewer
+is smaller: it is viewed edge-on or from behind."""
 
 
 @dataclass(frozen=True, eq=False)
 class MachineScene:
     """Bodies and obstacles as one skin, and glyphs of parts without a mesh, at t times.
 
-    skin : None if no body has a surface;  positions : (t, P, 3);  values : (t, P), plain where NaN
+    skin : None if no body has a surface;  positions : (t, P, 3)
+    values : (t, P), NaN for the plain colour of surfaces
     label : name of the values with their unit, "" without colours
     glyphs : may be empty
     undeformed : (P, 3) positions of the undeformed bodies at the first of the times
@@ -87,7 +89,7 @@ def machine_scene(
 ) -> MachineScene:
     """The scene of a machine at output times (t,).
 
-        x = r + e (x(t) - r),   r the undeformed position, moved with the body's first interface
+        x = r + e (x(t) - r),   r the undeformed position, moved with the reference interface of deflections
 
     enlargement : e;  colouring : None leaves bodies plain
     rest : solution whose first time is drawn as the undeformed state
@@ -150,9 +152,9 @@ def drawn_bodies(
 
 
 def _undeformed(seen: _Seen, rest: Solution | None) -> Array:
-    """Positions (P, 3) of a surface: in a state of rest, or undeformed and moved with the first interface.
+    """Positions (P, 3) of a surface: in a state of rest, or undeformed and moved with the observer.
 
-    Bodies without a frame keep their present positions.
+    Without a state of rest, bodies without a frame have their positions at the first of the times.
     """
     assert seen.surface is not None
     if rest is not None:

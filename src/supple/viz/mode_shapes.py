@@ -27,7 +27,7 @@ _PIXELS_PER_INCH = 200
 
 
 def mode_titles(frequencies: Array, units: UnitSystem = UNNAMED) -> list[str]:
-    """Titles such as "mode 1:  0.675 Hz", for frequencies (m,) in one over the unit of time."""
+    """Titles such as "mode 1:  0.675 Hz", for frequencies (m,) in cycles per unit of time."""
     unit, factor = units.frequency_shown
     return [
         with_unit(f"mode {i}:  {plain_number(factor * frequency)}", unit)
@@ -48,9 +48,9 @@ def plot_mode_shapes(
     glyphs: Callable[[Array], Glyphs | None] = lambda _: None,
     camera: Camera | None = None,
 ) -> Path:
-    """Draw modes in rows of n_columns, each coloured by its amplitude over the outline of the body at rest.
+    """Draw modes in rows of n_columns, coloured by their displacements, over the outline of the body at rest.
 
-    The drawn amplitude is stated above the pictures.
+    The largest displacement as drawn is written above the pictures.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ def plot_response_errors(
     Parameters
     ----------
     responses : one row of panels each, all of the same models
-    until : time    marked as the end of the comparison, such as the start of chaotic motion
+    until : time    end of the comparison, such as the start of chaotic motion; drawn as a dashed line
 
     Raises
     ------

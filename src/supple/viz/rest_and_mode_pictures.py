@@ -85,7 +85,7 @@ def draw_mode(
 
     motion, rest : from `mode_motion` and `LinearMachine.motion_near`
     title : such as one of `mode_titles`; the largest drawn displacement is added
-    None where there is nothing to draw. Other parameters as for `draw_run`.
+    Returns None if there is nothing to draw. Other parameters as for `draw_run`.
     """
     return draw_machine(
         path,
@@ -112,7 +112,7 @@ def animate_mode(
     view: View = AS_IT_IS,
     units: UnitSystem = UNNAMED,
 ) -> Path | None:
-    """Animate a mode over the outline of the machine at rest; parameters as for `draw_mode`."""
+    """Animate a mode over the outline of the machine at rest; parameters and result as for `draw_mode`."""
     return animate_run(
         path,
         system,

@@ -54,7 +54,10 @@ def draw_run(
     view: View = AS_IT_IS,
     units: UnitSystem = UNNAMED,
 ) -> list[Path]:
-    """Draw all pictures except the animation: mesh, modes and deformation of bodies, tracked places, joints.
+    """Draw all pictures of a run, without the animation.
+
+    For each body: mesh, modes, largest deflection, largest stress. For the machine: its start, energies of an
+    explicit run, tracked places, joint forces.
 
     Parameters
     ----------
@@ -62,11 +65,11 @@ def draw_run(
     meshes : by name of each elastic body to draw, its mesh, or its elements, which contain the beam sections;
         None draws the nodes of the body as points
     tracked : motions of places, by their names
-    modes : modes of the full bodies of reduced bodies, by name (`body_modes`); by default modes of the bases,
-        which may differ; the title of the picture then names the basis
-    elements : elements of the bodies, by name, to draw their von Mises stress too; see `von_mises_history`
+    modes : modes of the unreduced bodies (`body_modes`), by name; by default modes of the bases of reduction,
+        which may differ from them; the title of the picture then contains "of its basis"
+    elements : elements of all drawn bodies, by name, to draw their von Mises stress; see `von_mises_history`
     bases : reference interfaces of deflections, by body; by default the first interface of the body
-    view : camera for bodies as placed in the machine, and enlargement of their deflection
+    view : camera in global axes, and enlargement of the deflection of bodies
     units : of the model; no unit is written for units without names
 
     Returns

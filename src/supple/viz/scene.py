@@ -58,6 +58,6 @@ def scene_of(actors: Sequence[Actor]) -> Scene:
 
 
 def obstacle_actor(obstacle: Obstacle, offsets: Array, seen: Array) -> Actor:
-    """An obstacle moved by offsets (t, 3), drawn as large as the other visible points (n, 3) require."""
+    """An obstacle moved by offsets (t, 3), drawn as large as the points (n, 3) of the bodies require."""
     points, triangles = obstacle_shape(obstacle, seen)
     return Actor(Skin(triangles, np.zeros(triangles.shape, dtype=bool)), points + offsets[:, None])

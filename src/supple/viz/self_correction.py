@@ -32,7 +32,7 @@ class RoundErrors:
 
     sizes : (k,)                numbers of coordinates
     estimated : (k,)            errors; not finite where a round has no estimate
-    missing_motion : (k,)       sizes of the motion missing from the bases
+    missing_motion : (k,)       largest RMS over the nodes of the motion outside the basis of the round
     allowed : (k,)              allowed errors
     true : (k,)                 errors relative to a full run; by default unknown
     Raises ModelError without rounds, or for arrays of different lengths.

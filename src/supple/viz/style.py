@@ -1,4 +1,4 @@
-"""One style for every picture: colours for colour-blind readers, type sizes, and saving."""
+"""Common style of all pictures: colours that colour-blind readers can distinguish, font sizes, saving."""
 
 from __future__ import annotations
 
@@ -165,7 +165,7 @@ class _Numbers(Formatter):
 
 
 def save_figure(figure: Figure, path: Path | str) -> Picture:
-    """Save a figure in the format of the path's suffix (png, pdf, svg, ...), atomically; returns the path.
+    """Save a figure atomically in the format of the path's suffix (png, pdf, svg, ...), and return the path.
 
     Raises
     ------

@@ -29,11 +29,11 @@ from supple.viz.style import (
 __all__ = ["Panel", "Series", "plot_time_history"]
 
 _LARGE = 1e4
-"""Values from here on are written with k, M, G."""
+"""If an axis reaches this value, its numbers are written with the prefixes k, M, G."""
 NOISE = 1e-6
-"""Values below this fraction of the largest value of the quantity are drawn as zero."""
+"""Values smaller than this fraction of the largest magnitude of the quantity are drawn as zero."""
 _LEAST_SPAN = 10 * NOISE
-"""Least range of an axis, as a fraction of the largest value: noise on a constant does not fill the axis."""
+"""Least range of an axis, relative to the largest magnitude: noise on a constant does not fill the axis."""
 
 
 @dataclass(frozen=True)

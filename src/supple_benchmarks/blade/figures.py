@@ -42,7 +42,7 @@ _ANIMATION_FRAMES = 60
 
 
 def draw_figures(run: BladeRun, folder: Path) -> list[Path]:
-    """All still pictures; their paths."""
+    """Draw all still pictures; returns their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     pictures = [_draw_mesh(run, folder), *_draw_shapes(run, folder)]
     for case in run.benchmark.cases:
@@ -160,7 +160,7 @@ def _draw_rounds(run: BladeRun, folder: Path) -> Path:
 
 
 def animation(run: BladeRun, path: Path, progress: Progress) -> Path:
-    """The first case, self-corrected, in axes that rotate with the hub; stress in colour."""
+    """Animate the self-corrected first case in axes that rotate with the hub, coloured by stress."""
     corrected = run.corrected[0]
     body, solution = corrected.rounds[-1].body, corrected.rounds[-1].solution
     mesh, motion = run.benchmark.blade.mesh, solution.motion(BODY, FloatingMotion)

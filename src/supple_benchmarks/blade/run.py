@@ -82,7 +82,7 @@ class BladeRun:
     benchmark: BladeBenchmark
     body: FlexibleBody
     frequencies: np.ndarray
-    """rad/s, root clamped"""
+    """Lowest angular frequencies of the blade clamped at its root, rad/s"""
     full: list[FullRun] = field(default_factory=list)
     reduced: list[ReducedRun] = field(default_factory=list)
     corrected: list[CorrectedRun] = field(default_factory=list)

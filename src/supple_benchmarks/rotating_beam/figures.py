@@ -24,7 +24,7 @@ __all__ = ["animation", "draw_figures"]
 
 
 def draw_figures(run: BeamRun, folder: Path) -> list[Path]:
-    """Figures 6 and 7 of [Wu2019] redrawn; the pictures' paths."""
+    """Draw figures 6 and 7 of [Wu2019] with the results here; returns the paths of the pictures."""
     folder.mkdir(parents=True, exist_ok=True)
     omega = run.problem.speeds[0]
     kinematics = run.problem.kinematics[0]
@@ -60,7 +60,10 @@ def draw_figures(run: BeamRun, folder: Path) -> list[Path]:
 
 
 def animation(run: BeamRun, path: Path, progress: Progress) -> Path:
-    """The spin-up as a GIF, from the last enriched and condensed reduced model of the first speed."""
+    """Animate the spin-up at the first speed as a GIF.
+
+    The motion is that of the last reduced model with derivatives and condensed tensors.
+    """
     first = [one for one in run.reduced if one.full.omega == run.problem.speeds[0]]
     rom = [one for one in first if one.n_added and one.tensors == "condensed"][-1]
     motion = rom.solution.bodies[rom.body.name]

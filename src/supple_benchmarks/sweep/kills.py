@@ -24,7 +24,7 @@ __all__ = ["killed_sweep"]
 
 CASES_PER_SHARE = 16
 _MOST_SECONDS = 600.0
-"""Longest time of the command until its next share."""
+"""s, longest time to wait for the command to begin or to finish its next share."""
 
 _Found = TypeVar("_Found")
 Stamp = tuple[int, int]
@@ -108,13 +108,13 @@ def _started(file: Path, results: Path) -> subprocess.Popen[bytes]:
 
 
 def _worker_of(results: Path) -> int | None:
-    """The process that computes a share, by the mark of its attempt."""
+    """Id of the process that computes a share, from the file that marks its attempt; None without a file."""
     marks = sorted((results / "attempts").glob("*.json"))
     return int(marks[0].stem.split("-")[-2]) if marks else None
 
 
 def _awaited(command: subprocess.Popen[bytes], found: Callable[[], _Found | None]) -> _Found:
-    """The first result of a search while the command runs."""
+    """The first true result of `found`, called again and again while the command runs; else RuntimeError."""
     until = time.monotonic() + _MOST_SECONDS
     while not (own := found()):
         if command.poll() is not None or time.monotonic() > until:

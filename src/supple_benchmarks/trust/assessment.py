@@ -1,4 +1,7 @@
-"""Assessment of one case: rounds against full runs with the same steps, the sum against a full run with h/8.
+"""Assessment of one case: estimated errors, compared with the distances from full runs.
+
+The basis errors of the rounds are compared with full runs with the same steps, the total error with a full
+run with an eighth of the step.
 
 All reference runs have a hundredth of the run's Newton tolerance.
 """
@@ -36,7 +39,7 @@ __all__ = ["assess"]
 
 EIGHTH = 1 / 8
 TIGHT = 1e-2
-"""Tolerance of the reference run over that of the run."""
+"""Newton tolerance of the reference runs, relative to that of the run."""
 
 
 def assess(case: TrustCase, folder: Path, progress: Callable[[float], None]) -> dict[str, Any]:
@@ -157,7 +160,7 @@ class _FullRuns:
         self._known: dict[str, Solution] = {}
 
     def at(self, run: Run) -> Solution:
-        """The full run, read from disk or computed."""
+        """The full run with these settings, read from disk if it is stored, else computed."""
         step = run.step_control
         key = f"{step.first!r}-{run.tolerances.residual!r}"
         if key not in self._known:

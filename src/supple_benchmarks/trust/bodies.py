@@ -40,7 +40,7 @@ FACES = (RigidInterface("root", "x_min"), RigidInterface("tip", "x_max"))
 def framed(
     body: FlexibleBody, *, mean_axes: bool = False, damping: RayleighDamping | ModalDamping | None = None
 ) -> FullBody:
-    """A full body with its frame at its root or in mean axes."""
+    """A full body with its frame at its interface "root", or in mean axes."""
     return FullBody(body, MeanAxisFrame() if mean_axes else NodalFixedFrame("root"), damping)
 
 
@@ -52,7 +52,7 @@ def shell_strip(length: float = 1.0, n_length: int = 6, name: str = "body") -> F
 
 
 def plate() -> FlexibleBody:
-    """A plate of 1 m by 0.8 m, 2 cm thick, clamped along an edge."""
+    """A plate of 1 m by 0.8 m, 2 cm thick, with an interface along one edge."""
     return flexible_body(
         "body", shell_model(strip(1.0, 0.8, 5, 4), HomogeneousSection(RUBBER, 0.02)), ENDS[:1]
     )
@@ -72,7 +72,7 @@ def laminate() -> FlexibleBody:
 
 
 def solid_bar() -> FlexibleBody:
-    """Three quadratic bricks, 1 m long."""
+    """A bar of three quadratic bricks, 1 m long in total."""
     mesh = block(1.0, 0.06, 0.04, 3, 1, 1, CellType.HEXA20)
     return flexible_body("body", solid_model(mesh, RUBBER), ENDS)
 
@@ -95,6 +95,6 @@ def rod(length: float, name: str, n: int = 5) -> FlexibleBody:
 
 
 def tube() -> FlexibleBody:
-    """A thin cylinder, its ends kept circular."""
+    """A thin cylindrical shell along x; rigid interfaces keep its ends circular."""
     mesh = cylinder_shell(0.05, 1.0, 5, 6)
     return flexible_body("body", shell_model(mesh, HomogeneousSection(RUBBER, 0.002)), FACES)

@@ -94,7 +94,7 @@ STEP, HALF, FINER = 0.01, 2, 4
 
 
 def _bent(force: float, push: float, frame: str) -> ExactBeamCase:
-    """A cantilever strongly bent by a transient force."""
+    """Case of a cantilever that a force at its tip, a single pulse of sine-squared shape, bends strongly."""
 
     def forces(step: float) -> tuple[Array, Array]:
         times: Array = step * np.arange(round(1.2 * push / step) + 1, dtype=np.float64)

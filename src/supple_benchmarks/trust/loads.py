@@ -47,7 +47,7 @@ def spin(speed: float, rise: float) -> Over:
 
 
 def blow(size: float, at: float, length: float) -> Over:
-    """A short pulse of sine-squared shape."""
+    """A short pulse of sine-squared shape, from `at` to `at` + `length`."""
 
     def value(t: Any) -> Any:
         s = (t - at) / length
@@ -57,13 +57,13 @@ def blow(size: float, at: float, length: float) -> Over:
 
 
 def chirp(size: float, low: float, high: float, duration: float) -> Over:
-    """A sine whose angular frequency rises from low to high."""
+    """A sine whose angular frequency rises linearly from low to high over the duration."""
     rate = (high - low) / duration
     return lambda t: size * jnp.sin(low * t + rate * t**2 / 2)
 
 
 def every(size: float, period: float, length: float) -> Over:
-    """A short pulse in the middle of every period."""
+    """A short pulse of sine-squared shape in the middle of every period."""
 
     def value(t: Any) -> Any:
         s = (jnp.mod(t, period) - (period - length) / 2) / length

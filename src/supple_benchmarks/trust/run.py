@@ -21,9 +21,9 @@ OVER = 1.1
 
 
 def run_trust(quick: bool, folder: Path, announce: Announce) -> Iterator[dict[str, Any]]:
-    """The report, ready for JSON, after every case; its keys must not change.
+    """Yields the report, which `write_json` accepts, after every case; its keys must not change.
 
-    folder : stores full runs and finished cases, which the next run reads
+    folder : folder of full runs and of finished cases; those present are read instead of computed
     """
     report: dict[str, Any] = {"quick": quick, "machine": describe_computer(), "cases": [], "exact_beams": []}
     for case in QUICK if quick else CASES:
@@ -64,7 +64,7 @@ def _stored_or(path: Path, progress: Progress, compute: Callable[[], dict[str, A
 def coverage(cases: Sequence[dict[str, Any]], beams: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:
     """Statistics of the estimates from the second round of a body on, and number of wrong acceptances.
 
-    Estimates without a number, and true errors of exactly zero, are left out; sums include those of `beams`.
+    Missing estimates, and true errors of exactly zero, are left out; the share of sums includes `beams`.
     """
     ratios = []
     for case in cases:

@@ -23,10 +23,10 @@ __all__ = ["TrustCase"]
 class TrustCase:
     """A machine reduced by self-correction.
 
-    name : str              in the report
+    name : str              name in the report
     system : function       creates the machine, with all bodies to be reduced in full
     duration, n_outputs     of the run; the step is the output step by default
-    accuracy : float        target error, relative
+    accuracy : float        allowed error, relative to the size of the motion
     basis, derivatives      starting basis
     """
 
@@ -46,11 +46,11 @@ class TrustCase:
 
     @property
     def run(self) -> Run:
-        """The requested run; its step is reduced if too long."""
+        """The run as requested; `self_correct` shortens its step if the step is too long."""
         output_step = self.duration / self.n_outputs
         return Run(self.duration, output_step, step=self.step or FixedStep(output_step))
 
     @property
     def target(self) -> SelfCorrection:
-        """The allowed error of the sum of all parts."""
+        """The allowed error, for the sum of all parts of the error."""
         return SelfCorrection(relative=self.accuracy, max_rounds=10)

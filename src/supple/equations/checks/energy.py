@@ -30,7 +30,11 @@ _FIELD_NUMBERS = 2**20
 
 
 class Balances(NamedTuple):
-    """Energies (t,) and momenta (t, 3); `total` and momenta of a free conservative system are constant."""
+    """Energies (t,) and momenta (t, 3) of the bodies; the energies of force elements are not included.
+
+    Without damping, loads and prescribed motions `total` is constant; the momenta are constant only without
+    gravity and without joints to the ground.
+    """
 
     kinetic: AnyArray
     strain: AnyArray
@@ -59,7 +63,7 @@ def balances(system: System, solution: Solution) -> Balances:
 
 @singledispatch
 def body_balances(body: BodyForm, _motion: Motion, _gravity: np.ndarray) -> Balances:
-    """Energies and momenta of one body; each method registers those of its form."""
+    """Energies and momenta of one body; ModelError for a form of body without a registered function."""
     raise ModelError(f"body '{body.name}': the energies of a body of kind '{body.kind}' are not available")
 
 

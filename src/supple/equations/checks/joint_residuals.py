@@ -57,7 +57,10 @@ class _Pose(NamedTuple):
 def _with_stations(
     system: System, bodies: Mapping[str, Motion]
 ) -> tuple[System, dict[str, FloatingMotion | _Pose]]:
-    """The system without loads; ends on bodies without a floating frame become bodies of their own."""
+    """The system without loads, and the motions of its bodies by name.
+
+    Each joint end on a body without a floating frame is replaced by a rigid body with the motion of this end.
+    """
     floating = {name: motion for name, motion in bodies.items() if isinstance(motion, FloatingMotion)}
     motions: dict[str, FloatingMotion | _Pose] = dict(floating)
     placed = [each for each in system.bodies if each.body.name in floating]

@@ -4,10 +4,11 @@ A load f(t) over a run of length T is the sum of a straight line between its end
 
     f(t) = f_0 + (f_T - f_0) t / T + sum_k b_k sin(k pi t / T),
 
-and its mean square is that of the line plus, by Parseval, b_k^2 / 2 for every frequency k pi / T. The
-difference from the line vanishes at both ends, so that its coefficients fall as k^-3 where f is smooth: no
-window is needed, and the beginning of a run has the same weight as its middle. The onset of a load at t = 0
-and gravity are not included. The load of a prescribed motion is its acceleration.
+The mean square is taken as that of the line plus, by Parseval, b_k^2 / 2 for every frequency k pi / T; the
+mean product of line and series is omitted. The difference from the line vanishes at both ends, so that its
+coefficients fall as k^-3 where f is smooth: no window is needed, and the beginning of a run has the same
+weight as its middle. The onset of a load at t = 0 and gravity are not included. The load of a prescribed
+motion is its acceleration.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ __all__ = ["BandCoverage", "LoadSpectrum", "band_coverage", "load_spectra", "war
 SHARE = 0.999
 """Share of a load's mean square within its band."""
 SAME = 1.05
-"""Largest ratio of the frequencies of one mode in the reduced and in the full body."""
+"""Ratio of a frequency of the reduced body to one of the full body, up to which both are of the same mode."""
 MOST_MODES = 200
 MOST_SAMPLES = 20_000
 FEW, SAMPLES = 33, 257
@@ -89,7 +90,7 @@ class BandCoverage:
 def load_spectra(system: System, times: np.ndarray) -> tuple[LoadSpectrum, ...]:
     """Spectra of all loads and prescribed motions that vary over a run.
 
-    times : (t,)    s, evenly spaced, t >= 3; frequencies beyond half their rate are not resolved
+    times : (t,)    evenly spaced, t >= 3; frequencies above half the sampling rate are not resolved
     Raises ModelError for other times.
     """
     steps = np.diff(times)
@@ -128,7 +129,7 @@ def _spectrum(label: str, history: np.ndarray, times: np.ndarray) -> LoadSpectru
 def band_coverage(
     spectra: Sequence[LoadSpectrum], kept: np.ndarray, of_body: np.ndarray
 ) -> BandCoverage | None:
-    """Compare the band of the loads with the modes of a body and of its reduced form; None without loads.
+    """Compare the band of the loads with the modes of a body and of its reduced form; None without spectra.
 
     kept : (r,)         rad/s, ascending, of the reduced body in its frame
     of_body : (m,)      rad/s, ascending, of the full body in the same frame, up to the band or beyond
@@ -160,7 +161,9 @@ def warn_of_missing_modes(
     reduced: ReducedBody,
     units: UnitSystem = UNNAMED,
 ) -> BandCoverage | None:
-    """Warn of loads that excite modes of a body missing from its reduced form.
+    """Warn of loads that excite modes of a body missing from its reduced form; returns the comparison.
+
+    None is returned if all loads are constant or nearly constant over the run.
 
     system : System     with its loads and prescribed motions
     times : (t,)        of the run, evenly spaced
@@ -195,7 +198,7 @@ def _thinned(times: np.ndarray) -> np.ndarray:
 
 
 def _frequencies(body: FlexibleBody, frame: Frame, band: float, at_least: int) -> np.ndarray:
-    """Lowest frequencies of the full body in its frame, beyond the band unless there are too many."""
+    """Lowest frequencies of the full body in its frame, the last one above the band; at most MOST_MODES."""
     constraint = frame.constraint(body)
     most = min(body.n - len(constraint), MOST_MODES)
     n = min(at_least, most)

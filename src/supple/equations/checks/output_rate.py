@@ -5,9 +5,10 @@ With D the central difference of outputs at intervals H, the signal
 
     u = v - D q,        du/dt = a - D v
 
-contains a vibration of frequency w with the factor 1 - sin(w H) / (w H): nearly zero for dense outputs,
-nearly one beyond their limit, w H = pi. The root mean squares of u and du/dt give the frequency of the
-unresolved vibration, |du/dt| / |u|, and its amplitude, |u| / (w - sin(w H) / H).
+contains the velocity of a vibration of frequency w with the factor 1 - sin(w H) / (w H). The factor is near
+zero for w H << pi, and near one above w H = pi, the limit of what outputs resolve. With root mean squares
+|u| and |du/dt|, the unresolved vibration has the frequency w = |du/dt| / |u| and the amplitude
+|u| / (w - sin(w H) / H).
 """
 
 from __future__ import annotations
@@ -26,21 +27,26 @@ from supple.machine import System
 __all__ = ["UnresolvedVibration", "hidden_vibration", "report_output_rate"]
 
 SHARE = 0.1
-"""Smallest reported vibration, relative to the motion."""
+"""Smallest reported root mean square of a vibration, over that of the motion about its mean."""
 NEGLIGIBLE = 1e-6
-"""Smallest reported amplitude, relative to the machine's size."""
+"""Smallest reported root mean square of a vibration, over the machine's size; for coordinates, over those of
+a displacement of this size."""
 WINDOWS = 8
 SHORTEST = 32
-"""Fewest output times of a window; windows are used to detect vibrations that decay."""
+"""Largest number of windows of a run, and fewest output times of each if there are several. Windows are used
+to detect vibrations that decay."""
 MOST_COLUMNS = 32
 PER_PERIOD = 10
 FEWEST = 10
-"""Number of output times below which no check is made: they are single times of interest, not a curve."""
+"""With fewer output times no check is made: they are single times of interest, not a curve."""
 
 
 @dataclass(frozen=True)
 class UnresolvedVibration:
-    """A vibration that output times do not resolve: frequency, rad/s, and share of the whole motion."""
+    """A vibration that output times do not resolve: frequency (rad/s), share and amplitude.
+
+    The share is the amplitude over the root mean square of the motion about its mean.
+    """
 
     frequency: float
     share: float
@@ -51,7 +57,10 @@ class UnresolvedVibration:
 def hidden_vibration(
     positions: np.ndarray, velocities: np.ndarray, accelerations: np.ndarray, output_step: float
 ) -> UnresolvedVibration:
-    """The unresolved vibration of a motion (t, m) at evenly spaced output times, in the worst window."""
+    """The unresolved vibration of a motion (t, m) at evenly spaced output times; zeros without one.
+
+    Of the vibrations in all windows, it is the one with the largest amplitude.
+    """
     n = len(positions)
     found = UnresolvedVibration(0.0, 0.0, 0.0)
     if n < FEWEST:

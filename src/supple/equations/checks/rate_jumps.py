@@ -17,9 +17,11 @@ from supple.machine.laws.sampled_law import N_SAMPLES, Jumps, jumps, law_samples
 __all__ = ["RateJump", "rate_jumps", "warn_of_rate_jumps"]
 
 SPEED, ACCELERATION = 1e-6, 1e-3
-"""Smallest jumps, over the range of the motion or the largest speed, and over the largest acceleration."""
+"""Smallest reported jumps: SPEED is that of the motion over its range, and that of the speed over the largest
+speed; ACCELERATION is that of the acceleration over the largest acceleration."""
 BESIDE = 1e-7
-"""Relative to the shortest scale of a law: distance of the samples before and after a possible jump."""
+"""Distance of the samples before and after a possible jump of a `KnownLaw`, over the shortest time scale of
+the law."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,10 @@ class RateJump:
 
 
 def rate_jumps(law: TimeLaw, begin: float, end: float) -> tuple[list[RateJump], float, float]:
-    """Jumps of a scalar law between two times, and its largest speed and acceleration there."""
+    """Jumps of a scalar law between two times, its largest speed, and its largest acceleration.
+
+    No jumps are returned for a law with values that are not finite.
+    """
     times = np.linspace(begin, end, N_SAMPLES + 1)
 
     def of_times(at: np.ndarray) -> np.ndarray:
@@ -68,7 +73,10 @@ def rate_jumps(law: TimeLaw, begin: float, end: float) -> tuple[list[RateJump], 
 
 
 def warn_of_rate_jumps(system: System, run: Run) -> set[str]:
-    """Warn (ResolutionWarning) of joints whose prescribed motion jumps in the run; returns their names."""
+    """Warn (ResolutionWarning) of joints whose prescribed motion jumps in the run; returns their names.
+
+    Raises ValidityError instead in a strict run.
+    """
     begin, end = float(run.times[0]), float(run.times[-1])
     named = set()
     for joint in system.joints:

@@ -13,14 +13,16 @@ from supple.machine import System
 __all__ = ["check_redundant_joints"]
 
 OPEN = 1e-4
-"""Largest residual of an omitted equation, relative to the system's size or in rad; redundant equations have
-far smaller ones."""
+"""Residual of an omitted equation, over the system's size or in rad, above which the equation counts as
+violated; the residuals of redundant equations are far smaller."""
 
 
 def check_redundant_joints(system: System, leg: Solution) -> None:
     """Raise AccuracyError for a joint that is violated because its equations were left out.
 
     Such an equation depended on others at the start of the run, but no longer does.
+
+    leg : a part of the run
     """
     n_equations = system.n_constraints
     kept = leg.engine_state.get("active")

@@ -16,7 +16,10 @@ ROUNDING = 1e-9
 
 
 def report_start(change: StartChange, validity: Validity) -> None:
-    """Warn (StartWarning) of open joints, velocities that joints do not allow, and deformation rates."""
+    """Warn (StartWarning) of open joints, velocities that joints do not allow, and deformation rates.
+
+    Raises ValidityError instead in a strict run.
+    """
     if change.open:
         worst = change.open[0]
         others = _others(change.open[1:])

@@ -9,13 +9,16 @@ from supple.integrate import FixedStep, Run, Statistics
 __all__ = ["report_step_length"]
 
 LARGEST_ERROR = 1e-2
-"""Largest local error of a step without a warning, as `AdaptiveStep` measures it."""
+"""Largest local error of a step without a warning, as defined for `AdaptiveStep`."""
 LARGEST_TURN = 0.5
 """rad, largest rotation of a body within a step without a warning."""
 
 
 def report_step_length(statistics: Statistics, run: Run) -> None:
-    """Warn (ResolutionWarning) of a fixed step with a large local error, or a large rotation of a body."""
+    """Warn (ResolutionWarning) of a fixed step with a large local error, or a large rotation of a body.
+
+    Raises ValidityError instead in a strict run.
+    """
     step = run.step_control
     if not isinstance(step, FixedStep):
         return

@@ -3,7 +3,7 @@
 A step evaluates a load at its two ends. The error of the linear interpolation between steps is found by
 evaluating the load also within the steps: at uneven times, and at the instants of the law (given, or found by
 sampling). A sine of n steps a period has an error of (2 pi / n)^2 / 8 of its amplitude; for n < 2 the error
-is the whole amplitude. A load that jumps at the end of a step is resolved as well as possible. The load of a
+is the whole amplitude. A jump at the start or the end of a step does not count as an error. The load of a
 prescribed motion is its acceleration.
 """
 
@@ -27,20 +27,21 @@ from supple.machine.laws.sampled_law import MOST_NUMBERS, law_samples
 __all__ = ["UnresolvedShare", "fixed_step", "jumps_in_steps", "missed_between_steps", "warn_of_missed_loads"]
 
 MISSED = 0.2
-"""Allowed error within a step, relative to the largest load; five steps a period of a sine."""
+"""Largest error within a step without a warning, over the largest load; a sine of five steps a period has
+this error."""
 MOST_STEPS = 2**13
-"""Number of steps checked, spread over the run."""
+"""Largest number of steps checked, spread over the run; as many with an instant are checked in addition."""
 WITHIN = np.array([0.5, 0.07, 0.21, 0.37, 0.62, 0.78, 0.91])
 """Sampling points within a step; uneven, because a periodic load may vanish at evenly spaced points."""
 BESIDE, JUMPS = 0.1, 0.3
 """A change of JUMPS times the largest load within BESIDE steps before and after an instant is a jump."""
 NEAR = 1e-6
-"""Relative to a step: distance of the samples before and after an instant."""
+"""Distance of the samples before and after an instant, over the step."""
 
 
 @dataclass(frozen=True)
 class UnresolvedShare:
-    """Largest interpolation error within a step, over the largest value, and the time of the step."""
+    """Largest interpolation error within a step, over the largest value, and the time at which it starts."""
 
     share: float
     time: float
@@ -55,6 +56,7 @@ def fixed_step(run: Run) -> float:
 def jumps_in_steps(system: System, run: Run) -> bool:
     """Whether a load, or the acceleration of a prescribed motion, jumps within a fixed step or at its end.
 
+    False for adaptive steps.
     A step replaces the jump by a straight line, as if the jump were up to half a step earlier or later.
     """
     if not isinstance(run.step_control, FixedStep):
@@ -116,7 +118,9 @@ def missed_between_steps(
 
 
 def warn_of_missed_loads(system: System, run: Run, *, besides: Collection[str] = ()) -> None:
-    """Warn (ResolutionWarning) of each load and prescribed motion that varies within fixed steps.
+    """Warn (ResolutionWarning) of each load and prescribed motion that fixed steps do not resolve.
+
+    Raises ValidityError instead in a strict run.
 
     besides : names of joints for which another warning was given
     """
@@ -152,7 +156,7 @@ def _warn(what: str, law: Any, run: Run, *, of_motion: bool) -> None:
 
 
 def _hardly_accelerated(law: Any, begin: float, end: float, step: float) -> bool:
-    """Whether the speed of a motion changes within a step by rounding only."""
+    """Whether the change of a motion's speed within a step is at most rounding."""
     times = np.linspace(begin, end, 257)
     _, fastest, hardest = (np.abs(each).max() for each in law_samples(law, times, order=2))
     return bool(hardest * step <= 1e-9 * fastest)

@@ -1,8 +1,9 @@
 """Check, during every run, that the motion is within the limits of the kinematics.
 
 Three limits are checked. A body without nonlinear terms has no geometric stiffness: at an angular velocity
-near its lowest frequency its deflection is too large, and beyond that it diverges. The same holds for a body
-whose condensed motion has no inertia, if the missing centrifugal stiffness is a large part of its stiffness.
+near its lowest frequency its deflection is too large, and above this frequency the deflection diverges. The
+deflection is also too large in a body whose condensed motion has no inertia, if the missing centrifugal
+stiffness is a large part of the body's stiffness.
 Rotations beyond the range for which the body's strains were derived (about 0.3 rad where curvatures enter
 linearly, 0.1 rad where all displacements do) make the strains themselves wrong. Averaging interfaces on soft
 sections change deflections if the sections rotate relative to the frame.
@@ -104,7 +105,7 @@ class ValidityMonitor:
         }
 
     def observe(self, so_far: Mapping[str, Peaks], chunk: Solution) -> dict[str, Peaks]:
-        """The peaks including those of a new chunk; ValidityError at once in a strict run."""
+        """The peaks including those of a new chunk; in a strict run ValidityError at an exceeded limit."""
         new = self.peaks(chunk)
         merged = {name: so_far.get(name, Peaks()).merged(peak) for name, peak in new.items()}
         if self.validity.strict:

@@ -16,7 +16,7 @@ __all__ = ["LONGEST", "TOKEN", "SeparateFunctions", "runs_of_statements"]
 LONGEST = 3000
 """Largest number of lines of a block that is not divided."""
 _LINES = 300
-"""Number of lines of a part; a longer statement is a part by itself."""
+"""Largest number of lines of a part; a longer statement is a part by itself."""
 
 TOKEN = re.compile(r"@(\d+)@")
 """Placeholder of a variable that has no name yet."""
@@ -26,7 +26,7 @@ def runs_of_statements(lines: Sequence[int], fixed: set[int]) -> list[range]:
     """Runs of consecutive statements for the parts of a block, in order.
 
     lines : number of lines of each statement
-    fixed : statements that leave a loop, which no function can; each is a run by itself
+    fixed : indices of statements that leave a loop, which a function cannot do; each is a run by itself
     """
     starts, total = [0], lines[0]
     for place in range(1, len(lines)):
@@ -57,7 +57,8 @@ class SeparateFunctions:
     def call(self, body: str) -> str:
         """Add a function with this body; returns the statement that calls it.
 
-        A comment in the statement names the shared variables, whose storage is in use there.
+        A comment in the statement names the shared variables that the function uses, so that the statement
+        counts as a use of their storage.
         """
         read = sorted({int(number) for number in TOKEN.findall(body)})
         self.shared |= set(read)

@@ -57,7 +57,7 @@ class Compiler:
 
 
 def compilers_of(platforms: tuple[Platform, ...], fmi: int) -> tuple[Compiler, ...]:
-    """Compilers for the given platforms that a version of FMI defines; by default, that of this computer.
+    """Compilers for those of the given platforms that a version of FMI defines; by default for this computer.
 
     Raises ModelError: no compiler for this computer, or no cross-compiler for the given platforms.
     """

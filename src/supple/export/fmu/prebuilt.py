@@ -27,7 +27,7 @@ def prebuilt_path(sources: Mapping[str, str], platform: Platform, fmi: int) -> s
 def prebuilt_libraries(
     sources: Mapping[str, str], fmi: int, platforms: tuple[Platform, ...]
 ) -> list[tuple[Platform, bytes]]:
-    """Libraries for the given platforms, or none if any of these is missing; by default all that exist."""
+    """Libraries for the given platforms, none if one is missing; by default all prebuilt libraries."""
     wanted = [each for each in platforms or EVERY_PLATFORM if fmi in each.folders]
     files = [(each, FOLDER.joinpath(prebuilt_path(sources, each, fmi))) for each in wanted]
     found = [(each, file.read_bytes()) for each, file in files if file.is_file()]

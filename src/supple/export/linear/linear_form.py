@@ -29,7 +29,7 @@ __all__ = ["LinearForm", "linear_form"]
 
 Array = np.ndarray
 _SMALL = 0.1
-"""Largest allowed relative difference between linear and nonlinear accelerations at the start."""
+"""Largest relative difference of linear and nonlinear accelerations at the start; above it, ModelError."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,12 +71,13 @@ def linear_form(
 ) -> LinearForm:
     """The linear form of a machine of rigid and reduced bodies about its equilibrium.
 
-        M y'' + C y' + K y = N^T f_u u + H z,   p = N y,   G^T l = -(M p'' + C p' + K p - f_u u - H z)
+        N^T (M p'' + C p' + K p) = N^T (f_u u + H z),   p = N y,   G^T l = -(M p'' + C p' + K p - f_u u - H z)
 
-    N spans the motions that the joints allow. The state is x = (e, e', z), where y = V e with the undamped
-    modes V, and z are the states of the controllers. The states are scaled by powers of two to balance the
-    rows and columns of A. Outputs are linear in p, p', p'', in the joint forces l and in the inputs u.
-    Arguments are those of `step_program`.
+    p is the small motion of the bodies, l the change of the joint forces, u the change of the inputs, f_u the
+    loads per unit input, and H the forces per unit state z of the controllers. N spans the motions that the
+    joints allow. The state is x = (e, e', z), where y = V e with the undamped modes V. The states are scaled
+    by powers of two to balance the rows and columns of A. Outputs are linear in p, p', p'', in the joint
+    forces l and in the inputs u. Arguments are those of `step_program`.
 
     Raises
     ------
@@ -177,8 +178,9 @@ def _start(
 ) -> tuple[Array, float]:
     """States (m,) at the start, and the relative difference between linear and nonlinear accelerations there.
 
-    The norm is that of the kinetic energy. Accelerations that are rounding errors of the balanced forces are
-    neglected.
+    The norm is that of the kinetic energy. The reference is the norm of the nonlinear accelerations, but at
+    least 1e-6 of the norm of the accelerations that joint forces and states cause alone, so that rounding
+    errors do not count.
     """
     axes = in_turning_axes(rest.model, rest.configuration)
     apart = _apart(rest, begun)

@@ -23,7 +23,7 @@ Array = np.ndarray
 _INSTANTS = 101
 """Number of times at which loads are compared."""
 _ROUNDING = 1e-9
-"""Largest change that counts as rounding, as a fraction of the largest entry."""
+"""Largest change that counts as rounding, as a fraction of the largest entry of the same array."""
 
 
 class MotionChanges(NamedTuple):
@@ -111,7 +111,7 @@ def small_motions(
 
 
 def varies_in_time(rest: CompiledStart, begin: float, end: float) -> bool:
-    """Whether forces, joints or controllers of a machine at rest vary between two times."""
+    """Whether forces, joints or controllers of a machine at rest differ at 101 evenly spaced times."""
 
     def terms(time: Any) -> tuple[Any, ...]:
         motion = _at_rest(rest, time)

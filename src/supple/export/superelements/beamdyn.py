@@ -21,7 +21,7 @@ __all__ = ["write_beamdyn"]
 Array = NDArray[np.float64]
 
 _LARGEST_TILT = 0.02
-"""Largest angle between a section's normal and BeamDyn's curve through the key points, rad."""
+"""Largest angle between a section's normal and BeamDyn's curve, rad; a larger angle is a ModelError."""
 
 _ORDER = 5
 

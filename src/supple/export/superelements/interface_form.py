@@ -36,7 +36,7 @@ __all__ = ["InterfaceForm", "interface_form"]
 Array = NDArray[np.float64]
 
 INDEPENDENT = 1e-8
-"""Smallest singular value of independent interface motions, as a fraction of the largest."""
+"""Smallest singular value of independent interface motions, relative to the largest; below it, ModelError."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,9 +86,9 @@ class InterfaceForm:
         return bool(np.any(self.damping))
 
     def frequencies(self, held: Collection[str] = ()) -> Array:
-        """Natural frequencies with some interfaces clamped, cycles per unit of time, ascending.
+        """Natural frequencies with the interfaces `held` clamped, cycles per unit of time, ascending.
 
-        Without clamped interfaces, the six zero frequencies of rigid motion are left out.
+        If none is clamped, the six zero frequencies of rigid motion are left out.
 
         Raises ModelError for an unknown interface.
         """

@@ -89,7 +89,7 @@ def _group(number: int, words: str, rows: list[str]) -> list[str]:
 
 
 def _rows(values: ArrayLike | list[Array]) -> list[str]:
-    """One line per row; integers as such, other numbers with 17 digits."""
+    """One line per row; integers without a decimal point, other numbers with 17 digits."""
     return [
         " ".join(str(x) if isinstance(x, np.integer) else f"{x:.16e}" for x in np.atleast_1d(row))
         for row in values  # ty: ignore[not-iterable]

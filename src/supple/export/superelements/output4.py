@@ -23,7 +23,7 @@ _LONGEST_NAME = 8
 
 
 def write_output4(path: Path | str, matrices: Mapping[str, ArrayLike]) -> Path:
-    """Write square matrices (n, n) under their names; returns the path.
+    """Write square matrices (n, n) under their names in capitals; returns the path.
 
     Raises
     ------

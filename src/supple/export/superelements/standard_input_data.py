@@ -45,7 +45,7 @@ INERTIA = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])
 """Rows and columns of the inertia tensor, in the order of J."""
 
 _ZERO, _FULL = 0, 3
-"""Structure codes of a matrix. Symmetric matrices are written in full: not all readers mirror them."""
+"""Structure codes: zero and full. Symmetric matrices are written in full: not all readers mirror them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,8 @@ class TaylorSeries:
 class StandardInputData:
     """The blocks of a body by their names in the file, and the frames of its interfaces.
 
-    mass : float;   blocks : mdCM (3, 1), J (6, 1), Ct (r, 3), Cr (r, 3), Me (r, r), Gr (3, 3 r), Ge (r, 3 r),
+    mass : float;   frequencies : (r,) of the body in its frame, cycles per unit of time
+    blocks : mdCM (3, 1), J (6, 1), Ct (r, 3), Cr (r, 3), Me (r, r), Gr (3, 3 r), Ge (r, 3 r),
     Oe (r, 6), Ke (r, r), De (r, r)
     frames : by interface, origin (3, 1), phi (3, r), psi (3, r), AP (3, 3)
     """

@@ -1,4 +1,4 @@
-"""Frequencies of an exported body, with which those of the importing program can be compared."""
+"""Natural frequencies of an exported body, as a reference for the program that imports it."""
 
 from __future__ import annotations
 

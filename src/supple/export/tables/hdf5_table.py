@@ -15,7 +15,7 @@ def write_hdf5(path: Path, readings: Readings, units: UnitSystem) -> None:
     """Write `time` (t,), and for each sensor its values (t, c) with channels, units and axes as attributes.
 
     For a sensor at nodes, `NAME.nodes` (t, c) has the ids of the nodes. The attributes `nodes` (c,) and
-    `points` (c, 3) are the node and the position of the largest magnitude of each channel.
+    `points` (c, 3) are the id and the position of the node at which each channel has its largest magnitude.
     """
     times = readings.columns(units).times
     # Built in memory, because a failed write crashes HDF5: see storage/disk_space.

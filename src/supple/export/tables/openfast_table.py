@@ -61,7 +61,7 @@ def _write_packed(file: BinaryIO, values: Array, scales: NDArray, offsets: NDArr
 
 
 def _equal_steps(times: Array) -> tuple[float, float]:
-    """The first time and the step."""
+    """The first time and the step; ModelError for times that are not equally spaced."""
     if len(times) == 1:
         return float(times[0]), 0.0
     step = (times[-1] - times[0]) / (len(times) - 1)
@@ -74,7 +74,7 @@ def _equal_steps(times: Array) -> tuple[float, float]:
 
 
 def _packing(columns: Columns) -> tuple[NDArray, NDArray]:
-    """Single-precision scale and offset (c,) of each column."""
+    """Single-precision scale and offset (c,) of each column; ModelError for numbers that are not finite."""
     values = columns.values
     finite = np.isfinite(values).all(axis=0)
     if not finite.all():

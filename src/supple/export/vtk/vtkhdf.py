@@ -68,7 +68,7 @@ def write_vtkhdf(
     elements : finite element models of these bodies, by name, to write their von Mises stress too
     bodies : names of the bodies to write, without joints; by default all bodies and joints
     bases : by body, the interface relative to which its deflection is written; by default its first interface
-    units : units of the model, for the names of the fields
+    units : units of the model, for the names of the fields and the unit of stress
 
     Raises
     ------

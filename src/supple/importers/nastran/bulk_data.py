@@ -32,7 +32,7 @@ _REPEATS = re.compile(r"=\s*\(?\s*([0-9]+)\s*\)?$")
 _GROWS = re.compile(r"\*\s*\(?\s*([^()]+?)\s*\)?$")
 
 MOST_REPETITIONS = 10**6
-"""Largest number of repetitions of one card by `=n`."""
+"""Largest number n of a replication `=n`; a larger n is an ImportFormatError."""
 
 RawLine = tuple[Path, int, str]
 
@@ -40,7 +40,8 @@ RawLine = tuple[Path, int, str]
 class BulkCard(NamedTuple):
     """A card with its data fields as written: `fields[0]` is Nastran's field 2; a row has eight data fields.
 
-    A blank field is an empty string; fields beyond the last written one count as blank.
+    A blank field is an empty string; fields beyond the last written one count as blank. In the methods,
+    `place` is an index in `fields`, and `what` is the name of the field for messages.
     """
 
     name: str
@@ -49,15 +50,18 @@ class BulkCard(NamedTuple):
     line: int
 
     def error(self, message: str) -> ImportFormatError:
-        """The error for a mistake on this card: file, line, card, what is wrong."""
+        """ImportFormatError whose message has file, line and name of this card, then `message`."""
         return ImportFormatError(f"{self.path}, line {self.line}: {self.name}: {message}")
 
     def word(self, place: int) -> str:
-        """Field as written, in upper case; empty if blank."""
+        """The field in upper case; an empty string if it is blank."""
         return self.fields[place].upper() if place < len(self.fields) else ""
 
     def integer(self, place: int, what: str, default: int | None = None) -> int:
-        """Field as an integer; `default` if it is blank; ImportFormatError if blank without a default."""
+        """The field as an integer; `default` if it is blank.
+
+        ImportFormatError if it is not an integer of 64 bits, or blank without a default.
+        """
         word = self.word(place)
         if not word:
             if default is None:
@@ -72,7 +76,10 @@ class BulkCard(NamedTuple):
             ) from None
 
     def real(self, place: int, what: str, default: float | None = None) -> float:
-        """Field as a number; `default` if it is blank; ImportFormatError if blank without a default."""
+        """The field as a number; `default` if it is blank.
+
+        ImportFormatError if it is not a number, or blank without a default.
+        """
         word = self.word(place)
         if not word:
             if default is None:
@@ -90,20 +97,21 @@ class BulkCard(NamedTuple):
         return not any(self.fields[start:stop])
 
     def same_as(self, other: BulkCard) -> bool:
-        """Whether another card is equal: 1. and 1.0 are equal, trailing blank fields are ignored."""
+        """Whether another card has equal name and fields: 1. and 1.0 are equal, trailing blanks ignored."""
         return self.name == other.name and _content(self.fields) == _content(other.fields)
 
     def _field(self, place: int) -> int:
-        """Nastran's number of the field on its own row: 2 to 9."""
+        """Nastran's number, 2 to 9, of the field in its row."""
         return place % 8 + 2
 
 
 @dataclass(frozen=True)
 class BulkFile:
-    """All cards of a file and its included files, in order.
+    """Cards of a file and of the files that it includes, in order.
 
     above : lines of executive and case control, above the cards
-    parts : {kind and name: cards} after BEGIN SUPER = 1 and similar lines
+    cards : those of the main bulk data
+    parts : {(kind, name): its cards}; BEGIN SUPER = 1 starts the part ("SUPER", "1")
     ended : whether the file has ENDDATA, which Nastran requires
     """
 
@@ -115,7 +123,7 @@ class BulkFile:
 
     @cached_property
     def by_name(self) -> dict[str, list[BulkCard]]:
-        """Cards of each name."""
+        """Cards by name, in the order of the file."""
         found: dict[str, list[BulkCard]] = {}
         for card in self.cards:
             found.setdefault(card.name, []).append(card)
@@ -183,20 +191,21 @@ def _quick_real(word: str) -> float:
 
 
 def read_bulk_data(path: str | Path, absent: list[BulkCard] | None = None) -> BulkFile:
-    """Cards of a Nastran file: from BEGIN BULK to ENDDATA, or the whole file without these lines.
+    """Cards of a Nastran file from BEGIN BULK to ENDDATA; without BEGIN BULK, from the first line.
 
-    A PARAM may also precede BEGIN BULK, within case control. Lines after ENDDATA are not read.
+    A PARAM with commas may also stand above BEGIN BULK, in case control. Lines after ENDDATA are not read.
 
     Small fields (8 columns), large fields (16, NAME*), free fields (commas), tabs, comments, INCLUDE and
-    replication (=, ==, *(x), =n) are supported. A continuation directly follows its line, or has the label
-    of its line and stands anywhere.
+    replication (=, ==, *(x), =n) are supported. A continuation directly follows the line that it continues;
+    with the label of this line, it may stand anywhere.
 
-    absent : collects INCLUDE lines of missing files; if None, missing files are errors
+    absent : list to which INCLUDE lines of missing files are added; if None, missing files are errors.
+             Missing files that executive and case control include are ignored
 
     Raises
     ------
-    ImportFormatError   missing or binary file, or one that includes itself; lines that are no cards;
-                        continuations of no card
+    ImportFormatError   missing or binary file, or one that includes itself; lines that are not cards;
+                        continuations and replications without a card
     """
     path = Path(path)
     above, sections, ended = _sections(path, absent)
@@ -211,7 +220,7 @@ def read_bulk_data(path: str | Path, absent: list[BulkCard] | None = None) -> Bu
 
 @dataclass(eq=False)
 class _Piece:
-    """A card, or rows that continue another one by their `label`; `announces` : label of the next rows."""
+    """A card, or rows with a `label` that continue another piece; `announces` : label of the next row."""
 
     name: str
     fields: list[str]
@@ -237,7 +246,7 @@ def _cards(lines: Sequence[RawLine]) -> list[BulkCard]:
         announces = last[1:].strip().upper()
         starts = first and first[0] not in "+*"
         if first[:1].isdigit() and piece is not None and has_no_effect(piece.name):
-            continue  # a list that continues without a mark
+            continue  # a list that continues without a continuation mark
         if (
             last
             and last[0] not in "+*"
@@ -294,7 +303,7 @@ def _append(piece: _Piece, file: Path, number: int, data: list[str]) -> None:
 
 
 def _replicated(pieces: list[_Piece]) -> list[BulkCard]:
-    """Cards including those repeated by `=`."""
+    """Cards, with those that `=` repeats."""
     cards: list[BulkCard] = []
     pattern: list[str] = []
     for piece in pieces:
@@ -380,13 +389,13 @@ def _split(file: Path, number: int, text: str) -> tuple[str, list[str], str]:
     else:
         data = [text[i : i + 8].strip() for i in range(8, min(len(text), 72), 8)]
         data += [""] * (8 - len(data))
-    # A label in column 73 may lack its '+'; the continuation then has '+' as its first character.
+    # A label in column 73 may lack its '+'; the continuation has '+' in place of the first character.
     label = text[72:80].strip()
     return first, data, label and f"+{label[1:]}"
 
 
 def _is_free(text: str) -> bool:
-    """Whether commas separate the fields of a line; they may also be part of an equation's text."""
+    """Whether commas separate the fields of a line; the text of an equation may also contain commas."""
     name = _name_of(text)
     return "," in text[:10] or text[0] in "+*" or (name != "" and not has_no_effect(name))
 
@@ -399,7 +408,7 @@ def _name_of(text: str) -> str:
 def _sections(
     path: Path, absent: list[BulkCard] | None
 ) -> tuple[list[RawLine], list[tuple[str, str, list[RawLine]]], bool]:
-    """Lines above the cards; lines of cards by kind and name of their part; whether ENDDATA ends them."""
+    """Lines above the cards; kind, name and lines of each section of cards; whether the file has ENDDATA."""
     inclusions = Inclusions("export the model as text (.bdf)")
     lines = _expanded(path, path.parent, inclusions.lines(path), inclusions, absent, 0)
     last = next((i for i, (_, _, text) in enumerate(lines) if _END.match(text)), len(lines))
@@ -445,7 +454,7 @@ def _expanded(
             name += more.strip()
         target = included_file(name.strip("'\" "), path.parent, main)
         if not is_file(target) and any(_BEGIN.match(later) for later in read[number:]):
-            continue  # executive or case control
+            continue  # a missing file of executive or case control
         if absent is not None and not is_file(target):
             absent.append(BulkCard("INCLUDE", (str(target),), path, number))
             continue

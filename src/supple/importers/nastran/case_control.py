@@ -20,10 +20,10 @@ _OF_THE_BODY = ("SPC", "MPC", "NSM", "K2GG", "M2GG", "B2GG", "K2PP", "M2PP", "B2
 class CaseControl:
     """Selections of case control, of the first subcase if there are several.
 
-    present : whether the file has case control
+    present : whether the file has case control: CEND, or a command that is read
     chosen  : {command: value as written, in upper case}
     varied  : commands with another selection in a later subcase
-    temperature : the set of temperatures for materials; empty without one
+    temperature : id of the first temperature set for materials; an empty string without one
     """
 
     present: bool
@@ -32,7 +32,7 @@ class CaseControl:
     temperature: str = ""
 
     def number(self, command: str) -> int | None:
-        """The set of a command; None without one."""
+        """Id of the set that a command selects; None if it selects none, or a value that is no id."""
         word = self.chosen.get(command, "")
         return int(word) if is_plain_digits(word) else None
 

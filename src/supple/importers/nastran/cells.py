@@ -25,9 +25,10 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class _Solid:
-    """Number of corners of a solid, its linear and quadratic cell, and the card's field of each node.
+    """A solid element: number of its corners, linear cell type, quadratic cell type.
 
-    edges : the two corners beside each middle node, in the order of the card
+    order : for each node of the quadratic cell type, its position (from 0) among the nodes of the card
+    edges : the two corners of the edge of each middle node, in the order of the card
     """
 
     corners: int
@@ -37,7 +38,7 @@ class _Solid:
     edges: tuple[tuple[int, int], ...]
 
 
-# Nastran lists middle nodes bottom, upright, top; a CellType bottom, top, upright.
+# Nastran lists the middle nodes of bottom, upright, then top edges; a CellType of bottom, top, then upright.
 _SOLIDS = {
     "CTETRA": _Solid(
         4,
@@ -77,7 +78,10 @@ SOLID_PROPERTY_CARDS = ("PSOLID", "PCOMPS")
 
 @dataclass(frozen=True)
 class _Shell:
-    """Corners of a shell, whether it has middle nodes, and its fields for angle, offset, flag, thickness."""
+    """A shell element: number of its corners, whether it has middle nodes, indices in `BulkCard.fields`.
+
+    angle : of THETA or MCID;  offset : of ZOFFS;  flag : of TFLAG;  thickness : of T1
+    """
 
     corners: int
     middles: bool
@@ -99,7 +103,10 @@ SHELL_CARDS = tuple(_SHELLS)
 
 
 def grids_named(cards: Sequence[BulkCard], reading: DeckReading, first: int, count: int) -> IntArray:
-    """Numbers (cards, count) of the grids in fields of element cards; an unknown one is an error."""
+    """Numbers (cards, count) of the grids in `count` fields from index `first` on.
+
+    ImportFormatError for a grid that the file does not define.
+    """
     ids = np.stack([integer_column(cards, first + i, f"grid G{i + 1}") for i in range(count)], axis=1)
     nodes, known = reading.grids.lookup(ids)
     if not known.all():
@@ -112,7 +119,7 @@ def grids_named(cards: Sequence[BulkCard], reading: DeckReading, first: int, cou
 
 
 def by_id(cards: Sequence[BulkCard], what: str) -> dict[int, BulkCard]:
-    """Cards by their first field; cards with the same id must be equal."""
+    """Cards by the id in their first field; ImportFormatError if cards with the same id differ."""
     found: dict[int, BulkCard] = {}
     for card in cards:
         number = card.integer(0, f"the {what} id")
@@ -126,10 +133,10 @@ def by_id(cards: Sequence[BulkCard], what: str) -> dict[int, BulkCard]:
 
 
 class Properties:
-    """The properties of elements of one kind, each read once and named by its card.
+    """The properties of elements of one kind, each made once and named after its card.
 
-    If the elements of a card differ in their own data (offset, thickness, added mass), the card gives several
-    properties: pshell_7, pshell_7_2.
+    If the elements of a property card differ in their own data (offset, thickness, added mass), the card
+    gives several properties: pshell_7, pshell_7_2.
     """
 
     def __init__(self, cards: Mapping[int, BulkCard]) -> None:
@@ -139,7 +146,11 @@ class Properties:
         self._counts: dict[int, int] = {}
 
     def name(self, number: int, key: object, make: Callable[[BulkCard], Property | str]) -> tuple[str, str]:
-        """Name of a property and "", or "" and the reason for omitting its elements."""
+        """Name of a property and "", or "" and the reason for omitting its elements.
+
+        number : id of the property card;  key : own data of the elements
+        make : function from the card to the property, or to the reason for its absence
+        """
         known = self._names.get((number, key))
         if known is not None:
             return known, ""
@@ -184,7 +195,7 @@ def read_solids(reading: DeckReading, materials: Materials) -> tuple[list[DeckEl
 
 
 def _solid(card: BulkCard, materials: Materials) -> SolidProperty | str:
-    """PSOLID with its material; PCOMPS if all its plies are of one isotropic material."""
+    """Property of a PSOLID, or of a PCOMPS with one isotropic material; else the reason for its absence."""
     if card.name == "PCOMPS":
         plies = {card.integer(i, "a ply's material") for i in range(9, len(card.fields), 8) if card.word(i)}
         material = materials.of_solid(plies.pop()) if len(plies) == 1 else ""
@@ -238,7 +249,7 @@ _MIRRORED = {
 
 
 def _oriented_outwards(kind: CellType, nodes: IntArray, reading: DeckReading) -> IntArray:
-    """Cells with a base that is right-handed about the direction to the top; Nastran accepts both orders."""
+    """The cells, reordered if the base is left-handed about the direction to the top, as Nastran allows."""
     n = kind.n_corners
     x = reading.positions(nodes[:, :n])
     base = 3 if n in (4, 6) else 4
@@ -264,7 +275,10 @@ def _material_axes(
     reading: DeckReading,
     cards: Sequence[BulkCard],
 ) -> FloatArray | None:
-    """Axes (C, 3, 3) of anisotropic solids, those of CORDM at their middles; None if isotropic or basic."""
+    """Material axes (C, 3, 3) of anisotropic solids: those of CORDM at the mean of the nodes of each.
+
+    None for isotropic solids and for basic axes.
+    """
     if not isinstance(made, SolidProperty) or isinstance(made.material, IsotropicMaterial) or system == 0:
         return None
     if system < 0:
@@ -278,9 +292,10 @@ def _material_axes(
 
 
 class _Middles:
-    """Middle nodes: those of the file, and added ones where an element has none.
+    """Middle nodes of quadratic solids: those of the file, and a new node on each edge without middle node.
 
-    In Nastran a side without middle node moves linearly; an added node follows the mean of the corners.
+    In Nastran displacements are linear along an edge without middle node; the displacement of a new node is
+    the mean of the displacements of its two corners.
     """
 
     def __init__(self, reading: DeckReading) -> None:
@@ -288,7 +303,7 @@ class _Middles:
         self._added: dict[tuple[int, int], tuple[int, int]] = {}
 
     def of(self, cards: Sequence[BulkCard], solid: _Solid, corners: IntArray) -> IntArray:
-        """Middle nodes (C, m) in the order of the card."""
+        """Numbers (C, m) of the middle nodes of the cards, in the order of a card."""
         first, count = 2 + solid.corners, len(solid.edges)
         ids = np.stack([integer_column(cards, first + i, "a middle grid", 0) for i in range(count)], axis=1)
         nodes, known = self._reading.grids.lookup(ids)
@@ -308,7 +323,7 @@ class _Middles:
         return nodes
 
     def tie(self) -> None:
-        """The constraints  u_middle = (u_a + u_b) / 2  of all added nodes."""
+        """Add the constraints  u_middle = (u_a + u_b) / 2  of all new nodes."""
         for (a, b), (middle, line) in self._added.items():
             for i in range(3):
                 terms = [(6 * middle + i, 1.0), (6 * a + i, -0.5), (6 * b + i, -0.5)]
@@ -356,11 +371,14 @@ def read_shells(
 _PLAIN = WallOptions()
 
 FLAT = 1e-12
-"""Smallest difference of areas, relative to the area of a quadrilateral, that counts as warp."""
+"""Relative difference between the mean-plane area of a quadrilateral and the area of its two triangles.
+
+Above it, the mass of the triangles is scaled to the mean-plane area; below it, the two areas count as equal.
+"""
 
 
 def _wall_options(card: BulkCard, shell: _Shell, added: float) -> WallOptions | None:
-    """The wall data of an element; None without such data, as for most elements."""
+    """Thicknesses, offset and added mass of an element; None if it has none of these, as most elements."""
     blank = card.is_blank(shell.thickness, shell.thickness + shell.corners)
     if blank and not added and card.is_blank(shell.offset, shell.offset + 1):
         return None
@@ -414,7 +432,10 @@ def _mass_share(positions: FloatArray, corners: IntArray) -> FloatArray:
 def _triangles_with_middles(
     shell: _Shell, cards: Sequence[BulkCard], corners: IntArray, reading: DeckReading
 ) -> tuple[IntArray, IntArray]:
-    """Triangles of quadratic shells: one at each corner, then those between the middle nodes."""
+    """Triangles (T, 3) of quadratic shells, and the number (T,) of the card of each.
+
+    A triangle at each corner between two middle nodes, then triangles of the polygon that remains.
+    """
     triangles: list[list[int]] = []
     of_card: list[int] = []
     n = shell.corners
@@ -442,7 +463,10 @@ def _triangles_with_middles(
 
 
 def _ring_triangles(ring: list[int], middles: list[int], positions: FloatArray) -> list[list[int]]:
-    """Triangles of a polygon: of a quadrilateral by its shorter diagonal, of others from a middle node."""
+    """Triangles of a polygon: a quadrilateral is cut along its shorter diagonal, others from a middle node.
+
+    A quadrilateral with exactly one middle node is also cut from this node.
+    """
     if len(ring) == 4 and len(middles) != 1:
         return split_quadrilaterals(positions, np.array([ring])).tolist()
     first = ring.index(middles[0]) if middles else 0
@@ -453,7 +477,7 @@ def _ring_triangles(ring: list[int], middles: list[int], positions: FloatArray) 
 def _material_directions(
     cards: Sequence[BulkCard], shell: _Shell, corners: IntArray, reading: DeckReading
 ) -> FloatArray:
-    """The material's x axis (k, 3): the side G1-G2 rotated by THETA, or the x axis of MCID at the middle."""
+    """The material's x axis (k, 3): side G1-G2 rotated by THETA, or x of MCID at the mean of the corners."""
     x = reading.grids.positions[corners]
     side = x[:, 1] - x[:, 0]
     across = (x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]) if shell.corners == 4 else (side, x[:, 2] - x[:, 0])

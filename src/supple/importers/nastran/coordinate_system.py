@@ -19,14 +19,14 @@ class CoordinateKind(Enum):
     CYLINDRICAL = auto()
     """r, theta about z, z"""
     SPHERICAL = auto()
-    """r, theta from the z axis, phi about it"""
+    """r, theta from the z axis, phi about z"""
 
 
 @dataclass(frozen=True, eq=False)
 class CoordinateSystem:
-    """A coordinate system resolved to the basic one.
+    """A coordinate system, expressed in the basic coordinate system.
 
-    origin : (3,)      in basic axes
+    origin : (3,)      in basic coordinates
     axes   : (3, 3)    unit vectors of its x, y, z as columns, in basic axes
     """
 
@@ -52,7 +52,7 @@ class CoordinateSystem:
     def directions(self, points: FloatArray) -> FloatArray:
         """Unit vectors (k, 3, 3) of the coordinate lines at points (k, 3), as columns; all in basic axes.
 
-        On the axis of a cylindrical or spherical system, where the angle is undefined, they are x, y, z.
+        On the axis of a cylindrical or spherical system, where the angle is undefined, they are axes x, y, z.
         """
         x, y, z = np.moveaxis((points - self.origin) @ self.axes, -1, 0)
         rho = np.hypot(x, y)
@@ -79,9 +79,9 @@ BASIC = CoordinateSystem(CoordinateKind.RECTANGULAR, np.zeros(3), np.eye(3))
 def through_points(
     coordinates: CoordinateKind, origin: FloatArray, on_axis: FloatArray, in_plane: FloatArray
 ) -> CoordinateSystem | None:
-    """System with its z axis from `origin` to `on_axis` and `in_plane` in its x-z plane; None if collinear.
+    """System with z axis from `origin` to `on_axis`, and `in_plane` in the x-z plane; None if collinear.
 
-    All points (3,) in basic axes.
+    origin, on_axis, in_plane : (3,) in basic coordinates
     """
     z, arm = on_axis - origin, in_plane - origin
     y = np.cross(z, arm)

@@ -54,7 +54,7 @@ _READ = frozenset(
 )
 _CELLS = (*SOLID_CARDS, *SHELL_CARDS, *BEAM_CARDS, *ROD_CARDS)
 
-# Meaning of cards that are recognised but not read.
+# Description, or effect of the omission, of cards that are not read.
 _MEANINGS = {
     "CGAP": "gaps that open and close: the parts they join are not connected",
     "PGAP": "properties of gaps",
@@ -114,15 +114,16 @@ def read_nastran_deck(path: str | Path) -> Deck:
     """The body described by a Nastran file.
 
     Cards without effect on a body are counted and ignored. Cards that would change the body but are not read
-    are listed in `left_out`, and so are missing included files. A file without grids, or with elements on
-    grids of a missing file, gives a deck without nodes. Superelements, by BEGIN SUPER or SESET, are assembled
-    into one deck at their common grids; each is also a deck in `superelements`.
+    are listed in `left_out`, and so are missing included files. A file without grids, or one that is not
+    readable without its missing included files, gives a deck without nodes, and the error as a note.
+    Superelements, by BEGIN SUPER or SESET, are assembled into one deck at their common grids; each
+    superelement is also a deck in `superelements`.
 
     Raises
     ------
-    ImportFormatError   missing or binary file; circular inclusions; no supported card; an element on an
-                        undefined grid, if no included file is missing; ids with two definitions; fields
-                        that are not numbers
+    ImportFormatError   missing or binary file; circular inclusions; no supported card. Unless grids or an
+                        included file are missing: an element on an undefined grid; ids with two definitions;
+                        fields that are not numbers
     """
     absences: list[BulkCard] = []
     file = read_bulk_data(path, absences)
@@ -152,7 +153,7 @@ def read_nastran_deck(path: str | Path) -> Deck:
 
 
 def _with_absences(deck: Deck, absences: Sequence[BulkCard]) -> Deck:
-    """The same deck with missing included files in `left_out`."""
+    """The deck, with missing included files added to `left_out`."""
     gone = (
         LeftOut("INCLUDE", 1, card.line, f"there is no file {card.fields[0]}: its contents are not read")
         for card in absences
@@ -161,7 +162,10 @@ def _with_absences(deck: Deck, absences: Sequence[BulkCard]) -> Deck:
 
 
 def _deck_without_grids(file: BulkFile, error: ImportFormatError) -> Deck:
-    """A deck with the counts of cards, without grids; raises `error` if no card is supported."""
+    """A deck without nodes, with counts of cards and the note `error`.
+
+    Raises `error` if no card is supported.
+    """
     read, passed_over = _counted(file)
     if not read and not passed_over:
         raise error
@@ -179,7 +183,7 @@ def _deck_without_grids(file: BulkFile, error: ImportFormatError) -> Deck:
 
 
 def _not_read(file: BulkFile) -> Iterator[tuple[BulkCard, str]]:
-    """Cards that are not read, with their meaning; unused properties are omitted."""
+    """Cards that are not read, each with its meaning, without property cards that no element uses."""
     unread = {n: own for n, own in file.by_name.items() if n not in _READ and not has_no_effect(n)}
     used = _used_properties(file) if _PROPERTIES.intersection(unread) else set()
     for name, cards in unread.items():
@@ -251,7 +255,10 @@ def _deck(reading: DeckReading) -> Deck:
 def _with_rotations(
     reading: DeckReading, elements: list[DeckElements], matrices: list[NodalMatrix]
 ) -> NDArray[np.bool_]:
-    """Whether elements, springs, masses, matrices, constraints or ties act on a grid's rotations, (N,)."""
+    """Mask (N,) of the grids whose rotations have an effect.
+
+    Rotations act in elements, springs, dashpots, masses, matrices, constraints or ties.
+    """
     nodes = [each.nodes.ravel() for each in elements if each.kind.dimension < 3]
     collected = (reading.springs, reading.dashpots, reading.inertias, reading.constraints)
     freedoms = [np.array(rows.freedoms, dtype=np.int64) for rows in collected]
@@ -264,7 +271,10 @@ def _with_rotations(
 
 
 def start_reading(file: BulkFile, whole: BulkFile) -> DeckReading:
-    """Grids, parameters and case control of a file; unsupported cards are left out."""
+    """The reading of a file with its grids, parameters and case control; unsupported cards are left out.
+
+    whole : the main file; its case control and PARAM cards also apply to a superelement `file`
+    """
     file = _elements_once(file)
     parameters = _parameters([*whole.named("PARAM"), *(file.named("PARAM") if file is not whole else [])])
     reading = DeckReading(
@@ -289,7 +299,7 @@ def start_reading(file: BulkFile, whole: BulkFile) -> DeckReading:
 
 
 def _elements_once(file: BulkFile) -> BulkFile:
-    """The file without repeated elements; elements with the same id must be equal."""
+    """The file without repeated elements; ImportFormatError if elements with the same id differ."""
     again: set[int] = set()
     for names in (_CELLS, *((name,) for name in POINT_CARDS)):
         found: dict[str, BulkCard] = {}
@@ -307,7 +317,10 @@ def _elements_once(file: BulkFile) -> BulkFile:
 
 
 def _parameters(cards: list[BulkCard]) -> dict[str, float]:
-    """Values of the PARAMs that scale a model; two of one name must agree to 1 %, the last is used."""
+    """Values of PARAM cards that scale a model; values of one name agree to 1 %, and the last is used.
+
+    ImportFormatError if they differ by more, or are not positive.
+    """
     found: dict[str, float] = {}
     for card in cards:
         name = card.word(0)
@@ -323,7 +336,7 @@ def _parameters(cards: list[BulkCard]) -> dict[str, float]:
 
 
 def _scalar_points(file: BulkFile) -> IntArray:
-    """Ids of SPOINT and EPOINT, a list or ID1 THRU ID2, and of points that only scalar elements define."""
+    """Ids (S,) of scalar points: of SPOINT and EPOINT, and other points that only scalar elements name."""
     ids: dict[int, None] = {}
     for card in file.named("SPOINT", "EPOINT"):
         if card.word(1) == "THRU":
@@ -351,7 +364,7 @@ def _tied_sets(rigid: list[RigidTie], means: list[WeightedMean]) -> dict[str, In
 
 
 def _element_sets(elements: list[DeckElements]) -> dict[str, IntArray]:
-    """Element ids by their property: pshell_7, including its variants."""
+    """Element ids by property card; pshell_7 contains the elements of pshell_7_2, too."""
     found: dict[str, list[IntArray]] = {}
     for cells in elements:
         name = "_".join(cells.property.split("_")[:2])

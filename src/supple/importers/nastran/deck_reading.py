@@ -26,7 +26,11 @@ _SCALARS = 2**40
 
 @dataclass(eq=False)
 class FreedomSums:
-    """Linear combinations of freedoms under construction; `terms` returns them as one object."""
+    """Linear combinations of freedoms under construction; `terms` returns them as one object.
+
+    freedoms, factors : of all terms, one combination after the other;  counts : number of terms of each
+    lines, values, dependent : one entry for each combination, as in `ScalarTerms`
+    """
 
     freedoms: list[int] = field(default_factory=list)
     factors: list[float] = field(default_factory=list)
@@ -36,7 +40,7 @@ class FreedomSums:
     dependent: list[int] = field(default_factory=list)
 
     def add(self, terms: Sequence[Term], line: int, *, value: float = 0.0, dependent: int = -1) -> None:
-        """Add a row; terms of the same freedom are summed."""
+        """Add a linear combination; factors of the same freedom are summed, zero sums are removed."""
         total: dict[int, float] = {}
         for freedom, factor in terms:
             total[freedom] = total.get(freedom, 0.0) + factor
@@ -49,7 +53,10 @@ class FreedomSums:
         self.dependent.append(dependent if dependent in kept else -1)
 
     def terms(self, n_nodes: int, *, constraints: bool = False) -> tuple[ScalarTerms, ...]:
-        """The rows as one object; empty without rows."""
+        """The linear combinations as one ScalarTerms in a tuple; an empty tuple if there are none.
+
+        n_nodes : number of all nodes, which is the number of the first scalar point
+        """
         if not self.counts:
             return ()
         rows = np.repeat(np.arange(len(self.counts)), self.counts)
@@ -69,7 +76,8 @@ class DeckReading:
     scalar_points : (S,) ids of points with one freedom
     mass_factor, stiffness_factor, damping_factor : factors by PARAM
     matrix_factors : {"K2GG": factor on the matrices that K2GG adds, ..}, without WTMASS
-    added_nodes : positions of added nodes on arcs and edges
+    added_nodes : positions (3,) of nodes that the reader adds on arcs and edges
+    springs, dashpots, inertias, constraints, held, masses, notes : as in `Deck`
     lumped_mass : Nastran's default; PARAM,COUPMASS above 0 selects the consistent mass
     """
 
@@ -102,18 +110,23 @@ class DeckReading:
 
     @property
     def left_out(self) -> tuple[LeftOut, ...]:
-        """All that was left out, by card and meaning."""
+        """All omitted cards, counted by name and consequence."""
         return left_out_by_card(self._left)
 
     def chosen_sets(self, command: str, adder: str, sets: set[int]) -> set[int]:
-        """Sets that case control selects, also by `adder` (SPCADD); without case control, the only set."""
+        """Ids of the sets of a command that case control selects, with those that `adder` (SPCADD) combines.
+
+        Without case control: the only set of the file; none if there are several, with a record.
+
+        sets : ids of all sets of the command in the file
+        """
         number = self.case.number(command)
         if number is None:
             if self.case.present or len(sets) != 1:
                 if sets:
                     why = "case control chooses none" if self.case.present else "no case control chooses"
                     self.note(f"{command} sets {', '.join(map(str, sorted(sets)))} are not applied: {why}.")
-                if command != "SPC" and not self.case.present:  # supports are left to joints in any case
+                if command != "SPC" and not self.case.present:  # joints of the machine replace supports
                     for card in self.file.named(command, f"{command}1", f"{command}L", f"{command}L1"):
                         self.leave_out(card, "left out: no case control chooses one of its sets")
                 return set()
@@ -127,7 +140,7 @@ class DeckReading:
         return joined
 
     def has_local_axes(self, node: int, components: str) -> bool:
-        """Whether these components of a grid are not components in basic axes."""
+        """Whether some, not all, translations or rotations are listed, and axes CD are not the basic axes."""
         parts = ({"1", "2", "3"} & set(components), {"4", "5", "6"} & set(components))
         return any(len(part) in (1, 2) for part in parts) and not np.array_equal(
             self.grids.axes[node], np.eye(3)
@@ -140,17 +153,17 @@ class DeckReading:
         return self.grids.systems[number]
 
     def node(self, card: BulkCard, place: int, what: str) -> int:
-        """Number of the grid in a field."""
+        """Number from 0 of the grid in a field; ImportFormatError for a missing grid."""
         return int(self.grids.numbers(card, [card.integer(place, what)])[0])
 
     def positions(self, nodes: IntArray) -> FloatArray:
-        """Positions of nodes, including added ones."""
+        """Positions (.., 3) of nodes, also of added nodes."""
         if not self.added_nodes or nodes.max(initial=0) < len(self.grids.ids):
             return self.grids.positions[nodes]
         return np.concatenate([self.grids.positions, np.array(self.added_nodes)])[nodes]
 
     def add_node(self, position: FloatArray) -> int:
-        """Number of an added node."""
+        """Add a node at a position; returns its number."""
         self.added_nodes.append(position)
         return len(self.grids.ids) + len(self.added_nodes) - 1
 
@@ -161,7 +174,8 @@ class DeckReading:
     def freedom(self, card: BulkCard, point: int, component: int) -> list[Term]:
         """Terms of a displacement component (1 to 6, in the axes CD of a grid) in basic freedoms.
 
-        A scalar point is one freedom, whatever the component.
+        A scalar point is one freedom, whatever the component. ImportFormatError for a missing point, or a
+        component of a grid that is not 1 to 6.
         """
         if self.is_scalar(point):
             number, _ = positions_of_ids(self.scalar_points, np.array([point]))
@@ -179,7 +193,7 @@ class DeckReading:
 
 
 def left_out_by_card(given: Sequence[tuple[BulkCard, str]]) -> tuple[LeftOut, ...]:
-    """Omitted cards and the consequence, counted by name and consequence."""
+    """Omitted cards with their consequence, counted by name and consequence."""
     lines: dict[tuple[str, str], list[int]] = {}
     for card, meaning in given:
         lines.setdefault((card.name, meaning), []).append(card.line)

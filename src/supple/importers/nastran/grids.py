@@ -35,9 +35,9 @@ class GridPoints:
     ids       : (N,)
     positions : (N, 3)      in basic coordinates
     axes      : (N, 3, 3)   directions of the displacements (CD) as columns, in basic axes
-    supports  : (N,)        permanent supports (PS), components as written; empty without any
-    cards     : the card of each
-    systems   : {id: coordinate system}, 0 the basic one
+    supports  : (N,)        permanent supports (PS), components as written; an empty string without supports
+    cards     : the GRID card of each point
+    systems   : {id: coordinate system}; 0 is the basic coordinate system
     """
 
     ids: IntArray
@@ -68,8 +68,9 @@ def read_grids(file: BulkFile) -> GridPoints:
 
     Raises
     ------
-    ImportFormatError   no GRID card; a grid id given twice; coordinate systems that are missing, given twice,
-                        circular, or by points on one line; fields that are not numbers
+    ImportFormatError   no GRID card, unless superelements have some; a grid id with two different cards;
+                        coordinate systems that are missing, given twice, circular, or by points on one line;
+                        fields that are not numbers
     """
     cards = _once(file.named("GRID"))
     if not cards and not file.parts:
@@ -105,7 +106,7 @@ def _defaults(file: BulkFile) -> tuple[int, int, str]:
 
 
 def _once(cards: list[BulkCard]) -> list[BulkCard]:
-    """The cards without repetitions; cards with the same id must be equal."""
+    """The cards without repetitions; ImportFormatError if cards with the same id differ."""
     ids = integer_column(cards, 0, "the grid id")
     if np.unique(ids).size == len(ids):
         return cards
@@ -123,7 +124,7 @@ def _once(cards: list[BulkCard]) -> list[BulkCard]:
 def _resolve(
     file: BulkFile, ids: IntArray, given_in: IntArray, local: FloatArray
 ) -> tuple[dict[int, CoordinateSystem], FloatArray]:
-    """Coordinate systems resolved to the basic one, and grid positions; references are resolved first."""
+    """Coordinate systems in basic coordinates and grid positions (N, 3), each after those that define it."""
     systems = {0: BASIC}
     positions = np.full(local.shape, np.nan)
     waiting = _definitions(file)
@@ -171,7 +172,7 @@ def _system(
     ids: IntArray,
     positions: FloatArray,
 ) -> CoordinateSystem | None:
-    """The system of a card; None while its references are not yet resolved."""
+    """The coordinate system of a card; None while a system or grid that defines it is still unknown."""
     if card.name.startswith("CORD2"):
         reference = systems.get(card.integer(1, "the reference system", 0))
         if reference is None:

@@ -20,9 +20,10 @@ __all__ = ["BEAM_PROPERTY_CARDS", "ROD_PROPERTY_CARDS", "has_warping", "read_bea
 BEAM_PROPERTY_CARDS = ("PBAR", "PBARL", "PBEAM", "PBEAML", "PBEND")
 ROD_PROPERTY_CARDS = ("PROD", "PTUBE")
 
-# Points of stress recovery: distances along y and z.
+# Fields of the points of stress recovery: for each point its distances along y and z.
 _POINTS = ("C1", "C2", "D1", "D2", "E1", "E2", "F1", "F2")
-# Largest deviation of a section from the line between the ends, relative to the larger end.
+# Largest difference between a value at a station and linear interpolation between the ends, relative to the
+# larger end value, that is not reported.
 _OFF_THE_LINE = 0.01
 
 # Number of rows of a station of a PBEAM: one for its section, and after YES one for its stress points.
@@ -30,13 +31,16 @@ _STATIONS = {"YES": 2, "YESA": 1, "NO": 1}
 
 
 def read_beam(card: BulkCard, materials: Materials, reading: DeckReading, added: float) -> BeamProperty | str:
-    """A beam's section with non-structural mass `added`, kg/m; else the reason for its absence."""
+    """The property of a beam; else the reason for its absence.
+
+    added : non-structural mass from NSM cards, kg/m, without PARAM,WTMASS
+    """
     material = materials.isotropic(card.integer(1, "the material id"))
     return material if isinstance(material, str) else _BEAMS[card.name](card, material, reading, added)
 
 
 def read_rod(card: BulkCard, materials: Materials, reading: DeckReading, added: float) -> RodProperty | str:
-    """The section of a rod's property; else the reason for its absence.
+    """The property of a rod; else the reason for its absence.
 
     PROD: MID A J C NSM. PTUBE: MID OD T NSM OD2, a tube of outer diameter OD, tapered to OD2; a blank T
     is a solid rod. A tapered tube has its mean area, as in Nastran.
@@ -61,7 +65,10 @@ def read_rod(card: BulkCard, materials: Materials, reading: DeckReading, added: 
 def rod(
     material: IsotropicMaterial, area: float, J: float, arm: float, added: float, reading: DeckReading
 ) -> RodProperty:
-    """A rod's property, with shear stress `arm` M / J; `added` : non-structural mass without PARAM,WTMASS."""
+    """A rod's property; its shear stress is `arm` M / J.
+
+    added : all non-structural mass, kg/m, without PARAM,WTMASS
+    """
     return RodProperty(material, area, J, material.density * area + added * reading.mass_factor, arm)
 
 
@@ -74,14 +81,14 @@ def _pbar(card: BulkCard, material: IsotropicMaterial, reading: DeckReading, add
 
 
 def _points(values: Sequence[float], words: Sequence[str]) -> SectionGeometry | None:
-    """Points C D E F of stress recovery of a card; None without them."""
+    """Points C, D, E, F of stress recovery; None if their fields, `words`, are blank."""
     given = [any(words[i : i + 2]) for i in range(0, 8, 2)]
     points = tuple((values[2 * i], values[2 * i + 1]) for i in range(4) if given[i])
     return SectionGeometry(points) if points else None
 
 
 def _pbend(card: BulkCard, material: IsotropicMaterial, reading: DeckReading, added: float) -> BeamProperty:
-    """A curved beam by A I1 I2 J .. K1 K2 NSM; or a pipe by FSI, mean radius RM, thickness T .. NSM."""
+    """A curved beam given by A I1 I2 J .. K1 K2 NSM, or a pipe by FSI, mean radius RM, thickness T .. NSM."""
     geometry = None
     if card.word(2) in ("1", "2", "3"):
         middle, t = card.real(3, "the mean radius RM"), card.real(4, "the thickness T")
@@ -104,7 +111,7 @@ def _pbend(card: BulkCard, material: IsotropicMaterial, reading: DeckReading, ad
 
 
 def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: DeckReading, added: float) -> BeamProperty:
-    """Stations with A I1 I2 I12 J NSM, then K1 K2 S1 S2 NSI CW M1 M2 N1 N2; linear between the ends."""
+    """Values A I1 I2 I12 J NSM of stations, then K1 K2 S1 S2 NSI CW M1 M2 N1 N2; linear between the ends."""
     names = ("A", "I1", "I2", "I12", "J", "NSM")
     at_a = [card.real(2 + i, what, 0.0) for i, what in enumerate(names)]
     stations, rest, points_a = _rows_of_beam(card)
@@ -125,7 +132,7 @@ def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: DeckReading, ad
         reading.leave_out(card, "the shear relief S1, S2 of its taper is not read")
 
     def pair(place: int) -> tuple[list[float], list[float]]:
-        """Value at A, and at B; that of A if the field of B is blank."""
+        """Value at A and value at B, each in a list; if the field of B is blank, B has the value of A."""
         first = last[place] or 0.0
         second = last[place + 1]
         return [first], [first if second is None else second]
@@ -157,7 +164,7 @@ def _leave_out_between(
     between: Sequence[tuple[float, Sequence[float]]],
     reading: DeckReading,
 ) -> None:
-    """Omit stations between the ends, with a record if they deviate from the linear section."""
+    """Record the omission of stations between the ends if one deviates from linear interpolation."""
     a, b = np.array(at_a), np.array(at_b)
     for place, values in between:
         straight = a + place * (b - a)
@@ -171,7 +178,7 @@ def _number(card: BulkCard, word: str, default: float) -> float:
 
 
 def has_warping(card: BulkCard) -> bool:
-    """Whether a property gives a stiffness against warping, CW."""
+    """Whether a property is a PBEAM with a warping coefficient CW."""
     if card.name != "PBEAM":
         return False
     _, rest, _ = _rows_of_beam(card)
@@ -188,7 +195,7 @@ def _values(
     reading: DeckReading,
     added: float,
 ) -> BeamValues:
-    """Values of a station; section mass is at its neutral axis, non-structural mass at `nsm_at` (M1, M2)."""
+    """Values of a station; structural mass is at the neutral axis, other mass at `nsm_at` (M1, M2)."""
     area, I1, I2, I12, J, nsm = given
     own, other = material.density * area, (nsm + added) * reading.mass_factor
     mass = own + other
@@ -210,7 +217,7 @@ _Row = tuple[str, ...]
 
 
 def _rows_of_beam(card: BulkCard) -> tuple[list[tuple[_Row, _Row]], _Row, _Row]:
-    """Stations of a PBEAM (SO, X/XB, section there; its points), the fields from K1 on, points at A."""
+    """Stations of a PBEAM (row SO, X/XB, A ..; row of stress points), the fields from K1 on, points at A."""
     rows = [(*card.fields[i : i + 8], *[""] * 8)[:8] for i in range(8, len(card.fields), 8)]
     stations: list[tuple[_Row, _Row]] = []
     place = 0 if rows and rows[0][0].upper() in _STATIONS else 1
@@ -227,7 +234,8 @@ def _shaped(
 ) -> BeamProperty | str:
     """PBARL, PBEAML: TYPE, then DIM1 .. NSM at A, and after SO, X/XB those of further stations.
 
-    A bar has its shear centre at its centroid; a beam has its shear centre at the grids.
+    The shear centre lies on the line of the grids. In a PBARL it is at the centroid for every shape; in a
+    PBEAML it is the shear centre of the shape. For an unsupported shape, the reason is returned.
     """
     word = card.word(3)
     shape = SHAPES.get(word)

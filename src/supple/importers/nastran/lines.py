@@ -32,11 +32,11 @@ FloatArray = NDArray[np.float64]
 BEAM_CARDS = ("CBAR", "CBEAM", "CBEND")
 ROD_CARDS = ("CROD", "CTUBE", "CONROD")
 
-# Fields with defaults by BAROR and BEAMOR: property, orientation, flag.
+# Cards with defaults for blank fields of property, orientation and OFFT.
 _DEFAULTS = {"CBAR": "BAROR", "CBEAM": "BEAMOR"}
 
 PIECES_OF_A_RIGHT_ANGLE = 16
-"""Number of straight pieces of a curved beam in a right angle; the error falls with its square."""
+"""Number of straight pieces for 90 degrees of a curved beam; the error falls with its square."""
 
 
 @dataclass(eq=False)
@@ -68,7 +68,7 @@ class _Lines:
             self.released.append(np.zeros(12, dtype=bool) if released is None else released)
 
     def elements(self, name: str, of: str) -> DeckElements:
-        """The cells of a card name and property, without arrays that are zero."""
+        """The cells of a card name and property; offsets and released freedoms are None if all are zero."""
         offsets, released = np.array(self.offsets), np.array(self.released)
         return DeckElements(
             name,
@@ -86,7 +86,7 @@ class _Lines:
 def read_rods(
     reading: DeckReading, materials: Materials, added: Mapping[int, float]
 ) -> tuple[list[DeckElements], dict[str, Property]]:
-    """CROD with PROD, CTUBE with PTUBE, and CONROD, which has its own values."""
+    """Cells and properties of CROD with PROD, CTUBE with PTUBE, and CONROD, which has its own values."""
     properties = Properties(by_id(reading.file.named(*ROD_PROPERTY_CARDS), "property"))
     own = Properties({})
     groups: dict[tuple[str, str], _Lines] = {}
@@ -116,7 +116,7 @@ def read_rods(
 def read_beams(
     reading: DeckReading, materials: Materials, added: Mapping[int, float]
 ) -> tuple[list[DeckElements], dict[str, Property]]:
-    """CBAR and CBEAM with orientation, offsets and pins; CBEND as straight pieces of an arc."""
+    """Cells and properties of CBAR and CBEAM, and of CBEND as straight pieces of an arc."""
     properties = Properties(by_id(reading.file.named(*BEAM_PROPERTY_CARDS), "property"))
     defaults = {name: next(iter(reading.file.named(of)), None) for name, of in _DEFAULTS.items()}
     groups: dict[tuple[str, str], _Lines] = {}
@@ -160,10 +160,10 @@ def _filled(card: BulkCard, default: BulkCard | None) -> BulkCard:
 
 
 def _orientation(card: BulkCard, ends: list[int], reading: DeckReading) -> tuple[FloatArray, FloatArray]:
-    """A vector in plane 1 and the offsets (2, 3) of the ends, in basic axes.
+    """A unit vector in plane 1 and the offsets (2, 3) of the ends, in basic axes.
 
-    The flag OFFT selects the axes: G for those of the grids; for the vector, B for the basic axes; for an
-    offset, O or E for those of the element.
+    The flag OFFT has three letters. For the vector, G selects the axes CD of end A, B the basic axes. For the
+    offset of an end, G selects the axes CD of its grid, O or E the element axes with x from GA to GB.
     """
     flag = card.word(7)
     if len(flag) != 3 or not set(flag) <= set("GBOE"):
@@ -184,7 +184,7 @@ def _orientation(card: BulkCard, ends: list[int], reading: DeckReading) -> tuple
 
 
 def _vector(card: BulkCard, node: int, start: FloatArray, reading: DeckReading, *, basic: bool) -> FloatArray:
-    """The vector to grid G0, or (X1, X2, X3) in the axes of the first end or the basic ones; of length 1."""
+    """Unit vector from `start` to grid G0, or along (X1, X2, X3) in axes CD of `node`, or basic ones."""
     if is_plain_digits(card.word(4)) and card.is_blank(5, 7):
         vector = reading.grids.positions[reading.node(card, 4, "the grid G0")] - start
     else:
@@ -197,7 +197,7 @@ def _vector(card: BulkCard, node: int, start: FloatArray, reading: DeckReading, 
 
 
 def _element_axes(card: BulkCard, chord: FloatArray, vector: FloatArray) -> FloatArray:
-    """Axes of a beam as columns: x along it, y in plane 1."""
+    """Axes (3, 3) of a beam as columns: x along the beam, y in plane 1."""
     z = np.cross(chord, vector)
     if not np.linalg.norm(z) > 1e-6 * np.linalg.norm(chord):
         raise card.error(
@@ -218,7 +218,7 @@ def _curved(
     materials: Materials,
     reading: DeckReading,
 ) -> None:
-    """A curved beam as straight pieces between nodes on its arc; they have the mass of the arc."""
+    """Add a curved beam as straight pieces between nodes on its arc; the pieces have the mass of the arc."""
     start, end = reading.grids.positions[ends]
     known = properties.cards.get(number)
     centre = None if known is None else _centre(card, known, start, end, ends[0], reading)
@@ -258,7 +258,11 @@ def _curved(
 def _centre(
     card: BulkCard, known: BulkCard, start: FloatArray, end: FloatArray, node: int, reading: DeckReading
 ) -> FloatArray | None:
-    """Centre of the arc by GEOM: 1 on the line of the vector, 2 across it, 3 by RB, 4 by the angle THETAB."""
+    """Centre of the arc of a CBEND; None if its data do not define one.
+
+    GEOM 1: it lies on the line of the vector through GA;  2: the vector is the tangent at GA;  3: radius RB;
+    4: angle THETAB. For 3 and 4, centre and vector are on opposite sides of the chord.
+    """
     geometry = card.integer(7, "GEOM", 1)
     vector, chord = _vector(card, node, start, reading, basic=False), end - start
     length = float(np.linalg.norm(chord))

@@ -22,12 +22,20 @@ MATERIAL_CARDS = ("MAT1", "MAT2", "MAT8", "MAT9", "MAT11")
 _ORDER = [0, 1, 2, 4, 5, 3]
 
 LARGEST_INCONSISTENCY = 0.01
-"""Relative difference of G and E / (2 (1 + nu)) above which Nastran warns and uses G for shear."""
+"""Largest relative difference of G and E / (2 (1 + nu)) at which shear follows from E and nu.
+
+Above it, shear uses G; Nastran then warns and also uses G.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class WallMaterial:
-    """A material in a wall: plane stress (3, 3), transverse shear (2, 2) or None if rigid; density."""
+    """A material of walls.
+
+    plane_stress : (3, 3) stiffness, order xx, yy, xy
+    shear : (2, 2) transverse shear stiffness, order xz, yz; None if rigid
+    isotropic : the material of a MAT1; None for other cards
+    """
 
     plane_stress: FloatArray
     shear: FloatArray | None
@@ -36,7 +44,7 @@ class WallMaterial:
 
 
 class Materials:
-    """Materials by number, each read on first use."""
+    """Materials by id; ImportFormatError if cards with the same id differ."""
 
     def __init__(self, reading: DeckReading) -> None:
         self._reading = reading
@@ -55,7 +63,7 @@ class Materials:
         self._cards |= at_temperature(reading, self._cards)
 
     def isotropic(self, number: int) -> IsotropicMaterial | str:
-        """The MAT1 of a beam or rod; else the reason for its absence."""
+        """The material of a MAT1 for beams and rods; else the reason for its absence."""
         card = self._cards.get(number)
         if card is None or card.name != "MAT1":
             return self._missing(number, card)
@@ -69,7 +77,10 @@ class Materials:
         return found
 
     def _continuum(self, number: int) -> IsotropicMaterial | str:
-        """The MAT1 of a wall or solid; records that Poisson's ratio is 0 if that of E and G is impossible."""
+        """The material of a MAT1 for walls and solids; else the reason for its absence.
+
+        Records that Poisson's ratio 0 replaces an impossible one that follows from E and G.
+        """
         found = self.isotropic(number)
         if number in self._of_lines:
             meaning = "E and G give an impossible Poisson's ratio for a wall or solid: 0 is used"
@@ -113,17 +124,17 @@ class Materials:
         return card.real(place, "the density RHO", 0.0) * self._reading.mass_factor
 
     def _mat1(self, card: BulkCard) -> IsotropicMaterial:
-        """E, G and nu determine each other; if all are given and contradict, shear uses G."""
+        """E, G and nu determine one another; if all three are given and inconsistent, shear uses G."""
         E, G, nu = (card.real(1 + i, what, 0.0) for i, what in enumerate(("E", "G", "NU")))
         has_E, has_G, has_nu = E > 0, G > 0, bool(card.word(3))
         shear: float | None = None
         if has_G and has_E and not has_nu:
             nu = E / (2 * G) - 1
         if has_G and has_E and not -1 < nu <= 0.5:
-            nu, shear = 0.0, G  # beams do not use it
+            nu, shear = 0.0, G  # beams do not use nu
             self._of_lines[card.integer(0, "the material id")] = card
         elif nu <= -1:
-            return IsotropicMaterial(E, nu, 0.0)  # which `isotropic` leaves out
+            return IsotropicMaterial(E, nu, 0.0)  # `isotropic` refuses it by this nu
         elif has_G and has_nu and not has_E:
             E = 2 * G * (1 + nu)
         elif has_G and (not has_E or abs(1 - E / (2 * (1 + nu) * G)) > LARGEST_INCONSISTENCY):

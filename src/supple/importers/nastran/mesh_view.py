@@ -34,8 +34,9 @@ def read_nastran(
 ) -> Mesh:
     """Mesh of a Nastran file: the cells that `read_nastran_deck` reads, without properties and materials.
 
-    Node sets are those of supports (spc1_123456: set 1, components 123456), ASET (aset) and ties (rbe2_ID,
-    rbe3_ID); cell sets those of properties (pshell_ID, psolid_ID).
+    Node sets are those of supports (spc1_123456: set 1, components 123456; spc_3: field PS), ASET (aset) and
+    ties (rbe2_ID, rbe3_ID); cell sets those of properties (pshell_ID, psolid_ID). Missing included files and
+    cards of unsupported elements are ignored.
 
     Parameters
     ----------
@@ -43,7 +44,8 @@ def read_nastran(
     unused_nodes : UnusedNodes  REFUSE or DROP grids that no cell uses; reference grids of ties are dropped
     Raises
     ------
-    ImportFormatError   as for `read_nastran_deck`; no elements, or some that are not read
+    ImportFormatError   as for `read_nastran_deck`; no elements; elements whose property or material is
+                        missing or not supported
     MeshError           what the file describes is not a usable mesh, such as flat elements
     """
     path = Path(path)
@@ -92,8 +94,8 @@ def read_nastran(
 def read_nastran_nodes(path: str | Path) -> NodeTable:
     """Grids, supports and ties of a Nastran file, for matrices that replace its elements.
 
-    Elements and other cards may be of any kind, since the matrices contain them. Ties in only some components
-    are ignored.
+    Elements and other cards may be of any kind, since the matrices contain them. Ties are ignored unless they
+    tie all six components rigidly, or average the translations only.
 
     Raises
     ------
@@ -107,7 +109,7 @@ def read_nastran_nodes(path: str | Path) -> NodeTable:
             f"{path}: its main bulk data have no GRID, only its superelements; give the file of one of them"
         )
     rigid, means = read_ties(reading, np.ones(len(grids.ids), dtype=bool))
-    # The reference grid of a mean has no stiffness of its own; other grids may have some in the matrices.
+    # Matrices contain no stiffness of the reference grid of a mean; they may contain that of other grids.
     averaged = {mean.reference for mean in means}
     connections = tuple(_connection(tie, averaged, grids.positions) for tie in rigid) + tuple(
         Connection(mean.name, mean.nodes, grids.positions[mean.reference], mean.weights) for mean in means

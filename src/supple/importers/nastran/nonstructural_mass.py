@@ -28,10 +28,10 @@ _BY_ELEMENT = (*_SHELLS, "CBAR", "CBEAM", "CROD", "CTUBE", "CONROD")
 
 
 def read_added_mass(reading: DeckReading) -> dict[int, float]:
-    """Added mass of elements, per area or length, by element id, without PARAM,WTMASS.
+    """Added mass of elements by element id, kg/m^2 or kg/m, without PARAM,WTMASS.
 
-    NSM, NSM1 give it per area or length; NSML, NSML1 give a total, distributed over their elements. They
-    apply if case control selects them.
+    NSM and NSM1 give the mass per area or length; NSML and NSML1 give a total mass, which is distributed over
+    the area or length of their elements. The sets are those of `DeckReading.chosen_sets`.
     """
     cards = reading.file.named("NSM", "NSM1", "NSML", "NSML1")
     sets = {card.integer(0, "the set id") for card in cards}
@@ -53,7 +53,10 @@ def read_added_mass(reading: DeckReading) -> dict[int, float]:
 
 
 def _entries(card: BulkCard, reading: DeckReading) -> list[tuple[str, list[range] | None, float]]:
-    """Type, ids (None: all) and value of each entry: TYPE ID VALUE ID VALUE .., or TYPE VALUE ID ID .."""
+    """Type, ids (None: all) and value of each entry: TYPE ID VALUE ID VALUE .., or TYPE VALUE ID ID ..
+
+    A list with EXCEPT gives no entries, with a record.
+    """
     of = card.word(1)
     if card.name in ("NSM", "NSML"):
         return [
@@ -117,7 +120,7 @@ def _is_among(number: int, ids: list[range]) -> bool:
 
 
 def _extent(element: BulkCard, reading: DeckReading) -> float:
-    """Area of a shell by its corners, length of a line."""
+    """Area of a shell from its corners; length of a beam or rod."""
     start, count = (1 if element.name == "CONROD" else 2), 2
     if element.name in _SHELLS:
         count = 4 if "QUAD" in element.name else 3

@@ -21,11 +21,11 @@ PARTITION_CARDS = ("SESET", "SEELT")
 
 
 def partitioned(deck: Deck, reading: DeckReading) -> Deck:
-    """The deck with an element set and a node set for each superelement, and each in `superelements`.
+    """The deck with an element set, a node set and an entry of `superelements` for each superelement.
 
-    An element, matrix, term or tie belongs to the superelement of its interior grids; if there are several,
-    to that of the lowest number. Without interior grids it belongs to the residual structure. SEELT overrides
-    this for elements. A deck without superelements is unchanged.
+    An element, matrix, linear combination or tie belongs to the superelement of its interior grids, or to the
+    one with the lowest number if there are several. Without interior grids it belongs to the residual
+    structure, number 0. For elements, SEELT overrides these rules. A deck without superelements is unchanged.
     """
     interior = _interior(deck, reading)
     numbers = [n for n in np.unique(interior).tolist() if n]
@@ -52,7 +52,7 @@ def partitioned(deck: Deck, reading: DeckReading) -> Deck:
 
 
 def _interior(deck: Deck, reading: DeckReading) -> IntArray:
-    """The superelement of each interior grid; 0 for the residual structure."""
+    """Number (N,) of the superelement to which each node is interior; 0 for the residual structure."""
     file = reading.file
     found = np.zeros(len(deck.nodes), dtype=np.int64)
     default = next((card.integer(7, "SEID", 0) for card in file.named("GRDSET")), 0)
@@ -64,7 +64,7 @@ def _interior(deck: Deck, reading: DeckReading) -> IntArray:
 
 
 def _ids(card: BulkCard) -> IntArray:
-    """Ids of a list from the second field on, which may contain THRU."""
+    """Ids of a list that starts in the second field and may contain THRU."""
     words = [(i, card.word(i)) for i in range(1, len(card.fields)) if card.word(i)]
     found: list[IntArray] = []
     for k, (place, word) in enumerate(words):
@@ -87,7 +87,7 @@ def _owners(interior: IntArray, nodes: IntArray) -> IntArray:
 
 
 def _part(deck: Deck, interior: IntArray, owners: list[IntArray], number: int) -> Deck:
-    """One superelement: its elements, and all else on its interior grids."""
+    """One superelement: its elements, and matrices, linear combinations and ties that belong to it."""
 
     def is_own(nodes: IntArray) -> bool:
         return int(_owners(interior, nodes[None])[0]) == number

@@ -22,7 +22,7 @@ POINT_CARDS = (
 )  # fmt: skip
 POINT_PROPERTY_CARDS = ("PELAS", "PDAMP", "PMASS", "PBUSH", "PBUSH1D", "PVISC", "PSHEAR")
 
-# Number of fields of each property on a card with several.
+# Number of fields of one property; a card may define several properties.
 _PER_PROPERTY = {"PELAS": 4, "PDAMP": 2, "PMASS": 2, "PVISC": 4}
 _VALUES = {"CELAS": "PELAS", "CDAMP": "PDAMP", "CMASS": "PMASS"}
 
@@ -64,7 +64,7 @@ def read_point_elements(reading: DeckReading, materials: Materials) -> None:
 
 
 def _several(cards: list[BulkCard], step: int) -> dict[int, tuple[BulkCard, int]]:
-    """Properties by id, from cards that hold several: card and first field of each."""
+    """Properties by id: the card and the index of the first field; of repeated ids, the first is used."""
     found: dict[int, tuple[BulkCard, int]] = {}
     for card in cards:
         for place in range(0, max(len(card.fields), 1), step):
@@ -82,7 +82,10 @@ def _scalar(
     factor: float,
     reading: DeckReading,
 ) -> None:
-    """EID, property (1, 3) or value (2, 4), then G1 C1 G2 C2 (1, 2) or points S1 S2; blank is ground."""
+    """EID, then property (forms 1, 3) or value (2, 4), then G1 C1 G2 C2 (1, 2) or S1 S2 (3, 4).
+
+    A blank point is ground.
+    """
     if form in "13":
         number = card.integer(1, "the property id", card.integer(0, "the element id"))
         if number not in properties:
@@ -109,7 +112,10 @@ def _scalar(
 def _relative(
     a: int, b: int | None, axes: FloatArray, at: FloatArray, place: int, reading: DeckReading
 ) -> list[Term]:
-    """Terms of component `place` (0 to 5) of the motion of b relative to a, at a point, in given axes."""
+    """Terms of component `place` (0 to 5) of the motion of b relative to a at the point `at`, in given axes.
+
+    b : None is ground;  axes : (3, 3) as columns
+    """
     terms: list[Term] = []
     for node, sign in ((a, -1.0), (b, 1.0)):
         if node is None:
@@ -155,7 +161,10 @@ def _bush(card: BulkCard, known: BulkCard, reading: DeckReading) -> None:
 
 
 def _bush_values(known: BulkCard) -> dict[str, list[float]]:
-    """PBUSH: six values of each group K, B, M; RIGID is a key if a group has rigid directions."""
+    """Six values of each group K, B, M of a PBUSH.
+
+    A group with the word RIGID is omitted as a whole, and the key "RIGID" is added.
+    """
     found: dict[str, list[float]] = {}
     for start in range(0, len(known.fields), 8):
         kind = known.word(start + 1)
@@ -176,7 +185,10 @@ def _bush_mass(a: int, b: int | None, mass: float, reading: DeckReading) -> None
 
 
 def _bush_axes(card: BulkCard, a: int, xa: FloatArray, xb: FloatArray, reading: DeckReading) -> FloatArray:
-    """Axes of CID at GA; without CID, x from GA to GB and y in the plane of the vector, or basic axes."""
+    """Axes of CID at GA; without CID, x from GA to GB and y in the plane of the vector.
+
+    Basic axes without CID if GA and GB coincide, or GB is ground.
+    """
     if card.word(7):
         return reading.system(card, card.integer(7, "CID")).directions(xa[None])[0]
     chord = xb - xa
@@ -198,7 +210,7 @@ def _bush_axes(card: BulkCard, a: int, xa: FloatArray, xb: FloatArray, reading: 
 
 
 def _bush_along(card: BulkCard, known: BulkCard, reading: DeckReading) -> None:
-    """EID PID GA GB CID; PBUSH1D: K C M: a spring and damper along the line, or along x of CID."""
+    """EID PID GA GB CID; PBUSH1D: K C M: a spring and damper along GA-GB or x of CID, and a mass."""
     a = reading.node(card, 2, "the grid GA")
     b = reading.node(card, 3, "the grid GB") if card.word(3) not in ("", "0") else None
     xa = reading.grids.positions[a]
@@ -244,10 +256,11 @@ def _viscous(card: BulkCard, properties: dict[int, tuple[BulkCard, int]], readin
 
 
 def _conm2(card: BulkCard, reading: DeckReading) -> NodalMatrix:
-    """EID G CID M X1 X2 X3 - I11 I21 I22 I31 I32 I33: a rigid mass, moments about its own centre.
+    """EID G CID M X1 X2 X3 - I11 I21 I22 I31 I32 I33: a rigid mass, moments I about its centre of mass.
 
-    About the grid, with offset d:  [m, -m [d]x; m [d]x, I - m [d]x [d]x],  off-diagonal moments with a minus.
-    CID = -1: X is the position of the centre in basic coordinates.
+    About the grid, with offset d and cross-product matrix [d]x:  [m, -m [d]x; m [d]x, I - m [d]x [d]x];
+    the off-diagonal entries of I are -I21, -I31, -I32.
+    CID = -1: X1 X2 X3 is the position of the centre of mass in basic coordinates.
     """
     node = reading.node(card, 1, "the grid G")
     m = card.real(3, "M", 0.0)
@@ -280,7 +293,7 @@ def _conm1(card: BulkCard, reading: DeckReading) -> NodalMatrix:
 
 
 def _kept(freedoms: NDArray[np.int64], M: FloatArray) -> NodalMatrix:
-    """The matrix without empty rows, so that a mass without inertia needs no rotations."""
+    """The matrix without zero rows of rotations, so that a mass without inertia needs no rotations."""
     used = np.abs(M).max(axis=1) > 0
     used[:3] = True
     return NodalMatrix(freedoms[used], M[np.ix_(used, used)])
@@ -292,10 +305,11 @@ def _kept(freedoms: NDArray[np.int64], M: FloatArray) -> NodalMatrix:
 def _shear_panel(card: BulkCard, known: BulkCard | None, materials: Materials, reading: DeckReading) -> None:
     """EID PID G1 G2 G3 G4; PSHEAR: MID T NSM F1 F2: a panel with a constant shear flow only.
 
-    The shear flow along the four sides, as forces at their ends, does work on
-    w = sum of -+ L/2 (u_i + u_j) t_ij.  The stiffness is  w w^T / c  with the compliance
-    c = A / (G t) (1 + 2 tan^2 a / (1 + nu)),  where a is the angle of a parallelogram, or of the middle lines
-    of another quadrilateral. The mass is lumped to the four grids.
+    A unit shear flow along the four sides, as forces at the ends of each side, does the work
+    w = sum of -+ L/2 (u_i + u_j) . t_ij,  where the side ij has length L and direction t_ij. The panel is a
+    spring with elongation w and stiffness 1 / c. Its compliance is  c = A / (G t) (1 + 2 tan^2 a / (1 + nu)),
+    with area A and thickness t; 90 degrees - a is the angle between the two lines that join the midpoints of
+    opposite sides. The mass is lumped to the four grids.
     Source: MacNeal, The NASTRAN Theoretical Manual (1972), section 5.3, after Garvey.
     """
     material = None if known is None else materials.isotropic(known.integer(1, "the material id"))

@@ -15,12 +15,12 @@ from supple.importers.nastran.bulk_data import BulkCard, BulkFile
 IntArray = NDArray[np.int64]
 
 _PHYSICAL, _MODAL = ("ASET", "BSET", "CSET"), ("QSET",)
-# Largest range of ids.
+# Largest difference of A and B in A THRU B; a larger one is an error.
 _LONGEST_RANGE = 10**6
 
 
 def retained_freedoms(file: BulkFile, grids: IntArray, *, modal: bool = True) -> IntArray | None:
-    """Freedoms (n, 2) of the analysis set, id and component, in Nastran's order; None without its cards.
+    """Freedoms (n, 2) of the analysis set, id and component, in Nastran's order; None if no card lists any.
 
     grids : (N,) ids of the grids;  modal : False leaves QSET out
 
@@ -34,7 +34,7 @@ def retained_freedoms(file: BulkFile, grids: IntArray, *, modal: bool = True) ->
 
 
 def modal_freedoms(file: BulkFile, grids: IntArray) -> IntArray:
-    """Freedoms (k, 2) that are modal coordinates: QSET, also on grids, and scalar points.
+    """Freedoms (k, 2) that are modal coordinates, id and component: those of QSET, and all scalar points.
 
     grids, errors : as for `retained_freedoms`
     """
@@ -81,7 +81,7 @@ def _of_point(
 
 
 def _listed(card: BulkCard, start: int, known: set[int] | None) -> Iterable[int]:
-    """Ids of a list, or all existing ids of A THRU B."""
+    """Ids of a list, or ids of A THRU B that are in `known`; all ids of A THRU B if `known` is None."""
     if card.word(start + 1) != "THRU":
         ids = [card.integer(i, "a point") for i in range(start, len(card.fields)) if card.word(i)]
         if not ids:

@@ -23,7 +23,7 @@ Side = tuple[int, str]
 
 
 def read_ties(reading: DeckReading, turning: NDArray[np.bool_]) -> tuple[list[RigidTie], list[WeightedMean]]:
-    """All rigid and averaging elements; those other than full ties and plain means become constraints.
+    """Full rigid ties and plain means of translations; other elements are added to `reading.constraints`.
 
     turning : (N,) whether anything but supports acts on the rotations of a grid; if not, as on nodes of
               solids, a tie of its translations is equivalent to a tie of all six freedoms
@@ -55,7 +55,7 @@ def read_ties(reading: DeckReading, turning: NDArray[np.bool_]) -> tuple[list[Ri
 
 
 def turned_by_ties(reading: DeckReading) -> NDArray[np.bool_]:
-    """Whether a tie uses the rotations of a grid (N,); a mean does not use those of its averaged grids."""
+    """Mask (N,) of the grids whose rotations a tie uses; an RBE3 uses no rotations of its averaged grids."""
     found = np.zeros(len(reading.grids.ids), dtype=bool)
 
     def mark(ids: list[int]) -> None:
@@ -95,7 +95,7 @@ def _some_components(card: BulkCard, place: int) -> str:
 
 
 def _grid_list(card: BulkCard, words: list[tuple[int, str]], reading: DeckReading) -> list[int]:
-    """Grid numbers of a list that may hold THRU."""
+    """Numbers from 0 of the grids in a list of fields (index, word), which may contain THRU."""
     ids: list[int] = []
     place = 0
     while place < len(words):
@@ -112,7 +112,7 @@ def _grid_list(card: BulkCard, words: list[tuple[int, str]], reading: DeckReadin
 
 
 def _rbe2(card: BulkCard, reading: DeckReading, turning: NDArray[np.bool_], rigid: list[RigidTie]) -> None:
-    """EID GN CM GM1 .. [ALPHA]: components CM of grids GM1 .. follow GN rigidly, in the axes of each."""
+    """EID GN CM GM1 .. [ALPHA]: components CM of GM1 .. follow GN rigidly, in the axes CD of each GM."""
     ties = _components(card, card.word(2), "its components")
     reference = reading.node(card, 1, "the grid GN")
     listed = _grid_list(card, _listed_grids(card), reading)
@@ -129,12 +129,12 @@ def _rbe2(card: BulkCard, reading: DeckReading, turning: NDArray[np.bool_], rigi
 
 
 def _listed_grids(card: BulkCard) -> list[tuple[int, str]]:
-    """Fields of the grids GM of an RBE2; ALPHA and TREF after them are thermal."""
+    """Index and word of the fields GM of an RBE2; ALPHA and TREF, which are thermal, are skipped."""
     return [(i, card.word(i)) for i in range(3, len(card.fields)) if card.word(i) and "." not in card.word(i)]
 
 
 def _follows(card: BulkCard, node: int, component: int, reference: int, reading: DeckReading) -> None:
-    """The constraint that a component of a node follows the rigid motion of the reference node."""
+    """Add the constraint that a component of a node follows the rigid motion of the reference node."""
     own = reading.node_freedom(node, component)
     direction = reading.grids.axes[node][:, component % 3]
     arm = reading.grids.positions[node] - reading.grids.positions[reference]
@@ -149,15 +149,16 @@ def _follows(card: BulkCard, node: int, component: int, reference: int, reading:
 
 
 def _alone(terms: list[Term]) -> int:
-    """The freedom of a component if its axis is a basic one; else -1."""
+    """The freedom of a component with the given terms if its axis is a basic axis; else -1."""
     return terms[0][0] if len(terms) == 1 else -1
 
 
 def _rigid_rows(card: BulkCard, independent: list[Side], dependent: list[Side], reading: DeckReading) -> None:
-    """Constraints of dependent components that follow the rigid motion of six independent ones.
+    """Add constraints: dependent components follow the rigid motion that six independent ones determine.
 
-    The independent components determine the motion q (6,) of the rigid body,  u_I = T_I q,  so the dependent
-    ones are  u_M = T_M T_I^-1 u_I.  A row of T: the direction of a component, and its moment about a point.
+    The motion q (6,) of the rigid body follows from the independent components,  u_I = T_I q,  so that the
+    dependent ones are  u_M = T_M T_I^-1 u_I.  A row of T is the direction of a component and its moment about
+    the first independent node.
     """
     origin = reading.grids.positions[independent[0][0]]
 
@@ -172,7 +173,7 @@ def _rigid_rows(card: BulkCard, independent: list[Side], dependent: list[Side], 
         return np.array(T), own
 
     T_I, u_I = rows(independent)
-    # Written so that numbers that are not finite fail as well.
+    # The negated comparison is also true for NaN.
     if T_I.shape != (6, 6) or not abs(np.linalg.det(T_I)) > 1e-12 * np.prod(np.linalg.norm(T_I, axis=1)):
         reading.leave_out(card, "left out: its independent components do not determine a rigid motion")
         return
@@ -277,7 +278,7 @@ def _rbe3(
 ) -> None:
     """EID - REFGRID REFC WT1 C1 G1,1 G1,2 .. WT2 C2 G2,1 .. [UM ..] [ALPHA ..].
 
-    UM selects the eliminated freedoms of the same equations.
+    UM is not used: it selects the dependent freedoms, and does not change the equations.
     """
     reference = reading.node(card, 2, "the reference grid")
     follows = _components(card, card.word(3), "the components of its reference grid")
@@ -346,9 +347,9 @@ def _mean_rows(
     groups: list[tuple[float, str, list[int]]],
     reading: DeckReading,
 ) -> None:
-    """The least-squares rigid motion of the averaged components, as constraints of the reference grid.
+    """Add constraints: the reference grid follows the least-squares rigid motion of averaged components.
 
-        u_ref = (S^T W S)^-1 S^T W u,   S the rigid motions about the reference, W the weights;
+        u_ref = (S^T W S)^-1 S^T W u,   u averaged components, S rigid motions about the reference, W weights;
 
     rotations have the weight L^2, with L the mean distance of the grids from the reference; the constraints
     are then independent of units.
@@ -388,7 +389,7 @@ def _mean_rows(
 
 
 def read_multipoint_constraints(reading: DeckReading) -> None:
-    """MPC of the set selected by case control (also by MPCADD), else of the only set."""
+    """Add the constraints of the MPC cards in the sets of `DeckReading.chosen_sets`."""
     cards = reading.file.named("MPC")
     sets = {card.integer(0, "the set id") for card in cards}
     chosen = reading.chosen_sets("MPC", "MPCADD", sets)

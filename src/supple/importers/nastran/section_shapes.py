@@ -15,11 +15,11 @@ __all__ = ["SHAPES", "SectionShape", "SectionValues"]
 
 @dataclass(frozen=True)
 class SectionValues:
-    """A section about its centroid; y up and z right in the pictures of Nastran's manual.
+    """Values of a section about its centroid; y is up, z is right in the pictures of Nastran's manual.
 
-    I1, I2, I12 : int y^2, int z^2, int y z
+    I1, I2, I12 : integrals of y^2, z^2, y z over the area
     K1, K2 : shear factors along y and z
-    geometry : from the centroid
+    geometry : outline and points of stress recovery, from the centroid
     shear_centre : (y, z) from the centroid
     """
 
@@ -36,7 +36,11 @@ class SectionValues:
 
 @dataclass(frozen=True)
 class SectionShape:
-    """sizes : number of dimensions; values : section values from these, None if they are inconsistent"""
+    """A section shape.
+
+    sizes : number of its dimensions DIM1, DIM2, ..
+    values : function from the dimensions to section values; None if the dimensions are inconsistent
+    """
 
     sizes: int
     values: Callable[..., SectionValues | None]
@@ -45,10 +49,13 @@ class SectionShape:
 def _built(
     boxes: list[Wall], J: float, shear_centre: tuple[float | None, float | None] = (None, None)
 ) -> SectionValues | None:
-    """Values of rectangles that do not overlap; `shear_centre` is in the axes of the rectangles.
+    """Values of a section of rectangles without overlap; None if a size is negative or J is not positive.
 
-    Vertical walls carry shear along y, horizontal ones along z: K is their share of the area. Walls
-    without a given torsional shear stress get that of open sections, thickness / J.
+    K1 is the share of vertical walls (height > width) in the area, K2 that of other walls; 5/6 if there are
+    none. A wall without given shear stress per unit of torsional moment has that of open sections, thickness
+    divided by J.
+
+    shear_centre : (y, z) in the axes of the rectangles; a None component is that of the centroid
     """
     if min(min(b.height, b.width) for b in boxes) < 0 or J <= 0:
         return None
@@ -162,19 +169,19 @@ def _chan1(flange: float, web: float, inner: float, height: float) -> SectionVal
 
 
 def _chan2(leg: float, base: float, height: float, width: float) -> SectionValues | None:
-    """The channel that opens upwards: CHAN rotated by a right angle."""
+    """A channel that opens upwards: CHAN rotated by 90 degrees."""
     lying = _chan(height, width, base, leg)
     return None if lying is None else _rotated(lying)
 
 
 def _rotated(s: SectionValues) -> SectionValues:
-    """Rotated by a right angle, z to y and y to -z."""
+    """The section rotated by 90 degrees, its z axis to y and its y axis to -z."""
     y, z = s.shear_centre
     return SectionValues(s.area, s.I2, s.I1, -s.I12, s.J, s.K2, s.K1, s.geometry.turned(), (z, -y))
 
 
 def _t(width: float, height: float, flange: float, web: float) -> SectionValues | None:
-    """Flange on top; the shear centre is where the middles of the walls meet."""
+    """Flange on top; the shear centre is where the centre lines of the walls meet."""
     stem = height - flange
     if min(width, flange, web, stem) <= 0:
         return None
@@ -183,7 +190,7 @@ def _t(width: float, height: float, flange: float, web: float) -> SectionValues 
 
 
 def _t1(height: float, stem: float, flange: float, web: float) -> SectionValues | None:
-    """Flange upright on the right, stem to the left: T rotated by three right angles."""
+    """Flange upright on the right, stem to the left: T rotated by 270 degrees."""
     s = _t(height, stem + flange, flange, web)
     return None if s is None else _rotated(_rotated(_rotated(s)))
 
@@ -195,7 +202,7 @@ def _t2(width: float, height: float, flange: float, web: float) -> SectionValues
 
 
 def _l(width: float, height: float, lying: float, upright: float) -> SectionValues | None:
-    """Corner at the bottom left; the shear centre is where the middles of the legs meet."""
+    """Corner at the bottom left; the shear centre is where the centre lines meet."""
     b, h = width - upright / 2, height - lying / 2
     if min(width - upright, height - lying, lying, upright) <= 0:
         return None
@@ -289,11 +296,12 @@ def _dbox(
     top_right: float,
     bottom_right: float,
 ) -> SectionValues | None:
-    """Two cells side by side; torsion by equal twist of both [Bredt]."""
+    """Two cells side by side; both have the same twist [Bredt]."""
     wl, wr = middle_at - left - middle / 2, width - middle_at - right - middle / 2
     if min(wl, wr, left, middle, right, top_left, bottom_left, top_right, bottom_right) <= 0:
         return None
-    # Shear flows q of unit twist: sum of (q - neighbour's q) s / t over the walls of each cell is 2 A.
+    # `twist` is half the shear flows q of a unit twist per length with G = 1. For each cell, the sum of
+    # (q - q of the neighbour cell) s / t over its walls is 2 A.
     spans = (wl + (left + middle) / 2, wr + (right + middle) / 2)
     depths = (height - (top_left + bottom_left) / 2, height - (top_right + bottom_right) / 2)
     areas = np.array([w * h for w, h in zip(spans, depths, strict=True)])

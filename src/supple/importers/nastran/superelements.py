@@ -26,7 +26,8 @@ SUPERELEMENT_CARDS = ("SEBULK", "SELOC", "SEMPLN", "SECONCT", "SEBNDRY", "SEEXCL
 
 # Nastran's tolerance for common grids of two superelements, in the unit of the file.
 _TOLERANCE = 1e-5
-# Tolerance of the three grids that place a superelement, relative to their extent; Nastran requires equality.
+# Largest misfit of the three grids that place a superelement, relative to their extent; a larger one is
+# reported. Nastran requires equality.
 _EQUAL = 1e-2
 
 _IMAGES = ("MIRROR", "REPEAT", "IDENTICAL")
@@ -43,16 +44,16 @@ def superelement_name(number: int) -> str:
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """Search for the boundary of a superelement (SEBULK)."""
+    """Search for the common grids of a superelement: METHOD and TOL of SEBULK."""
 
     automatic: bool = True
     tolerance: float = _TOLERANCE
 
 
 def assembled(main: Deck, parts: Mapping[int, Deck], file: BulkFile, grids: GridPoints) -> Deck:
-    """The deck of a file, its parts joined where they share grids; each part is also in `superelements`.
+    """The deck of a file with its parts joined at common grids; each part is also a deck in `superelements`.
 
-    main : the residual structure;  parts : by number;  grids : of the main bulk data
+    main : the residual structure;  parts : {number: deck};  grids : those of the main bulk data
     """
     left: list[LeftOut] = []
     decks = {0: main, **_images(parts, file, left)}
@@ -79,7 +80,10 @@ def repeated_parts(file: BulkFile) -> set[int]:
 
 
 def _images(parts: Mapping[int, Deck], file: BulkFile, left: list[LeftOut]) -> dict[int, Deck]:
-    """The parts; repetitions and mirror images (SEBULK) are copies of other parts, not yet mirrored."""
+    """The parts, and copies for repetitions and mirror images (SEBULK), not yet mirrored.
+
+    Superelements in other files are omitted, with a record in `left`.
+    """
     found = dict(parts)
     for card in file.named("SEBULK"):
         number, kind = card.integer(0, "the superelement"), card.word(1)
@@ -134,7 +138,7 @@ def _of(file: BulkFile, name: str, number: int) -> list[BulkCard]:
 
 
 def _triad(points: FloatArray, card: BulkCard) -> tuple[FloatArray, FloatArray]:
-    """Axes as columns, x from the first point to the second, the third in plane xy; and the first point."""
+    """Axes as columns, x from the first to the second point, third point in plane xy; and the first point."""
     x, y = points[1] - points[0], points[2] - points[0]
     z = np.cross(x, y)
     if not np.linalg.norm(z) > 0:
@@ -181,7 +185,7 @@ def _search(card: BulkCard) -> _Search:
 def _by_place(
     decks: Mapping[int, Deck], search: Mapping[int, _Search], file: BulkFile, left: list[LeftOut]
 ) -> list[CommonNodes]:
-    """Coincident grids of two superelements, unless one of them is joined manually only."""
+    """Coincident grids of each two superelements, without superelements that are joined manually (METHOD)."""
     numbers = [n for n in decks if search.get(n, _Search()).automatic and len(decks[n].nodes)]
     used = {n: np.flatnonzero(used_nodes(decks[n])) for n in numbers}
     found = []
@@ -212,7 +216,7 @@ def _by_place(
 
 
 def _boundary(deck: Deck, used: IntArray, number: int, other: int, file: BulkFile) -> IntArray:
-    """The possible common nodes with another superelement: all, or those of SEBNDRY, without SEEXCLD."""
+    """Used nodes that may be common with another superelement: all or those of SEBNDRY, without SEEXCLD."""
     listed = [_listed(card, deck) for card in _between(file, "SEBNDRY", number, other)]
     excluded = [_listed(card, deck) for card in _between(file, "SEEXCLD", number, other)]
     nodes = np.intersect1d(used, np.concatenate(listed)) if listed else used
@@ -220,12 +224,12 @@ def _boundary(deck: Deck, used: IntArray, number: int, other: int, file: BulkFil
 
 
 def _between(file: BulkFile, name: str, number: int, other: int) -> list[BulkCard]:
-    """Cards SEIDA SEIDB|ALL G1 .. of one superelement towards another."""
+    """Cards SEIDA SEIDB|ALL G1 .. of a superelement that refer to another one."""
     return [card for card in _of(file, name, number) if card.word(1) in ("ALL", str(other))]
 
 
 def _listed(card: BulkCard, deck: Deck) -> IntArray:
-    """Numbers of the grids of a list from the third field on, which may contain THRU, or be ALL."""
+    """Numbers from 0 of grids in a list from the third field on, which may contain THRU or be ALL."""
     words = [(i, card.word(i)) for i in range(2, len(card.fields)) if card.word(i)]
     if words and words[0][1] == "ALL":
         return np.arange(len(deck.nodes))
@@ -242,7 +246,7 @@ def _listed(card: BulkCard, deck: Deck) -> IntArray:
 
 
 def _pairs(first: FloatArray, second: FloatArray, tolerance: float) -> IntArray:
-    """Pairs (k, 2) of points within a distance."""
+    """Numbers (k, 2) of a first and a second point that are at most `tolerance` apart."""
     a, b = (np.flatnonzero((np.abs(x) < _FARTHEST).all(axis=1)) for x in (first, second))
     near = KDTree(first[a]).sparse_distance_matrix(KDTree(second[b]), tolerance, output_type="coo_matrix")
     return np.column_stack([a[near.row], b[near.col]])

@@ -24,7 +24,7 @@ SUPPORT_CARDS = ("SPC", "SPC1", "SPCADD", "ASET", "ASET1", "DMIG")
 def read_supports(reading: DeckReading, tied: Collection[int] = ()) -> dict[str, IntArray]:
     """Node sets `spcS_C` of support set S and components C, `spc_C` of PS fields, `aset`; each node once.
 
-    Constraints of the selected set and the PS fields are added to the reading's `held`.
+    Constraints of the selected set and of the PS fields are added to `reading.held`.
 
     tied : grids whose tied translations count as a tie of all six freedoms, since nothing acts on their
            rotations; supports of these rotations are ignored
@@ -48,7 +48,7 @@ def read_supports(reading: DeckReading, tied: Collection[int] = ()) -> dict[str,
                     held.setdefault((node, int(component) - 1), card.line)
     try:
         physical = retained_freedoms(reading.file, reading.grids.ids, modal=False)
-    except ImportFormatError as error:  # a set does not change the body
+    except ImportFormatError as error:  # the analysis set does not change the body
         reading.note(f"The analysis set is not read: {error}")
         physical = None
     if physical is not None:
@@ -86,7 +86,7 @@ def _pairs(card: BulkCard, start: int, step: int, reading: DeckReading) -> list[
 
 
 def _listed(card: BulkCard, components: int, start: int, reading: DeckReading) -> list[tuple[int, str]]:
-    """Nodes of a list G1 G2 .., with G1 THRU G2 for all existing ones in between, and their components."""
+    """Nodes and components of a list G1 G2 .., where G1 THRU G2 names all existing grids in the range."""
     ids: list[int] = []
     place = start
     while place < len(card.fields):
@@ -112,7 +112,7 @@ def _listed(card: BulkCard, components: int, start: int, reading: DeckReading) -
 
 
 def _known(card: BulkCard, ids: list[int], reading: DeckReading) -> list[int]:
-    """Numbers of the existing grids; supports of others have no effect."""
+    """Numbers from 0 of the ids that are grids; other ids are ignored, with a note."""
     numbers, known = reading.grids.lookup(np.array(ids, dtype=np.int64))
     if not known.all():
         reading.note(f"{card.name} cards name grids that the file does not define; these are ignored.")
@@ -130,7 +130,7 @@ def _components(card: BulkCard, word: str) -> str:
 
 
 def read_matrices(reading: DeckReading) -> dict[str, list[NodalMatrix]]:
-    """Matrices by their target: K2GG stiffness, M2GG mass, B2GG damping."""
+    """DMIG matrices by the command that adds them: K2GG stiffness, M2GG mass, B2GG damping."""
     found: dict[str, list[NodalMatrix]] = {"K2GG": [], "M2GG": [], "B2GG": []}
     cards: dict[str, list[BulkCard]] = {}
     for card in reading.file.named("DMIG"):
@@ -165,7 +165,7 @@ def _scaled(word: str) -> tuple[float, str]:
 
 
 def _matrix(cards: list[BulkCard], factor: float, reading: DeckReading) -> NodalMatrix:
-    """Entries by grid and component, one triangle or both, rotated to basic axes."""
+    """The matrix of DMIG cards in basic axes, made symmetric; for IFO = 6 the file has one triangle of it."""
     entries: dict[tuple[int, int], float] = {}
     for card in cards:
         if card.word(1) == "0":

@@ -14,13 +14,14 @@ __all__ = ["at_temperature"]
 _MATERIALS = ("MATT1", "MATT2", "MATT3", "MATT8", "MATT9", "MATT11")
 _FIELDS = ("TEMP", "TEMPP1", "TEMPP3", "TEMPRB", "TEMPF", "TEMPG")
 _OF_STIFFNESS_AND_MASS = range(1, 5)
-"""Fields of E, G, NU and RHO: a MAT1 has values there, a MATT1 tables."""
+"""Indices in `BulkCard.fields` of E, G, NU and RHO in a MAT1, and of their tables in a MATT1."""
 
 
 def at_temperature(reading: DeckReading, cards: Mapping[int, BulkCard]) -> dict[int, BulkCard]:
-    """MAT1 cards with the values of tables at the uniform temperature of the selected set.
+    """{id: MAT1 card} with the values of MATT1 tables at the uniform temperature that case control selects.
 
-    Other temperatures and tables are left out.
+    Empty if case control selects no temperatures. Other tables, and tables at temperatures that are not
+    uniform or outside a table, are left out.
     """
     if not reading.case.temperature:
         return {}
@@ -30,7 +31,7 @@ def at_temperature(reading: DeckReading, cards: Mapping[int, BulkCard]) -> dict[
     for card in reading.file.named(*_MATERIALS):
         number = card.integer(0, "the material id")
         if number not in cards or (card.name == "MATT1" and card.is_blank(1, 5)):
-            continue  # only its expansion or damping
+            continue  # tables of thermal expansion or damping only
         fields = [*cards[number].fields, *[""] * 5]
         known = card.name == "MATT1" and temperature is not None
         for place in _OF_STIFFNESS_AND_MASS if known else ():
@@ -47,7 +48,7 @@ def at_temperature(reading: DeckReading, cards: Mapping[int, BulkCard]) -> dict[
 
 
 def _uniform(reading: DeckReading) -> float | None:
-    """The uniform temperature by TEMPD; None without one, or with other temperatures."""
+    """The uniform temperature by TEMPD; None without TEMPD, or if cards give grids or elements others."""
     chosen = reading.case.temperature
     if any(card.word(0) == chosen for card in reading.file.named(*_FIELDS)):
         return None
@@ -59,7 +60,7 @@ def _uniform(reading: DeckReading) -> float | None:
 
 
 def _interpolated(table: BulkCard | None, at: float) -> float | None:
-    """Value of a TABLEM1, linear between its points; None outside them or without a table."""
+    """Value of a TABLEM1, linear between its points; None outside their range, or without table or points."""
     if table is None:
         return None
     words = [word.upper() for word in table.fields[8:]]

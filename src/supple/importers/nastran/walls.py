@@ -21,7 +21,8 @@ WALL_CARDS = ("PSHELL", "PCOMP", "PCOMPG")
 class WallOptions:
     """Wall data of an element.
 
-    thicknesses : T1 .. T4, None if blank; their mean is used;  relative : whether they are factors on T
+    thicknesses : T1 .. T4 at the corners, None if blank, where it is T of the property; their mean is used
+    relative : whether T1 .. T4 are factors on T of the property
     offset : ZOFFS, m;  added_mass : of NSM cards, kg/m^2, without PARAM,WTMASS
     """
 
@@ -43,11 +44,12 @@ def read_wall(
 def _pshell(
     card: BulkCard, materials: Materials, reading: DeckReading, options: WallOptions
 ) -> ShellProperty | WallProperty | str:
-    """MID1 membrane, MID2 bending, MID3 transverse shear, MID4 coupling.
+    """The wall of a PSHELL: MID1 membrane, MID2 bending, MID3 transverse shear, MID4 coupling.
 
         A = T G1,  D = 12I/T^3 T^3/12 G2,  H = TS/T T G3,  B = -T^2 G4
 
-    The minus sign of B is due to Nastran's curvature, which has the opposite sign.
+    G1, G2, G4 are plane-stress stiffnesses, G3 is a transverse shear stiffness. B is negative because the
+    curvature of Nastran has the opposite sign.
     """
     if card.word(3) == "-1":
         return "its bending is that of plane strain (MID2 = -1), which is not read"
@@ -96,7 +98,7 @@ def _pshell(
 def _pcomp(
     card: BulkCard, materials: Materials, reading: DeckReading, options: WallOptions
 ) -> WallProperty | str:
-    """Plies from the bottom up, each with material, thickness and angle; Z0 is the lower face."""
+    """The wall of a PCOMP or PCOMPG, with plies from the bottom up; Z0 is the position of the lower face."""
     plies: list[Ply] = []
     for material, thickness, angle in _rows(card):
         found = materials.of_wall(material)
@@ -122,7 +124,7 @@ def _pcomp(
 
 
 def _with_option(wall: WallProperty, option: str) -> WallProperty:
-    """The wall with smeared plies (SMEAR), with only its membrane (MEM) or bending (BEND) stiffness."""
+    """The wall with smeared plies (SMEAR), or with only its membrane (MEM) or bending (BEND) stiffness."""
     none = np.zeros((3, 3))
     if option == "SMEAR":
         return replace(wall, coupling=none, bending=wall.membrane * wall.thickness**2 / 12)
@@ -135,7 +137,7 @@ def _with_option(wall: WallProperty, option: str) -> WallProperty:
 
 def _rows(card: BulkCard) -> list[tuple[int, float, float]]:
     """Material, thickness and angle of each ply; a blank material or thickness is that of the ply before."""
-    # PCOMP: two plies a row of four fields; PCOMPG: one a row, behind its global id.
+    # PCOMP: two plies in a row, four fields each; PCOMPG: one ply in a row, after its global ply id.
     start, step, first = (8, 4, 0) if card.name == "PCOMP" else (8, 8, 1)
     found: list[tuple[int, float, float]] = []
     material, thickness = 0, 0.0

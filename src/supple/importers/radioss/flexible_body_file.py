@@ -2,15 +2,15 @@
 
 Blocks, in order; integers take 8 columns, other numbers 16, which leaves nine decimals of the mantissa:
 
-    modes, static modes, nodes, rotations?, damping?, blocked?, data on disk?      7I8
+    modes, static modes, nodes; flags: rotation modes, damping, blocked, data on disk   7I8
     node ids                                                                        10I8
     P0 row by row, highest frequency                                                5E16.9
     alpha, beta                         with damping
-    12 frame modes                      unless blocked; six components a node, on lines of five and one
-    3 rotation modes                    with rotations
+    12 frame modes                      unless blocked; six components of each node, on lines of five and one
+    3 rotation modes                    with rotation modes; also frame modes
     local modes
-    diagonal mass
-    stiffness: rows of the static modes from the diagonal on, then the diagonal of the others
+    diagonal of the mass
+    stiffness: rows of the static modes from the diagonal on, then the diagonal entries of the other modes
     frame mass, upper triangle by rows; nine coupling masses; nine coupling stiffnesses     unless blocked
 
 Modal stress fields that follow are neither read nor written. Lines that begin with # are comments.
@@ -34,20 +34,19 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _MOST = 10_000_000
-"""Largest stated number of nodes or modes."""
+"""Largest number of nodes or of modes in the first line; a larger number is an ImportFormatError."""
 
 
 @dataclass(frozen=True, eq=False)
 class FlexibleBodyFile:
-    """Contents of the file: N nodes, k modes of which the first s are static, f = 12 or 15 frame modes, or
-    none.
+    """Contents of the file: N nodes, k modes of which the first s are static, f frame modes (12, 15 or none).
 
-    node_ids : (N,);   frame : (3, 3) P0;   highest_frequency : Hz
+    node_ids : (N,);   frame : (3, 3) P0;   highest_frequency : of the modes, Hz;   n_static : s
     frame_modes : (f, N, 6);   modes : (k, N, 6)
-    mass : (k,);   stiffness : (k, k), diagonal but for the static modes
+    mass : (k,) its diagonal;   stiffness : (k, k), diagonal except for rows and columns of static modes
     frame_mass : (f, f);   coupling_mass, coupling_stiffness : (9, k, f)
-    damping : (alpha, beta), or None
-    Raises ImportFormatError for arrays of other shapes.
+    damping : (alpha, beta) of Rayleigh damping, or None
+    Raises ImportFormatError for arrays of other shapes, other numbers f, or more than k static modes.
     """
 
     node_ids: IntArray
@@ -85,7 +84,7 @@ class FlexibleBodyFile:
 
 
 def write_flexible_body_file(path: Path | str, body: FlexibleBodyFile) -> Path:
-    """Write the file; every number has nine decimals of the mantissa."""
+    """Write a flexible-body file, with nine decimals of the mantissa of real numbers; returns its path."""
     f = 0 if body.frame_modes is None else len(body.frame_modes)
     k, s = len(body.modes), body.n_static
     head = [k, s, len(body.node_ids), int(f == 15), int(body.damping is not None), int(f == 0), 0]
@@ -114,9 +113,10 @@ def write_flexible_body_file(path: Path | str, body: FlexibleBodyFile) -> Path:
 
 
 def read_flexible_body_file(path: Path | str) -> FlexibleBodyFile:
-    """Read the file.
+    """Contents of a flexible-body file; OSError for a missing file.
 
-    Raises ImportFormatError if it ends too early or has entries that are not numbers.
+    Raises ImportFormatError if it ends too early, has an invalid first line, or entries that are no finite
+    numbers.
     """
     text = Path(path).read_text(encoding="ascii", errors="replace")
     rows = ((i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip() and line[0] != "#")

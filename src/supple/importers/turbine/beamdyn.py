@@ -21,11 +21,11 @@ __all__ = ["read_beamdyn_sections"]
 FloatArray = NDArray[np.float64]
 
 SAMPLES = 20
-"""Number of chords between two key points, for the length of the curve."""
+"""Number of chords between two key points whose lengths add up to the length of the curve."""
 
 
 def read_beamdyn_sections(path: str | Path) -> SectionTable:
-    """Section table of a blade from a BeamDyn primary file, which names the blade file beside it.
+    """Section table of a blade from a BeamDyn primary file and the blade file that it names.
 
     The curve is that of BeamDyn: for each member, a natural cubic spline of x, y and twist over z through its
     key points. Blade axes are x to the suction side, y to the trailing edge, z from the root to the tip; the
@@ -34,7 +34,7 @@ def read_beamdyn_sections(path: str | Path) -> SectionTable:
 
     Raises
     ------
-    ImportFormatError   missing files, entries or numbers: with the line
+    ImportFormatError   missing files, entries or numbers; members or stations out of order
     ModelError          sections that `SectionTable` rejects
     Source: BeamDyn user's guide, input files (OpenFAST 4).
     """
@@ -64,11 +64,11 @@ class _BeamdynFile:
 
     @classmethod
     def read(cls, path: str | Path) -> _BeamdynFile:
-        """The lines of a file."""
+        """The file; ImportFormatError if it is missing or no text."""
         return cls(Path(path), file_lines(Path(path), "it is no BeamDyn file"))
 
     def entry(self, name: str) -> tuple[int, str]:
-        """Number, from 0, of the line `VALUE NAME - ..`, and the value."""
+        """Number, from 0, and value of the first line `VALUE NAME - ..`; ImportFormatError without one."""
         for number, line in enumerate(self.lines):
             found = re.match(r"\s*(\"[^\"]*\"|'[^']*'|\S+)\s+(\w+)", line)
             if found is not None and found[2].lower() == name.lower():
@@ -79,7 +79,7 @@ class _BeamdynFile:
         )
 
     def count(self, name: str, least: int) -> tuple[int, int]:
-        """`entry` of a whole number that is at least `least`."""
+        """Line number and value as for `entry`; ImportFormatError unless it is an integer from `least`."""
         number, word = self.entry(name)
         try:
             value = plain_integer(word)
@@ -92,7 +92,7 @@ class _BeamdynFile:
         return number, value
 
     def numbers(self, number: int, count: int, what: str) -> list[float]:
-        """The first numbers of a line."""
+        """The first `count` numbers of line `number`, from 0; ImportFormatError if the line has fewer."""
         words = self.lines[number].split() if number < len(self.lines) else []
         try:
             values = [number_of_word(word.lower().replace("d", "e")) for word in words[:count]]
@@ -112,7 +112,7 @@ Curves = list["scipy.interpolate.CubicSpline"]
 def _curve(
     primary: _BeamdynFile,
 ) -> tuple[Curves, Curves, tuple[FloatArray, FloatArray]]:
-    """For each member splines over z, of x, y and of twist in degrees; then arc lengths and their z."""
+    """Splines over z of each member, for (x, y) and for twist in degrees; then arc lengths and their z."""
     _, members = primary.count("member_total", 1)
     after, total = primary.count("kp_total", 3)
     sizes = [int(primary.numbers(after + 1 + k, 2, f"member {k + 1}")[1]) for k in range(members)]
@@ -144,7 +144,7 @@ def _curve(
 
 
 def _stations(blade: _BeamdynFile) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Shares of the length, stiffness and inertia of the stations of a blade file."""
+    """Positions from 0 to 1 (n,), stiffness and inertia (n, 6, 6) of the stations of a blade file."""
     _, total = blade.count("station_total", 2)
     number = next((k for k, line in enumerate(blade.lines) if "distributed properties" in line.lower()), None)
     if number is None:

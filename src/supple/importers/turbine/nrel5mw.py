@@ -14,12 +14,12 @@ __all__ = ["NREL5MW_WEBS", "WU2019_GRID", "nrel5mw_rotor", "nrel5mw_stations"]
 _FOLDER = files("supple") / "data" / "nrel5mw"
 
 HUB_RADIUS = 1.5
-"""m; radius = span + HUB_RADIUS."""
+"""Radius of the hub, m: a station at a span s has the radius s + HUB_RADIUS."""
 HUB_HEIGHT = 90.0
-"""m above the ground."""
+"""Height of the hub above the ground, m."""
 
 NREL5MW_WEBS = ShearWebs(start=1.3667, end=60.1333, fore=-0.3, aft=0.3)
-"""Box spar of [Resor2013]: caps 600 mm wide about the pitch axis."""
+"""Shear webs of the box spar of [Resor2013]; spar caps are 600 mm wide, centred on the pitch axis."""
 
 WU2019_GRID = BladeGrid(centre_splits=((20, 3), (23, 3), (26, 3), (29, 3), (32, 3)))
 """3989 nodes and 8394 triangles, the size of the blade of [Wu2019].

@@ -18,13 +18,13 @@ __all__ = ["read_polar", "read_rotor"]
 def read_rotor(path: str | Path | Traversable, *, polars: str | Path | Traversable, n_blades: int) -> Rotor:
     """Rotor of a table with columns radius_m, chord_m, twist_deg, polar, and of a folder of polars.
 
-    Polar `name` is the file `name.csv` of the folder, with columns alpha_deg, cl, cd; a column cm is ignored.
-    The tip is the last radius.
+    The polar `name` is the file `name.csv` of the folder, with columns alpha_deg, cl, cd; a column cm is
+    ignored. The radius of the tip is the last radius.
 
     Parameters
     ----------
     path : str, Path or package resource
-    polars : folder
+    polars : folder of the polars; types as for `path`
     n_blades : int
     Returns
     -------

@@ -31,7 +31,7 @@ def read_stations(path: str | Path | Traversable, *, sections: str | Path | Trav
     Parameters
     ----------
     path : str, Path or package resource
-    sections : folder
+    sections : folder of the outlines; types as for `path`
     Returns
     -------
     BladeStations   angles in rad

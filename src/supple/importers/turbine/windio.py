@@ -21,8 +21,8 @@ def read_windio_blade(path: str | Path) -> BladeStations:
     """Blade stations of a turbine file such as those of the IEA 3.4, 10, 15 and 22 MW reference turbines.
 
     The stations are all positions at which the file gives a chord or an airfoil. Between its airfoils, shapes
-    are blended by monotone cubics (PCHIP): over the relative thickness where the file gives that along the
-    span (`rthick`), else over the position. Prebend and sweep are those of the reference axis, in schema 2
+    are blended by monotone cubics (PCHIP): over the relative thickness if the file gives `rthick` along the
+    span, else over the position. Prebend and sweep are those of the reference axis, in schema 2
     shifted by `section_offset_x` normal to the chord of the twisted section. Sections stay normal to z,
     whereas windIO rotates them with the axis.
 
@@ -93,7 +93,7 @@ class _OuterShape(WindioFile):
     def sections(
         self, shape: tuple[str, ...], names: list[str], places: FloatArray, grid: FloatArray
     ) -> tuple[AirfoilSection, ...]:
-        """Sections at the positions `grid`, blended between the airfoils."""
+        """Sections at the positions `grid`, blended between the airfoils `names` at `places`."""
         known = [_OuterShape(self.path, airfoil) for airfoil in self.listed("airfoils")]
         airfoils = {str(airfoil.entry("name")): airfoil for airfoil in known}
         unknown = [name for name in names if name not in airfoils]
@@ -124,7 +124,7 @@ class _OuterShape(WindioFile):
     def heights(self, name: str) -> FloatArray:
         """Ordinates y/c (2, n) of the lower and upper side at `SHAPE_POINTS`, of the airfoil of this entry.
 
-        name : of the airfoil, for messages; `tree` must be its entry
+        name : name of the airfoil for messages
         """
         x, y = self.numbers("coordinates", "x"), self.numbers("coordinates", "y")
         if x.size != y.size:

@@ -43,11 +43,11 @@ class WindioFile:
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
-        """The file; ImportFormatError where it is no YAML."""
+        """The file; ImportFormatError if it is missing or no YAML."""
         return cls(Path(path), _parsed(Path(path)))
 
     def entry(self, *keys: str) -> Any:
-        """The value under nested keys."""
+        """The value under nested keys; ImportFormatError without one."""
         value = self.tree
         for depth, key in enumerate(keys):
             if not isinstance(value, dict) or key not in value:
@@ -60,12 +60,12 @@ class WindioFile:
         return value
 
     def has(self, *keys: str) -> bool:
-        """Whether the entry under all keys but the last has the last key."""
+        """Whether the entry under all keys but the last contains the last key."""
         above = self.entry(*keys[:-1])
         return isinstance(above, dict) and keys[-1] in above
 
     def listed(self, *keys: str) -> list[Any]:
-        """The list under nested keys."""
+        """The list under nested keys; ImportFormatError for another value."""
         found = self.entry(*keys)
         if not isinstance(found, list):
             raise ImportFormatError(
@@ -88,7 +88,7 @@ class WindioFile:
         return self.blended(grid, values, ".".join(keys), extrapolate=False)
 
     def covering(self, grid: FloatArray, *keys: str) -> scipy.interpolate.PchipInterpolator:
-        """The same; ImportFormatError unless its grid covers another ascending one."""
+        """The distribution under nested keys; ImportFormatError unless its range contains that of `grid`."""
         curve = self.distribution(*keys)
         if grid[0] < curve.x[0] or grid[-1] > curve.x[-1]:
             raise ImportFormatError(
@@ -100,7 +100,10 @@ class WindioFile:
     def blended(
         self, grid: FloatArray, values: FloatArray, what: str, *, extrapolate: bool
     ) -> scipy.interpolate.PchipInterpolator:
-        """The curve through values; ImportFormatError if numbers are so large that slopes are not finite."""
+        """PCHIP curve through values; ImportFormatError if numbers are so large that slopes are not finite.
+
+        what : name of the quantity for messages;  extrapolate : False gives NaN outside the grid
+        """
         try:
             with np.errstate(all="ignore"):
                 return scipy.interpolate.PchipInterpolator(grid, values, extrapolate=extrapolate)
@@ -110,7 +113,7 @@ class WindioFile:
             ) from error
 
     def as_numbers(self, values: Any, what: str) -> FloatArray:
-        """Numbers (n,) of a list of words."""
+        """Numbers (n,) of a word or a list of words; ImportFormatError for other entries."""
         try:
             words = values if isinstance(values, list) else [values]
             if not all(isinstance(word, str) for word in words):

@@ -29,13 +29,13 @@ def read_windio_sections(path: str | Path) -> SectionTable:
 
     Over the position 0 .. 1, the reference axis and the twist are monotone cubics (PCHIP), matrices linear.
     Section axes are x to the suction side, y to the trailing edge, z along the axis; the twist is about -z.
-    Public files of both versions use these axes, although the text of schema 2 exchanges x and y. A file of
-    version 2 with x and y exchanged is rejected.
+    Public files of both versions use these axes; the text of schema 2 exchanges x and y. A file of version 2
+    with x and y exchanged is rejected.
 
     Raises
     ------
     ImportFormatError   missing file or entries, no YAML, lists of different lengths, point masses, matrices
-                        by the text of schema 2
+                        with x and y exchanged
     ModelError          sections that `SectionTable` rejects
     Source: windIO turbine schema, versions 1 and 2.
     """
@@ -69,7 +69,7 @@ def _grid(file: WindioFile, *keys: str) -> FloatArray:
 
 
 def _first(file: WindioFile, name: str) -> tuple[FloatArray, FloatArray]:
-    """Grid (n,) and matrices (n, 6, 6) of version 1: a list of upper triangles."""
+    """Grid (n,) and matrices (n, 6, 6) of version 1, which lists upper triangles."""
     grid, rows = _grid(file, *FIRST, name), file.listed(*FIRST, name, "values")
     values = [file.as_numbers(row, ".".join((*FIRST, name, "values"))) for row in rows]
     if len(rows) != grid.size or any(row.size != len(PAIRS) for row in values):
@@ -81,7 +81,7 @@ def _first(file: WindioFile, name: str) -> tuple[FloatArray, FloatArray]:
 
 
 def _second(file: WindioFile) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
-    """Stiffness and inertia of version 2: a list for each entry, zero where there is none."""
+    """Grids and matrices, of stiffness and of inertia, of version 2: entries without a list are zero."""
     if file.has(*SECOND, "point_mass"):
         raise ImportFormatError(
             f"{file.path}: {'.'.join(SECOND)} has a point_mass, which is not read; remove it, and join "

@@ -1,4 +1,4 @@
-"""Momentum error of a free body with few modes: drift of its centre of mass from the motion by its loads."""
+"""Momentum error of a free body with few modes: distance of its centre of mass from that due to its loads."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ __all__ = ["centre_drift"]
 Array = NDArray[np.float64]
 
 FEWEST = 5
-"""Fewest output times for which the impulse of the loads is integrated."""
+"""Fewest output times for which the impulse of the loads is integrated; with fewer, the drift is 0."""
 
 
 def centre_drift(system: System, solution: Solution, name: str) -> float:
@@ -32,11 +32,12 @@ def centre_drift(system: System, solution: Solution, name: str) -> float:
 
         c(t) - c(0) - c'(0) t - 1/m int int F dt dt
 
-    The momentum of a truncated free line is that of its rigid modes only. The forces are a spline through
-    their values at the output times. The error of the spline is subtracted: its difference from a spline
-    through every second value.
+    c is the centre of mass, m the mass, and F the sum of the loads. With few modes, the momentum of a bent
+    free line follows the loads only approximately. F is a cubic spline through its values at the output
+    times. The error of this spline, its difference from a spline through every second value, is subtracted.
 
-    Returns 0 for a supported body, in a machine with joints, and for fewer than five output times.
+    name : name of the body
+    Returns 0 for a body with a supported root, if `is_joined`, and for fewer than five output times.
     """
     placed = system.bodies[system.body_index(name)]
     body = body_of(placed)
@@ -59,7 +60,7 @@ def centre_drift(system: System, solution: Solution, name: str) -> float:
 
 
 def _path(known: Array, acceleration: Array, times: Array) -> Array:
-    """Displacement of a body from rest, integrated from accelerations at some times."""
+    """Displacement (t, 3) from rest at `times`, integrated from accelerations at the times `known`."""
     return scipy.interpolate.CubicSpline(known, acceleration).antiderivative(2)(times)
 
 
@@ -81,7 +82,7 @@ def _carried_by(
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
     model = system.lines[number]
     own = jnp.trace(mass[:, :3], axis1=1, axis2=2) / 3
-    moments = mass[:, 3:]  # skew-symmetric: mass times its offset from the station
+    moments = mass[:, 3:]  # skew-symmetric: mass times the offset of its centre from the station
     beside = 0.5 * jnp.stack(
         [
             moments[:, 2, 1] - moments[:, 1, 2],

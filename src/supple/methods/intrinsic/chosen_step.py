@@ -16,16 +16,17 @@ __all__ = ["with_chosen_step"]
 STEPS_A_PERIOD = 20
 """Steps per period; the second-order rule then has a phase lag of 0.8 % of a period in each period."""
 MOST_RESOLVED = 16
-"""Number of lowest modes of a body whose periods limit an implicit step; the rule damps higher ones."""
+"""Number of lowest modes of a body whose periods limit the default step; higher modes are not resolved."""
 OF_STABLE = 0.9
+"""Default explicit step relative to the largest stable step."""
 
 
 def with_chosen_step(system: System, run: Run) -> Run:
-    """The run with a fixed default step, if it has none and the machine has intrinsic bodies.
+    """The run, with a fixed default step if it has no step and the machine has intrinsic bodies.
 
-    The step is at most a twentieth of the shortest period of the lowest sixteen retained modes, without
-    second-order modes. An explicit step is also below the stability limit. The output step is a multiple of
-    the step.
+    The default step is at most a twentieth of the shortest period of the lowest sixteen modes of each body,
+    without second-order modes. An explicit step is also at most 0.9 times the largest stable step. The output
+    step is a multiple of the default step.
     """
     bodies = list(system.bodies_of(IntrinsicBody).values())
     if run.step is not None or not bodies:

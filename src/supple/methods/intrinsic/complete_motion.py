@@ -36,14 +36,15 @@ __all__ = ["CompleteMotion", "complete_motion", "intrinsic_of", "states_of", "wi
 Array = NDArray[np.float64]
 
 TOLERANCE = 1e-8
-"""Residual relative to the rates of all modes, at which the iteration ends."""
+"""Norm of the residual relative to that of amplitudes times frequencies, at which the iteration ends."""
 MOST_ITERATIONS = 12
 
 
 class CompleteMotion(NamedTuple):
-    """The machine with all modes of its bodies, and its motion at the sample times.
+    """The machine with all modes of its bodies, and its motion at some output times.
 
-    shown : the run at these instants, expressed in all modes
+    solution : the motion in all modes
+    shown : the run at these times, expressed in all modes
     found : (t,)    False where the iteration did not converge
     """
 
@@ -54,7 +55,7 @@ class CompleteMotion(NamedTuple):
 
 
 class _Lines(NamedTuple):
-    """The lines of a machine; with `joined` where joints or forces act on their stations."""
+    """The lines of a machine, and its `JoinedArrays` if `is_joined`, otherwise None."""
 
     system: LineSystem
     joined: JoinedArrays | None
@@ -65,10 +66,10 @@ def complete_motion(system: System, solution: Solution, rows: NDArray[np.intp]) 
 
         0 = W q + N(q) q + eta + T^T f - A (q' of the run)
 
-    The first three terms are `line_rates` of all modes with their loads eta, and A maps amplitudes of the run
-    to all modes. Root motion, rigid motion, and the forces f of joints and force elements on stations are
-    those of the run. The omitted modes follow the motion statically, as in [Wang2015] (37), and the retained
-    modes are corrected for the coupling with the omitted ones.
+    W q + N(q) q + eta are the `line_rates` of the amplitudes q of all modes with loads eta. T^T f are the
+    rates due to the forces f of joints and force elements. A maps amplitudes of the run to all modes.
+    Root motion, rigid motion and f are those of the run. The omitted modes follow the motion statically, as
+    in [Wang2015] (37), and the retained modes are corrected for the coupling with the omitted ones.
 
     Parameters
     ----------
@@ -173,9 +174,9 @@ def _maps(own: IntrinsicModes, whole: IntrinsicModes) -> tuple[Array, Array]:
 
 
 def with_modes(placed: Placed, number: int | None) -> Placed:
-    """The body with `number` lowest modes (None: all), placed with the same strains and velocities.
+    """The body with `number` lowest elastic modes (None: all), with strains and velocities in these modes.
 
-    For a released body these are the lowest modes on its support.
+    For a released body these are the lowest modes on its support before release.
     """
     own = body_of(placed)
     if number is None:

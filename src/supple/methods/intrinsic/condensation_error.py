@@ -41,7 +41,7 @@ class CondensationError:
 
     @property
     def largest(self) -> float:
-        """Largest relative error, absolute value."""
+        """Largest absolute value of the relative errors."""
         return float(np.abs(self.relative).max(initial=0.0))
 
 
@@ -58,7 +58,9 @@ def condensation_error(body: FlexibleBody, condensed: IntrinsicBody, n_frequenci
     Parameters
     ----------
     body : the body before condensation
-    n_frequencies : number of frequencies, at most that of elastic modes of the condensed body
+    condensed : the condensed body
+    n_frequencies : number of frequencies, at most that of the elastic modes of `condensed`, without
+        second-order modes
 
     Raises ModelError for more frequencies than there are modes.
     """
@@ -83,7 +85,7 @@ def accurate_condensation(
     support: RootSupport = CLAMPED,
     damping: Damping | None = None,
 ) -> AccurateBody:
-    """A condensed body with enough stations for the errors of its lowest frequencies to be in tolerance.
+    """A condensed body with enough stations for a tolerance of its lowest frequencies, and its error.
 
     The number of segments starts at 6 and doubles until the errors are within the tolerance.
 
@@ -91,12 +93,14 @@ def accurate_condensation(
     ----------
     root, tip : interfaces of the body
     tolerance : largest relative error of the lowest `n_frequencies` elastic frequencies
-    n_modes, support, damping : as for `condense`
+    n_modes : as for `condense`, but at least n_frequencies
+    support, damping : as for `condense`
 
     Raises
     ------
     AccuracyError   the mesh allows no more stations; the message states the error reached
-    ModelError      as `condense`
+    ModelError      a tolerance that is not between 0 and 1; more frequencies or modes than a body with 7
+                    stations has; and as `condense`
     """
     if not 0 < tolerance < 1:
         raise ModelError(f"a tolerance of frequencies must be between 0 and 1, not {tolerance}")

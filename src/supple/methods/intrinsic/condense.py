@@ -37,8 +37,8 @@ def condense(
 
     The elements are condensed statically on the stations (Guyan), by one sparse factorisation. The inertia is
     lumped on the stations, with exact mass, first and second moments. The modes of this line on the support
-    of the root are the coordinates of the body. With B the rows of the stations' motions,
-    static shapes Psi and condensed stiffness K_a follow from
+    of the root are the coordinates of the body. K is the stiffness of the elements, and B maps coordinates of
+    the elements to motions of the stations. The static shapes Psi and the condensed stiffness K_a follow from
 
         K Psi + B^T mu = 0,   B Psi = 1,   K_a = Psi^T K Psi
 
@@ -88,7 +88,7 @@ def condense(
 
 
 def _statics(body: FlexibleBody, rows: sparse.csr_array) -> tuple[Array, Array]:
-    """Static shapes Psi (n, 6 s) of unit motions of the stations, and their stiffness."""
+    """Static shapes Psi (n, 6 s) of unit motions of s stations, and the condensed stiffness (6 s, 6 s)."""
     unit = np.eye(rows.indptr.size - 1)
     if len(unit) == body.n:  # stations with all freedoms leave no freedom to condense
         shapes = np.linalg.solve(rows.toarray(), unit)

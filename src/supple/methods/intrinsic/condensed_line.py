@@ -21,13 +21,13 @@ __all__ = ["CondensedLine", "clamped_line", "condensed_line"]
 Array = NDArray[np.float64]
 
 LARGEST_RIGID_FORCE = 1e-6
-"""Largest entry of K R relative to that of |K| |R|, for rigid motions R; more is not round-off."""
+"""Largest entry of K R relative to that of |K| |R|, for rigid motions R; a larger one is an error."""
 ASYMMETRY = 1e-8
-"""Largest asymmetry, relative to the largest entry."""
+"""Largest difference of mirrored entries relative to the largest entry; a larger one is an error."""
 LARGEST_NEGATIVE = 1e-6
-"""Largest negative principal stiffness relative to the largest positive one; more is not round-off."""
+"""Largest size of a negative principal stiffness relative to the largest size; a larger one is an error."""
 ROUNDING = 1e-13
-"""Coupling of stations relative to the largest mass; below it, stations share no mass."""
+"""Largest mass entry between two stations relative to the largest entry; up to it, stations share no mass."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,8 @@ class CondensedLine:
     tree : LoadPathTree         positions of the stations, and the parent of each
     stiffness : (6 n, 6 n)      u and theta of each station, global axes; zero forces under rigid motion
     mass : (6 n, 6 n)           symmetric, not negative; massless freedoms are allowed
-    rigid_force : float         relative rigid-body force of the given stiffness, removed in `stiffness`
+    rigid_force : float         largest entry of K R relative to that of |K| |R|, for the given stiffness K
+                                and rigid motions R; removed in `stiffness`
     """
 
     name: str
@@ -54,7 +55,7 @@ class CondensedLine:
 
     @property
     def twists(self) -> Array:
-        """(6 n, 6) rigid motion of all stations by velocity and angular velocity at the root."""
+        """(6 n, 6) rigid motion of all stations for unit velocities and angular velocities of the root."""
         return rigid_twists(self.tree)
 
     @property
@@ -94,7 +95,7 @@ def condensed_line(
     Raises
     ------
     ModelError      matrices of the wrong size, not finite or not symmetric; a stiffness with rigid-body
-                    forces; a negative stiffness or mass; and as `load_path_tree`
+                    forces; a negative stiffness or mass; no mass; and as `load_path_tree`
     Source: [Wang2015] (20); [Guyan1965].
     """
     check_text("condensed_line, name", name)

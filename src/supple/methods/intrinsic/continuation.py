@@ -20,8 +20,9 @@ def placed_at_instant(placed: Placed, motion: IntrinsicMotion, row: int) -> Plac
 
         q_1 = Phi_1^T M ( R(q_2) (d + F c) - T d ) + (0, rates)
 
-    d is the twist of a driven root, F the free twists of its support, R and T the rigid motion of the
-    bent line and of the line at rest. c follows from the rigid modes, `rates` from the elastic ones.
+    Phi_1 are the modes, M is the mass, d the twist of a driven root, and F the free twists of the root. R and
+    T are the rigid motions of the stations in the bent line and in the line at rest. The rigid modes give the
+    coefficients c, the elastic modes the coordinate rates `rates`.
     """
     body, q1 = body_of(placed), motion.rates[row]
     moved = placed.moved_to(motion.position[row], motion.rotation[row])
@@ -35,7 +36,7 @@ def placed_at_instant(placed: Placed, motion: IntrinsicMotion, row: int) -> Plac
     by_free = amplitudes_of(body, bent @ free)
     c = np.linalg.solve(by_free[:n], q1[:n] - own[:n])
     rates = q1 - own - by_free @ c
-    if n == 0:  # the drive moves the root
+    if n == 0:  # the joint or drive determines the motion of the root
         return replace(moved, velocity=None, angular_velocity=None, coordinate_rates=rates)
     velocity, angular = np.split(np.linalg.solve(from_frame, driven + free @ c), 2)
     return replace(moved, velocity=velocity, angular_velocity=angular, coordinate_rates=rates[n:])

@@ -61,7 +61,7 @@ _NAMES = ("q1", "q2", "quaternion", "position")
 
 
 class IntrinsicEngine:
-    """`Engine` for machines whose bodies are all intrinsic; `LineMarchState` is its state."""
+    """`Engine` of intrinsic bodies, free or supported by the ground; its state is `LineMarchState`."""
 
     least_leg = 1
 
@@ -87,17 +87,17 @@ class IntrinsicEngine:
 
     @property
     def tolerance(self) -> float:
-        """Tolerance of implicit steps."""
+        """Relative residual at which an implicit step ends."""
         return ITERATED * self._run.tolerances.residual
 
     def start(self, time: float) -> LineMarchState:
-        """The bodies as placed; residual modes follow the retained modes statically."""
+        """The bodies as placed; the modes above `n_kept` follow the lower ones statically."""
         begun = first_march_state(self._machine.lines, self.rule, time, self._machine.start)
         # NumPy types as in all later states: JAX would compile once more for Python numbers.
         return jax.tree.map(np.asarray, begun)
 
     def resumed(self, last: Solution) -> LineMarchState:
-        """The exact state at the end of a recorded part."""
+        """The exact state at the end of a recorded part of the run."""
         known = last.engine_state
         states = tuple(
             LineState(*(jnp.asarray(known[f"{number} {name}"]) for name in _NAMES))
@@ -127,7 +127,10 @@ class IntrinsicEngine:
     def leg(
         self, state: LineMarchState, reached: LineMarchState, times: np.ndarray, seconds: float
     ) -> Leg[LineMarchState]:
-        """Checked states of an integration (leading axis: time), which may extend beyond `times`."""
+        """Leg of the states `reached` (leading axis: time), up to the first not finite or not converged.
+
+        times : output times of the leg; `reached` may have more
+        """
         good = self._good(reached)[: len(times)]
         n_reached = len(times) if good.all() else int(np.argmin(good))
         stopped = None if good.all() else self._why(reached, n_reached)

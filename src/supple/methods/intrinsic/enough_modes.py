@@ -17,6 +17,7 @@ from supple.methods.intrinsic.truncation_error import TruncationError, truncatio
 __all__ = ["enough_modes"]
 
 FEWEST = 6
+"""Default initial number of elastic modes."""
 
 
 class EnoughModes(NamedTuple):
@@ -38,16 +39,16 @@ def enough_modes(
     first: int = FEWEST,
     bodies: Collection[str] | None = None,
 ) -> EnoughModes:
-    """The machine with enough modes for the truncation error of its run to be within a tolerance.
+    """The machine with enough modes for a tolerance of the truncation error, its run, and its error.
 
     The number of modes, equal in all bodies of the search, doubles until `truncation_error` is within the
     tolerance or all modes are retained.
 
     Parameters
     ----------
-    system : a machine with intrinsic bodies; their present number of modes has no effect
+    system : a machine with intrinsic bodies; the present number of modes in the search has no effect
     run : function that simulates a machine, such as `lambda system: simulate(system, Run(..))`
-    tolerance : largest `TruncationError.largest`: error of station positions, or drift of the centre of mass,
+    tolerance : limit of `TruncationError.largest`: error of station positions, or drift of centre of mass,
         relative to the deflection
     first : initial number of elastic modes
     bodies : names of the bodies in the search; default all
@@ -76,7 +77,7 @@ def enough_modes(
         fewer = of(number)
         if not any(body_of(placed).complete for placed in intrinsic_of(fewer) if placed.body.name in names):
             break
-        with warnings.catch_warnings():  # no warnings of truncation, which the search reduces
+        with warnings.catch_warnings():  # trial runs issue no ValidityWarning
             warnings.simplefilter("ignore", ValidityWarning)
             solution = run(fewer)
         errors = truncation_error(fewer, solution)

@@ -15,7 +15,7 @@ __all__ = ["Expansion", "carried_by_stations", "expansion_of_stations", "shares_
 Array = NDArray[np.float64]
 
 AT_ONCE = 2**22
-"""Largest number of distances in memory at a time."""
+"""Largest number of components of vectors from segments to points in memory at a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,8 +24,9 @@ class Expansion:
 
         r_a = sum_i w_ai (r_i + R_i (X_a - X_i + D_a gamma))
 
-    gamma are the elastic amplitudes. D gamma is the static shape of the condensation minus rigid motion:
-    warping of sections, and the curve of a coarse segment.
+    r_a are the positions of nodes, r_i and R_i the positions and rotations of stations, X the positions
+    at rest, w the weights, and gamma the elastic amplitudes. D gamma is the static shape of the condensation
+    minus the weighted rigid motion: warping of sections, and the curve of a coarse segment.
 
     nodes : (N, 3)              positions at rest, m
     stations, weights : (N, 2)  two stations for each node; weights add up to one
@@ -77,7 +78,7 @@ def carried_by_stations(
 
 
 def shares_of_stations(tree: LoadPathTree, points: Array) -> tuple[NDArray[np.intp], Array]:
-    """Two stations (N, 2) of the segment nearest each point, and their weights (N, 2), linear along it."""
+    """Two stations (N, 2) of the segment nearest to each point, and weights (N, 2), linear along it."""
     if tree.n == 1:
         return np.zeros((len(points), 2), dtype=np.intp), np.tile([1.0, 0.0], (len(points), 1))
     start, direction, length = tree.points[tree.inner], tree.directions, tree.lengths

@@ -11,7 +11,7 @@ __all__ = ["full_leg"]
 
 
 def full_leg(history: Any, length: int) -> Any:
-    """A history (t, ...), or a tree of histories, padded to a full leg by its last instant."""
+    """A history (t, ...), or a tree of histories, padded to `length` instants by copies of the last one."""
 
     def filled(leaf: Any) -> np.ndarray:
         known = np.asarray(leaf)

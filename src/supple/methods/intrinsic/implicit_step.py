@@ -40,9 +40,9 @@ def first_order_coefficients(rho_inf: float) -> FirstOrderCoefficients:
 class Tangent(NamedTuple):
     """Inverse of a step's tangent, reused over steps while Newton's method converges with it.
 
-    inverse : (n, n)    inverse of alpha_m - alpha_f gamma h slope; multiplication is faster than solution
+    inverse : (n, n)    inverse of alpha_m - alpha_f gamma h slope; multiplying by it is faster than solving
     step : h of this tangent; negative before the first
-    rounding : size of the terms of the rates relative to the states, the scale of rounding errors
+    rounding : norm of the terms of the rates relative to that of the states, the scale of rounding errors
     """
 
     inverse: Any
@@ -51,7 +51,7 @@ class Tangent(NamedTuple):
 
 
 class StepResult(NamedTuple):
-    """State and rates at the end of a step, the last tangent, and the counts of the iteration."""
+    """State and rates at the end of a step, last tangent, number of iterations, and relative residual."""
 
     state: jax.Array
     rates: jax.Array

@@ -54,14 +54,14 @@ def read_condensed_line(
     paths : grid ids from the root outwards; each later path begins at a grid of an earlier one. None: all
         grids of the matrices in the order of their cards, in one chain
     stiffness_name, mass_name : names of the matrices in files with several (DMIG, OUTPUT4)
-    root_mass : (6, 6)  mass of a first grid that was clamped and is not in the matrices; default zero
+    root_mass : (6, 6)  mass of a root grid that was clamped and is not in the matrices; default zero
 
     Raises
     ------
     ImportFormatError   files that cannot be read, matrices that are not symmetric
     ModelError          a grid of the matrices on no path; a grid of a path in no matrix, except a clamped
-                        root; a grid with fewer than six freedoms; paths that are not connected; and as
-                        `condensed_line`
+                        root; a root_mass for a root in the matrices; a grid with fewer than six freedoms;
+                        paths that are not connected; and as `condensed_line`
     Source: [Wang2015] (20); [Guyan1965].
     """
     table = read_nodes(nodes)
@@ -89,7 +89,7 @@ def read_condensed_line(
 
 
 def _check_freedoms(name: str, stiffness: LabelledMatrix, mass: LabelledMatrix) -> None:
-    """ModelError unless the stiffness has all six freedoms of each grid, and the mass no other grid."""
+    """ModelError unless the stiffness has all six freedoms of each grid, and the mass no further grid."""
     grids = np.unique(stiffness.freedoms[:, 0])
     known = np.isin(COMPONENTS + 10 * grids[:, None], stiffness.freedoms @ [10, 1])
     short = np.flatnonzero(~known.all(axis=1))

@@ -44,7 +44,7 @@ __all__ = ["IntrinsicBody", "intrinsic_body"]
 Array = NDArray[np.float64]
 
 ROOM = 2**22
-"""Largest number of positions computed at a time."""
+"""Largest number of components of rotations and positions in memory at a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ class Station(UntiedInterface):
     """Interface at a station.
 
     position : (3,)     in the body's axes
-    motion : (6, e)     linear motion by the elastic modes
+    motion : (6, e)     linear motion per unit elastic amplitude
     number : int        number of the station
     """
 
@@ -69,7 +69,7 @@ class IntrinsicBody(FormDefaults, Summarized):
     Built by `intrinsic_body` or `condense`.
 
     modes : IntrinsicModes          on the support of its root
-    expansion : Expansion           map to its nodes
+    expansion : Expansion           map from stations to nodes
     stations : name -> number       interfaces
     damping : Damping | None        ModalDamping or RayleighDamping
     complete : IntrinsicBody | None     the same body with all its modes; None if this body has all
@@ -166,13 +166,13 @@ class IntrinsicBody(FormDefaults, Summarized):
     def nodal_fields(
         self, coordinates: Array, freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[Array, None]:
-        """Linear displacements (N d, t) of elastic amplitudes (t, e), for strains only."""
+        """Linear displacements (N d, t) by elastic amplitudes (t, e), for strains alone, and None."""
         return self.expansion.modes.reshape(-1, self.n_coordinates)[freedoms] @ coordinates.T, None
 
     def truncated(self, n_modes: int) -> IntrinsicBody:
         """The same body with its `n_modes` lowest elastic modes, and their second-order modes.
 
-        Raises ModelError for more modes than the body has.
+        Raises ModelError for less than one mode, or more modes than the body has.
         """
         whole = self.complete or self
         if not 0 < n_modes <= whole.n_coordinates:
@@ -278,13 +278,13 @@ class IntrinsicBody(FormDefaults, Summarized):
         return InterfaceMotion(position, rotation, velocity, there(known.accelerations)[0], angular)
 
     def freedoms(self, q2: Array) -> LineFreedoms:
-        """Small motions of the line about strains q_2 (e,)."""
+        """Small motions of the line about a shape with force amplitudes q_2 (e,)."""
         return line_freedoms(self.model, self.support, self.line.tree.points[0], q2)
 
     def motion_near(
         self, position: Array, rotation: Array, coordinates: Array, displacement: Array, rates: Array
     ) -> IntrinsicMotion:
-        """Motion displaced by p (t, 6 + e); its velocities are those of the rates p' (t, 6 + e) at p = 0."""
+        """Motion displaced by p (t, 6 + e), with the velocities due to the rates p' (t, 6 + e) at p = 0."""
         frames = frames_near(position, rotation, displacement, rates)
         amplitudes = self.freedoms(self.forces_of(coordinates)).amplitudes(rates)
         still = np.zeros_like(frames[2]), np.zeros_like(frames[2]), np.zeros_like(amplitudes)
@@ -299,7 +299,7 @@ class IntrinsicBody(FormDefaults, Summarized):
     def section_loads(self, motion: Motion) -> Array:
         """Internal forces and moments (t, n - 1, 6) at the middles of segments, along material axes.
 
-        They are the elastic part alone, without damping forces.
+        These are the elastic forces alone, without damping forces.
         """
         q2 = self.forces_of(motion.of_type(IntrinsicMotion).coordinates)
         return np.asarray(jax.vmap(lambda q: line_forces(self.model, q))(jnp.asarray(q2)))
@@ -357,7 +357,7 @@ def intrinsic_body(
     n_modes : int       number of lowest elastic modes, extended by second-order modes; default all
     stations : name -> number   interfaces; "root", and "tip" of a line without branches, always exist
 
-    Raises ModelError for a station that does not exist, and as `intrinsic_modes`.
+    Raises ModelError for a station that does not exist, and as `intrinsic_modes` and `truncated`.
     """
     modes = intrinsic_modes(line, support)
     ends = {"root": 0} | ({"tip": line.n - 1} if line.tree.is_chain and line.n > 1 else {})

@@ -21,7 +21,7 @@ __all__ = ["IntrinsicModes", "intrinsic_modes"]
 Array = NDArray[np.float64]
 
 LARGEST_DEFECT = 1e-8
-"""Largest defect of orthonormality; more is not round-off."""
+"""Largest difference of a Gram matrix from the unit matrix; a larger one is an error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +89,7 @@ class IntrinsicModes:
         return _defect(first), _defect(second)
 
     def truncated(self, n_modes: int) -> IntrinsicModes:
-        """The lowest modes only; ModelError for fewer modes than the rigid ones, or more than exist."""
+        """The `n_modes` lowest modes, rigid ones included; ModelError for too few or too many modes."""
         if not self.n_rigid <= n_modes <= self.n_modes or n_modes == 0:
             raise ModelError(
                 f"line '{self.line.name}': {n_modes} modes requested; it has {self.n_modes}, of which "
@@ -120,7 +120,8 @@ def intrinsic_modes(line: CondensedLine, support: RootSupport, n_modes: int | No
 
     Raises
     ------
-    ModelError      more modes than freedoms with mass; a free root motion that moves no mass
+    ModelError      more modes than freedoms with mass, or fewer than rigid modes; a free root motion that
+                    moves no mass; a station without stiffness
     AccuracyError   modes that are not orthonormal to 1e-8, with the remedy
     Source: [Wang2015] (26)-(35), with the sign of (35) and the scale of the modes corrected.
     """
@@ -153,7 +154,7 @@ def intrinsic_modes(line: CondensedLine, support: RootSupport, n_modes: int | No
 
 
 def checked_modes(modes: IntrinsicModes) -> IntrinsicModes:
-    """The same modes; AccuracyError, with the remedy, where they are not orthonormal to 1e-8."""
+    """The given modes; AccuracyError, with the remedy, if they are not orthonormal to 1e-8."""
     first, second = modes.orthonormality
     if not max(first, second) < LARGEST_DEFECT:
         omega = modes.omega[modes.n_rigid :]

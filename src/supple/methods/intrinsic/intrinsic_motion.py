@@ -15,7 +15,7 @@ __all__ = ["IntrinsicMotion"]
 
 
 UNKNOWN = np.empty(0)
-"""Marks accelerations that files of earlier versions lack; they are set to nan."""
+"""Default of accelerations that are not given, as in files of earlier versions; they become nan."""
 
 
 @register_motion

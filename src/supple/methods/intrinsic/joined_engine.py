@@ -36,7 +36,7 @@ ITERATED = 1e-4
 
 
 class JoinedStepping(NamedTuple):
-    """Step rule and tolerances.
+    """Step rule, tolerances on relative residuals, and largest number of iterations of a step.
 
     tolerance : residual at which a step ends,  limit : residual above which a step has not converged
     """
@@ -50,7 +50,7 @@ class JoinedStepping(NamedTuple):
 class JoinedEngine:
     """`Engine` of intrinsic, rigid and reduced bodies and their joints; `JoinedState` is its state.
 
-    also : further ends whose stations are included besides those of joints and forces
+    also : further ends whose stations are included, besides those of joints, forces and controllers
     """
 
     least_leg = 1
@@ -108,7 +108,7 @@ class JoinedEngine:
         return JoinedState(now, rates, forces, control, jnp.zeros(()), jnp.zeros((), dtype=int))
 
     def resumed(self, last: Solution) -> JoinedState:
-        """The exact state at the end of a recorded part."""
+        """The exact state at the end of a recorded part of the run."""
         leaves, structure = jax.tree.flatten(self.start(self._run.start))
         known = [last.engine_state[f"leaf {number}"] for number in range(len(leaves))]
         return structure.unflatten(

@@ -7,6 +7,7 @@ amplitudes q_1, V_s = T(q) q_1, and T^T maps forces of force elements, Q, and of
     floating body   M V' + c + f - Q + G^T lambda = 0,    q' = V + M^-1 G^T mu
     joints          g(t, q) = 0,     G V + dg/dt = 0
 
+S maps q_1 to the rates of q_2 and of the root, c are gyroscopic and f internal forces, and G = dg/dq.
 Joints do no work on velocities that satisfy them, and T is the exact derivative of the positions in g. So
 energy is conserved for any number of modes or stations. mu vanishes with the step; it keeps both positions
 and velocities on the constraints.
@@ -71,7 +72,7 @@ class JoinedRates(NamedTuple):
 
     lines : q_1', q_2' and the root's rates, of each line
     acceleration : (n,)     accelerations of the floating bodies
-    frames : (n,)           velocities of the floating bodies' configuration, with M^-1 G^T mu
+    frames : (n,)           rates of the floating bodies' configuration, V + M^-1 G^T mu
     """
 
     lines: States

@@ -160,7 +160,7 @@ def lines_as_stations(system: System, also: Sequence[At] = ()) -> LinesAsStation
 
 
 def joined_machine(system: System, time: float, also: Sequence[At] = ()) -> JoinedMachine:
-    """Arrays of a machine; ModelError, with the remedy, for bodies that are not supported.
+    """Arrays of a machine; ModelError as `lines_as_stations` and `machine_loads`.
 
     also : as for `lines_as_stations`
     """
@@ -237,12 +237,12 @@ def _station(placed: Placed, number: int) -> Placed:
 
 
 def seen_element(system: System, element: Joint | ForceElement) -> Any:
-    """The same joint or force between floating bodies and stations."""
+    """The joint or force with its ends on floating bodies and on bodies of stations."""
     return replace(element, first=seen_end(system, element.first), second=seen_end(system, element.second))
 
 
 def seen_end(system: System, end: At) -> At:
-    """The same end, on the body of its station for an intrinsic body."""
+    """The end itself, or, on an intrinsic body, the end on the body of its station."""
     if end == GROUND:
         return end
     placed = system.bodies[system.body_index(end.body)]
@@ -252,7 +252,7 @@ def seen_end(system: System, end: At) -> At:
 
 
 def _seen_controller(system: System, controller: Controller | SampledController) -> Any:
-    """The same controller, reading and driving floating bodies and stations."""
+    """The controller with its ends on floating bodies and on bodies of stations."""
     reads = {
         name: EndReading(seen_end(system, each.at)) if isinstance(each, EndReading) else each
         for name, each in controller.reads.items()

@@ -51,7 +51,7 @@ __all__ = [
 ]
 
 OPEN = 1e-6
-"""Largest residual of a joint as placed: lengths relative to the machine's size, angles in rad."""
+"""Largest residual of a joint as placed, a length relative to the machine's size or an angle in rad."""
 MOST_REACTIONS, CONVERGED = 100, 1e-12
 """Most iterations for joint forces with friction, and relative change of the solution at which they end."""
 
@@ -94,9 +94,9 @@ class ClosedMachine(NamedTuple):
 def closed_machine(
     machine: JoinedMachine, time: float, known: tuple[int, ...] | None = None
 ) -> ClosedMachine:
-    """The machine as its bodies are placed; raises and warns as `joined_start`.
+    """The machine as placed, without redundant joint equations; raises and warns as `joined_start`.
 
-    known : numbers of the independent equations, if known
+    known : numbers of the independent equations; None: they are computed
     """
     arrays, seen = machine.arrays, machine.seen
     placed = jax.tree.map(jnp.asarray, placed_configuration(seen))
@@ -237,7 +237,9 @@ def instant_rates(
 ) -> tuple[JoinedRates, jax.Array]:
     """Rates at an instant that satisfies its joints, and the multipliers.
 
-    Equations of motion and d2g/dt2 = 0:  M a + J^T lambda = -b,  J a = -c,  with b and c at a = 0. The
+        M a + J^T lambda = -b,     J a = -c
+
+    At a = 0, b are the residuals of the equations of motion and c the second time derivatives of g. The
     solution is iterated where friction in b depends on lambda.
     """
     m, n = len(arrays.model.active), arrays.n_floating

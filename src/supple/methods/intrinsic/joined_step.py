@@ -52,7 +52,7 @@ def joined_step(
     state: JoinedState,
     h: Any,
 ) -> JoinedState:
-    """The state after a step h; forces act within the step, constraints hold at its end.
+    """The state after a step h; forces are evaluated within the step, constraints at its end.
 
         y_1 = y_0 + h ((1 - gamma) y'_0 + gamma y'_1)
         (1 - alpha_m) y'_0 + alpha_m y'_1 = f(y at alpha_f) + joint forces,     g = 0 and g' = 0 at y_1
@@ -154,7 +154,7 @@ def _sizes(arrays: JoinedArrays, now: JoinedInstant, m: int) -> jax.Array:
         own = now.floating.coordinates[first : first + r]
         frames += [jnp.full(3, length), jnp.ones(3), jnp.abs(own)]
         first += r
-    # A root at the origin, where a joint holds it, has the same scale as elsewhere.
+    # The scale of root positions is the size of the machine, also for a root at the origin.
     lines = tuple(replace(jax.tree.map(jnp.abs, state), position=jnp.full(3, length)) for state in now.lines)
     sizes = JoinedRates(lines, jnp.abs(now.velocity), jnp.concatenate(frames))
     return jnp.concatenate([ravel_pytree(sizes)[0], jnp.zeros(2 * m)])

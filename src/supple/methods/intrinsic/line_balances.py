@@ -21,7 +21,7 @@ def line_balances(body: IntrinsicBody, motion: IntrinsicMotion, gravity: Array) 
 
         T = p.x_1 / 2,   U = q_2.q_2 / 2,   P = sum R_i p_v,i,   L = sum r_i x R_i p_v,i + R_i p_w,i
 
-    The potential is -g.sum(m_i r_i + R_i s_i) with the masses and first moments of the stations.
+    The potential is -g.sum(m_i r_i + R_i s_i) with the masses m_i and first moments s_i of the stations.
     Source: [Wang2015] (12)-(14): the modes are orthogonal by mass and flexibility.
     """
     n = body.line.n

@@ -3,10 +3,10 @@
     q_1' = w (q_2 + beta q_2') - d q_1 - Phi_1^T [L_1(x_1) M x_1 + L_2(x_2) e - f]
     q_2' = -w q_1 + Phi_2^T L_1(x_1)^T e,                 e = C x_2
 
-with x_1 = Phi_1 q_1, x_2 = Phi_2 q_2, retardation times beta, decay d and loads f. A tensor form would store
-N_m^3 coupling terms. Here the couplings are evaluated at stations and segments, by vector products and a few
-products of a matrix and a vector. The result equals that of the tensors for any choice of modes, and the
-power of the couplings is exactly zero.
+with x_1 = Phi_1 q_1, x_2 = Phi_2 q_2, frequencies w, retardation times beta, decay d, and loads f. e are the
+strains, and C is the compliance. A tensor form would store N^3 coupling terms for N modes. Here the couplings
+are evaluated at stations and segments, by vector products and a few products of a matrix and a vector. The
+result equals that of the tensors for any choice of modes, and the power of the couplings is exactly zero.
 
 Amplitudes, and all results from them, may have a last axis of cases. The products are then of two matrices,
 and one instruction computes several cases, which are adjacent in memory.

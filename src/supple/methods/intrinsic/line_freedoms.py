@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class LineFreedoms:
-    """p = shapes @ (y, h) for a line in its bent shape.
+    """Small motions p = shapes @ (y, h) of a line about its bent shape.
 
     p (6 + e,) contains the translation and rotation of the body's axes, along these axes, and the changes
     -dq_2 / w of the elastic amplitudes. y (m,) are the integrals of q_1. h are the motions of the root that
@@ -37,7 +37,7 @@ class LineFreedoms:
 
     m : number of components of y
     shapes : (6 + e, 6 + e)
-    held_mass : (6 + e, 6 + e)  mass matrix for (y, h): only the entries of h, and between h and y
+    held_mass : (6 + e, 6 + e)  mass matrix for (y, h), with zeros in its block (m, m) of y
     """
 
     m: int
@@ -50,7 +50,7 @@ class LineFreedoms:
 
 
 def line_freedoms(model: LineModel, support: RootSupport, root: Array, q2: Array) -> LineFreedoms:
-    """Small motions of a line with strains q_2 (e,); root (3,) in the body's axes."""
+    """Small motions of a line with strains q_2 (e,); root (3,) is its position in the body's axes."""
     m = np.shape(model.velocities)[1]
     every = np.asarray(block_diag(np.eye(m), null_space(support.free.T)))
     twist, rates = map(np.asarray, _rates(model, q2))

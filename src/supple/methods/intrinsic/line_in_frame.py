@@ -5,8 +5,9 @@ of its axes, and the rates of its elastic amplitudes g = -q_2 / omega. The ampli
 
     A(q_2) q_1 = (R^T V, w, g'),        Y = A^-1 diag(R^T, I, I)
 
-The first six rows of A give the twist of the axes, the next e rows the strain rates (`force_rates`). The
-residual of the line's equations, projected on u, balances forces f at its stations, whose velocities are J u:
+R is the rotation of the axes, I a unit matrix, and e the number of elastic amplitudes. The first six rows of
+A give the twist of the axes, the next e rows the rates g' = -q_2' / omega (`force_rates`). The residual of
+the line's equations, projected on u, balances forces f at its stations, whose velocities are J u:
 
     Y^T [ q_1' - rates(q_1, q_2) ] + J^T f = 0,        q_1' = Y u' + Y' u
 
@@ -152,7 +153,7 @@ def lines_in_frames(system: System) -> MachineWithStations:
 
 
 def _with_frame_rates(placed: Placed) -> Placed:
-    """The body with velocities u of its initial q_1 (`line_start`), if it has initial deformation rates."""
+    """The body with velocities u by its initial q_1 (`line_start`); unchanged without deformation rates."""
     if not placed.coordinate_rates.any():
         return placed
     body = body_of(placed)
@@ -179,7 +180,7 @@ def _frame_rows(line: FrameLine, coordinates: jax.Array) -> jax.Array:
 
 
 def _frame_rates_at(line: FrameLine, coordinates: jax.Array, q1: jax.Array) -> jax.Array:
-    """`A q_1`."""
+    """Velocities A q_1 (6 + e,), the first three along the body's axes."""
     return _frame_rows(line, coordinates) @ q1
 
 

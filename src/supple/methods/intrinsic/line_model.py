@@ -89,7 +89,7 @@ def line_model(modes: IntrinsicModes, damping: Damping | None = None) -> LineMod
 
     damping : None, ModalDamping of the elastic modes, or RayleighDamping. Modal ratios and beta act on strain
         rates, at any rotation. Alpha acts on the velocities of the elastic modes.
-    Raises ModelError for damping defined in a floating frame.
+    Raises ModelError for damping defined in a floating frame, or relative to an interface (`held`).
     """
     line, m = modes.line, modes.n_modes
     tree = line.tree

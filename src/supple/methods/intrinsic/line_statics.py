@@ -48,7 +48,7 @@ from supple.methods.intrinsic.supported_root import is_joined, supported_root
 __all__ = ["LineStatics", "line_statics"]
 
 SAME_AXIS = 1e-9
-"""Part of a root twist along fixed directions, relative to the twist; less is round-off."""
+"""Largest part of a root twist that the root support excludes, relative to the twist; more is an error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,7 @@ class LineStatics(SteadyEquations):
 
     @property
     def is_discrete(self) -> bool:
-        """True: forces act on the rates of the positions, masses on the velocities of the modes."""
+        """True: forces act on time derivatives of the positions, masses on the velocities of the modes."""
         return True
 
     def start(self) -> StaticState:
@@ -86,7 +86,7 @@ class LineStatics(SteadyEquations):
         return self.unbalance(state, time).terms
 
     def unbalance(self, state: StaticState, time: float) -> EquilibriumResidual:  # noqa: ARG002 - drives are fixed
-        """The residuals at rest or in steady rotation."""
+        """The residuals at rest or in steady rotation, relative and absolute."""
         found = jax.device_get(unbalanced_at(*self._terms, state.configuration, state.multipliers))
         residual = found.residual - self.held
         works = self.position_scale[:, None] * np.column_stack([residual, found.terms])
@@ -100,7 +100,7 @@ class LineStatics(SteadyEquations):
     def correction(
         self, state: StaticState, time: float, unbalance: EquilibriumResidual, k: float
     ) -> StaticStep:
-        """One implicit step of length k; AccuracyError where it is singular."""
+        """One implicit step of length k; AccuracyError if its matrix is singular."""
         linear = self._small_motions(state)
         matrix, rows = linear.mass + k * linear.stiffness, linear.jacobian
         n, m = len(matrix), len(rows)
@@ -124,7 +124,7 @@ class LineStatics(SteadyEquations):
 
     @property
     def position_scale(self) -> np.ndarray:
-        """Size of a large change of each freedom, (N,): rotation 1, displacement the system's size."""
+        """Change (N,) of each freedom that rotates a body by 1 rad or moves it by the size of the machine."""
         arrays = self.machine.arrays
         found = [np.asarray(known_position_scale(arrays.model))[: arrays.n_floating]]
         for model in arrays.lines:
@@ -137,7 +137,7 @@ class LineStatics(SteadyEquations):
         """Equations of motion linearised about a state, for motions p of bodies in their order.
 
         p is the translation and rotation of each body's axes, along these axes, and its elastic amplitudes.
-        The motions fixed by the support of a root are among the joints' equations.
+        The constraint equations include the motions that the support of a root fixes.
         """
         linear, arrays = self._small_motions(state), self.machine.arrays
         nb = len(arrays.model.sizes) - arrays.n_coupled
@@ -287,7 +287,7 @@ def line_statics(
 ) -> LineStatics:
     """Steady equations of a machine with intrinsic bodies and closed joints.
 
-    known : numbers of the independent equations of joints, if known
+    known : numbers of the independent equations of joints; None: they are computed
     """
     machine = joined_machine(system, time) if is_joined(system) else supported_machine(system, time)
     drives = zip(machine.states, machine.arrays.drives, strict=True)

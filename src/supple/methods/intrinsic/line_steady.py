@@ -7,7 +7,7 @@ the line's steady rotation at zero strain rate,
     q_1 = q_R(q) + y',     q_1' = dq_R/dt + y'',     dq = S(q) y
 
 and for frames that rotate at w about a point p, with displacements x of the origins r along global axes and
-rotations psi along own axes,
+rotations psi along own axes, where A is the rotation matrix of a frame,
 
     v = w x (r - p) + x',             v' = w x (w x (r - p)) + 2 w x x' + x''
     w_own = A^T w + psi',             w_own' = A^T w x psi' + psi''
@@ -68,7 +68,7 @@ class Unbalanced(NamedTuple):
 
 
 class LineSmallMotions(NamedTuple):
-    """`M y'' + C y' + K y + G^T l = 0`, `G y = 0`; frames' translations along global axes."""
+    """`M y'' + C y' + K y + G^T l = 0`, `G y = 0`, with multipliers l; translations along global axes."""
 
     mass: Any
     damping: Any

@@ -110,8 +110,8 @@ def _shares(
 ) -> list[tuple[NDArray[np.intp], Array]]:
     """Nodes of each slice between the ends, and the weight of each.
 
-    A node on a cut counts half in each slice. If both slices have at most two lines of nodes, it belongs to
-    the first slice alone, so that their mean motions do not share a line of nodes.
+    A node on a cut counts half in each of two slices. If both slices have at most two lines of nodes, a node
+    on their cut belongs to the first slice alone, so that the mean motions share no line of nodes.
 
     place : ascending, 0 at the root and 1 at the tip
     """

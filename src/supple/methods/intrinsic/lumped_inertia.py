@@ -24,6 +24,8 @@ def lumped_inertia(tree: LoadPathTree, model: FiniteElementModel) -> Array:
     consistent mass of the elements in any rigid motion.
 
         M_i = sum_e w_ie R_ie^T M_e R_ie
+
+    w_ie are weights, M_e is the mass of cell e, and R_ie the rigid motion of its nodes by that of station i.
     """
     blocks = np.zeros((tree.n, 6, 6))
     for mass in cell_masses(model):

@@ -34,7 +34,7 @@ __all__ = ["machine_loads"]
 
 
 def machine_loads(system: System) -> tuple[StationLoad, ...]:
-    """The loads, and gravity, of a machine of intrinsic bodies."""
+    """The loads, and gravity, of a machine of intrinsic bodies; ModelError for two base accelerations."""
     numbers = {placed.body.name: number for number, placed in enumerate(system.bodies)}
     bases = [load.law for load in system.loads if isinstance(load, BaseAcceleration)]
     if len(bases) > 1:

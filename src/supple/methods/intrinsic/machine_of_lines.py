@@ -39,7 +39,7 @@ Array = np.ndarray
 _quaternion = CachedProgram(euler_parameters)
 
 SAME_VELOCITY = 1e-6
-"""Part of a root velocity along fixed directions, relative to the velocity; less is round-off."""
+"""Largest part of a root twist that the root support excludes, relative to the twist; more is an error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class MachineOfLines:
     system : System
     lines : LineSystem
     start : States              initial states of the bodies as placed
-    roots : support of each root
+    roots : joint and drive of each root
     """
 
     system: System
@@ -74,7 +74,8 @@ class MachineOfLines:
     def joint_forces(self, reactions: Array, motions: Mapping[str, IntrinsicMotion]) -> Mapping[str, Array]:
         """Force and moment (t, 6) of each joint on its second end, along the joint axes at its first end.
 
-        Components along free directions are set to zero; in the balance they are errors of discretisation.
+        The moment is about the root. Components along free directions are set to zero; the balance has only
+        discretisation errors there.
         """
         found = {}
         for number, (placed, root) in enumerate(zip(self.system.bodies, self.roots, strict=True)):
@@ -139,9 +140,9 @@ def line_start(placed: Placed, drive: RootDrive | None, time: float) -> LineStat
 
 
 def _root_twist(placed: Placed, driven: Array) -> Array:
-    """Twist (6,) of the root, along its axes; ModelError if its support excludes it.
+    """Initial twist (6,) of the root, along its axes; ModelError if the root support excludes it.
 
-    driven : (6,)   twist of its drive
+    driven : (6,)   twist of the root by its drive
     """
     given = np.array([placed.velocity is not None, placed.angular_velocity is not None])
     if not given.any():
@@ -165,7 +166,7 @@ def _root_twist(placed: Placed, driven: Array) -> Array:
 
 
 def frame_to_root(placed: Placed) -> Array:
-    """Map (6, 6) of the frame's velocity (global) and angular velocity to the root's twist, own axes."""
+    """Map (6, 6) from velocity (global) and angular velocity of the frame to the root's twist, own axes."""
     found = np.zeros((6, 6))
     found[:3, :3] = placed.rotation.T
     found[:3, 3:] = -cross_matrix(body_of(placed).line.tree.points[0])
@@ -176,7 +177,7 @@ def frame_to_root(placed: Placed) -> Array:
 def line_motion(
     placed: Placed, model: LineModel, drive: RootDrive | None, state: LineState, rate: Any, times: Array
 ) -> IntrinsicMotion:
-    """The motion of a body from stacked states of its line, and q_1' of these (leading axis: time)."""
+    """The motion of a body from states of its line and their rates q_1' (leading axis: time)."""
     body = body_of(placed)
     found = _roots(model, drive, state, rate, jnp.asarray(times))
     rotation, position, twist, faster = (np.asarray(each) for each in found)

@@ -19,6 +19,7 @@ __all__ = ["released"]
 Array = NDArray[np.float64]
 
 LARGEST_CONDITION = 1e12
+"""Largest condition number of the Gram matrix of rigid and elastic modes; a larger one is an error."""
 
 
 def released(body: IntrinsicBody) -> IntrinsicBody:
@@ -30,7 +31,7 @@ def released(body: IntrinsicBody) -> IntrinsicBody:
         V^T M V = L L^T,     L^-1 [0; w] = U S W^T,
         w <- S,     Phi_1 <- V L^-T U,     Phi_2 <- Phi_2 W,     C Phi_2 <- C Phi_2 W
 
-    Raises ModelError where the elastic modes already include rigid motion.
+    Raises ModelError if the elastic modes already include rigid motion; AccuracyError as `intrinsic_modes`.
     Source: [CraigBampton1968] for the choice of modes.
     """
     modes, line = body.modes, body.line
@@ -63,7 +64,7 @@ def released(body: IntrinsicBody) -> IntrinsicBody:
         strains=read_only(modes.strains @ W),
         n_second_order=modes.n_second_order,
     )
-    # The same strains: amplitudes -q_2 / w of the old modes from those of the new ones.
+    # Map of amplitudes -q_2 / w with equal strains, from the new modes to the old ones.
     amplitudes = (W * values) / omega[:, None]
     expansion = replace(
         body.expansion,

@@ -31,7 +31,8 @@ def truncation_parts(system: System, solution: Solution) -> Mapping[str, ErrorPa
 def report_truncation(system: System, run: Run, solution: Solution) -> Solution:
     """The solution with `truncation`, the part of its error due to omitted modes.
 
-    Warns ValidityWarning about bodies whose truncation error is above 1 % of their deflection.
+    Warns (ValidityWarning; an error in a strict run) of bodies with a truncation error above 1 % of the
+    deflection.
     """
     errors = _errors(system, solution)
     for name, error in errors.items():
@@ -40,7 +41,7 @@ def report_truncation(system: System, run: Run, solution: Solution) -> Solution:
 
 
 def report_truncation_of_cases(cases: Sequence[System], run: Run, solutions: Sequence[Solution]) -> None:
-    """Warn about the largest truncation error of a batch; each body is assessed in its most strained case."""
+    """Warn about the largest truncation error of a batch, with each body in its most strained case."""
     finished = [number for number, solution in enumerate(solutions) if solution.stopped is None]
     if not finished:
         return
@@ -59,7 +60,7 @@ def report_truncation_of_cases(cases: Sequence[System], run: Run, solutions: Seq
 
 
 def _strain(system: System, solution: Solution, name: str) -> float:
-    """Size of the largest strain of a body, as the square root of twice its energy."""
+    """Square root of twice the largest strain energy of a body in a run."""
     body = body_of(system.bodies[system.body_index(name)])
     forces = body.forces_of(solution.motion(name, IntrinsicMotion).coordinates)
     return float(np.linalg.norm(forces, axis=1).max(initial=0.0))

@@ -23,7 +23,7 @@ def rigid_motion(body: IntrinsicBody, q2: Array) -> Array:
     """Velocities (6 n, 6) of the stations, along their own axes, for each unit component of the root's twist.
 
     With rotation R and position p of a station relative to the root:  v = R^T (v_0 + w_0 x p),  w = R^T w_0
-    q2 : (e,)   amplitudes of the strains, which are constant
+    q2 : (e,)   constant amplitudes of forces and strains
     """
     if not q2.any():
         return body.line.twists

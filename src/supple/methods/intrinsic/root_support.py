@@ -43,12 +43,12 @@ BALL = RootSupport(np.eye(6)[:, 3:])
 
 
 def hinged(axis: ArrayLike) -> RootSupport:
-    """The root rotates about an axis (3,) fixed in it and in space."""
+    """Support of a root that rotates about an axis (3,), in the root's axes; the axis is fixed in space."""
     return RootSupport(np.concatenate([np.zeros(3), _unit(axis)])[:, None])
 
 
 def sliding(axis: ArrayLike) -> RootSupport:
-    """The root moves along an axis (3,) without rotation."""
+    """Support of a root that moves along an axis (3,), in the root's axes, without rotation."""
     return RootSupport(np.concatenate([_unit(axis), np.zeros(3)])[:, None])
 
 

@@ -1,9 +1,9 @@
 """Second-order modes: axial, shear and rigid motion of a bent line, in addition to its lowest modes.
 
-The lowest modes of a slender line bend and twist it. In the bent line they also shorten its projection,
-rotate its velocities and cause axial force. Linear modes with this motion have frequencies above those of
-dozens of others. These motions are quadratic in the lowest modes, so they are known without a run: they are
-the velocities at constant strain, from the kinematic couplings of the lowest modes and rigid motion.
+The lowest modes of a slender line bend and twist it. Further velocities of the bent line, such as the rate at
+which its projection shortens, are components along linear modes of high order. These components are quadratic
+in the lowest modes, so they are known without a run: they are the velocities at constant strain, from the
+kinematic couplings of the lowest modes and rigid motion. Without them, motion causes axial force.
 """
 
 from __future__ import annotations

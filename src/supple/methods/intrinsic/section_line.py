@@ -21,7 +21,7 @@ POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 @checked_arguments
 def section_line(name: str, table: SectionTable, n_stations: int) -> CondensedLine:
-    """Line of a beam given by its sections, on stations at equal lengths along its curve.
+    """Line of a beam given by its sections, on stations at equal distances along its curve.
 
     Between two stations, a and b, the flexibility follows from equilibrium with the force W at the middle of
     the segment, so it is exact for sections that vary along a curve:

@@ -13,10 +13,11 @@ from supple.methods.intrinsic.runge_kutta import growth
 __all__ = ["check_stable", "largest_stable_step"]
 
 ROUNDING = 1e-9
+"""Largest growth of a mode per step that is round-off, not instability."""
 
 
 def largest_stable_step(omega: np.ndarray, decay: np.ndarray, retardation: np.ndarray) -> float:
-    """The longest step for which no linear mode grows, by bisection; 2 sqrt 2 / w without damping."""
+    """The longest step for which no linear mode grows: 2 sqrt 2 / w undamped, infinite without modes."""
     if not omega.size or not omega.max() > 0:
         return np.inf
     low, high = 0.0, 3.0 / float(omega.max())
@@ -28,7 +29,7 @@ def largest_stable_step(omega: np.ndarray, decay: np.ndarray, retardation: np.nd
 
 
 def check_stable(machine: MachineOfLines, rule: LineRule, step: float) -> None:
-    """Raise ModelError, with the longest stable step, if a mode grows under an explicit rule."""
+    """Raise ModelError if a mode grows under an explicit rule, or if the rule keeps no elastic mode."""
     if isinstance(rule, GeneralizedAlpha):
         return
     for placed, model in zip(machine.system.bodies, machine.lines.lines, strict=True):

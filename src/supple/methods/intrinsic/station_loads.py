@@ -104,7 +104,7 @@ class End:
     line: int = field(metadata=STATIC)
 
     def pose(self, motions: Sequence[MovingStations]) -> Pose:
-        """Position and motion in space."""
+        """Global position, axes, velocity and angular velocity."""
         if self.line < 0:
             return Pose(self.point, self.axes, jnp.zeros(3), jnp.zeros(3))
         motion = motions[self.line]
@@ -119,7 +119,7 @@ class End:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class StationElement:
-    """Any force element of a machine between two ends; `function` is its `wrenches`."""
+    """Any force element of a machine between two ends; `function` is `wrenches` of its class."""
 
     ends: tuple[End, End]
     law: Any

@@ -14,11 +14,11 @@ Array = NDArray[np.float64]
 MASSLESS = 1e-10
 """Mass relative to the largest; a smaller one is zero."""
 LARGEST_NEGATIVE = 1e-6
-"""Negative mass relative to the largest; a more negative one is a mistake, not round-off."""
+"""Largest size of a negative mass relative to the largest mass; a larger one is an error."""
 
 
 def cleaned_mass(name: str, mass: Array, length: float) -> Array:
-    """The mass without negative round-off; ModelError for a mass that is more negative than that.
+    """The mass matrix without small negative principal values; ModelError for larger ones, or no mass.
 
     length : m, scale of inertias to masses
     """

@@ -42,7 +42,7 @@ def rotation_of(quaternion: jax.Array) -> jax.Array:
 def station_places(
     model: LineModel, q2: jax.Array, rotation: jax.Array, position: jax.Array
 ) -> StationPlaces:
-    """Rotations and positions of all stations from those of the root; for all cases, if q_2 has a last axis.
+    """Rotations and positions of all stations from those of the root; q_2 may have a last axis of cases.
 
     Strain gamma and curvature kappa are constant along a segment of length h and direction t:
 

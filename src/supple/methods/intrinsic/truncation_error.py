@@ -22,6 +22,7 @@ __all__ = ["TruncationError", "truncation_error"]
 Array = NDArray[np.float64]
 
 INSTANTS = 8
+"""Number of sampled output times that are spread over the run."""
 
 STIFF = 1e-3
 """Smallest deflection by which the drift is divided, relative to the length."""
@@ -33,7 +34,7 @@ class TruncationError:
 
     times : (t,)            sampled output times
     places : (t,)           RMS change of station positions, m; infinite where `complete_motion` fails
-    forces, velocities : (t,)   norms of the change of these amplitudes, relative to the largest norm
+    forces, velocities : (t,)   norms of the changes of q_2 and of q_1, relative to the largest norm of each
     drift : float           drift of a free body's centre of mass from the motion due to its loads, m
     deflection : float      largest displacement of a station relative to the root, m
     length : float          extent of the undeformed body, m
@@ -49,12 +50,12 @@ class TruncationError:
 
     @property
     def drifts(self) -> bool:
-        """Whether the drift is larger than the change of places."""
+        """Whether the drift is larger than the largest change of places."""
         return self.drift > float(self.places.max(initial=0.0))
 
     @property
     def largest(self) -> float:
-        """Larger of `places` / deflection, and `drift` / max(deflection, `STIFF` times the length)."""
+        """Larger of `places` / deflection (0 for none) and `drift` / max(deflection, `STIFF` * length)."""
         size = float(self.places.max(initial=0.0))
         of_places = size / self.deflection if self.deflection else 0.0
         return max(of_places, self.drift / max(self.deflection, STIFF * self.length))
@@ -84,7 +85,7 @@ def truncation_error(
     Parameters
     ----------
     system, solution : a machine with intrinsic bodies, and its run
-    whole : the same bodies with all modes, unless the bodies contain them (`complete`)
+    whole : bodies with more modes, matched by name; needed for bodies without `complete`
 
     Raises ModelError where no intrinsic body has more modes than are retained.
     Source: [Wang2015] (37), as an error estimate.
