@@ -1,4 +1,4 @@
-"""One file format per module; every importer of a mesh ends in a Mesh."""
+"""Importers: one file format per module; every mesh importer returns a Mesh."""
 
 from supple.importers.abaqus.mesh_view import *
 from supple.importers.ansys import *

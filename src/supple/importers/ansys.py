@@ -31,7 +31,7 @@ _SHAPES = (
     ((3, 4, 8, 180, 188), "line", 2),
     ((189,), "line3", 3),
 )
-# Contact, surface effect, follower, facet and mass elements: they have no volume and no wall.
+# Ignored types: springs, masses, contact, surface effect, MPC184 and MESH200; they are no cells.
 _PASSED_OVER = (14, 21, 151, 152, 153, 154, 155, 156, 169, 170, 171, 172, 173, 174, 175, 176, 177, 184, 200)
 _INFORMATION = 10
 # Degenerate bricks: linear and quadratic cell, its nodes in the brick (corners, then middles), number of
@@ -125,7 +125,7 @@ def _blocks(
 
 
 def _shape(path: Path, routine: int, number: int, nodes: IntArray) -> tuple[str, IntArray]:
-    """The cell of an element, without repeated nodes."""
+    """Cell type and node ids of an element, without the repeated nodes of a quadrilateral or brick."""
     name, n = next(((name, n) for types, name, n in _SHAPES if routine in types), ("", 0))
     if not name:
         raise ImportFormatError(
@@ -145,7 +145,7 @@ def _shape(path: Path, routine: int, number: int, nodes: IntArray) -> tuple[str,
 
 
 def _brick(name: str, nodes: IntArray) -> tuple[str, IntArray]:
-    """A brick, or the cell that its repeated nodes make of it."""
+    """Cell type and node ids of a brick, or of a simpler cell if nodes of the brick are repeated."""
     for linear, quadratic, order, corners, twice in _DEGENERATE:
         if all(nodes[i] == nodes[j] for i, j in twice):
             if len(nodes) > 8:

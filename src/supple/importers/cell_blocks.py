@@ -23,7 +23,7 @@ IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 
 _CELL_TYPES = {kind.meshio_name: kind for kind in CellType}
-# Nodes inside faces and cells, which the library's elements do not have.
+# Cell types with nodes inside faces or volume, and the types and numbers of nodes without these.
 _FEWER = {"hexahedron27": ("hexahedron20", 20), "wedge18": ("wedge15", 15), "pyramid14": ("pyramid13", 13)}
 _SURFACES = {"quad": 4, "triangle6": 6, "quad8": 8, "quad9": 9}
 
@@ -48,9 +48,9 @@ def file_mesh(
     node_sets: dict[str, IntArray],
     node_ids: IntArray | None = None,
 ) -> FileMesh:
-    """The cells of the highest dimension, with quadrilaterals cut into triangles.
+    """File mesh of the cells of the highest dimension; quadrilaterals, quadratic surfaces become triangles.
 
-    Sets of cells also become node sets; sets of a lower dimension become node sets only.
+    Sets of these cells become cell sets and node sets; sets of cells of a lower dimension become node sets.
 
     Raises
     ------

@@ -35,7 +35,7 @@ class CsvTable:
         return self.columns[column]
 
     def numbers(self, column: str) -> FloatArray:
-        """A column of numbers; ImportFormatError states the line of other entries."""
+        """A column of numbers; ImportFormatError with the line of an entry that is not a number."""
         values = np.empty(len(self.lines))
         for row, word in enumerate(self.columns[column]):
             try:

@@ -1,8 +1,8 @@
 """Deck: a finite-element model of another program, as described in its input file.
 
-Readers of all formats produce it; `supple.body.deck_body` builds mesh, elements and body from it. Values are
-in the units of the file (Pa, kg, m below are those of a file in SI units); positions, directions and freedoms
-in its basic (global) axes.
+The deck readers of all formats return a Deck; `supple.body.deck_body` builds mesh, elements and body from
+it. Values are in the units of the file (Pa, kg, m below are those of a file in SI units); positions,
+directions and freedoms in its basic (global) axes.
 """
 
 from __future__ import annotations
@@ -219,7 +219,7 @@ class ScalarTerms:
 class RigidTie:
     """Nodes tied rigidly to a reference node in all freedoms (RBE2, RBAR, *RIGID BODY).
 
-    name : such as rbe2_ID; its node set and its interface have this name, too
+    name : such as rbe2_ID; also the name of its node set and interface
     """
 
     name: str
@@ -245,7 +245,10 @@ class WeightedMean:
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Cards of one name that would change the body but are not read: number, first line, meaning."""
+    """Cards of one name that would change the body but are not read.
+
+    count : number of cards;  line : of the first card;  meaning : consequence for the body
+    """
 
     card: str
     count: int
@@ -262,7 +265,8 @@ class Deck:
     masses, stiffnesses, dampings : matrices between freedoms
     springs, dashpots, inertias : terms with values k, c, m;  constraints : terms without values
     held : constraints s = 0 by the supports in the file; a free body omits them
-    read : {card: number} of cards that were read;  passed_over : likewise, of cards without effect on a body
+    read : {card: number} of cards that were read
+    passed_over : {card: number} of cards without effect on a body
     left_out : cards that would change the body
     notes : assumptions of the reader, one sentence each
     superelements : {name: deck} of parts that can be separate bodies
@@ -301,7 +305,7 @@ class Deck:
         matrix: Callable[[NodalMatrix], NodalMatrix | None],
         terms: Callable[[ScalarTerms], ScalarTerms],
     ) -> Deck:
-        """The deck with matrices and terms replaced by these functions; None and empty terms are removed."""
+        """The deck with its matrices and terms replaced by functions; None and empty terms are removed."""
         matrices = {
             name: tuple(new for old in getattr(self, name) if (new := matrix(old)) is not None)
             for name in ("masses", "stiffnesses", "dampings")

@@ -42,7 +42,7 @@ _SIZES = {
     "wedge": {6: "wedge", 15: "wedge15", 18: "wedge18"},
     "hexahedron": {8: "hexahedron", 20: "hexahedron20", 27: "hexahedron27"},
 }  # fmt: skip
-# Order of middle nodes in Exodus: bottom, upright edges, top.
+# Position in Exodus of each node of the library's order; Exodus has middle nodes: bottom, upright, top.
 _ORDERS = {
     "hexahedron": (*range(12), *range(16, 20), *range(12, 16)),
     "wedge": (*range(9), *range(12, 15), *range(9, 12)),
@@ -178,7 +178,7 @@ def _values(parts: Mapping[str, tuple[Any, str]], name: str, else_: IntArray) ->
 
 
 def _names(parts: Mapping[str, tuple[Any, str]], kind: str, word: str, n: int) -> list[str]:
-    """Names of blocks or sets, from their ids if the file has no names."""
+    """Names of blocks or sets, from their ids if the file has no names; repeated names get a number."""
     ids = np.asarray(parts[f"{kind}_prop1"][0]).tolist() if f"{kind}_prop1" in parts else range(1, n + 1)
     given = [""] * n
     if f"{kind}_names" in parts:

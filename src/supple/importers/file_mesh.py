@@ -23,9 +23,9 @@ class UnusedNodes(Enum):
     """Treatment of nodes that no cell uses (reference points, construction points)."""
 
     REFUSE = auto()
-    """Raise MeshError, as the mesh check does."""
+    """Raise MeshError."""
     DROP = auto()
-    """Drop them, also from the node sets; a set of such nodes only is dropped, too."""
+    """Drop unused nodes, also from node sets; a node set without other nodes is dropped."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class FileMesh:
     cell_ids: Mapping[CellType, IntArray] = field(default_factory=dict)
 
     def to_mesh(self, *, only: str | None, unused_nodes: UnusedNodes) -> Mesh:
-        """The checked mesh: of one cell set and its nodes, or of everything."""
+        """The checked mesh of everything, or of the cell set `only` and its nodes."""
         chosen = self if only is None else self._only(only)
         if only is not None or unused_nodes is UnusedNodes.DROP:
             chosen = chosen._used()

@@ -33,8 +33,8 @@ def read_gmsh(
     Every physical group becomes a node set; a group of the highest dimension becomes a cell set, too. A group
     without a name is named by its dimension and tag, as in 'surface 7'. Quadrilaterals and surfaces of
     second order become triangles over all nodes on their edges. Nodes inside faces and cells of second order
-    (such as hexahedra with 27 nodes) are left out. A cell that the file repeats, once for each of its groups
-    (format 2), is read once.
+    (such as hexahedra with 27 nodes) are left out. Format 2 repeats a cell for each of its groups; such a
+    cell is read once. With a group of a lower dimension as `only`, the cells of that dimension are read.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def _physical_names(path: Path, text: str) -> dict[tuple[int, int], str]:
         return names
     for found in re.finditer(r'^\s*([0-3])\s+([0-9]{1,18})\s+"(.*)"', section[1], flags=re.MULTILINE):
         name = found[3].encode("latin-1").decode("utf-8", errors="replace")
-        # Sets are found by name: the second group of a name would replace the first.
+        # Sets are identified by name, so two groups of one name would become one set.
         if name in names.values():
             raise ImportFormatError(
                 f"{path}, line {_line(text, section.start(1) + found.start(3))}: a second physical group is "

@@ -32,7 +32,7 @@ _TYPES = {
     30: ("tetra35", 3, 35), 31: ("tetra56", 3, 56), 36: ("quad16", 2, 16), 37: ("quad25", 2, 25),
     92: ("hexahedron64", 3, 64), 93: ("hexahedron125", 3, 125),
 }  # fmt: skip
-# Order of a cell's middle nodes in Gmsh.
+# Position in Gmsh's order of each node of the library's order.
 _ORDER = {
     "tetra10": (0, 1, 2, 3, 4, 5, 6, 7, 9, 8),
     "pyramid13": (0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12),
@@ -252,7 +252,7 @@ def _nodes_of_2(section: _Section) -> tuple[IntArray, FloatArray]:
 
 
 def _elements_of_2(section: _Section) -> Iterator[GmshElements]:
-    """Elements by their type; the first tag of an element is its group."""
+    """Elements in blocks of one type; the first tag of an element is its physical group."""
     n = section.count_in_text()
     lines = section.lines
     if lines is None:
@@ -298,7 +298,7 @@ def _groups_of_tags(physical: IntArray) -> dict[int, NDArray[np.bool_]]:
 def _nodes_of_4(section: _Section) -> tuple[IntArray, FloatArray]:
     n_blocks, n, _, _ = section.integers(4, wide=True).tolist()
     tags, positions = [], []
-    for _ in range(n_blocks):  # each reads a part of the file, so the loop ends
+    for _ in range(n_blocks):  # each reads part of the section: a false count is an error
         _, _, parametric = section.integers(3).tolist()
         if parametric:
             raise section.error("parametric nodes; save the mesh without them")

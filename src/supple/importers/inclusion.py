@@ -7,11 +7,14 @@ from pathlib import Path
 from supple.errors import ImportFormatError
 from supple.importers.text_file import file_lines, is_file
 
-DEEPEST_INCLUSION = 20  # levels; deeper nesting is taken for a file that includes itself
+DEEPEST_INCLUSION = 20  # levels; deeper nesting is an error, as for a file that includes itself
 MOST_INCLUSIONS = 1000
-"""Largest number in one model: twenty files that each include the next one three times make over 10^9."""
+"""Largest number of inclusions in one model; more are an error.
+
+Twenty files that each include the next file three times make over 10^9 inclusions.
+"""
 MOST_INCLUDED_CHARACTERS = 2**30
-"""Largest number in all included files together, each counted as often as it is included."""
+"""Largest number of characters in all inclusions of one model; more are an error."""
 
 
 def included_file(name: str, *folders: Path) -> Path:

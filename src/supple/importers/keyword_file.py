@@ -64,7 +64,7 @@ class NumberedPoints:
 
 
 def read_keyword_file(path: Path) -> KeywordFile:
-    """Blocks of a keyword file: names and options in upper case, comments dropped, *INCLUDE followed.
+    """Blocks of a keyword file: keywords and option names in upper case, comments dropped, files included.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def read_keyword_file(path: Path) -> KeywordFile:
 
 
 def fields(text: str) -> list[str]:
-    """Comma-separated fields of a data line, without the commas at its end that announce another line."""
+    """Comma-separated fields of a data line, without the empty fields at its end."""
     return [field.strip() for field in text.rstrip(", \t").split(",")]
 
 
@@ -155,7 +155,7 @@ def _is_number(word: str, *, whole: bool) -> bool:
 def _expanded(
     path: Path, lines: list[str], inclusions: Inclusions, depth: int
 ) -> list[tuple[Path, int, str]]:
-    """Lines of a file without comments, with included files inserted."""
+    """Lines of a file without comments and empty data lines, with included files inserted."""
     found = []
     for number, line in enumerate(lines, start=1):
         text = line.strip()

@@ -20,7 +20,7 @@ _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 
 @dataclass(frozen=True, eq=False)
 class Ply:
-    """A layer; its stiffness is in its own axes, rotated by `angle` from those of the wall.
+    """A layer; its stiffnesses are in its axes, which are the axes of the wall rotated by `angle`.
 
     plane_stress : (3, 3) Pa, order xx, yy, xy (engineering shear)
     shear : (2, 2) transverse shear stiffness, order xz, yz, Pa; None if rigid
@@ -84,7 +84,8 @@ def laminate(plies: Sequence[Ply], *, bottom: float | None = None, added_mass: f
 
         tau(z) = F(z) [Q_x, Q_y],   H^-1 = int F^T S F dz,   S the shear compliance of the plies.
 
-    H is 5/6 G t for a homogeneous wall. H does not depend on the position of the surface of the nodes.
+    The shear stiffness H is 5/6 G t for a homogeneous wall. H does not depend on the position of the surface
+    of the nodes.
 
     Parameters
     ----------
@@ -109,7 +110,7 @@ def laminate(plies: Sequence[Ply], *, bottom: float | None = None, added_mass: f
 def moved_wall(wall: WallProperty, offset: float) -> WallProperty:
     """The same wall, moved by `offset` along the normal from the surface of the nodes, m.
 
-    A' = A,   B' = B + z A,   D' = D + 2 z B + z^2 A,   likewise for the moments of the mass.
+    A' = A,   B' = B + z A,   D' = D + 2 z B + z^2 A   with z = offset, and so for the moments of the mass.
     """
     A, B, D, z = wall.membrane, wall.coupling, wall.bending, offset
     mass, moment = wall.mass_per_area, wall.mass_moment_per_area

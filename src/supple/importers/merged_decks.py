@@ -31,7 +31,7 @@ class CommonNodes:
 
 
 def merged_decks(decks: Mapping[str, Deck], common: Sequence[CommonNodes]) -> Deck:
-    """One deck of all decks; each deck gives a node set and an element set of its name.
+    """One deck of several decks; the nodes and the elements of each deck become sets of its name.
 
     `superelements` contains the given decks. Sets, properties and ties are renamed to NAME.SET, except those
     of the first deck. A common node has the position and id in the first deck that contains it; an id that is
@@ -138,7 +138,7 @@ def _renumbered(deck: Deck, number: IntArray, before: str, taken: IntArray) -> D
 
 
 def _together(parts: Sequence[Deck]) -> Deck:
-    """The union of decks with the same node numbers; nodes are those of the first."""
+    """The union of decks in the node numbers of the assembly; nodes and lumping are those of the first."""
     lists = ("elements", "masses", "stiffnesses", "dampings", "springs", "dashpots", "inertias")
     joined = {
         name: tuple(each for part in parts for each in getattr(part, name))

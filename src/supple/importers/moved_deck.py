@@ -29,7 +29,7 @@ __all__ = ["mirrored_order", "moved_deck"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Size below which a transformed component is zero.
+# Largest absolute value of a component that is treated as zero.
 _NONE = 1e-14
 
 
@@ -38,7 +38,8 @@ def moved_deck(deck: Deck, Q: FloatArray, shift: FloatArray) -> Deck:
 
     Displacements u become Q u; rotations theta are axial vectors and become det(Q) Q theta. The node order of
     a mirrored cell is reversed, so that its normal is the mirrored normal. The second axis of a wall and of a
-    beam is then opposite to the mirrored axis, and stiffness terms that are odd in this axis change sign.
+    beam is then opposite to the mirrored axis, and stiffness terms that are odd in this axis change sign. A
+    weighted mean that only some components follow is left out if its axes are rotated.
 
     Parameters
     ----------
@@ -65,7 +66,7 @@ def moved_deck(deck: Deck, Q: FloatArray, shift: FloatArray) -> Deck:
 
 @dataclass(frozen=True, eq=False)
 class _ChangedAxes:
-    """Rotated or mirrored axes of n_freedoms freedoms of nodes; scalar points follow and have no axes."""
+    """A rotation or reflection Q of n_freedoms freedoms of nodes; scalar points follow them, unchanged."""
 
     Q: FloatArray
     n_freedoms: int
@@ -165,7 +166,7 @@ class _ChangedAxes:
 
 @cache
 def mirrored_order(kind: CellType) -> IntArray:
-    """The node order of a mirrored cell: that of the reference cell with x and y exchanged."""
+    """Node order of a mirrored cell; solids: that of the reference cell with x and y exchanged."""
     if kind.dimension < 3:
         return np.array([0, 1] if kind.dimension == 1 else [0, 2, 1])
     points = reference_nodes(kind)

@@ -27,7 +27,7 @@ class NodeTable:
     connections : rigid and averaging elements
     retained    : (n, 2) node id and component (1 to 6, 0 of scalar points) of an analysis set (ASET, QSET),
                   sorted; None without one
-    modal       : (k, 2) likewise, of the freedoms that are modal coordinates (QSET, SPOINT)
+    modal       : (k, 2) node id and component of the modal coordinates (QSET, SPOINT)
     """
 
     source: str

@@ -11,7 +11,7 @@ IntArray = NDArray[np.int64]
 
 
 def positions_of_ids(ids: IntArray, wanted: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
-    """Position of each wanted id in `ids`, and whether it exists."""
+    """Position of each wanted id in `ids`, and a mask of the ids that exist; only these are valid."""
     if not len(ids):
         return np.zeros(np.shape(wanted), dtype=np.int64), np.zeros(np.shape(wanted), dtype=bool)
     order = np.argsort(ids)

@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 
 LARGEST_INTEGER = 2**63 - 1
-"""Limit of 64-bit integers, the type of id arrays."""
+"""Largest 64-bit integer, the type of id arrays; larger integers are rejected."""
 
 _LONGEST_INTEGER = 20
-"""Largest number of characters; conversion of longer ones takes quadratic time."""
+"""Largest number of characters of an integer; longer words, which take long to convert, are rejected."""
 
 
 def is_plain(text: str) -> bool:

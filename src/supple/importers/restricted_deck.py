@@ -17,7 +17,7 @@ Tie = TypeVar("Tie", RigidTie, WeightedMean)
 
 
 def restricted_deck(deck: Deck, own: NDArray[np.bool_]) -> Deck:
-    """The deck on a subset of its nodes (N,); properties and element sets are unchanged.
+    """The deck on the nodes of the mask `own` (N,); properties and element sets are unchanged.
 
     Cells, matrices, rows and ties with other nodes are removed, and so are other nodes of node sets.
     """
@@ -81,7 +81,7 @@ def kept_terms(given: ScalarTerms, own: NDArray[np.bool_]) -> ScalarTerms:
 
 
 def _terms(given: ScalarTerms, own: NDArray[np.bool_], number: IntArray) -> ScalarTerms:
-    """Rows with freedoms of the subset only."""
+    """The rows whose freedoms all belong to nodes of the mask `own`, with node numbers `number`."""
     rows = np.ones(len(given.lines), dtype=bool)
     rows[given.rows[~own[given.freedoms // 6]]] = False
     kept = kept_terms(given, rows)
@@ -92,7 +92,7 @@ def _terms(given: ScalarTerms, own: NDArray[np.bool_], number: IntArray) -> Scal
 
 
 def used_nodes(deck: Deck) -> NDArray[np.bool_]:
-    """Whether cells, matrices, rows or ties use a node (N,)."""
+    """Mask (N,) of the nodes that cells, matrices, rows or ties use."""
     terms = (*deck.springs, *deck.dashpots, *deck.inertias, *deck.constraints, *deck.held)
     matrices = (*deck.masses, *deck.stiffnesses, *deck.dampings)
     named = [

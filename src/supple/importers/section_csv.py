@@ -24,8 +24,8 @@ def read_section_csv(path: str | Path) -> SectionTable:
     Columns, in any order: x, y, z, the position in body axes; axis_x, axis_y, axis_z, the direction of the
     section's x axis (its component along the curve is removed; any length); k11, k12 .. k66 and m11, m12 ..
     m66, the upper triangles of stiffness and inertia with the axes, order and signs of `SectionTable`.
-    Missing off-diagonal columns are zero. The z axis of a section is tangent to the curve: at an inner
-    section, to the parabola through this section and its neighbours.
+    Missing off-diagonal columns are zero. The z axis of a section is tangent to a parabola: at an inner
+    section, through this section and its neighbours; at an end, through the three sections there.
 
     Raises
     ------

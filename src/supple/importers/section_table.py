@@ -20,13 +20,16 @@ __all__ = ["SectionTable", "check_sections", "section_matrix", "twisted_axes"]
 FloatArray = NDArray[np.float64]
 
 ASYMMETRY = 1e-6
-"""Tolerance of symmetry, relative to the geometric mean of the diagonal entries."""
+"""Largest difference of mirrored entries, relative to the geometric mean of their diagonal entries.
+
+Also the largest error of the scalar products of axes. Larger values raise ModelError.
+"""
 SMALLEST_STIFFNESS = 1e-9
-"""Smallest eigenvalue of a positive definite stiffness with its diagonal scaled to 1."""
+"""Smallest eigenvalue of a stiffness with its diagonal scaled to 1; smaller values raise ModelError."""
 NO_SECTION = 1e-3
-"""Relative tolerance of the checks of an inertia."""
+"""Largest relative error of an inertia compared with that of a plane mass; larger ones raise ModelError."""
 LEAST_COSINE = 0.5
-"""Smallest cosine of the angle between the curve and the normal of a section."""
+"""Smallest cosine of the angle between a chord and axis z of its sections; smaller ones raise ModelError."""
 
 UPPER = np.triu_indices(6)
 """Row and column of the 21 numbers of a symmetric matrix: the upper triangle, row by row."""
@@ -42,9 +45,9 @@ class SectionTable:
         (F, M) = K (gamma, kappa),   gamma = u' + t x theta,   kappa = theta'
         (p, l) = M (v, omega),       M = [m 1, -m c~; m c~, J],   c = (c_x, c_y, 0)
 
-    per unit length. A centre of tension at (x, y) gives K_34 = EA y and K_35 = -EA x, a centre of mass
-    M_34 = m y and M_35 = -m x. Between sections, positions and matrices are linear in the length along
-    the chords, and the axes rotate at a constant rate.
+    per unit length; t is the unit vector z, and c~ r = c x r. A centre of tension at (x, y) gives K_34 = EA y
+    and K_35 = -EA x, a centre of mass M_34 = m y and M_35 = -m x. Between sections, positions and
+    matrices are linear in the length along the chords, and the axes rotate at a constant rate.
 
     positions : (n, 3)      in the body's axes
     axes : (n, 3, 3)        their columns are the unit vectors x, y, z of a section in the body's axes

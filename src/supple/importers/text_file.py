@@ -63,7 +63,7 @@ def file_text(path: Path | Traversable, remedy: str = "export it as text") -> st
 
 
 def file_lines(path: Path | Traversable, remedy: str = "export it as text") -> list[str]:
-    """The lines of a text file, as `file_text` reads it; a line ends where an editor shows its end."""
+    """The lines of a text file, as `file_text` reads it; only CR, LF and CR LF end a line."""
     # str.splitlines ends lines at form feeds and at characters of Latin-1 as well.
     lines = file_text(path, remedy).replace("\r\n", "\n").replace("\r", "\n").split("\n")
     return lines[:-1] if not lines[-1] else lines

@@ -40,9 +40,9 @@ _KINDS = {
     "UInt8": "u1", "UInt16": "u2", "UInt32": "u4", "UInt64": "u8",
 }  # fmt: skip
 _MOST_SETS = 1000
-# Largest compression ratio of zlib.
+# Largest compression ratio of zlib; larger stated sizes are rejected.
 _BEST_PACKED = 1032
-# The normal of the first triangle of a wedge is outwards in VTK, inwards here: the triangles are exchanged.
+# Node order of a wedge with its two triangles exchanged.
 _TURNED_WEDGE = (3, 4, 5, 0, 1, 2, 9, 10, 11, 6, 7, 8, 12, 13, 14)
 
 
@@ -68,8 +68,9 @@ def read_vtu(
 ) -> Mesh:
     """Mesh of a VTU file: its cells of the highest dimension; several pieces are one mesh.
 
-    Each value of an integer array NAME on cells defines a cell set and a node set NAME_VALUE. An array NAME
-    of values 0 and 1 on points defines a node set NAME of the points with 1.
+    Each value of an integer array NAME on cells defines a cell set and a node set NAME_VALUE, unless the
+    array has more than 1000 different values in a piece. An integer array NAME of values 0 and 1 on points
+    defines a node set NAME of the points with 1.
 
     Parameters
     ----------
@@ -240,7 +241,7 @@ def _integers(file: _File, piece: ElementTree.Element, where: str, n: int) -> di
 
 
 def _reoriented(nodes: NDArray[np.float64], blocks: list[CellBlock]) -> list[CellBlock]:
-    """Wedges with bottom and top exchanged if the axis runs from top to bottom."""
+    """The blocks; wedges of negative volume get their two triangles exchanged."""
     result = []
     for block in blocks:
         cells = block.cells

@@ -27,12 +27,12 @@ __all__ = ["read_abaqus_deck"]
 
 @checked_arguments
 def read_abaqus_deck(path: str | Path) -> Deck:
-    """The body of an Abaqus or CalculiX input file.
+    """The finite-element model of an Abaqus or CalculiX input file.
 
     Reads nodes, elements, sets, surfaces, instances, materials, sections, masses, springs, dashpots,
-    constraints and supports. Steps are ignored, except the supports of the first. Keywords without effect
-    on an elastic body are ignored. Keywords that would change the body but are not read are listed in
-    `left_out`.
+    constraints and supports. Steps are ignored, except the supports of the first step. Keywords without
+    effect on an elastic body are counted in `passed_over`. Keywords that would change the body but are not
+    read are listed in `left_out`.
 
     Raises
     ------

@@ -18,7 +18,10 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Scope:
-    """Scope of names and ids: an instance, or the model outside of them; x moves to rotation x + shift."""
+    """Scope of names and ids: an instance, or the model outside all instances.
+
+    rotation, shift : (3, 3), (3,) a position x of the part becomes rotation x + shift
+    """
 
     name: str = ""
     rotation: FloatArray = field(default_factory=lambda: np.eye(3))
@@ -35,13 +38,14 @@ class ScopedBlock:
 
 
 def scoped_blocks(file: KeywordFile, report: Report) -> tuple[tuple[Scope, ...], tuple[ScopedBlock, ...]]:
-    """The keywords of a file in order, those of a part once for each of its instances.
+    """The scopes of a file, and its keywords in order; keywords of a part once for each of its instances.
 
-    Parts of a file without instances have one instance each.
+    In a file without instances, each part is a scope, and the keywords of parts come last.
 
     Raises
     ------
-    ImportFormatError   an instance of an unknown part; a placement that is not numeric
+    ImportFormatError   an instance of an unknown part; words instead of numbers; a rotation without two
+                        different points and an angle
     """
     parts, rest = _parts(file)
     scopes, found = [Scope()], list[ScopedBlock]()
@@ -96,7 +100,7 @@ def _parts(file: KeywordFile) -> tuple[dict[str, tuple[str, list[KeywordBlock]]]
 
 
 def _instance(file: KeywordFile, block: KeywordBlock) -> Scope:
-    """Translation by the first data line, then rotation about the axis through two points on the second."""
+    """The scope of an instance: translated by data line 1, then rotated about the axis on data line 2."""
     rows = [numbers(file, line, fields(text)) for line, text in block.data]
     name = block.options.get("NAME", "")
     shift = np.array([*(rows[0] if rows else []), 0.0, 0.0, 0.0][:3])

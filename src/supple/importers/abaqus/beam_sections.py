@@ -27,7 +27,8 @@ _OF_SECTIONS = ("CENTROID", "SHEARCENTER", "SECTIONPOINTS")
 class SectionOfBeams:
     """A section of beams.
 
-    n1 : (3,) approximate first axis;  shift : (y, z) of the shape's own origin from the node, m
+    n1 : (3,) vector in the plane of the beam axis and the first axis, in global axes
+    shift : (y, z) position of the origin of `shape` from the node, m
     """
 
     material: IsotropicMaterial
@@ -64,9 +65,11 @@ class SectionOfBeams:
     def directions_and_offsets(
         self, ends: FloatArray, axis_nodes: FloatArray | None
     ) -> tuple[FloatArray, FloatArray | None]:
-        """First axes (C, 3) of cells with ends (C, 2, 3), and offsets (C, 2, 3) of their shear centres.
+        """First axes (C, 3) of cells with ends (C, 2, 3), and offsets (C, 2, 3) of shear centres from nodes.
 
-        axis_nodes : (C, 3) positions towards which the first axes point from the first end; None: along n1
+        The offsets are None if they are zero.
+
+        axis_nodes : (C, 3) positions towards which the first axes point from the first end; None: use n1
         """
         along = ends[:, 1] - ends[:, 0]
         # A beam without length has a zero tangent; the mesh rejects it.
@@ -74,7 +77,7 @@ class SectionOfBeams:
         n1 = np.broadcast_to(self.n1, along.shape) if axis_nodes is None else axis_nodes - ends[:, 0]
         n1 = n1 - np.einsum("ci,ci->c", n1, tangent)[:, None] * tangent
         length = np.linalg.norm(n1, axis=1)
-        # If n1 is along the beam it gives no direction: take a lateral one.
+        # If n1 is parallel to the beam, the first axis is an arbitrary lateral direction.
         aside = np.eye(3)[np.argmin(np.abs(tangent), axis=1)]
         aside = aside - np.einsum("ci,ci->c", aside, tangent)[:, None] * tangent
         n1 = np.where((length > 1e-6 * np.linalg.norm(self.n1))[:, None], n1, aside)
@@ -93,7 +96,7 @@ def read_beam_section(
 
     Raises
     ------
-    ImportFormatError   no dimensions; words instead of numbers
+    ImportFormatError   no dimensions; E or G that is not positive; words instead of numbers
     """
     file, block = model.file, placed.block
     kind = block.options.get("SECTION", "GENERAL" if block.key == "BEAMGENERALSECTION" else "").upper()
@@ -129,7 +132,7 @@ def read_beam_section(
 
 
 def _by_numbers(values: list[float]) -> BeamShape | None:
-    """A, I11, I12, I22, J of *BEAM GENERAL SECTION; I11 is for bending about the first axis."""
+    """The shape with A, I11 = int z^2 dA, I12, I22 = int y^2 dA, J; None unless A, I11, I22, J > 0."""
     area, I11, I12, I22, J = [*values, *5 * [0.0]][:5]
     return BeamShape(area, I22, I11, I12, J, 1.0) if min(area, I11, I22, J) > 0 else None
 

@@ -24,7 +24,7 @@ class BeamShape:
     """area; Iyy, Izz, Iyz = int y^2, z^2, y z dA about the centroid; J; the shear factor of both planes.
 
     centroid, shear_centre : (y, z) from the node;  size : (y, z) extents
-    geometry : from the node; None for a section by numbers
+    geometry : outline and points of stress recovery, relative to the node; None if only numbers are given
     """
 
     area: float
@@ -45,9 +45,9 @@ _THIN_PIPE, _BOX, _I, _L = 0.53, 0.44, 0.44, 1.0
 
 
 def beam_shape(kind: str, dimensions: list[float]) -> BeamShape | None:
-    """The shape SECTION=kind of these dimensions; None if unsupported or inconsistent.
+    """The shape of SECTION=kind; None if the kind is unsupported or the dimensions are inconsistent.
 
-    Kinds: RECT, CIRC, PIPE, THICK PIPE, BOX, I, T, L, TRAPEZOID.
+    Kinds: RECT, CIRC, PIPE, THICK PIPE, BOX, I, T, L, TRAPEZOID. Missing dimensions are 0.
     """
     for word in ("RECT", "CIRC"):
         kind = word if kind.startswith(word) else kind
@@ -108,7 +108,7 @@ def _pipe(r: float, t: float) -> BeamShape:
 
 
 def _box(a: float, b: float, t1: float, t2: float, t3: float, t4: float) -> BeamShape:
-    """Walls at +y, +z, -y, -z; J is that of the closed cell (Bredt) plus that of the walls, cut open.
+    """Box a x b with walls t1 at +y, t2 at +z, t3 at -y, t4 at -z; J of closed cell (Bredt) and open walls.
 
     J = 4 A^2 / sum(s / t) + sum(s t^3) / 3  (Megson, Aircraft Structures, sections 18.1 and 18.2), along the
     middle lines. The second term matters for a profile that is almost open.
@@ -139,7 +139,7 @@ def _rim(y0: float, y1: float, z0: float, z1: float) -> tuple[tuple[float, float
 
 
 def _i_section(below: float, h: float, b1: float, b2: float, t1: float, t2: float, t3: float) -> BeamShape:
-    """Node at height `below` above the bottom; flanges b1 t1 below, b2 t2 above, web t3."""
+    """I of height h: bottom flange b1 x t1, top flange b2 x t2, web t3; node `below` above the bottom."""
     bottom, top = -below, h - below
     parts = [
         (-b1 / 2, b1 / 2, bottom, bottom + t1, 1.0),
@@ -179,7 +179,7 @@ def _open(parts: list[_Rectangle], J: float) -> SectionGeometry | None:
 
 
 def _trapezoid(a: float, b: float, c: float, d: float) -> BeamShape:
-    """Bottom a, height b, top c; node d above the bottom. Torsion after Saint-Venant: A^4 / (40 I_p)."""
+    """Bottom width a, height b, top width c; node d above the bottom; J = A^4 / (40 I_p) (Saint-Venant)."""
     area = b * (a + c) / 2
     z = b * (a + 2 * c) / (3 * (a + c)) if a + c > 0 else 0.0
     Izz = b**3 * (a**2 + 4 * a * c + c**2) / (36 * (a + c)) if a + c > 0 else 0.0
@@ -192,7 +192,7 @@ def _trapezoid(a: float, b: float, c: float, d: float) -> BeamShape:
 
 
 def _section(parts: list[_Rectangle], factor: float, *, size: tuple[float, float]) -> BeamShape:
-    """Sum of rectangles (from y, to y, from z, to z, sign), without torsion."""
+    """The sum of rectangles (from y, to y, from z, to z, sign), with J = 0."""
     y0, y1, z0, z1, sign = np.array(parts).T
     area = sign * (y1 - y0) * (z1 - z0)
     total = float(area.sum())

@@ -28,7 +28,7 @@ _MPC_NODES = {"TIE": 2, "PIN": 2, "BEAM": 2, "LINK": 2, "LINEAR": 3, "SLIDER": 3
 
 @dataclass(eq=False)
 class DeckConstraints:
-    """Rows of freedoms, rigid ties and weighted means, under construction."""
+    """Constraint rows, rigid ties and weighted means, collected while reading."""
 
     rows: Rows
     rigid: list[RigidTie] = field(default_factory=list)
@@ -36,13 +36,13 @@ class DeckConstraints:
 
 
 def read_constraints(model: AbaqusModel, freedoms: Freedoms, ids: PublicIds) -> DeckConstraints:
-    """All ties between nodes except *TIE.
+    """All constraints of a file except *TIE.
 
     A node without rotations follows a rigid body or coupling in its translations only.
 
     Raises
     ------
-    ImportFormatError   incomplete equations; missing reference nodes; words instead of numbers
+    ImportFormatError   incomplete equations; words instead of numbers
     """
     found = DeckConstraints(Rows(freedoms.lines))
     solid_only = _nodes_of_solids_alone(model)
@@ -70,7 +70,7 @@ def read_constraints(model: AbaqusModel, freedoms: Freedoms, ids: PublicIds) -> 
 
 
 def _nodes_of_solids_alone(model: AbaqusModel) -> NDArray[np.bool_]:
-    """(N,) whether only solids and trusses use a node, so that it has no rotations."""
+    """Mask (N,) of nodes without rotations: elements use them, but no shell, beam or rotary inertia."""
     turns = np.zeros(len(model.positions), dtype=bool)
     used = np.zeros(len(model.positions), dtype=bool)
     for block in model.elements:
@@ -111,7 +111,7 @@ def _equation(
     freedoms: Freedoms,
     rows: Rows,
 ) -> None:
-    """One equation, or one for each node of the sets that it names."""
+    """Add one equation, or one equation for each node of the sets in its terms."""
     nodes = [model.nodes_of(scope, word, line, "*EQUATION") for word, _, _ in terms]
     count = max(len(each) for each in nodes)
     if any(len(each) not in (1, count) for each in nodes):
@@ -165,7 +165,7 @@ def _mpcs(
 
 
 def _groups(nodes: list[IntArray], n: int) -> list[list[int]] | None:
-    """Groups of n nodes, one of each set; a set of one node is in every group. None if sizes differ."""
+    """Groups of one node from each of n sets; a set of one node is in every group. None if sizes differ."""
     count = len(nodes[0]) if nodes else 0
     if not n or len(nodes) != n or any(len(each) not in (1, count) or not len(each) for each in nodes[1:]):
         return None
@@ -178,7 +178,7 @@ def _groups(nodes: list[IntArray], n: int) -> list[list[int]] | None:
 def _add_rigid(
     found: DeckConstraints, name: str, reference: int, nodes: IntArray, line: int, freedoms: Freedoms
 ) -> None:
-    """Add nodes to the tie of that name and reference node."""
+    """Add nodes to the rigid tie with this name and reference node, or make such a tie."""
     nodes = np.unique(nodes)
     nodes = nodes[nodes != reference]
     for i, other in enumerate(found.rigid):
@@ -191,7 +191,7 @@ def _add_rigid(
 
 
 def _reference(model: AbaqusModel, placed: ScopedBlock) -> int | None:
-    """The node of REF NODE; None if it is missing."""
+    """The number of the node REF NODE; None if it is not one node of the file."""
     word = placed.block.options.get("REFNODE", "")
     nodes = model.nodes_of(placed.scope, word, placed.block.line, f"*{placed.block.name}, REF NODE")
     if len(nodes) != 1:
@@ -278,7 +278,7 @@ def _coupling(
 
 
 def _range_of_components(model: AbaqusModel, placed: ScopedBlock) -> tuple[int, ...]:
-    """Freedoms of the lines `first, last`; all freedoms if there are no lines."""
+    """Freedoms 1 to 6 in the ranges `first, last` of the data lines; all six without data lines."""
     found: set[int] = set()
     for line, text in placed.block.data:
         words = [word for word in fields(text) if word]
@@ -299,7 +299,7 @@ def _kinematic(
     found: DeckConstraints,
     solid_only: NDArray[np.bool_],
 ) -> None:
-    """A rigid tie if all freedoms of the nodes follow; otherwise a row for each freedom that follows."""
+    """Add a rigid tie if all freedoms of the nodes follow; else a constraint row for each component."""
     if set(components) == set(_ALL) or (set(components) >= {1, 2, 3} and solid_only[nodes].all()):
         _add_rigid(found, name, reference, nodes, line, freedoms)
         return
@@ -337,7 +337,7 @@ def _kinematic_coupling(
         chosen = tuple(range(limits[0], min(limits[-1], 6) + 1)) if limits else _ALL
         by_components.setdefault(chosen, []).append(nodes)
     name = f"coupling_{ids.nodes[reference]}"
-    # Lines of single freedoms for the same nodes are one coupling.
+    # If all lines name the same nodes, their freedoms form one coupling.
     if len(by_components) > 1:
         groups = [np.unique(np.concatenate(nodes)) for nodes in by_components.values()]
         if all(np.array_equal(group, groups[0]) for group in groups):
@@ -359,7 +359,10 @@ def _kinematic_coupling(
 def _distributing_coupling(
     model: AbaqusModel, placed: ScopedBlock, ids: PublicIds, found: DeckConstraints
 ) -> None:
-    """The reference is the node of its element of type DCOUP3D; lines are node or set, weight."""
+    """Add the weighted mean of a *DISTRIBUTING COUPLING.
+
+    The reference node is that of the DCOUP3D element in ELSET; a data line has a node or set, and a weight.
+    """
     block = placed.block
     members = model.elements_of(
         placed.scope, block.options.get("ELSET", ""), block.line, "*DISTRIBUTING COUPLING"
@@ -388,7 +391,7 @@ def _distributing_coupling(
 
 
 def _tributary(model: AbaqusModel, surface: DeckSurface) -> FloatArray:
-    """Area of the surface at each of its nodes; 1 for a surface of nodes."""
+    """Tributary area of each node of a surface; 1 for each node if the surface has only edges or nodes."""
     weights = np.zeros(len(model.positions))
     for faces in surface.faces:
         n = faces.shape[1]

@@ -42,7 +42,7 @@ class DeckSurface:
 class AbaqusModel:
     """Definitions of a file; sets and surfaces by scope and name in upper case.
 
-    Scopes may use the same ids; `Labels` distinguish them by scope.
+    Ids may repeat in different scopes; `Labels` find the number of an id in its scope.
     """
 
     file: KeywordFile
@@ -58,7 +58,7 @@ class AbaqusModel:
     surfaces: dict[tuple[int, str], DeckSurface] = field(default_factory=dict)
 
     def named(self, *keys: str) -> Iterator[ScopedBlock]:
-        """Keywords of these names outside steps; they count as read."""
+        """Keywords of these names outside steps; each is counted in `report.read`."""
         for placed in self.blocks:
             if placed.block.key in keys and not placed.step:
                 self.report.read[placed.block.name] += 1
@@ -72,7 +72,7 @@ class AbaqusModel:
         return self._members(scope, word, line, what, "node", self.nodes, self.node_sets)
 
     def elements_of(self, scope: int, word: str, line: int, what: str) -> IntArray:
-        """Numbers of the elements that a word names, as for nodes."""
+        """Numbers of the elements that a word names, in the forms of `nodes_of`."""
         return self._members(scope, word, line, what, "element", self.element_labels, self.element_sets)
 
     def surface(self, scope: int, name: str) -> DeckSurface | None:
@@ -94,7 +94,7 @@ class AbaqusModel:
         return np.unique(np.concatenate([np.empty(0, dtype=np.int64), *found]))
 
     def _meanings(self, scope: int, name: str) -> Iterator[tuple[int, str]]:
-        """Possible keys of a name: in its own scope, then an instance's, then the model's."""
+        """Keys that a name can have: in this scope, in an instance, in the model or the only instance."""
         yield scope, name
         instance, dot, rest = name.partition(".")
         for number, other in enumerate(self.scopes):
@@ -142,11 +142,12 @@ def read_model(file: KeywordFile, *, elements: bool = True, strict: bool = False
     """Nodes, elements, sets and surfaces of a file.
 
     elements : False: nodes and their sets only, for matrices that replace the elements
-    strict : doubts are errors (`Report`)
+    strict : whether doubts raise ImportFormatError (see `Report`)
 
     Raises
     ------
-    ImportFormatError   no nodes or elements; repeated ids; unknown nodes; words instead of numbers
+    ImportFormatError   no nodes or elements; elements with unknown nodes; words instead of numbers; if
+                        strict, also repeated ids and sets with unknown members
     """
     report = Report(file, strict=strict)
     scopes, blocks = scoped_blocks(file, report)
@@ -222,7 +223,7 @@ def _read_elements(model: AbaqusModel) -> None:
 
 
 def _listed_elements(model: AbaqusModel, copied: ScopedBlock) -> IntArray:
-    """Ids that the *ELSETs above an *ELCOPY list for its old set; the elements have no numbers yet."""
+    """Ids in the *ELSET keywords of the old set above an *ELCOPY; elements have no numbers at this stage."""
     name = copied.block.options.get("OLDSET", "").upper()
     found = [np.empty(0, dtype=np.int64)]
     for placed in model.blocks:
@@ -237,7 +238,7 @@ def _listed_elements(model: AbaqusModel, copied: ScopedBlock) -> IntArray:
 
 
 def _numbered(blocks: list[ElementBlock], kept: NDArray[np.bool_]) -> Iterator[ElementBlock]:
-    """The elements of the mask `kept`, renumbered."""
+    """The blocks with the elements of the mask `kept` only, numbered consecutively."""
     start = first = 0
     for block in blocks:
         mine = kept[start : start + len(block.ids)]
@@ -291,7 +292,7 @@ def _written_elements(model: AbaqusModel, placed: ScopedBlock, kind: ElementType
 def _rows_of_elements(
     model: AbaqusModel, read: IntegerRows, width: int, name: str
 ) -> tuple[IntArray, IntArray]:
-    """Values of elements of `width` numbers each, and the line on which each begins.
+    """Values of elements of `width` numbers each, and the line on which each element begins.
 
     An element begins on a new line; numbers after its last node are a doubt, since CalculiX does not read
     them.
@@ -386,7 +387,10 @@ def _read_set(model: AbaqusModel, placed: ScopedBlock, *, with_elements: bool) -
 
 
 def _scope_of_members(model: AbaqusModel, placed: ScopedBlock) -> int:
-    """The scope that INSTANCE of a set names; an unknown one is an error, or a doubt without instances."""
+    """The scope that INSTANCE of a set names.
+
+    An unknown name is an error in a file with instances or parts, else a doubt.
+    """
     name, known = placed.block.options.get("INSTANCE"), [each.name.upper() for each in model.scopes]
     if name is None or name.upper() in known:
         return placed.scope if name is None else known.index(name.upper())
@@ -413,7 +417,7 @@ def _generated_members(
     ids = labels.ids[mine]
     inside = mine[(ids >= first) & (ids <= last) & ((ids - first) % step == 0)]
     inside = inside[np.argsort(labels.ids[inside], kind="stable")]
-    # A range with more ids than exist has an unknown one, so a long range can be cut there.
+    # A range longer than the list of ids contains an unknown id; the rest of the range need not be checked.
     wanted = first + step * np.arange(min((last - first) // step, len(ids)) + 1, dtype=np.int64)
     unknown = wanted[~np.isin(wanted, ids)]
     if unknown.size:
@@ -453,7 +457,7 @@ def _read_surface(model: AbaqusModel, placed: ScopedBlock) -> None:
 
 
 def _faces(elements: ElementBlock, places: IntArray, label: str) -> list[IntArray]:
-    """Faces (F, k) of some elements by their label; without a label, the outer faces."""
+    """Faces (F, k) of some elements of a block by label; without a label, unshared faces."""
     nodes, kind = elements.nodes[places], elements.type
     whole_line = kind.family in (Family.BEAM, Family.ROD)
     if label or whole_line:

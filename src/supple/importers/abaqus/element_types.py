@@ -41,9 +41,9 @@ class Family(Enum):
     MASS = auto()
     ROTARY_INERTIA = auto()
     PLANE = auto()
-    """Two-dimensional: only defines sets beside solids and shells."""
+    """Two-dimensional elements: beside solids and shells they only define sets."""
     CARRIER = auto()
-    """Without stiffness and mass of its own: surface and rigid elements, reference nodes of couplings."""
+    """Elements without stiffness and mass: surface and rigid elements, DCOUP3D."""
     UNKNOWN = auto()
 
 
@@ -88,7 +88,7 @@ CELLS = {
     4: "TETRA4", 5: "PYRAMID5", 6: "WEDGE6", 8: "HEXA8", 10: "TETRA10", 13: "PYRAMID13", 15: "WEDGE15",
     20: "HEXA20", 27: "HEXA20",
 }  # fmt: skip
-"""Types of solid cells by their number of nodes; of 27 nodes, those on faces and inside are dropped."""
+"""Types of solid cells by their number of nodes; of 27 nodes the last 7 (in faces, inside) are dropped."""
 
 # Corners of the faces S1, S2, .. of solids, by the number of corners of the solid.
 _FACES = {
@@ -112,10 +112,11 @@ def element_type(name: str) -> ElementType:
 def cells_of(
     kind: ElementType, nodes: IntArray, positions: FloatArray
 ) -> Iterator[tuple[CellType, IntArray, IntArray]]:
-    """Cells (C, k) of elements (E, n) by their kind, and (C,) the element of each.
+    """Cell type, cells (C, k) and element index (C,) of each cell, of elements (E, n) of one type.
 
-    Surfaces become triangles, a quadratic beam two lines. With repeated nodes hexahedra become wedges,
-    pyramids and tetrahedra; cells without volume are left out.
+    Shells become triangles, a quadratic beam two lines. Eight-node hexahedra with repeated nodes become
+    wedges, pyramids or tetrahedra. Other hexahedra with repeated nodes, and triangles with repeated nodes,
+    are omitted.
     """
     if kind.family is Family.SOLID and kind.n_nodes == 8:
         ordered = np.sort(nodes, axis=1)
@@ -134,7 +135,7 @@ def cells_of(
 
 
 def _collapsed_hexahedron(row: IntArray, positions: FloatArray) -> tuple[CellType, IntArray] | None:
-    """The cell of a hexahedron with repeated nodes; None without volume."""
+    """The cell of a hexahedron with repeated nodes; None without volume, or if it is no supported cell."""
     distinct = list(dict.fromkeys(row.tolist()))
     faces = [list(dict.fromkeys(row[list(face)].tolist())) for face in _FACES[8]]
     if len(distinct) == 6:
@@ -183,10 +184,10 @@ def _cells_of_one_kind(
 
 
 def face_nodes(kind: ElementType, label: str) -> tuple[int, ...]:
-    """Places, in the element, of the nodes of a face: corners, then mid-edge nodes; empty without the face.
+    """Indices in an element of the nodes of a face: corners, then mid-edge nodes; empty for other labels.
 
     label : S1 .. S6 of solids; SPOS, SNEG, S1, S2 of shells, whose edges are E1 .. in Abaqus and S3 .. in
-            CalculiX; edges S1 .. of two-dimensional elements
+            CalculiX; edges S1 .. of two-dimensional elements; any for beams and trusses: all nodes
     """
     match = re.fullmatch(r"([SE])([1-6])", label)
     is_edge, number = (match[1] == "E", int(match[2])) if match else (False, 0)
@@ -217,7 +218,7 @@ def _solid_face(kind: ElementType, corners: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def free_faces(kind: ElementType) -> tuple[tuple[int, ...], ...]:
-    """`face_nodes` of all faces of an element, whether or not another element shares them."""
+    """Indices as of `face_nodes` for all faces of an element, also those that another element shares."""
     n = len(_FACES[_solid_corners(kind)]) if kind.family is Family.SOLID else 1
     labels = [f"S{i + 1}" for i in range(n)] if kind.family is Family.SOLID else [""]
     return tuple(face_nodes(kind, label) for label in labels)

@@ -32,7 +32,10 @@ class Rows:
         self._dependent: list[int] = []
 
     def add(self, terms: Terms, line: int, *, value: float = 0.0, dependent: int = -1) -> None:
-        """Add a row; terms of the same freedom are summed."""
+        """Add a row; terms of the same freedom are summed, and a row of zeros is omitted.
+
+        line : index of `KeywordFile.lines`;  dependent : the freedom that the row eliminates, or -1
+        """
         total: dict[int, float] = {}
         for freedom, factor in terms:
             total[freedom] = total.get(freedom, 0.0) + factor
@@ -66,9 +69,9 @@ class Rows:
 
 
 class Freedoms:
-    """Terms of the freedoms 1 to 6 of nodes, in the axes that *TRANSFORM gives them.
+    """Terms of the freedoms 1 to 6 of nodes, in the axes of *TRANSFORM or in global axes.
 
-    rotation_nodes : {node: reference} of CalculiX: translations of the node are rotations of the reference
+    rotation_nodes : {node: reference} of ROT NODE: freedoms 1 to 3 of the node are rotations of the reference
     """
 
     def __init__(self, model: AbaqusModel) -> None:
@@ -102,7 +105,7 @@ class Freedoms:
             self._axes.update(zip(nodes.tolist(), axes, strict=True))
 
     def of(self, node: int, component: int, factor: float = 1.0) -> Terms:
-        """A freedom, component from 1, as a sum of freedoms 6 * node + component (from 0) in global axes."""
+        """A freedom (component 1 to 6) times `factor`, as terms of global freedoms 6 * node + 0 to 5."""
         rotation = component > 3
         if node in self.rotation_nodes:
             node, rotation = self.rotation_nodes[node], True
@@ -128,7 +131,10 @@ def along(first: int, second: int, direction: Iterable[float]) -> Terms:
 
 
 def rigid_terms(node: int, reference: int, arm: FloatArray, component: FloatArray) -> Terms:
-    """Terms of c . (u_node - u_ref - theta_ref x arm), arm from the reference to the node; c : component."""
+    """Terms of c . (u_node - u_ref - theta_ref x arm), with c = `component` (3,).
+
+    arm : (3,) from the reference node to the node
+    """
     terms: Terms = []
     turn = np.cross(arm, component)  # c . (theta x arm) = theta . (arm x c)
     for i in range(3):

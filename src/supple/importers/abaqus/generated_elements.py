@@ -24,7 +24,7 @@ IntArray = NDArray[np.int64]
 def generated_elements(
     file: KeywordFile, node_labels: Labels, placed: ScopedBlock, earlier: Sequence[ElementBlock]
 ) -> list[ElementBlock]:
-    """Elements of *ELGEN: a line has a master, then up to three triples of count, node step and id step."""
+    """Elements of *ELGEN without masters; a line has a master, then triples of count, node and id step."""
     found = list[ElementBlock]()
     for line, text in placed.block.data:
         words = fields(text)
@@ -61,7 +61,7 @@ def copied_elements(
     earlier: Sequence[ElementBlock],
     listed: IntArray,
 ) -> list[ElementBlock]:
-    """Elements of *ELCOPY: those of a set, with shifted ids and nodes; REFLECT reverses their node order.
+    """Elements of *ELCOPY: those of a set, with shifted ids and nodes; with REFLECT, see `_reflected`.
 
     listed : ids that *ELSET adds to the old set, besides those of its *ELEMENT keywords
     """
@@ -108,7 +108,7 @@ def copied_elements(
 
 
 def _reflected(kind: ElementType) -> IntArray:
-    """The order of the nodes of a reflected element: its first node stays, the others are reversed."""
+    """Node order of a reflected element: solids as `mirrored_order`, surfaces reversed, lines unchanged."""
     n = kind.n_nodes
     if kind.family is Family.SOLID:
         order = mirrored_order(CellType[CELLS[n]])

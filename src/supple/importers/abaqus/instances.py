@@ -15,7 +15,7 @@ __all__ = ["decks_of_instances"]
 
 
 def decks_of_instances(deck: Deck, model: AbaqusModel) -> Deck:
-    """The deck with a deck for each instance in `superelements` if there are several."""
+    """The deck; if it has several instances, `superelements` contains a deck for each of them."""
     names = [scope.name for scope in model.scopes[1:]]
     if len(names) < 2:
         return deck
@@ -28,9 +28,9 @@ def decks_of_instances(deck: Deck, model: AbaqusModel) -> Deck:
 
 
 def _part(deck: Deck, name: str, mine: NDArray[np.bool_]) -> Deck:
-    """The deck on the nodes of one instance and reference nodes of their ties, with local set names.
+    """The deck of one instance, on its nodes and reference nodes, with set names without INSTANCE.
 
-    Constraints, springs and ties to other instances are not in it; joints replace them.
+    Constraints, springs and ties to other instances are omitted; joints between bodies replace them.
     """
     own = mine.copy()
     ties = (*deck.rigid, *deck.means)

@@ -16,8 +16,10 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class ElementBlock:
-    """Elements of one *ELEMENT: ids, node numbers (E, n), lines; `first`: the number of its first element.
+    """Elements of one keyword.
 
+    first : number of its first element in the file;  ids : (E,);  nodes : (E, n) node numbers
+    lines : (E,) indices of `KeywordFile.lines`;  set_name : the set of ELSET or NEW SET
     axis_nodes : (E,) for beams, a node towards which their first axis points; None if not given
     """
 
@@ -32,7 +34,7 @@ class ElementBlock:
 
     @property
     def numbers(self) -> IntArray:
-        """Numbers of its elements in the whole file."""
+        """Numbers (E,) of the elements among all elements of the file."""
         return self.first + np.arange(len(self.ids))
 
 
@@ -45,7 +47,7 @@ class Labels:
     _sorted: dict[int, tuple[IntArray, IntArray]] = field(default_factory=dict)
 
     def numbers(self, scope: int, ids: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
-        """Numbers of ids in a scope, and whether they exist."""
+        """Numbers of ids in a scope, and a mask of the ids that exist; only these have a valid number."""
         # Ids are looked up line by line, so they are sorted once.
         if scope not in self._sorted:
             mine = self.of(scope)

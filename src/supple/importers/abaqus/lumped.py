@@ -28,7 +28,8 @@ def read_masses(
 
     Raises
     ------
-    ImportFormatError   values that are missing or negative; words instead of numbers
+    ImportFormatError   a mass that is missing or negative; an inertia that is not positive semidefinite;
+                        words instead of numbers
     """
     rows = Rows(freedoms.lines)
     matrices: list[NodalMatrix] = []
@@ -71,7 +72,7 @@ def read_masses(
 def read_springs(
     model: AbaqusModel, freedoms: Freedoms, family: Family, keyword: str
 ) -> tuple[ScalarTerms, ...]:
-    """*SPRING or *DASHPOT along the line between two nodes (A), between freedoms (2), to the ground (1).
+    """Springs or dashpots: along the line of two nodes (A), between two freedoms (2), to the ground (1).
 
     Raises
     ------

@@ -97,7 +97,7 @@ def _elastic(model: AbaqusModel, block: KeywordBlock, material: _Material) -> De
         raise model.file.error(
             block.line, f"*ELASTIC, TYPE={kind} has {n} constants, not {len(values)}; is the file cut short?"
         )
-    # Rows of further temperatures follow; each ends with its temperature.
+    # Each further row has the constants at another temperature, then this temperature.
     if len(block.data) > -(-n // 8):
         model.report.note(f"material '{material.name}' depends on temperature; its first row is used")
     v = values[:n]
@@ -144,7 +144,7 @@ def _deformation_plasticity(
 
 
 def _hyperelastic(model: AbaqusModel, block: KeywordBlock, material: _Material) -> DeckMaterial | None:
-    """Isotropic with the moduli at zero strain:  mu = 2 (C10 + C01),  K = 2 / D1."""
+    """Isotropic with the moduli at zero strain:  mu = 2 (C10 + C01),  K = 2 / D1, or 20 mu if D1 = 0."""
     rows = _rows(model, block)
     options = block.options.keys()
     named = "NEOHOOKE" in options or "YEOH" in options or "MOONEY-RIVLIN" in options
@@ -187,7 +187,7 @@ _ELASTIC = {
     "USERMATERIAL": _user,
 }
 _CONSTANTS = {"ISO": 2, "ENG": 9, "LAM": 6, "ORTHO": 9, "ANISO": 21}
-# Rows and columns of the constants in their order, of 11 22 33 12 13 23 counted from 0.
+# Row and column of each constant in the order of the file; 11 22 33 12 13 23 count from 0.
 _ORTHOTROPIC = (np.array([0, 0, 1, 0, 1, 2, 3, 4, 5]), np.array([0, 1, 1, 2, 2, 2, 3, 4, 5]))
 _ANISOTROPIC = (
     np.array([row for column in range(6) for row in range(column + 1)]),

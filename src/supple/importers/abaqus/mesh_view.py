@@ -49,11 +49,12 @@ def read_abaqus(
     unused_nodes : UnusedNodes    REFUSE or DROP nodes that no element uses
     Returns
     -------
-    Mesh   nodes in the order of the file, node sets in the order of their lines
+    Mesh   nodes in the order of the file, members of node sets in the order of their lines
     Raises
     ------
-    ImportFormatError   missing or cut file, unknown element type, missing or repeated ids, unknown members;
-                        constraints, masses and shell offsets, which a mesh does not have
+    ImportFormatError   missing or cut file, missing or repeated ids, unknown members of sets; beams, trusses,
+                        springs, masses and unknown element types; constraints, nonstructural mass and
+                        shell offsets
     MeshError           what the file describes is not a usable mesh
     """
     path = Path(path)

@@ -19,10 +19,12 @@ def mpc_rows(
 ) -> Iterator[tuple[Terms, int]]:
     """Constraint rows, each with the freedom that it eliminates, or -1.
 
+    p is the node `first`; a, b, c are the nodes `others`.
+
     TIE, PIN           u_p = u_a, with or without rotations
     LINK               constant distance between p and a
-    LINEAR, QUADRATIC  u_p and its rotations are interpolated at the place of p on the edge a b, or a b c
-    SLIDER             p slides along the line a b
+    LINEAR, QUADRATIC  displacement and rotation of p are interpolated on the edge a b, or a b c
+    SLIDER             p stays on the line through a and b
     """
     p, place = first, positions[first]
     if kind == "LINK":
@@ -49,7 +51,8 @@ def mpc_rows(
 def _shares(place: FloatArray, nodes: FloatArray) -> list[float]:
     """Shape functions of the nodes of an edge at a position on it, linear or quadratic.
 
-    On a quadratic edge x(s) = sum_i N_i(s) x_i, the position determines s; the middle node may be anywhere.
+    On a quadratic edge x(s) = sum_i N_i(s) x_i, the position determines s; the middle node need not be
+    halfway.
     """
     if len(nodes) == 2:
         chord = nodes[1] - nodes[0]
@@ -60,7 +63,7 @@ def _shares(place: FloatArray, nodes: FloatArray) -> list[float]:
     first, last = (i for i in range(3) if i != middle)
     chord = nodes[last] - nodes[first]
     t, at = ((x - nodes[first]) @ chord / (chord @ chord) for x in (nodes[middle], place))
-    # The position of s along the chord is s^2 (2 - 4 t) + s (4 t - 1), with that of the middle node, t.
+    # The middle node is at t along the chord (0 to 1), the point s at s^2 (2 - 4 t) + s (4 t - 1).
     b = 4 * t - 1
     s = float(2 * at / (b + np.sqrt(max(b**2 + 4 * (2 - 4 * t) * at, 0.0))))
     shares = [0.0, 0.0, 0.0]

@@ -25,7 +25,8 @@ IntArray = NDArray[np.int64]
 class Orientation:
     """Axes of a material.
 
-    system : R, C, S or Z;  a, b, c : (3,) points;  axis (1 to 3), angle : rotation about a local axis
+    system : R, C, S or Z;  a, b, c : (3,) points
+    axis : local axis (1 to 3) of an additional rotation, 0 without it;  angle : of this rotation, rad
     distributed : element numbers with their own orientation (*DISTRIBUTION); later ones override earlier ones
     """
 
@@ -38,7 +39,7 @@ class Orientation:
     distributed: tuple[tuple[IntArray, Orientation], ...] = ()
 
     def axes(self, places: FloatArray, elements: IntArray) -> FloatArray:
-        """Axes of the material as columns (n, 3, 3) at places (n, 3) of elements (n,) by their numbers."""
+        """Axes of the material as columns (n, 3, 3), at positions (n, 3) in elements with numbers (n,)."""
         found = np.array(self._axes(places))
         for members, own in self.distributed:
             mine = np.isin(elements, members)
@@ -67,7 +68,7 @@ class Orientation:
         return np.asarray(axes @ turn, dtype=np.float64)
 
     def shell_directions(self, places: FloatArray, elements: IntArray) -> FloatArray:
-        """First in-plane directions (n, 3) before projection: the axis after the normal, in cyclic order."""
+        """Vectors (n, 3) to project on a shell: the local axis after `axis` in cyclic order; x if it is 0."""
         normal = self.axis or 3
         return self.axes(places, elements)[:, :, normal % 3]
 
@@ -93,7 +94,7 @@ def read_orientations(model: AbaqusModel) -> Mapping[tuple[int, str], Orientatio
 
     Raises
     ------
-    ImportFormatError   words instead of numbers; points on a line
+    ImportFormatError   words instead of numbers; points on a line; a distribution without default
     """
     found: dict[tuple[int, str], Orientation] = {}
     given = {
@@ -136,7 +137,7 @@ def read_orientations(model: AbaqusModel) -> Mapping[tuple[int, str], Orientatio
 def _distributed(
     model: AbaqusModel, placed: ScopedBlock, by_points: Callable[[int, int, list[str]], Orientation]
 ) -> Orientation:
-    """Axes by lines of an element or set and its points; a line without elements is the default."""
+    """Axes by lines of an element or set and points; a line without elements is for all other elements."""
     whole, parts = None, []
     for line, text in placed.block.data:
         word, *rest = fields(text)

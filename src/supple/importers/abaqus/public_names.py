@@ -18,7 +18,7 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class PublicIds:
-    """Ids of nodes (N,) and elements (E,), each once."""
+    """Ids of nodes (N,) and elements (E,), without repetition."""
 
     nodes: IntArray
     elements: IntArray
@@ -27,8 +27,8 @@ class PublicIds:
 def public_ids(model: AbaqusModel) -> PublicIds:
     """Ids of the file; if instances use the same ids, those of scope k are raised by k 10^m.
 
-    10^m is the first power of ten above all ids; the scopes are the instances in order from 0, then the
-    model outside of them.
+    10^m is the first power of ten above all ids; k counts the instances from 0, then the model outside all
+    instances. If these ids exceed 64 bits, ids are 1, 2, .. instead.
     """
     order = [*range(1, len(model.scopes)), 0]
     rank = np.empty(len(order), dtype=np.int64)

@@ -14,7 +14,7 @@ __all__ = ["read_releases", "released_ends"]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-# Rotations about the axis and the two axes of the section: x, y, z of a beam here.
+# Freedoms of rotations about the beam axis x (T) and the section axes y (M1) and z (M2).
 _ROTATIONS = {"T": (3,), "M1": (4,), "M2": (5,), "ALLM": (3, 4, 5)}
 _ENDS = {"S1": 0, "S2": 6}
 
@@ -48,9 +48,11 @@ def read_releases(model: AbaqusModel) -> BoolArray | None:
 
 
 def released_ends(releases: BoolArray | None, elements: IntArray) -> BoolArray | None:
-    """Released freedoms (C, 12) of the cells of elements (C,), in consecutive order; None without releases.
+    """Released freedoms (C, 12) of cells; None without releases.
 
     The first cell of a quadratic beam has the first end, the last cell the second.
+
+    elements : (C,) number of the element of each cell; cells of one element are consecutive
     """
     if releases is None or not releases[elements].any():
         return None

@@ -14,7 +14,8 @@ __all__ = ["Report"]
 class Report:
     """Counts of keywords read and ignored, omissions, notes and doubts.
 
-    Doubts are mistakes that do not prevent reading, such as a set of unknown nodes; `strict` raises them.
+    Doubts are mistakes that do not prevent reading, such as a set of unknown nodes; if `strict`, they raise
+    ImportFormatError.
     """
 
     def __init__(self, file: KeywordFile, *, strict: bool = False) -> None:
@@ -55,7 +56,7 @@ class Report:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """All notes, and the first doubts."""
+        """All notes, the first five doubts, and the number of further doubts."""
         doubts = [str(error) for error in self._doubts]
         more = [f"{len(doubts) - 5} more of that kind"] if len(doubts) > 5 else []
         return (*self._notes, *doubts[:5], *more)

@@ -39,7 +39,7 @@ BoolArray = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class SectionOfSolids:
-    """A section of solids or trusses; area : of trusses."""
+    """A section of solids or trusses; area : cross section of trusses, m^2."""
 
     material: DeckMaterial
     orientation: Orientation | None
@@ -55,7 +55,7 @@ _FITS = {
     Family.BEAM: SectionOfBeams,
 }
 _INCOMPATIBLE = ("C3D8I", "C3D8R", "SC8R")
-"""Elements with incompatible modes, and those with one integration point, which get such modes instead."""
+"""Types that become cells with incompatible modes: C3D8I, and two with reduced integration in the file."""
 _SECTIONS = (
     "SOLIDSECTION", "SHELLSECTION", "SHELLGENERALSECTION", "MEMBRANESECTION", "MEMBRANE", "BEAMSECTION",
     "BEAMGENERALSECTION",
@@ -67,8 +67,8 @@ def read_elements(
 ) -> tuple[tuple[DeckElements, ...], dict[str, Property]]:
     """All elements with a section and a material, and their properties.
 
-    Other elements are left out. Elements without a section on faces and edges of solids only define sets. If
-    sections overlap, the last one is used.
+    Shells, beams and trusses without a section, with all nodes on solids that have one, only define sets. All
+    other elements are listed in `left_out`. If sections overlap, the last one is used.
 
     Raises
     ------
@@ -168,7 +168,7 @@ class _Builder:
         self.properties: dict[str, Property] = {}
 
     def add(self, key: str, section: Section, block: ElementBlock, places: IntArray) -> None:
-        """Cells of some elements of a block."""
+        """Add the cells of the elements with indices `places` in a block."""
         for kind, cells, owners in cells_of(block.type, block.nodes[places], self._model.positions):
             self._add(key, section, block, kind, cells, places[owners])
 

@@ -28,7 +28,7 @@ def read_supports(model: AbaqusModel, freedoms: Freedoms) -> tuple[ScalarTerms, 
     held: set[tuple[int, int]] = set()
     for placed in model.blocks:
         block = placed.block
-        # Motions of a submodel or from a file are driven.
+        # These options prescribe motions.
         driven = {"SUBMODEL", "USER", "TYPE"} & block.options.keys()
         if block.key != "BOUNDARY" or placed.step > 1 or (driven and placed.step):
             continue
@@ -46,7 +46,7 @@ def read_supports(model: AbaqusModel, freedoms: Freedoms) -> tuple[ScalarTerms, 
 
 
 def _components(model: AbaqusModel, line: int, words: list[str]) -> list[int]:
-    """Freedoms 1 to 6 fixed by a line; none if a value drives them."""
+    """Freedoms 1 to 6 that a line fixes; none if it gives a displacement other than 0."""
     if len(words) < 2 or not words[1]:
         return []
     if words[1].upper() in _NAMED:

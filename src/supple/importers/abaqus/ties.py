@@ -20,15 +20,15 @@ IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 
 _DEFAULT_TOLERANCE = 0.05
-"""Tolerance relative to the size of the master's faces, as in Abaqus for surfaces; CalculiX uses 0.025."""
+"""Distance, relative to `_face_size` of the master, up to which nodes are tied (CalculiX: 0.025)."""
 _CANDIDATES = 16
 
 
 def read_ties(model: AbaqusModel, rows: Rows) -> None:
     """Rows  u_slave - sum_j N_j u_j = 0  for slave nodes within the tolerance of a master face.
 
-    A slave node is moved onto its face, as in both programs, so that rigid motion causes no force. Between
-    shells its rotations follow as well. Cyclic and multistage ties are left out.
+    A slave node is moved onto its face, the default of both programs, so that rigid motion causes no force.
+    Between nodes of shells and beams, rotations are tied as well. Cyclic and multistage ties are left out.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def _tie(
 
 
 def _face_size(x: FloatArray, surface: DeckSurface) -> float:
-    """Mean distance of the first two corners of its faces; 1 for single nodes."""
+    """Mean distance of the first two corners of the faces; 1 for a surface of nodes."""
     spans = [
         np.linalg.norm(x[faces[:, 1]] - x[faces[:, 0]], axis=1)
         for faces in surface.faces
@@ -141,7 +141,7 @@ def _nodes_with_rotations(model: AbaqusModel) -> NDArray[np.bool_]:
 def _nearest(
     x: FloatArray, nodes: IntArray, faces: IntArray
 ) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
-    """For each node the nearest of the faces (F, k), its shape functions there, distance and position."""
+    """For each node: index of the nearest face (F, k), shape functions, distance and position there."""
     centres = x[faces].mean(axis=1)
     count = min(_CANDIDATES, len(faces))
     _, candidates = KDTree(centres).query(x[nodes], k=count)

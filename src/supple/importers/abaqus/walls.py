@@ -30,9 +30,11 @@ _ALONG_NORMAL = np.cos(np.radians(0.1))
 class SectionOfShells:
     """A section of shells or membranes.
 
-    plies : from the bottom up, of relative thickness;  given : a wall by its stiffness, instead of plies
-    offset : of the nodes from the middle along the normal, as a fraction of the thickness
-    nodal_thickness : (N,) of every node; None if the section gives the thickness
+    plies : from the bottom up; their thicknesses are scaled to the total thickness
+    homogeneous : the isotropic material of the whole wall, or None
+    given : the wall if the section gives its stiffness, or None
+    offset : distance of the nodes from the middle along the normal, divided by the thickness
+    nodal_thickness : (N,) thickness at the nodes, nan where `thickness` is used; None without it
     """
 
     plies: tuple[Ply, ...]
@@ -51,9 +53,9 @@ class SectionOfShells:
     def properties(
         self, key: str, cells: IntArray, kind: ElementType
     ) -> Iterator[tuple[str, ShellProperty | WallProperty, IntArray]]:
-        """Name, property and indices of its cells (C, 3), once for each mean thickness of their nodes.
+        """Name, property and cell indices for each different mean nodal thickness of the cells (C, 3).
 
-        kind : of the elements: membranes have no bending stiffness, and some shells are rigid in shear
+        kind : element type; membranes have no bending stiffness, and some shells are rigid in shear
         """
         if self.nodal_thickness is None:
             yield key, self._property(self.thickness, kind), np.arange(len(cells))
@@ -99,11 +101,12 @@ def read_shell_section(
     material: Callable[[str], DeckMaterial | None],
     orientation: Callable[[str], Orientation | None],
 ) -> SectionOfShells | None:
-    """*SHELL SECTION, *SHELL GENERAL SECTION, *MEMBRANE SECTION; None if its material is unsupported.
+    """A *SHELL SECTION, *SHELL GENERAL SECTION or *MEMBRANE SECTION; None if it has no supported material.
 
     Raises
     ------
-    ImportFormatError   no thickness, or one that is not positive; words instead of numbers
+    ImportFormatError   no thickness, or one that is not positive; too few stiffnesses; words instead of
+                        numbers
     """
     file, block = model.file, placed.block
     axes = orientation(block.options.get("ORIENTATION", ""))
@@ -155,7 +158,7 @@ def _plies(
     material: Callable[[str], DeckMaterial | None],
     orientation: Callable[[str], Orientation | None],
 ) -> tuple[tuple[Ply, ...], Orientation | None] | None:
-    """Plies and their common axes; None if a ply is not read."""
+    """Plies, and the orientation that the first ply with a name has (or None); None if a ply is not read."""
     found: list[Ply] = []
     named: list[str] = []
     for line, text in block.data:

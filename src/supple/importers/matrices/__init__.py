@@ -1,1 +1,1 @@
-"""Mass and stiffness matrices in the formats other programs write."""
+"""Readers of mass, stiffness, damping and recovery matrices of other programs."""

@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _LARGEST_WHOLE = 2.0**53
-"""Largest integer that a float represents exactly."""
+"""Largest node id or row number that a float represents exactly; larger ones are rejected."""
 
 
 def read_abaqus_matrix(path: str | Path, nodes: NodeTable | None = None) -> LabelledMatrix:
@@ -71,7 +71,8 @@ def read_calculix_matrix(path: str | Path, freedoms: str | Path | None = None) -
     freedoms : the .dof file with `node.component` of each row; None: the .dof file of the same name
     Raises
     ------
-    ImportFormatError   missing or cut files; lines of another form; rows beyond the map; an entry given twice
+    ImportFormatError   missing or cut files; lines of another form; rows that the .dof file does not name;
+                        fewer rows than it names; an entry given twice
     """
     path = Path(path)
     map_path = path.with_suffix(".dof") if freedoms is None else Path(freedoms)

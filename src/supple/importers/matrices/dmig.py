@@ -25,8 +25,8 @@ def read_dmig(path: str | Path, role: MatrixRole, *, name: str | None = None) ->
 
     Parameters
     ----------
-    name : str or None   as on the cards; None: the one whose name begins with K (stiffness), M (mass) or B
-        (damping)
+    name : str or None   of the matrix on its cards; None: the only one whose name begins with K (stiffness),
+        M (mass) or B (damping)
     Raises
     ------
     ImportFormatError   missing or cut file; no such matrix, or several; complex or rectangular matrices;

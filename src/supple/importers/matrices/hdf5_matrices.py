@@ -71,8 +71,8 @@ def read_hdf5_matrix(path: str | Path, role: MatrixRole) -> LabelledMatrix:
 
     Raises
     ------
-    ImportFormatError   as for `read_hdf5_nodes`; indices outside the matrix or given twice; as for
-                        `LabelledMatrix`
+    ImportFormatError   missing, cut or foreign file; missing datasets or datasets of a wrong shape; indices
+                        outside the matrix or given twice; errors of `LabelledMatrix`
     """
     path = Path(path)
     source = f"{path}, /{role.label}"
@@ -116,7 +116,7 @@ def read_hdf5_matrix(path: str | Path, role: MatrixRole) -> LabelledMatrix:
 
 @contextmanager
 def opened(path: Path, parts: Collection[str]) -> Iterator[h5py.File]:
-    """A copy of these parts of the file; damage is an ImportFormatError."""
+    """A copy of these parts of the file; ImportFormatError if it is missing or damaged."""
     if not is_file(path):
         raise ImportFormatError(f"{path}: no such file; check its name and folder")
     try:

@@ -23,12 +23,16 @@ COMPONENT_NAMES = ("", "ux", "uy", "uz", "rx", "ry", "rz")
 # Relative error of single precision.
 SINGLE_PRECISION = float(np.finfo(np.float32).eps)
 
-# The two entries of a symmetric matrix may differ by a few units in the last printed digit.
+# Largest difference of mirrored entries, relative to the largest entry, in a symmetric matrix; 4 times the
+# resolution if that is larger. A larger difference raises ImportFormatError.
 SYMMETRY = 1e-9
 
 
 class MatrixRole(Enum):
-    """Role of a matrix: its name in messages and HDF5 files; in other files, the first letter of its name."""
+    """Role of a matrix.
+
+    label : its name in messages and HDF5 files;  letter : first letter of its name in DMIG and OUTPUT4 files
+    """
 
     STIFFNESS = ("stiffness", "K")
     MASS = ("mass", "M")
@@ -47,7 +51,7 @@ class LabelledMatrix:
     matrix     : csc (n, n)
     freedoms   : (n, 2) node id and component (1 to 3 translations, 4 to 6 rotations; 0 a scalar
                  point or modal coordinate), each once
-    resolution : relative error of an entry, from the digits it was printed with
+    resolution : relative error of an entry by its printed digits or number type
 
     Raises
     ------
@@ -114,7 +118,7 @@ def from_labelled_entries(
 
     Raises
     ------
-    ImportFormatError   an entry given twice; as for `LabelledMatrix`
+    ImportFormatError   an entry given twice; errors of `LabelledMatrix`
     """
     labels = np.vstack([rows, columns])
     freedoms, number = np.unique(labels, axis=0, return_inverse=True)

@@ -48,15 +48,15 @@ def read_nodes(path: str | Path) -> NodeTable:
 def read_labelled_matrix(
     path: str | Path, role: MatrixRole, nodes: NodeTable, *, name: str | None = None
 ) -> LabelledMatrix:
-    """Matrix from DMIG (.pch, .bdf ..), OUTPUT4 and 2, HDF5, Abaqus .mtx or CalculiX .sti, .mas.
+    """Matrix from DMIG (.pch, .bdf ..), OUTPUT4, OUTPUT2, HDF5, Abaqus .mtx or CalculiX .sti, .mas.
 
     Parameters
     ----------
     nodes : NodeTable     nodes of the model; they define the rows of OUTPUT4 and Abaqus COORDINATE files
-    name : str or None    name of the matrix, for formats with several (DMIG, OUTPUT4)
+    name : str or None    name of the matrix, for formats with several (DMIG, OUTPUT4, OUTPUT2)
     Raises
     ------
-    ImportFormatError   a suffix without a reader; errors of the reader
+    ImportFormatError   a suffix without a reader; a name for another format; errors of the reader
     """
     suffix = Path(path).suffix.lower()
     if suffix in DMIG_SUFFIXES:

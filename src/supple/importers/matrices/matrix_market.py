@@ -18,7 +18,7 @@ __all__ = ["read_matrix"]
 FloatArray = NDArray[np.float64]
 
 MOST_EMPTY = 100_000
-"""Largest number by which the rows or columns of a sparse matrix may exceed its entries."""
+"""Largest number by which the rows or columns of a sparse matrix exceed its entries; more are an error."""
 
 _FORM = "write the complete matrix again, as coordinate real"
 

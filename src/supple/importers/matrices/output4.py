@@ -35,8 +35,8 @@ def read_output4(
     Parameters
     ----------
     nodes : NodeTable     of the bulk data file the matrices come from
-    name : str or None    as in the file; None: the one whose name begins with K (stiffness), M (mass) or B
-        (damping)
+    name : str or None    of the matrix in the file; None: the only one whose name begins with K (stiffness),
+        M (mass) or B (damping)
     Raises
     ------
     ImportFormatError   pyyeti missing; missing, cut or unreadable file; no such matrix, or several; complex
@@ -55,7 +55,7 @@ def read_output4(
 
 
 def named_matrix(path: Path, name: str) -> tuple[str, Any]:
-    """Label of a matrix for messages, and the sparse matrix (m, n); errors as for `read_output4`."""
+    """Label of a matrix for messages, and the sparse matrix (m, n); reading errors of `read_output4`."""
     matrices = _load(path)
     source, matrix, _ = _real(path, _chosen_name(path, list(matrices), MatrixRole.STIFFNESS, name), matrices)
     return source, matrix

@@ -42,7 +42,7 @@ def index_lines(text: str) -> LineIndex:
     ----------
     text : str   valid TOML: the scan follows its grammar and does not check it again
     """
-    # A path seen twice (a table opened by a dotted key, then by its own header) keeps its first line.
+    # A path that occurs twice (in a dotted key, then in a header of its own) has its first line.
     lines: dict[KeyPath, int] = {}
     for path, line in _Scanner(text).document():
         lines.setdefault(path, line)
@@ -119,7 +119,7 @@ class _Scanner:
     def _key_part(self) -> str:
         self._skip(_SPACE)
         part = self._skip(_STRING)
-        # A quoted key may hold escapes; known keys have none, so their lines are found.
+        # A quoted key may contain escapes; known keys have none, so their lines are found.
         part = part[1:-1] if part else self._skip(_BARE_KEY)
         self._skip(_SPACE)
         return part

@@ -27,15 +27,15 @@ _Root = TypeVar("_Root", bound=CheckedTable)
 def checked(
     root: type[_Root], raw: Mapping[str, Any], mistakes: Sequence[tuple[KeyPath, str]]
 ) -> tuple[_Root | None, Sequence[tuple[KeyPath, str]]]:
-    """The file checked by its schema, or None if it does not fit; and all mistakes, including those of rules.
+    """The file checked by its schema, or None if it does not fit; and all mistakes.
 
-    root : the table of the whole file
+    root : the table of the whole file;  mistakes : those that the rules found
     """
     try:
         return root.model_validate(raw), mistakes
     except ValidationError as error:
         errors = error.errors(include_url=False)
-        # Where a key was renamed, only this is reported: other mistakes follow from it.
+        # If keys were renamed, only these are reported, because other mistakes may follow from them.
         renamed = list(_renamed(root, errors))
         return None, renamed or [*(_schema_mistake(root, each) for each in errors), *mistakes]
 
@@ -121,8 +121,8 @@ def _shown(seen: Any) -> str:
 def _follow(root: _Schema, location: tuple[int | str, ...]) -> tuple[KeyPath, _Schema]:
     """Key path in the file and JSON schema at the location of an error.
 
-    A location also holds the tags of the alternatives that were tried (`reduction`, `rubin`, `modes`),
-    which are no keys of the file.
+    A location also contains the tags of the alternatives that were checked (`reduction`, `rubin`, `modes`),
+    which are not keys of the file.
     """
     schema, path = _resolve(root, root), ()
     for part in location:

@@ -35,7 +35,7 @@ RuleOfOne = Callable[[KeyPath, Raw], Mistakes]
 
 
 def tables(raw: Raw, key: str, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Raw]]:
-    """The items of an array of tables with their paths; nothing if `key` holds something else."""
+    """The items of an array of tables with their paths; nothing if the value of `key` is no array."""
     items = raw.get(key)
     for position, item in enumerate(items if isinstance(items, list) else []):
         if isinstance(item, Mapping):
@@ -43,7 +43,7 @@ def tables(raw: Raw, key: str, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Ra
 
 
 def table(raw: Raw, key: str) -> Raw:
-    """The table under a key; an empty one if `key` holds something else."""
+    """The table under a key; an empty one if its value is no table."""
     inner = raw.get(key)
     return inner if isinstance(inner, Mapping) else {}
 

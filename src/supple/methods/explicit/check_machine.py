@@ -28,9 +28,10 @@ from supple.methods.explicit.start_motion import rigid_velocities, undeformed
 __all__ = ["check_explicit_run", "check_machine", "check_spin_stiffness"]
 
 _APART = 1e-9
-"""Largest initial velocity difference of two tied modal parts, relative to the fastest point."""
+"""Largest initial velocity difference of the nodes of a tie between modal parts, over their largest speed;
+a larger difference is an error."""
 _ROUNDED = 1e-6
-"""Same limit for the tied nodes of an explicit part."""
+"""As `_APART`, for ties of nodes of explicit parts."""
 
 
 def check_spin_stiffness(system: System) -> None:
@@ -45,7 +46,7 @@ def check_spin_stiffness(system: System) -> None:
 
 
 def check_machine(system: System, method: Explicit) -> None:
-    """Raise ModelError for bodies, joints and loads that explicit time integration does not support."""
+    """Raise ModelError for parts of a system that explicit time integration does not support."""
     for placed in system.bodies:
         body = placed.body
         if body.kind not in ("modal", "explicit", "rigid"):

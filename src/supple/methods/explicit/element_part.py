@@ -27,7 +27,7 @@ FloatArray = NDArray[np.float64]
 
 
 def refuse_beside_elements(what: str, model: FiniteElementModel) -> None:
-    """Raise ModelError if the model has other attachments than nodal masses."""
+    """Raise ModelError unless all attachments of the model are masses without inertia at nodes."""
     refuse_attached(replace(model.attached, mass=None), what)
     node_masses(model)
 
@@ -95,7 +95,7 @@ class ElementPart(FormDefaults):
     def nodal_fields(
         self, coordinates: FloatArray, freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[FloatArray, None]:
-        """Displacements (n, t) of some or all nodal freedoms from coordinates (t, 3 N); none is condensed."""
+        """Displacements (n, t) of nodal freedoms for coordinates (t, 3 N), and None: none is condensed."""
         return coordinates.T[freedoms], None
 
     def positions(self, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> FloatArray:

@@ -86,7 +86,7 @@ class ExplicitEngine:
         return begun(own.model, own.methods, own.start._replace(time=jnp.asarray(time)))
 
     def resumed(self, last: Solution) -> MarchState:
-        """The state at the end of a recorded part, exact to the last bit."""
+        """State at the end of a recorded part, exact to the last bit; ModelError for another system."""
         like = self._built.start
         leaves, structure = jax.tree.flatten(like)
         known = last.engine_state
@@ -189,7 +189,7 @@ class ExplicitEngine:
         )
 
     def _first_step(self) -> float:
-        """Trial step at the start, s: 0.01 of the shortest of output step, fixed step and frame limits."""
+        """Trial step at the start, s: 0.01 times the shortest of output step, fixed step and frame limits."""
         limits = [float(each.step_limit) for each in self._built.model.frames]
         return 0.01 * min([self._run.output_step, self._fixed or np.inf, *limits])
 
@@ -256,7 +256,7 @@ def _padded(n: int) -> int:
 
 
 def _fixed_step(run: Run) -> float | None:
-    """Fixed step of the explicit nodes, s; None: the stable step."""
+    """Fixed step of the run, s, or None for the stable step; ModelError for an adaptive step."""
     match run.step:
         case None:
             return None

@@ -35,10 +35,12 @@ FloatArray = NDArray[np.float64]
 class ShellElements:
     """Arrays of E triangles of one section.
 
-    nodes : int (E, 3);   corners : (E, 3, 3) m;   stiffness : (E, 18, 18);   to_stress : (E, l, 6, 18)
+    nodes : int (E, 3);   corners : (E, 3, 3) m;   stiffness : (E, 18, 18)
+    to_stress : (E, l, 6, 18)   stress in l layers, Pa, per displacement and rotation of the nodes
     inertia : (E,) of each corner, kg m^2;   mass : (E,) of each corner, kg
     thickness : m;   area : (E,) m^2
-    membrane : (E, 3, 18)       membrane strain;   bending : (E, p, 3, 18)      curvature at p points
+    membrane : (E, 3, 18)       membrane strain per displacement and rotation of the nodes
+    bending : (E, p, 3, 18)     curvature at p points per displacement and rotation of the nodes
     drilling : (E, 18, 18) stiffness of the drilling rotations alone
     """
 
@@ -62,8 +64,8 @@ class ExplicitShell(ElementPart):
     name : str
     model : FiniteElementModel      of TRIANGLE3 cells with homogeneous sections
     law : J2Plasticity | None       None: elastic
-    layers : int            Gauss points through the thickness where there is a law
-    deletion : float        plastic strain at which an element is deleted; infinite: never
+    layers : int            Gauss points through the thickness; used only with a law
+    deletion : float        plastic strain at which an element is deleted; infinite, or no law: never
     damping : LinearRayleighDamping | None      alpha only: beta must be 0
     """
 
@@ -189,7 +191,7 @@ def explicit_shell(
 
     model : model of TRIANGLE3 cells with HomogeneousSection(..)
     name, law, layers, deletion, damping : see `ExplicitShell`
-    Raises ModelError for other cells and sections, a law of other constants, fewer than 2 layers, and
-    strain-rate damping.
+    Raises ModelError for other cells and sections, a law whose constants differ from those of the sections,
+    fewer than 2 layers, a deletion strain that is not positive, and strain-rate damping.
     """
     return ExplicitShell(name, model, law, layers, deletion, damping)

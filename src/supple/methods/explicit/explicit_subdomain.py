@@ -41,9 +41,9 @@ class ExplicitSubdomain(ElementPart):
     model : FiniteElementModel      of solids
     law : Law
     hourglass : float       stiffness of an hourglass mode of hexahedra relative to that of stretching
-    deletion : float        plastic strain at which an element is deleted; infinite: never
+    deletion : float        plastic strain at which an element is deleted; infinite, or an elastic law: never
     damping : LinearRayleighDamping | None      beta acts on the rate of the Green-Lagrange strain
-    bulk_viscosity : BulkViscosity      spreads fronts over a few elements; BulkViscosity(0, 0): none
+    bulk_viscosity : BulkViscosity      spreads shock fronts over a few elements; BulkViscosity(0, 0): none
     """
 
     name: str
@@ -94,7 +94,7 @@ class ExplicitSubdomain(ElementPart):
 
     @property
     def bulk_arrays(self) -> tuple[BulkArrays | None, ...]:
-        """The bulk viscosity of each block."""
+        """The bulk viscosity of each block; None without viscosity."""
         return tuple(
             bulk_arrays(points, masses, self.law.elastic, limits, self.bulk_viscosity)
             for points, masses, limits in zip(
@@ -140,7 +140,9 @@ def explicit_subdomain(
         constants of the model
     name, hourglass, deletion, damping : see `ExplicitSubdomain`
     bulk_viscosity : BulkViscosity      default BulkViscosity(); BulkViscosity(0, 0): none
-    Raises ModelError for other cells, and for a model of several materials.
+    Raises ModelError for shells, a model of several materials and values outside their ranges; without a
+    `material` also for constants that are not Isotropic or state a shear modulus. Cells of other types raise
+    ModelError later, when a run is prepared.
     """
     own = {section.property for section in model.sections}
     if len(own) != 1:

@@ -105,7 +105,7 @@ def placed_state(
 
 
 def floating_motion(frame: ModalFrame, rows: tuple[np.ndarray, ...]) -> FloatingMotion:
-    """Motion of a frame from rows of points and modes, their rates, and their accelerations.
+    """Motion of a frame from points and modes, their rates and accelerations, one row per output time.
 
     ddA = A (skew(domega) + skew(omega)^2)
     """

@@ -12,7 +12,7 @@ __all__ = ["angular_momentum", "linear_momentum", "step_kinetic_energy", "strain
 
 
 def _moved(model: FrameModel, state: FrameState, h: Array | float) -> tuple[Array, Array, Array]:
-    """Points and modes at the start of the step, and sum m xi_a (x_n - x_n-1) / h (4, 3) there."""
+    """Points and modes at t_n-1, the start of the step, and sum m xi_a (x_n - x_n-1) / h, (4, 3)."""
     p, y = state.p - h * state.vp, state.y - h * state.vy
     sums = spread(model.moments, y)
     momentum = sums.Xi @ state.vp + (sums.Q @ state.vy) @ arms(state.p).T

@@ -72,7 +72,7 @@ class Generalized(NamedTuple):
     y: Array
 
     def __add__(self, other: Generalized) -> Generalized:  # ty: ignore[incompatible-method-override] - sums, as tuples do not
-        """Their sum."""
+        """Sum of the two."""
         return Generalized(self.p + other.p, self.y + other.y)
 
     def times(self, factor: Array | float) -> Generalized:
@@ -81,7 +81,7 @@ class Generalized(NamedTuple):
 
 
 def elastic_force(model: FrameModel, y: Array, rates: Array) -> Array:
-    """-(K_L y + beta K_L y'), (k,): stiffness damping uses the rates of the last half step."""
+    """-(K_L y + beta K_L y'), (k,); the rates y' are those half a step before y."""
     return -(model.stiffness @ (y + model.stiffness_damping * rates))
 
 

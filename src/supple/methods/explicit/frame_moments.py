@@ -38,10 +38,10 @@ class Moments(NamedTuple):
 
 
 class Spread(NamedTuple):
-    """Sums in a deformed state.
+    """Sums in a deformed state, with the local displacement u = Phi y.
 
-    Xi : (4, 4)     sum m xi xi^T, xi = w + CORNERS u
-    Q : (4, 3, k)   sum m xi_a Phi_lk
+    Xi : (4, 4)     sum m xi xi^T, kg, xi = w + CORNERS u
+    Q : (4, 3, k)   sum m xi_a Phi_lk, kg
     """
 
     Xi: Array

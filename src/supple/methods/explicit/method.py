@@ -17,13 +17,13 @@ __all__ = ["Explicit"]
 class Explicit(ExplicitRule):
     """Central differences; the frame of a modal part is given by four points at fixed distances.
 
-    FixedStep sets the step of the elements, or of the frames if there are no elements.
+    FixedStep sets the largest step of the elements, or of the frames if there are no elements.
 
     scheme : time integration of the four-point frames: ProjectedDifference() or PublishedScheme(..)
-    safety : step as a fraction of the step limit, for runs without FixedStep
+    safety : steps as fractions of the step limits; with FixedStep, only for frames of machines with elements
     largest_ratio : largest number of element steps in one step of the frames; 1: one step for all
-    interface_loss : largest relative energy lost or gained between parts with different steps, from one
-        output time to the next; above it the ratio is halved, and the interval repeated
+    interface_loss : largest energy lost or gained between parts with different steps from one output time to
+        the next, relative to the energy of the run; above it the interval is repeated with half the ratio
     """
 
     scheme: ProjectedDifference | PublishedScheme = field(default_factory=ProjectedDifference)

@@ -42,7 +42,7 @@ class ModalFrame:
         return self.body.points.weights(self.body.nodes[nodes])
 
     def step_limit(self, penalty: FloatArray | None = None) -> float:
-        """Longest stable step with the penalties of all its contacts closed, s."""
+        """Longest stable step, s; penalty : (6 + k, 6 + k) stiffness of all contacts, assumed closed."""
         if penalty is None:
             limit = true_limit(self.model.moments, self.body.points, np.asarray(self.model.stiffness))
         else:
@@ -61,12 +61,15 @@ class ModalFrame:
         return largest_of_unit_spin(np.asarray(self.model.spin_stiffness), free)
 
     def penalty_stiffness(self, nodes: NDArray[np.int64], stiffness: FloatArray) -> FloatArray:
-        """Sum k B^T B (6 + k, 6 + k) of springs at nodes in all directions, on rigid motion and modes."""
+        """Stiffness sum s B^T B, (6 + k, 6 + k), of springs s (n,) at nodes, equal in all directions."""
         B = self.motion(nodes)
         return np.einsum("n,nia,nib->ab", stiffness, B, B, optimize=True)
 
     def stiffness_at(self, nodes: NDArray[np.int64], fraction: float) -> FloatArray:
-        """Contact stiffness (n,), N/m: `fraction` of that at which a node has the step limit of the modes."""
+        """Contact stiffness (n,), N/m, at nodes.
+
+        It is `fraction` times the stiffness with which a node alone has the highest frequency of the modes.
+        """
         mass, stiffness = self.pencil()
         largest = linalg.eigh(stiffness, mass, eigvals_only=True)[-1]
         B = self.motion(nodes)

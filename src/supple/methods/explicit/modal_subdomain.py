@@ -31,7 +31,7 @@ from supple.reduction import LinearBasisRecipe, ReducedBody, rayleigh_ritz
 __all__ = ["ModalSubdomain", "modal_subdomain"]
 
 LARGEST_RIGID_PART = 1e-8
-"""Largest M-product of a mode with a rigid motion, both of unit M-norm."""
+"""Largest M-product of a mode with a rigid motion, both of unit M-norm; a larger one is an error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,8 @@ class ModalSubdomain(FloatingForm):
     spin_stiffness : (6, k, k) of `CentrifugalStiffness`, or None
     yield_stress : stress, Pa, above which a run warns; None: the lowest yield stress of explicit parts of its
         material, if any
-    Raises ModelError for vectors that contain rigid motion: the step limit would be wrong.
+    Raises ModelError for vectors that contain rigid motion, because the step limit would be wrong, and for a
+        yield stress that is not positive.
     """
 
     body: FlexibleBody
@@ -56,7 +57,7 @@ class ModalSubdomain(FloatingForm):
     spin_stiffness: NDArray[np.float64] | None = field(default=None, repr=False)
     yield_stress: float | None = None
 
-    # A linear body in the equations of floating frames.
+    # No nonlinear terms in the equations of floating frames.
     cubic: ClassVar[None] = None
     damping_cubic: ClassVar[None] = None
     quartic_blocks: ClassVar[None] = None
@@ -162,7 +163,7 @@ class ModalSubdomain(FloatingForm):
     def nodal_fields(
         self, coordinates: NDArray[np.float64], freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[NDArray[np.float64], None]:
-        """Displacements (n, t) of some or all nodal freedoms from coordinates (t, k); none is condensed."""
+        """Displacements (n, t) of nodal freedoms for coordinates (t, k), and None: none is condensed."""
         return self.nodal_basis[freedoms] @ coordinates.T, None
 
     @property
@@ -227,7 +228,7 @@ class ModalSubdomain(FloatingForm):
         return true_limit(self.moments, self.points, np.diag(self.frequencies**2))
 
     def compiled(self) -> FrameModel:
-        """Arrays of the time integration."""
+        """Arrays of the time integration; ModelError for modes that are not mass-normalised."""
         M_V = local_mass(self.moments, self.points.arm)
         if self.n_modes and np.abs(M_V - np.eye(self.n_modes)).max() > 1e-8:
             raise ModelError(f"the modes of body '{self.name}' are not mass-normalised")

@@ -38,4 +38,4 @@ class NodalMotion(Motion):
     alive: np.ndarray
     """(t, E) 1, or 0 once an element is deleted."""
     von_mises: np.ndarray
-    """(t, E) von Mises stress of each element, the largest of its points; zero for deleted ones."""
+    """(t, E) von Mises stress of each element, Pa, the largest of its points; zero for deleted ones."""

@@ -51,6 +51,8 @@ class NodeSet(UntiedInterface):
 
         max tr(A^T H),   H = sum (x - x_m) (X - X_m)^T     (Kabsch 1976)
         J w = sum (x - x_m) x (v - v_m)
+
+        with the means x_m, X_m, v_m over the nodes, and the inertia tensor J of the nodes with unit masses.
         """
         position, velocity, acceleration = (each.mean(axis=1) for each in nodes)
         arms, rates = nodes.position - position[:, None], nodes.velocity - velocity[:, None]

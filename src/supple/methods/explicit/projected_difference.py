@@ -10,7 +10,7 @@ modes. The increment of a point is bilinear in the unknowns dp and dy,
     x_n+1 - x_n = xi_n dp + P_n Phi dy + dP Phi dy.
 
 The equation is solved for dp and dy, because differences of positions would lose digits. Newton's method
-keeps the Jacobian of t_n: each iteration multiplies the error by the rotation in a step.
+keeps the Jacobian of t_n: each iteration multiplies the error by about the rotation angle (rad) of the step.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ Gaps = Callable[[tuple[FrameState, ...]], Array]
 """Constraint residuals (R,) of ties and joints in given states."""
 
 _MOST_PASSES = 40
-_SMALL = 1e-13  # size of the last correction; the next would be smaller by the rotation in a step
+_SMALL = 1e-13  # last correction relative to the arm; the next one is smaller by the rotation of a step
 
 
 class _Tangent(NamedTuple):
@@ -116,7 +116,7 @@ class ProjectedDifference:
 
             lambda . G d + 1/2 [(d+ - d-) . B^T M (b+ - b-) + <b+, M b+> - <b-, M b->]
 
-        This vanishes with the step, does not accumulate (the scheme is variational), and is known exactly.
+        The work vanishes with the step, does not accumulate (the scheme is variational), and is exact.
         """
         t = _tangent(model, old.p, old.y)
         before, after = _bilinear(model, t, old.vp, old.vy), _bilinear(model, t, new.vp, new.vy)
@@ -160,7 +160,7 @@ def _bilinear_square(model: FrameModel, dp: Array, dy: Array) -> Array:
 
 
 class _Frozen(NamedTuple):
-    """Constants of a frame's step in all Newton iterations: B_n^T M B_n with the links, factored.
+    """Constants of a frame's step in all Newton iterations: B_n^T M B_n with the links, inverted.
 
     The modes are eliminated first; the links make the remaining matrix regular, even where modes include a
     uniform strain.

@@ -2,10 +2,10 @@
 
     [M_E  M_C^T; M_C  M_V] [p''; y''] = F + F_gyr + [G^T lambda; -K_L y - C_L y'],   M_C linear in P
 
-The scheme neglects u_L relative to X: the error of momentum is O(u_L / l). The links of the open
-implementation act along the *predicted* link d + h v, from one linear solution, and reduce the angular
-velocity by the fraction 2 pi Omega h per revolution. Both errors are kept to reproduce published results;
-`ProjectedDifference` has neither.
+The scheme neglects the local displacement u_L relative to X: momentum has an error O(u_L / l). The links of
+the open implementation act along the *predicted* link d + h v, from one linear solution, and reduce the
+angular velocity by the fraction 2 pi Omega h per revolution. Both errors are kept to reproduce published
+results; `ProjectedDifference` has neither.
 
 Source: [Radioss] (9)-(25), and its routine FXLINK for `PredictedLinks`.
 """
@@ -43,7 +43,7 @@ class Links(Protocol):
 
 @dataclass(frozen=True)
 class PredictedLinks:
-    """Forces along d + h v from one equation linear in the acceleration; length errors are fed back."""
+    """Forces along d + h v from one linear equation, which also corrects length errors of earlier steps."""
 
     def accelerations(self, inverse_mass, free, p, v, squared_lengths, steps):
         """See `Links`; the predicted links give the constraint and the directions of the forces."""
@@ -87,7 +87,7 @@ class GyroscopicForce(Protocol):
     """The velocity-dependent force of the sub-domain."""
 
     def force(self, model: FrameModel, p: Array, v: Array, rates: Array) -> Generalized:
-        """Force on points and modes, from the velocities of the last half step."""
+        """Force on points and modes, from the velocities half a step earlier."""
         ...
 
 
@@ -114,7 +114,7 @@ class LaggedGyroscopicForce:
 
 @dataclass(frozen=True)
 class PublishedScheme:
-    """The source's scheme; the defaults are those of its open implementation.
+    """The published scheme; the defaults are those of its open implementation.
 
     links : PredictedLinks() or ExactLinks()
     gyroscopic : NoGyroscopicForce() or LaggedGyroscopicForce()

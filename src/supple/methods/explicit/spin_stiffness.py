@@ -26,7 +26,7 @@ __all__ = ["CentrifugalStiffness"]
 FloatArray = NDArray[np.float64]
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1))
-"""The products of angular velocity, one for each of the six solutions."""
+"""Axes a, b of the six products of angular velocities; each has one static solution."""
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ __all__ = ["YieldWatch", "yield_watch"]
 
 FloatArray = NDArray[np.float64]
 Stressed = tuple[float, float, int]
-"""Largest stress of a part, Pa, its time, and the number of its node."""
+"""Largest stress of a part, Pa, its time, and the number of the node."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class YieldWatch:
     limits: tuple[_Limit, ...]
 
     def observe(self, so_far: Mapping[str, Stressed], leg: Solution) -> dict[str, Stressed]:
-        """Largest stresses, updated by those of a leg; raises ValidityError at the first excess if strict."""
+        """Largest stresses, updated by those of a leg; ValidityError at the first excess if strict."""
         merged = {}
         for own in self.limits:
             motion = leg.motion(own.part.name, FloatingMotion)
@@ -72,7 +72,8 @@ class YieldWatch:
 def yield_watch(system: System, validity: Validity) -> YieldWatch:
     """Prepare the limits of the modal parts of a system.
 
-    A part without a yield stress gets the lowest yield stress of the explicit parts of its material.
+    A part without a yield stress gets the lowest yield stress of the explicit parts of its material; a part
+    of several isotropic materials gets none. Parts without a limit, modes or elements are not checked.
     """
     found = []
     for part in system.bodies_of(ModalSubdomain).values():

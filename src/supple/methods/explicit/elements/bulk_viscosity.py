@@ -40,7 +40,7 @@ FloatArray = NDArray[np.float64]
 class BulkViscosity:
     """Coefficients of the bulk viscosity; both zero: none.
 
-    linear : b_1, fraction of critical damping of a plane wave as long as two elements
+    linear : b_1, fraction of critical damping of a plane wave with a length of two elements
     quadratic : b_2, which spreads a shock of any strength over about b_2 elements
     """
 
@@ -96,7 +96,7 @@ def bulk_arrays(
 
 
 def bulk_pressure(of: BulkArrays, J: Array, before: Array, h: Array) -> tuple[Array, Array]:
-    """Pressure q (g, E), Pa, for det F from `before` to J in a step h, and its work per volume, J/m^3.
+    """Pressure q (g, E), Pa, for det F from `before` to J in a step h, and its work, J per m^3 undeformed.
 
     The rate of volume change follows from det F at both ends of the step: rotations do not contribute.
     """
@@ -107,7 +107,7 @@ def bulk_pressure(of: BulkArrays, J: Array, before: Array, h: Array) -> tuple[Ar
 
 
 def bulk_share(of: BulkArrays, F: Tensor, dF: Tensor) -> Array:
-    """Damping xi (E,) at the worst point of each element; F is the deformation gradient, dF its rate, 1/s."""
+    """Damping fraction xi (E,), the largest of the points; F : deformation gradient, dF : its rate, 1/s."""
     cof = cofactor(F)
     rate = sum(dF[i][j] * cof[i][j] for i in range(3) for j in range(3)) / determinant(F, cof)
     return of.shares * of.coefficients(rate).max(axis=0)

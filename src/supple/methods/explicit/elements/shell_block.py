@@ -70,7 +70,7 @@ class ShellBlock(NamedTuple):
     rest : (3, 3, E)            corners about their centre (component, corner);   axes : (3, 3, E) A_0 in rows
     stiffness : (18, 18, E)     ux uy uz rx ry rz of each node, axes of the mesh
     to_stress : (l, 6, 18, E)   stress in l layers from d, Pa
-    node_table, spin_table      the corners at each node and triad
+    node_table, spin_table      element corners at each node and triad, see `incidence`
     layers : LayerArrays        None for a block that does not yield
     """
 

@@ -24,7 +24,7 @@ class SolidBlock(NamedTuple):
 
     nodes : (k, E);   gradients : (k, 3, g, E);   volumes : (g, E)
     gamma : (4 or 0, k, E);   hourglass : (E,) kappa, N/m
-    table : (most, N)       the corners at each node
+    table : (m, N)          element corners at each node, see `incidence`
     bulk : BulkArrays       None without bulk viscosity
     """
 
@@ -44,7 +44,7 @@ class BlockForce(NamedTuple):
     hourglass : (3, N)      hourglass forces
     state : state of the law;   ratios : (g, E) det F
     plastic, viscous : work of the step, J
-    smallest : det F of the worst point
+    smallest : smallest det F of elements that are not deleted
     """
 
     force: Array

@@ -63,7 +63,8 @@ class Built:
 def built(system: System, method: Explicit, time: float = 0.0) -> Built:
     """Prepare a system for time integration from a time.
 
-    Raises ModelError for ties whose nodes do not match, nodes that start inside an obstacle, and open joints.
+    Raises ModelError for ties whose nodes do not match, nodes tied to two modal parts, supports of nodes tied
+    to one, nodes that start inside an obstacle or a surface, and open joints.
     """
     explicit = [placed for placed in system.bodies if placed.body.kind == "explicit"]
     numbers, x, v = _numbered(system, explicit)
@@ -128,7 +129,7 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
 
 
 def _movable(system: System, numbers: dict[str, IntArray], v: FloatArray) -> FloatArray:
-    """(3, N) 1, or 0 for fixed components; their velocities in v are set to zero."""
+    """(3, N) 1, or 0 for fixed components; the velocities v of fixed components are set to zero."""
     movable = np.ones((3, len(v)))
     for support in system.supports:
         held = numbers[support.nodes.body][system.node_numbers(support.nodes)]

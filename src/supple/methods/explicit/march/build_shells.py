@@ -54,7 +54,7 @@ class Shells:
         return TriadState(jnp.asarray(self.triads), rates, jnp.zeros_like(rates))
 
     def spins(self, supports: Sequence[Support], numbers: Mapping[str, IntArray], system: System) -> Spins:
-        """Constants of the triads; rotations fixed by supports also start at rest."""
+        """Constants of the triads; angular velocities about fixed axes are set to zero."""
         free = np.ones((3, len(self.inertia)))
         for support in supports:
             held = self.place[numbers[support.nodes.body][system.node_numbers(support.nodes)]]

@@ -62,7 +62,8 @@ class Forces(NamedTuple):
     """Forces of a block at an instant.
 
     force, hourglass : (3, N);   moment : (3, r) on the triads, None for solids
-    plastic, viscous : work of the step that led here, J;   smallest : det F of the worst point, or None
+    plastic, viscous : work of the step that led here, J
+    smallest : smallest det F of remaining elements, or None
     """
 
     force: Array
@@ -82,7 +83,10 @@ class SolidArrays(NamedTuple):
     beta: Array | None
 
     def longest_step(self, x: Array, v: Array, alive: Array, contact_rate: Array) -> Array:
-        """Step limit of the remaining elements in their present state, with all contacts closed, s."""
+        """Step limit of the remaining elements in their present state, s, with all contacts closed.
+
+        It includes the bulk viscosity, but not the stiffness damping.
+        """
         stretch = smallest_stretch(self.block, x)
         longest = with_contact(self.limit * stretch, contact_rate)
         if self.block.bulk is not None:
@@ -138,7 +142,7 @@ class Solids:
         return BlockState(self.law.initial(shape), jnp.ones(shape), jnp.ones(shape[1]))
 
     def force(self, own: SolidArrays, at: ElementInstant, state: BlockState) -> Forces:
-        """Stress, damping and hourglass forces; elements above the deletion strain are deleted afterwards."""
+        """Stress, damping and hourglass forces; elements that reach the deletion strain are then deleted."""
         out = block_force(
             self.law, own.block, at.x, at.dx, state.material, state.ratios, state.alive, own.beta, at.h
         )
@@ -168,7 +172,7 @@ class Triangles:
         return BlockState(layers, None, jnp.ones(own.block.nodes.shape[1]))
 
     def force(self, own: TriangleArrays, at: ElementInstant, state: BlockState) -> Forces:
-        """Force and moment; elements above the deletion strain are deleted afterwards."""
+        """Force and moment; elements that reach the deletion strain are then deleted."""
         if self.law is None:
             pull = shell_force(own.block, at.x, at.triads)
             return Forces(pull.force, None, pull.moment, state, None, None, None)

@@ -20,7 +20,8 @@ from supple.programs.program_cache import CachedProgram
 __all__ = ["Recorded", "chosen_steps", "frame_limits", "march_to", "nodes_limit", "recorded"]
 
 DRIFT = 0.01
-"""Largest energy lost or created, relative to the energy scale of the run, `_size` plus kinetic energy."""
+"""Largest energy lost or created over the energy scale of the run, `_size` plus kinetic energy; a run stops
+above it."""
 
 HOPELESS = 10.0
 """Multiple of the allowed interface loss at which a trial is stopped."""
@@ -31,7 +32,7 @@ class Recorded(NamedTuple):
 
     frames : points and modes of each, their rates and accelerations;   pulls : (m,) multipliers of joints
     contacts : (c, 6) see `march_contact_forces`
-    trouble : 0, or 1 an element inverted, 2 not finite, 3 the energy drifts, 4 spurious energy, 5 the
+    trouble : 0, or 1 an element inverted, 2 not finite, 3 the energy drifts, 4 a negative energy, 5 the
         interface energy drifts
     """
 
@@ -92,7 +93,7 @@ def _chosen_steps(
 
 
 def _nodes_limit(model: MarchModel, state: MarchState, safety: float) -> Array:
-    """Element step, s: `safety` times the limit of the elements in their present state."""
+    """Element step, s: `safety` times the limit in the present state, reduced for stiffness damping."""
     short = with_contact(jnp.asarray(jnp.inf), model.contact_rate)
     for block, own in zip(model.blocks, state.blocks, strict=True):
         short = jnp.minimum(short, block.longest_step(state.x, state.v, own.alive, model.contact_rate))
@@ -163,7 +164,7 @@ def _marched(
     end: Array,
     most: Array | float = float("inf"),
 ) -> MarchState:
-    """Integrate to an output time; stop if the interface loses over `most` J at a ratio above 1."""
+    """Integrate to an output time, unless the interface loses or gains over `most` J at a ratio above 1."""
     h, ratio, n = _chosen_steps(model, methods, state, fixed, end - state.time)
     before = state.energies.interface
 

@@ -48,7 +48,7 @@ class FrameArrays(NamedTuple):
     nodes : (n,)            explicit nodes tied to it, at weights (n, 4) and shapes (n, 3, k)
     touching : tuple of NodesTouching       contacts of its own points
     chart : the floating frame of its points
-    step_limit : step limit at rest, s;   spin_bound : increase of squared frequencies at 1 rad/s, or None
+    step_limit : step limit at rest, s;   spin_bound : see `ModalFrame.spin_bound`
     """
 
     model: FrameModel
@@ -67,7 +67,7 @@ class MarchModel(NamedTuple):
     blocks : blocks of explicit elements
     mass, alpha : (N,) of the nodes, kg and 1/s;   movable : (3, N) 1, or 0 for fixed ones
     ties : ties between frames
-    surfaces : contacts between parts
+    touching, surfaces : contacts with obstacles, and between parts
     contact_rate : largest stiffness over mass of a node in contact, 1/s^2
     base_accelerations : laws of base accelerations, (3,) m/s^2
     machine : the frames as floating bodies with their joints and forces; None without frames
@@ -98,7 +98,8 @@ class Methods:
     """Static arguments of the compiled time integration.
 
     blocks : law and deletion of each block
-    obstacles : obstacles of the rigid contacts, in their order;   frame_obstacles : their numbers, per frame
+    obstacles : obstacles of the rigid contacts, in their order
+    frame_obstacles : numbers of the obstacles in contact with each frame
     obstacle_of : number of the obstacle of each contact of explicit nodes
     tied : numbers of the two frames of each tie
     joined : numbers of the frames with ties or joints, ascending
@@ -152,8 +153,8 @@ class MarchState(NamedTuple):
     before, frame_before : the last step of the explicit nodes and of the frames, s; zero at the start
     x, v : (3, N);   forces : (4, 3, N) internal, hourglass, contact, external, at t_n
     blocks : state of each block
-    smallest : smallest det F of all points since the start
-    obstacle_forces : (o, 3) forces of explicit nodes, at t_n;   initial : energy at the start, J
+    smallest : smallest det F of remaining elements since the start
+    obstacle_forces : (o, 3) forces of explicit nodes on obstacles at t_n;   initial : energy at the start, J
     ratio_bound : largest number of element steps in one frame step, limited by the interface loss
     control : state of the controllers; None without controllers
     ratio_wait : output times before a larger ratio is tried;   ratio_patience : wait after a repetition

@@ -21,7 +21,7 @@ class AssembledForces(NamedTuple):
 
     forces : (4, 3, N) internal, hourglass, contact, external;   blocks : state of each block
     on_obstacles : (o, 3) forces on the obstacles;   moments : (3, r) on the triads of shells
-    plastic, viscous : work of the step that led here, J;   smallest : smallest det F of all points
+    plastic, viscous : work of the step that led here, J;   smallest : smallest det F of remaining elements
     """
 
     forces: Array
@@ -41,7 +41,7 @@ def explicit_forces(
     blocks: tuple[BlockState, ...],
     obstacles: tuple[ObstacleState, ...],
 ) -> AssembledForces:
-    """Forces at an instant. If its increment dx is zero, its step h may be any positive number."""
+    """Forces at an instant. If the increment `at.dx` is zero, the step `at.h` may be any positive number."""
     x = at.x
     internal, hourglass = jnp.zeros_like(x), jnp.zeros_like(x)
     plastic, viscous, smallest = jnp.zeros(()), jnp.zeros(()), jnp.ones(())

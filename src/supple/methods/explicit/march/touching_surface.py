@@ -34,7 +34,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 BEYOND = 0.05
-"""Distance beyond the edge of a face, in area coordinates, at which a node still touches it."""
+"""Largest distance of a node beyond the edge of a face, in area coordinates, for contact with this face."""
 
 
 class TouchingSurface(NamedTuple):

@@ -54,6 +54,7 @@ class PowerHardening:
     """sigma_y = initial + factor eps_p^exponent: Ludwik, or Johnson-Cook at one strain rate.
 
     initial, factor : Pa;   exponent in (0, 1]
+    Raises ModelError for an exponent outside this range, and as `LinearHardening`.
     """
 
     initial: float
@@ -70,7 +71,7 @@ class PowerHardening:
         return self.initial + self.factor * jnp.maximum(strain, 0.0) ** self.exponent
 
     def multiplier(self, trial: Array, strain: Array, three_mu: float) -> Array:
-        """Plastic strain increment by bisection within the bounds of yielding, then Newton's method."""
+        """Plastic strain increment by bisection up to its value without hardening, then Newton's method."""
         excess = jnp.maximum(trial - self.yield_stress(strain), 0.0)
         low, high = jnp.zeros_like(excess), excess / three_mu
         for _ in range(12):

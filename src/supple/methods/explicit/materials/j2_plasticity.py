@@ -64,7 +64,7 @@ class J2Plasticity:
         return PlasticState(jnp.zeros((6, *shape)), jnp.zeros(shape))
 
     def respond(self, F: Tensor, dF: Tensor, state: PlasticState) -> MaterialResponse:
-        """First Piola-Kirchhoff stress at F, reached by the increment dF; the state keeps Cauchy stress."""
+        """First Piola-Kirchhoff stress at F, reached by the increment dF; `state` contains Cauchy stress."""
         # Separate stages: otherwise the compiler recomputes each tensor for every component that uses it.
         inverse = fusion_barrier(_middle_inverse, (F, dF))
         L = fusion_barrier(lambda of: product(*of), (dF, inverse))

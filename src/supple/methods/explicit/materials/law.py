@@ -49,11 +49,11 @@ class Law(Protocol):
         ...
 
     def respond(self, F: Tensor, dF: Tensor, state: Any) -> MaterialResponse:
-        """Stress at the deformation gradient F, reached by the increment dF from the last one."""
+        """Stress at the deformation gradient F, reached by the increment dF from that of the last step."""
         ...
 
     def plastic_strain(self, state: Any) -> Array | None:
-        """Equivalent plastic strain at the points; None where there is none."""
+        """Equivalent plastic strain at the points; None for laws without plasticity."""
         ...
 
 

@@ -41,7 +41,7 @@ def elastic_state(shape: tuple[int, ...]) -> LayerState:
 
 
 def plane_stress(law: J2Plasticity, strain: Array, state: LayerState) -> tuple[Array, LayerState, Array]:
-    """Stress xx yy xy (3, ...) at a total strain (3, ...), the state there, and plastic work per volume."""
+    """Stress xx yy xy (3, ...) at a total strain (3, ...), new state, plastic work of the step per volume."""
     E, nu, mu = law.elastic.youngs_modulus, law.elastic.poissons_ratio, law.elastic.shear_modulus
     xx, yy, xy = strain - state.tensor
     total, apart, shear = E / (1 - nu) * (xx + yy), 2 * mu * (xx - yy), mu * xy

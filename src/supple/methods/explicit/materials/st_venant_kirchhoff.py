@@ -1,4 +1,4 @@
-"""St. Venant-Kirchhoff material: stress linear in the Green-Lagrange strain, as in the other methods."""
+"""St. Venant-Kirchhoff material: stress linear in the Green-Lagrange strain, as in full bodies."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["StVenantKirchhoff"]
 
 @dataclass(frozen=True)
 class StVenantKirchhoff:
-    """P = F (lambda tr(E) I + 2 mu E), E = (F^T F - I) / 2. It softens in compression: for small strains."""
+    """P = F (lambda tr(E) I + 2 mu E), E = (F^T F - I) / 2; for small strains: it softens in compression."""
 
     elastic: Isotropic
 

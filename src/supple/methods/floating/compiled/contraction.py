@@ -37,7 +37,7 @@ __all__ = [
 MARGIN = 100.0
 """The prediction must be below the tolerance by this factor."""
 LIKE = 2.0
-"""Largest ratio of a residual to the measured one; a load that jumps causes a larger ratio."""
+"""Largest ratio of a residual to the measured one for a prediction; it is exceeded where a load jumps."""
 MEASURED_EVERY = 8
 """Steps between two measurements."""
 

@@ -16,8 +16,8 @@ A step with a frozen tangent may also end without a last evaluation (`contractio
 
 is predicted at the age `n'`: the error of a tangent grows with its age. If ten times the predicted residual
 is below the tolerance, the corrected iterate is accepted. A tangent whose measured contraction does not allow
-this is renewed in the next step. If it already fails at age one, each of the next steps computes its own
-tangent.
+this is renewed in the next step. If a tangent already fails at age one, each of the next `PAUSE` steps
+computes its own tangent.
 
 The iteration starts from the accelerations of the last step, or from their linear extrapolation over the last
 two steps if that was closer to the end of the last step. The smaller the first residual, the older a tangent

@@ -79,7 +79,10 @@ class _ConstrainedMachine(CompiledMachine):
 
 
 def check_held(system: System, run: Run) -> None:
-    """Raise ModelError for what a kinematic run does not support; warn about bodies treated as rigid."""
+    """Raise ModelError for controllers and bodies that a kinematic run does not support.
+
+    Warns about bodies with coordinates, which are treated as rigid; ValidityError if strict.
+    """
     if system.controllers:
         raise ModelError(
             "the machine has controllers, but in a kinematic run the joints alone prescribe the motion: "

@@ -78,7 +78,7 @@ def _march(
     stops: jax.Array,
     stop_changes: jax.Array,
 ) -> tuple[State, StateChange, State, StateChange]:
-    """`march` with derivatives; the last state and the states and derivatives at the stops."""
+    """`march` with derivatives: last state and its derivatives, then states and derivatives at the stops."""
     shown = start._replace(kept=None), change
     rows = jax.tree.map(lambda leaf: jnp.zeros((len(stops), *jnp.shape(leaf)), jnp.result_type(leaf)), shown)
 

@@ -34,11 +34,11 @@ from supple.methods.floating.compiled.time_step import equal_steps, is_last
 __all__ = ["Carried", "StateChange", "changed_by_step", "state_change"]
 
 _EXACT = 1e-9
-"""Last correction relative to the derivative, for accelerations and multipliers."""
+"""Largest last correction, relative to the derivative, of accelerations and multipliers."""
 _ROUNDING = 1e-13
-"""Last correction relative to the derivative, for positions: the effect of rounding in the constraints."""
+"""Largest last correction, relative to the derivative, of positions: effect of rounding in constraints."""
 _MOST = 20
-"""Largest number of corrections; two are needed where the tangent of the iteration is exact."""
+"""Largest number of corrections, after which the derivatives are nan; two suffice with an exact tangent."""
 
 
 class Carried(NamedTuple):

@@ -35,7 +35,7 @@ class Border(NamedTuple):
     targets: np.ndarray
     """Required values of the constraint rows, (m,)"""
     scale: float
-    """Unit of the multipliers, in which they have the size of accelerations"""
+    """Unit of the multipliers; in this unit they have the size of accelerations"""
 
 
 class EliminatedInterior(NamedTuple):

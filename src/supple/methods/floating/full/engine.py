@@ -79,7 +79,7 @@ class FullEngine:
 
     @property
     def machine(self) -> FullSystem:
-        """The equations; after the start, with the active constraints only."""
+        """The equations; after the start, with the independent constraints only."""
         return self._machine
 
     def start(self, time: float) -> March:

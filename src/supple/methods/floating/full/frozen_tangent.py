@@ -20,7 +20,7 @@ from supple.methods.floating.full.full_tangent import FullTangent
 __all__ = ["FrozenTangent", "frozen_tangent", "has_similar_factors", "tangent_numbers", "tangent_of"]
 
 SIMILAR = 0.1
-"""Largest relative difference of the step factors from those of a frozen tangent."""
+"""Largest relative difference of step factors from those of a frozen tangent; above it, it is not used."""
 
 _FIELDS = ("rotation", "angular_velocity", "angular_acceleration", "acceleration", "time", "coordinates")
 
@@ -58,12 +58,12 @@ def frozen_tangent(
 
 
 def has_similar_factors(tangent: FrozenTangent, factors: StepFactors) -> bool:
-    """Whether the step factors of the tangent are nearly these."""
+    """Whether the step factors differ from those of the tangent by at most `SIMILAR`."""
     return bool(np.allclose(factors, tangent.factors, rtol=SIMILAR, atol=0.0))
 
 
 def tangent_numbers(machine: FullSystem, tangent: FrozenTangent | None) -> np.ndarray:
-    """State of a frozen tangent as one row of numbers; NaN where there is none."""
+    """State of a frozen tangent as one row of numbers; NaN without a tangent."""
     if tangent is None:
         return np.full(_size(machine), np.nan)
     of_step = [*tangent.factors, float(tangent.symmetric), float(tangent.proven)]
@@ -72,7 +72,7 @@ def tangent_numbers(machine: FullSystem, tangent: FrozenTangent | None) -> np.nd
 
 
 def tangent_of(machine: FullSystem, numbers: np.ndarray) -> FrozenTangent | None:
-    """The tangent described by `tangent_numbers`, factored again."""
+    """The tangent described by `tangent_numbers`, factored again; None for NaN or for another machine."""
     if len(numbers) != _size(machine) or not np.isfinite(numbers).all():
         return None
     b = len(machine.interiors)

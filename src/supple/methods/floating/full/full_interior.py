@@ -42,7 +42,7 @@ _forces_by_places = jax.jit(forces_by_places)
 
 
 class _LoadOnNodes(NamedTuple):
-    """A nodal load with its arrays on the JAX device: the load table of a long run has many megabytes."""
+    """A nodal load with its arrays on the JAX device, copied once, because load tables may be large."""
 
     nodes: np.ndarray
     prepared: PreparedLoad

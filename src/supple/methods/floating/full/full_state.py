@@ -15,7 +15,7 @@ __all__ = ["Evaluation", "FullState", "LineEvaluation", "Targets"]
 
 
 class FullState(NamedTuple):
-    """State of the system; velocities and accelerations join `(frame (6,), coordinates)` of every body."""
+    """State of the system; velocities and accelerations contain frame (6,) and coordinates of every body."""
 
     time: float
     configuration: Configuration

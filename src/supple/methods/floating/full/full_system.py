@@ -8,8 +8,9 @@ of a massless body (`build_model`). Eliminating the interior,
 
     x = - S^-1 ( r + B^T c + F y + D^T dmu ),      w = B x,      D x = - D q / k,
 
-with `c` the generalised interface forces and `y` the frame's accelerations, leaves a small dense system.
-The loop over time steps is in Python, because each iteration solves with sparse factors.
+with `c` the generalised interface forces, `y` the frame's accelerations, `dmu` the changes of `mu`, and `k`
+the step's factor by position, leaves a small dense system. The loop over time steps is in Python, because
+each iteration solves with sparse factors.
 """
 
 from __future__ import annotations

@@ -28,8 +28,8 @@ from supple.methods.floating.full.full_damping import FullDamping
 __all__ = ["LARGEST_TURN", "Factored", "FullTangent", "TangentPoint", "full_tangent"]
 
 LARGEST_TURN = 0.02
-"""Largest change of the angular velocity times the step (and of its rate times the step squared) for which a
-linear body's factor is reused: Newton's iteration still contracts fast."""
+"""Largest sum of the changes of angular velocity and acceleration, times the step factors by velocity and by
+position, for which the factor of a linear body is reused: Newton's iteration still contracts fast."""
 
 SYMMETRIC = ("mass", "euler", "centrifugal")
 """Inertia matrices with a symmetric part."""

@@ -32,7 +32,7 @@ class Stepped(NamedTuple):
 
 
 class Iterate(NamedTuple):
-    """Unknowns, and the residuals of the exact equations there."""
+    """Unknowns of a step, and the residuals of the exact equations for them."""
 
     unknowns: Unknowns
     state: FullState

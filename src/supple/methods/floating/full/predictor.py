@@ -33,7 +33,7 @@ def unknowns_of(state: FullState) -> Unknowns:
 
 
 def predicted_unknowns(state: FullState, earlier: Earlier | None, h: float) -> Unknowns:
-    """Unknowns at the end of a step of size h: `x_1 + (h / h_0) (x_1 - x_0)`, or those of its start."""
+    """Unknowns at the end of a step of size h: `x_1 + (h / h_0) (x_1 - x_0)`; without `earlier`, `x_1`."""
     now = unknowns_of(state)
     if earlier is None:
         return now
@@ -47,7 +47,7 @@ def predicted_unknowns(state: FullState, earlier: Earlier | None, h: float) -> U
 
 
 def earlier_numbers(machine: FullSystem, earlier: Earlier | None) -> np.ndarray:
-    """`Earlier` as one row of numbers; NaN where there is none."""
+    """`Earlier` as one row of numbers; NaN before the first step."""
     if earlier is None:
         return np.full(_size(machine), np.nan)
     acceleration, multipliers, frames = earlier.unknowns
@@ -55,7 +55,7 @@ def earlier_numbers(machine: FullSystem, earlier: Earlier | None) -> np.ndarray:
 
 
 def earlier_of(machine: FullSystem, numbers: np.ndarray) -> Earlier | None:
-    """The `Earlier` described by `earlier_numbers`."""
+    """The `Earlier` described by `earlier_numbers`; None for NaN or numbers of another machine."""
     if len(numbers) != _size(machine) or not np.isfinite(numbers).all():
         return None
     m = len(machine.model.active)

@@ -44,7 +44,7 @@ class FullStatics(SteadyEquations):
 
     @property
     def is_discrete(self) -> bool:
-        """Whether there are lines, whose modes of velocity differ from their modes of position."""
+        """Whether there are bodies with stations: modes of velocity then differ from modes of position."""
         return bool(self.machine.lines)
 
     def start(self) -> StaticState:
@@ -152,7 +152,7 @@ class FullStatics(SteadyEquations):
 
 @dataclass(frozen=True, eq=False)
 class StaticTangent:
-    """`K + M / k` bordered by the joints, factored at one state, for corrections there and nearby.
+    """`K + M / k` bordered by the joints, factored at one state, for corrections at this state and nearby.
 
     motions, forces : (n, c), (m, c)    response to each state of a controller
     """
