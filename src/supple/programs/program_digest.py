@@ -25,6 +25,7 @@ import jax
 import numpy as np
 
 from supple.algebra.jax_settings import this_machine
+from supple.value_content import UserFunction
 
 __all__ = ["digest_of_sources", "program_digest", "text_digest"]
 
@@ -94,6 +95,8 @@ def _described(value: Any) -> Any:
     if isinstance(value, (tuple, list)):
         kind = type(value)
         return kind.__name__ if kind in (tuple, list) else _name(kind), tuple(map(_described, value))
+    if isinstance(value, UserFunction):
+        return _described(value.function)
     if isinstance(value, np.ndarray):
         return str(value.dtype), value.shape, value.tobytes()
     if isinstance(value, partial):

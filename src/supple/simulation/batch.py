@@ -51,6 +51,8 @@ __all__ = ["simulate_batch"]
 _CHUNK = 64
 _SMALL_CHUNK = 16
 """Chunk size on a CPU: the time per case is that of `_CHUNK`, and there are more chunks for the cores."""
+_LARGE_CHUNK = 1024
+"""Chunk size on a GPU: an iteration takes 150 kernels of at least 5 us each, for one case or a thousand."""
 _RESULTS_AT_ONCE = 64
 
 
@@ -72,7 +74,7 @@ def simulate_batch(
     cases : systems of the same bodies, joints and kinds of loads; numbers may differ, including those of
         laws of time. Functions of time and of controllers must be the same objects in all cases
     run : Run       as for `simulate`
-    chunk : number of cases mapped together; by default 64, but 16 on a CPU for rigid and reduced bodies
+    chunk : number of cases mapped together; by default 64; for rigid and reduced bodies 16 on a CPU, 1024 on a GPU
     progress : called with the finished fraction of the cases
 
     Returns
@@ -96,7 +98,7 @@ def simulate_batch(
             batch = batch_of_lines(cases, run, chunk or _CHUNK, progress)
         report_output_rate(cases[0], run, batch.solutions[0])
         return batch
-    chunk = chunk or (_SMALL_CHUNK if jax.default_backend() == "cpu" else _CHUNK)
+    chunk = chunk or (_SMALL_CHUNK if jax.default_backend() == "cpu" else _LARGE_CHUNK)
     limits = watch(cases[0], run.validity)
     peaks: dict[str, Peaks] = {}
     statistics = Statistics()

@@ -1,7 +1,7 @@
 """Cases of a batch in shares, each computed by one call of a compiled program.
 
-The cases of a share, at most a chunk, are mapped together (`jax.vmap`). From 16 velocities on, Newton's
-linear equations are solved case by case, and only for cases not yet converged (`sequential_vmap`). A smaller
+The cases of a share, at most a chunk, are mapped together (`jax.vmap`). From 16 velocities on, a CPU solves
+Newton's linear equations case by case, and only for cases not yet converged (`sequential_vmap`). A smaller
 last share repeats its last case, so that all shares use one compiled program.
 
 With a frozen tangent, all mapped cases would compute a new tangent at every iterate, because a map cannot

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import jax
@@ -11,30 +11,37 @@ from jax.typing import ArrayLike
 
 from supple.errors import ModelError, SuppleError
 from supple.machine.laws.unbounded_law import UnboundedLaw
+from supple.value_content import UserFunction
 
 __all__ = ["TimeFunction"]
 
 
-@jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class TimeFunction(UnboundedLaw):
     """A function of time written with `jax.numpy`.
 
     It must be smooth enough for its use: twice differentiable where it prescribes a motion.
 
-    The function is part of the compiled program, not of its data: another function needs a new compilation,
-    and the cases of a batch must share one function object. For numbers that differ between runs or cases use
-    other laws. A later process reuses the stored program if the function depends only on its arguments, plain
+    The function is part of the compiled program, not of its data: another function, or another value of a
+    variable that it reads, needs a new compilation, and the cases of a batch must share one function object.
+    For numbers that differ between runs or cases use other laws. A later process reuses the stored program if the function depends only on its arguments, plain
     numbers, functions with the same property, `jax.numpy` and `math`.
     """
 
-    function: Callable[[Any], Any] = field(metadata={"static": True})
+    function: Callable[[Any], Any]
 
     def __call__(self, time: ArrayLike) -> jax.Array:
         """The function's value; ModelError where JAX cannot trace it."""
         return traced(
             self.function, getattr(self.function, "__qualname__", type(self.function).__name__), time
         )
+
+
+jax.tree_util.register_pytree_node(
+    TimeFunction,
+    lambda law: ((), UserFunction(law.function)),
+    lambda function, _: TimeFunction(function.function),
+)
 
 
 def traced(function: Callable[[Any], Any], name: str, time: ArrayLike) -> jax.Array:

@@ -45,6 +45,20 @@ def test_inverse_is_one_from_either_side(elimination, n, m):
 
 
 @BOTH
+def test_other_devices_solve_and_invert_square_matrices_for_many_cases(elimination, monkeypatch):
+    monkeypatch.setattr(jax, "default_backend", lambda: "gpu")
+    rng = np.random.default_rng(3)
+    matrices, loads = (np.stack(each) for each in zip(*(saddle(rng, 7, 4) for _ in range(5)), strict=True))
+    augmented = np.concatenate([matrices, loads[:, :, None]], axis=2)
+    text = jax.jit(jax.vmap(elimination.solution)).lower(augmented).as_text()
+    assert "11x12xf64>" not in text.partition("getrf")[2].partition("\n")[0]
+    solutions = jax.jit(jax.vmap(elimination.solution))(augmented)
+    np.testing.assert_allclose(np.einsum("cij,cj->ci", matrices, solutions), loads, atol=1e-11)
+    inverses = np.asarray(jax.jit(jax.vmap(elimination.inverse))(matrices))
+    np.testing.assert_allclose(matrices @ inverses, np.broadcast_to(np.eye(11), matrices.shape), atol=1e-10)
+
+
+@BOTH
 @pytest.mark.parametrize("n", [9, 23, 31, 46])
 def test_inverse_of_a_body_in_unlike_units_is_right_in_every_unit(elimination, n):
     """Rows and columns of 18 powers of ten, as of translations beside modal coordinates."""

@@ -74,12 +74,15 @@ def solve_bordering_column(augmented: jax.Array) -> jax.Array:
 
 
 def _factored(augmented: jax.Array) -> jax.Array:
-    """`A^-1 B` (n, m) of `(A | B)`, (n, n + m), by LAPACK.
+    """`A^-1 B` (n, m) of `(A | B)`, (n, n + m), by LAPACK, or by the library of another device.
 
     The factors of the wide matrix `P (A | B) = L (U | Y)` contain `Y = L^-1 P B`, so that one triangular
-    solve suffices, without row exchanges afterwards.
+    solve suffices, without row exchanges afterwards. A GPU factorises many matrices in one call only if they
+    are square; wide ones it factorises one after the other.
     """
     n = len(augmented)
+    if jax.default_backend() != "cpu":
+        return jnp.linalg.solve(augmented[:, :n], augmented[:, n:])
     factors, _, _ = jax.lax.linalg.lu(augmented)
     return jax.lax.linalg.triangular_solve(factors[:, :n], factors[:, n:], left_side=True)
 

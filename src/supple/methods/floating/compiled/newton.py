@@ -82,7 +82,8 @@ def newton_pass(
     """
     converged = trial.converged | stagnant
     trial = trial._replace(converged=converged)
-    correct = _correction_where_needed if model.n_velocities < _FEWEST_SEQUENTIAL else _correction_sequential
+    one_by_one = model.n_velocities >= _FEWEST_SEQUENTIAL and jax.default_backend() == "cpu"
+    correct = _correction_sequential if one_by_one else _correction_where_needed
     predicted = jnp.zeros((), dtype=bool)
     if is_predictable(model):
         predicted = (
@@ -124,4 +125,4 @@ def _correction_sequential(
 
 
 _FEWEST_SEQUENTIAL = 16
-"""Number of velocities from which the cases of a batch are corrected one after the other, not mapped."""
+"""Number of velocities from which a CPU corrects the cases of a batch one after the other, not mapped."""
