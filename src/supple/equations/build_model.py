@@ -44,6 +44,7 @@ from supple.machine import (
 )
 from supple.machine.control.controller_readings import Reading
 from supple.reduction.condensed_inertia import condensed_gram
+from supple.value_content import UserFunction
 
 __all__ = [
     "build_model",
@@ -385,8 +386,8 @@ def _control_law(
 
     sampled = isinstance(controller, SampledController)
     return ControlLaw(
-        outputs=None if sampled else controller.outputs,
-        rates=None if sampled else controller.rates,
+        outputs=None if sampled else UserFunction(controller.outputs),
+        rates=None if sampled or controller.rates is None else UserFunction(controller.rates),
         readers=_readers(system, controller.reads, places),
         actuators=tuple(actuator(name, element) for name, element in controller.drives.items()),
         initial=np.zeros(0) if sampled else np.asarray(controller.initial),
