@@ -23,7 +23,7 @@ def of_globals(t):
 
 
 def within(t):
-    return (lambda s: s * RATE)(t)
+    return sum(rate * t for rate in (RATE, 1.0))
 
 
 def calls(t):
@@ -41,13 +41,13 @@ class Hat:
 @pytest.mark.parametrize(
     ("one", "other"),
     [
-        (lambda t: jnp.sin(t), lambda t: jnp.cos(t)),
+        (lambda t: 2 * jnp.sin(t), lambda t: 2 * jnp.cos(t)),
         (lambda t: t.real, lambda t: t.imag),
         (lambda t: 2 * t, lambda t: 3 * t),
         (lambda t, k=1: k * t, lambda t, k=2: k * t),
         (partial(pow, 2), partial(pow, 3)),
-        (jax.jit(lambda t: jnp.sin(t)), jax.jit(lambda t: jnp.cos(t))),
-        (jax.vmap(lambda t: jnp.sin(t)), jax.vmap(lambda t: jnp.cos(t))),
+        (jax.jit(lambda t: 2 * jnp.sin(t)), jax.jit(lambda t: 2 * jnp.cos(t))),
+        (jax.vmap(lambda t: 2 * jnp.sin(t)), jax.vmap(lambda t: 2 * jnp.cos(t))),
         (jnp.sin, jnp.cos),
         (np.sin, np.cos),
         (Hat(1.0), Hat(2.0)),

@@ -9,11 +9,12 @@ from __future__ import annotations
 import dis
 import sys
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import lru_cache, partial
 from hashlib import sha256
-from types import CodeType, FunctionType, MethodType, ModuleType
+from types import CodeType, FunctionType, MethodType, ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -51,47 +52,43 @@ def content_of(value: Any, parts_of: Parts = _itself, around: tuple[Any, ...] = 
                 yield from content_of(item, parts_of, inner)
         case set() | frozenset():
             yield repr(sorted(map(repr, value))).encode()
-        case Mapping():
-            for key, item in value.items():
+        case Mapping() | SimpleNamespace():
+            for key, item in (value if isinstance(value, Mapping) else vars(value)).items():
                 yield str(key).encode()
                 yield from content_of(item, parts_of, inner)
+        case type() | ModuleType():
+            yield getattr(value, "__qualname__", value.__name__).encode()
         case partial():
             yield from content_of((value.func, value.args, value.keywords), parts_of, inner)
-        case _ if is_dataclass(value) and not isinstance(value, type):
-            yield type(value).__qualname__.encode()
-            for item in fields(value):
-                if not item.compare:
-                    continue
-                yield item.name.encode()
-                yield from content_of(getattr(value, item.name), parts_of, inner)
-            yield from _of_call(value, parts_of, inner)
-        case type():
-            yield value.__qualname__.encode()
-        case ModuleType():
-            yield value.__name__.encode()
         case FunctionType() | MethodType():
             yield from _of_function(value, parts_of, inner)
-        case _ if callable(value) or _is_users(type(value)):
-            yield type(value).__qualname__.encode()
-            if name := getattr(value, "__name__", ""):  # of a library's function
-                yield name.encode()
-            if isinstance(within := getattr(value, "__wrapped__", None), FunctionType):  # by jax.jit
-                yield from content_of(within, parts_of, inner)
-            yield from content_of(_own(value), parts_of, inner)
-            yield from _of_call(value, parts_of, inner)
+        case _ if is_dataclass(value) or callable(value) or _is_users(type(value)):
+            yield from _of_object(value, parts_of, inner)
         case _:
             yield from _of_numbers(value)
 
 
-def _own(value: Any) -> dict[str, Any]:
-    return {key: item for key, item in getattr(value, "__dict__", {}).items() if not callable(item)}
-
-
-def _of_call(value: Any, parts_of: Parts, inner: tuple[Any, ...]) -> Iterator[bytes]:
-    """What an object of a user's class does when it is called."""
+def _of_object(value: Any, parts_of: Parts, inner: tuple[Any, ...]) -> Iterator[bytes]:
+    """The fields of an object, and what it does when it is called."""
+    yield type(value).__qualname__.encode()
+    if is_dataclass(value):
+        for item in fields(value):
+            if item.compare:
+                yield item.name.encode()
+                yield from content_of(getattr(value, item.name), parts_of, inner)
+    else:
+        if name := getattr(value, "__name__", ""):  # of a library's function
+            yield name.encode()
+        if isinstance(within := getattr(value, "__wrapped__", None), FunctionType):  # by jax.jit
+            yield from content_of(within, parts_of, inner)
+        yield from content_of(_own(value), parts_of, inner)
     call = getattr(type(value), "__call__", None)  # noqa: B004
     if _is_users(type(value)) and isinstance(call, FunctionType):
         yield from content_of(call, parts_of, inner)
+
+
+def _own(value: Any) -> dict[str, Any]:
+    return {key: item for key, item in getattr(value, "__dict__", {}).items() if not callable(item)}
 
 
 def _of_numbers(value: Any) -> Iterator[bytes]:
@@ -112,22 +109,29 @@ def _of_function(function: Any, parts_of: Parts, inner: tuple[Any, ...]) -> Iter
     if (owner := getattr(function, "__self__", None)) is not None:
         yield from content_of(owner if is_dataclass(owner) else _own(owner), parts_of, inner)
     if not _is_users(function):
-        yield function.__module__.encode()
+        yield str(function.__module__).encode()
+        for name, found in _closure(function):
+            if isinstance(found, FunctionType):  # by jax.vmap
+                yield name.encode()
+                yield from content_of(found, parts_of, inner)
         return
     yield from _of_code(function.__code__)
     for item in ("__defaults__", "__kwdefaults__"):
         yield from content_of(getattr(function, item), parts_of, inner)
-    for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
-        try:
-            found = cell.cell_contents
-        except ValueError:  # a variable without a value yet
-            continue
+    for name, found in _closure(function):
         yield name.encode()
         yield from content_of(found, parts_of, inner)
     for name in _names_read(function.__code__):
         if name in function.__globals__:
             yield name.encode()
             yield from content_of(function.__globals__[name], parts_of, inner)
+
+
+def _closure(function: Any) -> Iterator[tuple[str, Any]]:
+    """Names and values of the variables that a function takes from the functions around it."""
+    for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
+        with suppress(ValueError):  # a variable without a value yet
+            yield name, cell.cell_contents
 
 
 def _of_code(code: CodeType) -> Iterator[bytes]:
@@ -169,8 +173,8 @@ def _is_library(module: str) -> bool:
 class UserFunction:
     """A user's function as a fixed value of a compiled program: equal only if its content is equal as well.
 
-    JAX compares the fixed values of a program to find it again. A function alone would be equal to itself after
-    a number that it reads from its module has changed, and the old number would be used.
+    JAX compares the fixed values of a program to find it again. A function alone would be equal to itself
+    after a number that it reads from its module has changed, and the old number would be used.
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:

@@ -90,13 +90,13 @@ def _of_structure(structure: Any) -> Any:
 
 def _described(value: Any) -> Any:
     """A fixed value in a form that is equal in every process."""
+    if isinstance(value, UserFunction):
+        value = value.function
     if value is None or value is ... or isinstance(value, (bool, int, float, complex, str, bytes)):
         return repr(value)
     if isinstance(value, (tuple, list)):
         kind = type(value)
         return kind.__name__ if kind in (tuple, list) else _name(kind), tuple(map(_described, value))
-    if isinstance(value, UserFunction):
-        return _described(value.function)
     if isinstance(value, np.ndarray):
         return str(value.dtype), value.shape, value.tobytes()
     if isinstance(value, partial):

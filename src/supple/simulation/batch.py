@@ -74,7 +74,8 @@ def simulate_batch(
     cases : systems of the same bodies, joints and kinds of loads; numbers may differ, including those of
         laws of time. Functions of time and of controllers must be the same objects in all cases
     run : Run       as for `simulate`
-    chunk : number of cases mapped together; by default 64; for rigid and reduced bodies 16 on a CPU, 1024 on a GPU
+    chunk : number of cases mapped together; by default 64, but for rigid and reduced bodies 16 on a CPU and
+        1024 on a GPU
     progress : called with the finished fraction of the cases
 
     Returns

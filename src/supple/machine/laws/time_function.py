@@ -24,8 +24,9 @@ class TimeFunction(UnboundedLaw):
 
     The function is part of the compiled program, not of its data: another function, or another value of a
     variable that it reads, needs a new compilation, and the cases of a batch must share one function object.
-    For numbers that differ between runs or cases use other laws. A later process reuses the stored program if the function depends only on its arguments, plain
-    numbers, functions with the same property, `jax.numpy` and `math`.
+    For numbers that differ between runs or cases use other laws. A later process reuses the stored program if
+    the function depends only on its arguments, plain numbers, functions with the same property, `jax.numpy`
+    and `math`.
     """
 
     function: Callable[[Any], Any]
