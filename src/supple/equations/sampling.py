@@ -24,7 +24,8 @@ __all__ = ["ControllerSampling", "march_sampled", "sampling_of"]
 S = TypeVar("S")
 
 _SAME = 1e-6
-"""A call time nearer to an output time than this fraction of the period is moved to that output time."""
+"""Times that differ by less than this fraction of the period are equal: a call time so near to an output time is
+moved to it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,10 +45,26 @@ class ControllerSampling:
         """The call times of all controllers, ascending."""
         return np.unique(np.concatenate(list(self.instants.values())))
 
+    def later(self, time: float) -> np.ndarray:
+        """The call times of all controllers after a time, ascending, without those due at the time itself."""
+        after = [
+            instants[instants > time + _SAME * self.system.controllers[number].every]
+            for number, instants in self.instants.items()
+        ]
+        return np.unique(np.concatenate(after))
+
+    def _is_call_time(self, number: int, time: float) -> bool:
+        """Whether the controller is called at a time.
+
+        The last digits may differ: a run that is continued by a longer one rounds its times differently.
+        """
+        apart = np.abs(self.instants[number] - time)
+        return bool(apart.min() <= _SAME * self.system.controllers[number].every)
+
     def called(self, model: Model, motion: SystemMotion, control: ControlState) -> ControlState | None:
         """The controllers after the due calls; None if no call is due."""
         time = float(motion.time)
-        due = [number for number, instants in self.instants.items() if time in instants]
+        due = [number for number in self.instants if self._is_call_time(number, time)]
         if not due:
             return None
         read = motion._replace(control=ControlStep(control, np.zeros(())))
@@ -121,11 +138,11 @@ def march_sampled(
     now = float(cast(Any, state).time)
     if times[-1] <= now:
         return marched(state, times)
-    every = sampling.every
     legs: list[Leg[S]] = []
     while now < times[-1]:
         state = sampled(state)
-        later = every[(every > now) & (every < times[-1])]
+        later = sampling.later(now)
+        later = later[later < times[-1]]
         end = float(later[0]) if later.size else float(times[-1])
         outputs = times[(times > now) & (times <= end)]
         leg = marched(state, np.unique(np.append(outputs, end)))

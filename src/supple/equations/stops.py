@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from supple.equations.sampling import sampling_of
 from supple.integrate import AdaptiveStep, Run
 from supple.machine import System, TimeLaw
 from supple.machine.laws.instants import instants_of_law
@@ -14,8 +15,12 @@ from supple.machine.laws.instants import instants_of_law
 __all__ = ["Stops", "laws_of", "padded_stops", "stepping_instants"]
 
 _NEAREST = 1e-5
-"""Instants nearer to a stop than this fraction of the duration are skipped, as accelerations would lose
-digits. This distance is limited to the first step from above, then to the smallest step from below."""
+"""Instants nearer to an output time or a call of a controller than this fraction of the duration are skipped,
+as accelerations would lose digits. This distance is limited to the first step from above, then to the
+smallest step from below."""
+
+_ROUNDING = 1e-12
+"""Times whose relative difference is smaller are equal."""
 
 
 def laws_of(system: System) -> list[tuple[str, TimeLaw]]:
@@ -33,6 +38,9 @@ def stepping_instants(systems: Sequence[System], run: Run) -> np.ndarray:
     laws = {id(law): law for system in systems for _, law in laws_of(system)}
     found = [instants_of_law(law, float(times[0]), float(times[-1])) for law in laws.values()]
     instants = np.unique(np.concatenate([np.zeros(0), *found]))
+    for system in systems:
+        if (sampling := sampling_of(system, run)) is not None:
+            times = np.union1d(times, sampling.every)
     nearest = max(control.least, min(control.first, _NEAREST * run.duration))
     after = np.clip(np.searchsorted(times, instants), 1, len(times) - 1)
     apart = np.minimum(np.abs(instants - times[after - 1]), np.abs(times[after] - instants))
@@ -58,7 +66,9 @@ class Stops:
 
     def on_the_way(self, reached: float, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Stops between a time and some output times, and the indices of the output times among the stops."""
-        between = self.instants[(self.instants > reached) & (self.instants < times[-1])]
+        # A resumed run may have reached an instant up to the last digit.
+        begun = reached + _ROUNDING * abs(reached)
+        between = self.instants[(self.instants > begun) & (self.instants < times[-1])]
         if not between.size:
             return times, np.arange(len(times))
         stops = np.sort(np.concatenate([times, between]))

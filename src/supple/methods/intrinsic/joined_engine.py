@@ -124,8 +124,8 @@ class JoinedEngine:
             return self._leg(state, times)
         legs: list[Leg[JoinedState]] = []
         reached: list[JoinedState] = []
-        instants = self._sampling.every
-        between = instants[(instants > float(state.now.time)) & (instants < times[-1])]
+        later = self._sampling.later(float(state.now.time))
+        between = later[later < times[-1]]
         for stop in np.union1d(between, times):
             # Controllers due now are called only if the run advances.
             goes_on = stop > float(state.now.time)

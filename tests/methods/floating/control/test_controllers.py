@@ -14,8 +14,9 @@ from scipy.integrate import solve_ivp
 from supple import machine as m
 from supple.body import RigidBody
 from supple.equations import balances
+from supple.equations.stops import stepping_instants
 from supple.errors import ConvergenceError, ModelError
-from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
+from supple.integrate import AdaptiveStep, FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.linearization import linearize, machine_modes
 from supple.simulation import equilibrium, simulate, simulate_batch
 
@@ -228,6 +229,37 @@ def test_angles_that_are_read_count_whole_turns():
     np.testing.assert_allclose(times, [0, 0.25, 0.5, 0.75], atol=1e-15)
     np.testing.assert_allclose(turned, 20.0 / WHEEL * times**2 / 2, rtol=1e-9, atol=1e-12)
     assert turned[-1] > 2 * np.pi
+
+
+@pytest.mark.parametrize(("ends", "step"), [((0.1, 0.3), 0.1), ((0.3, 0.4), 0.1), ((0.6, 0.7), 0.05)])
+def test_a_longer_run_that_goes_on_calls_a_controller_once_at_each_time(ends, step):
+    """The times of runs of different durations differ in their last digits."""
+    seen = []
+
+    def law(time, _reads, memory):
+        seen.append(time)
+        return {"motor": 1.0}, memory
+
+    system = wheel([m.SampledController(reads=HINGE, drives=MOTOR, law=law, every=0.1)])
+    first, whole = (Run(duration=end, output_step=step, **options(0.05)) for end in ends)
+    simulate(system, whole, resume=simulate(system, first))
+    assert seen == pytest.approx(np.arange(round(10 * ends[1])) * 0.1, abs=1e-12)
+
+
+def test_adaptive_steps_stop_once_where_a_load_jumps_at_a_call_time():
+    push = m.TorqueBetween(
+        first="ground",
+        second=m.At("wheel", "axle"),
+        axis=(0, 0, 1),
+        torque=m.Table([0, 0.35, 0.7], [0, 1, 0]),
+    )
+    control = m.SampledController(
+        reads=HINGE, drives=MOTOR, law=integrating, every=0.01, memory={"total": 0.0}
+    )
+    system = replace(wheel([control]), loads=(push,))
+    run = Run(duration=0.7, output_step=0.7, step=AdaptiveStep())
+    assert not stepping_instants([system], run).size
+    assert stepping_instants([replace(system, controllers=())], run) == pytest.approx([0.35])
 
 
 PERIOD = 0.04
