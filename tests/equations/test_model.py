@@ -75,7 +75,7 @@ def test_spring_without_length_has_no_direction(rod):
     spring = SpringDamper(first=At("a", "right"), anchor=(1, 0, 0), stiffness=1.0)
     with pytest.raises(
         ModelError,
-        match=r"SpringDamper on a.right: both ends start at \[1.0, 0.0, 0.0\], so it has no direction",
+        match=r"SpringDamper on a.right: both ends start at \[1.0, 0.0, 0.0\], so its line",
     ):
         build_model(System((Placed(rod("a", 2.0)),), loads=(spring,)))
 

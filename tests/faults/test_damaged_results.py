@@ -149,7 +149,7 @@ def test_more_output_times_than_a_file_can_hold_are_refused_before_memory_is_tak
         file[where].resize(2_000_000_000, axis=0)
         if where != "seals/chunks":
             file["commits"][0, 1] = 2e9
-    with pytest.raises(DamagedResultError, match=r"bytes of the file|its row of commits|rows instead of"):
+    with pytest.raises(DamagedResultError, match=r"bytes of the file|its entry in `commits`|rows instead of"):
         read_solution(path)
 
 

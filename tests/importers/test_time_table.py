@@ -14,7 +14,7 @@ from supple.importers.time_table import read_time_table
         ("0,1\nx,2\n", "write rows of two numbers, time,value"),
         ("0,1\n", "has 1 rows of 2 numbers; write two or more rows"),
         ("0,1,2\n1,2,3\n", "has 2 rows of 3 numbers; write two or more rows"),
-        ("0,1\n1,nan\n", "holds NaN or infinite numbers; remove these rows"),
+        ("0,1\n1,nan\n", "has NaN or infinite numbers; remove these rows"),
         ("0,1\n2,1\n1,1\n", "times must increase, but row 3 has 1 after 2"),
     ],
 )

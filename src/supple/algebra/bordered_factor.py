@@ -102,9 +102,8 @@ class BorderedFactor:
         change = self._once(right - self.matrix @ solution)
         moved, size = (np.linalg.norm(np.sqrt(diagonal) * part[: self.n, 0]) for part in (change, solution))
         if not moved < LARGEST_REFINEMENT * size:  # NaN fails too
-            raise _singular(
-                self.n, f"one refinement changes a solution by {moved / size if size else np.nan:.1e} of it"
-            )
+            share = moved / size if size else np.nan
+            raise _singular(self.n, f"iterative refinement changes a solution by {share:.1e} of its size")
 
 
 def bordered_factor(

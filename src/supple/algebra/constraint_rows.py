@@ -24,6 +24,6 @@ def dense_rows(constraint: Any, n: int) -> NDArray[np.float64]:
     if rows.ndim != 2 or rows.shape[1] != n:
         raise ModelError(f"the constraint has shape {rows.shape}; give (m, n) with n = {n}")
     if not np.all(np.isfinite(rows)):
-        raise ModelError("the constraint holds NaN or infinite entries")
+        raise ModelError("the constraint has NaN or infinite entries")
     rows.flags.writeable = False
     return rows

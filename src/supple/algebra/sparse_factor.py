@@ -254,7 +254,7 @@ def _square_csc(matrix: Any) -> sparse.csc_array:
     if matrix.shape[0] != matrix.shape[1] or matrix.shape[0] == 0:
         raise ModelError(f"a matrix of shape {matrix.shape} cannot be factored; it must be square, with rows")
     if not np.all(np.isfinite(matrix.data)):
-        raise ModelError("the matrix holds NaN or infinite entries and cannot be factored")
+        raise ModelError("the matrix has NaN or infinite entries and cannot be factorised")
     if not matrix.has_canonical_format:
         matrix = matrix.copy()
         matrix.sum_duplicates()

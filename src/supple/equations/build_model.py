@@ -386,6 +386,7 @@ def _control_law(
 
     sampled = isinstance(controller, SampledController)
     return ControlLaw(
+        name=controller.name,
         outputs=None if sampled else UserFunction(controller.outputs),
         rates=None if sampled or controller.rates is None else UserFunction(controller.rates),
         readers=_readers(system, controller.reads, places),
@@ -426,7 +427,8 @@ def _check_apart(system: System, load: ForceElement) -> None:
     first, second = initial_points(system, load)
     if load.acts_along_line and np.array_equal(first, second):
         raise ModelError(
-            f"{load.label}: both ends start at {first.tolist()}, so it has no direction: move one of them"
+            f"{load.label}: both ends start at {first.tolist()}, so its line of action is undefined: "
+            "move one of the ends"
         )
 
 

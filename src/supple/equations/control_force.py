@@ -228,28 +228,26 @@ def rates_of(law: ControlLaw, time: Any, readings: Mapping[str, Any], states: ja
     """`f(t, y, z)`, (k,)."""
     if law.rates is None:
         return jnp.zeros(0)
-    rates = _real(_called(law.rates, time, readings, states), "the rates of a controller's states")
+    of_states = f"controller '{law.name}': the rates of its states"
+    rates = _real(_called(law, "rates", time, readings, states), of_states)
     if rates.shape != states.shape:
-        raise ModelError(
-            f"the rates of a controller's states have shape {rates.shape}, its states {states.shape}"
-        )
+        raise ModelError(f"{of_states} have shape {rates.shape}, the states {states.shape}")
     return rates
 
 
-def _called(function: Any, *arguments: Any) -> Any:
-    """Result of a user's function; ModelError if it cannot be traced, or reads an unknown name."""
-    name = getattr(function, "__qualname__", repr(function))
+def _called(law: ControlLaw, name: str, *arguments: Any) -> Any:
+    """Result of `outputs` or `rates`; ModelError if it cannot be traced, or reads an unknown name."""
     try:
-        return function(*arguments)
+        return getattr(law, name)(*arguments)
     except (jax.errors.ConcretizationTypeError, jax.errors.TracerArrayConversionError) as error:
         raise ModelError(
-            f"the controller's function {name} needs the value of a traced array: write jnp.where "
-            "instead of if, and jax.numpy instead of math and numpy; or make it a SampledController, in "
-            "plain Python"
+            f"controller '{law.name}': its function {name} needs the value of a traced array: write "
+            "jnp.where instead of if, and jax.numpy instead of math and numpy; or use a SampledController, "
+            "whose law is plain Python"
         ) from error
     except KeyError as error:
         raise ModelError(
-            f"the controller's function {name} uses {error}; available are {sorted(arguments[1])}"
+            f"controller '{law.name}': its function {name} uses {error}; available are {sorted(arguments[1])}"
         ) from error
 
 
@@ -283,11 +281,13 @@ def _outputs(law: ControlLaw, number: int, motion: SystemMotion, readings: Mappi
     if law.outputs is None:
         return _step(motion).start.held[number]
     states = _new_states(law, number, motion, readings)
-    found = _called(law.outputs, motion.time, readings, states)
+    found = _called(law, "outputs", motion.time, readings, states)
     names = {each.name for each in law.actuators}
     if not isinstance(found, Mapping) or set(found) != names:
         given = sorted(found) if isinstance(found, Mapping) else type(found).__name__
-        raise ModelError(f"a controller's outputs must be a dictionary for {sorted(names)}, got {given}")
+        raise ModelError(
+            f"controller '{law.name}': its outputs must be a dictionary for {sorted(names)}, got {given}"
+        )
     return found
 
 
@@ -304,11 +304,10 @@ def local_forces(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
         loads: list[Wrench] = []
         for place, each in enumerate(law.actuators):
             own, parameters = _one((each.force.law, each.force.parameters), 0)
-            added = _real(outputs[each.name], f"a controller's output '{each.name}'")
+            what = f"controller '{law.name}': its output '{each.name}'"
+            added = _real(outputs[each.name], what)
             if added.size != np.prod(each.shape):
-                raise ModelError(
-                    f"a controller's output '{each.name}' must have the shape {each.shape}, got {added.shape}"
-                )
+                raise ModelError(f"{what} must have the shape {each.shape}, got {added.shape}")
             added = jnp.reshape(added, each.shape)
             ends = _one(poses, n_read + 2 * place), _one(poses, n_read + 2 * place + 1)
             loads += each.force.wrenches(*ends, own(motion.time) + added, parameters)

@@ -169,7 +169,7 @@ def failure_message(time: float, relative_residual: np.ndarray, *, undamped: boo
     )
     return (
         f"no convergence at t = {time:.6g} with the smallest step allowed: relative residual "
-        f"{relative_residual[worst]:.2g} in the {kinds[worst]}. {likely} position (a mechanism stretched "
-        "out), a motion prescribed with a jump, loads far beyond the body's stiffness, or a basis without "
-        "the nonlinear terms it needs are the usual causes; the results until then are stored"
+        f"{relative_residual[worst]:.2g} in the {kinds[worst]}. {likely} position (all links of a "
+        "mechanism in line), a motion prescribed with a jump, loads far beyond the body's stiffness, or a "
+        "basis without the nonlinear terms it needs are the usual causes; the results until then are stored"
     )

@@ -174,6 +174,7 @@ class Actuator:
 class ControlLaw:
     """A controller."""
 
+    name: str = field(metadata=STATIC)
     outputs: Callable[..., Any] | None = field(metadata=STATIC)
     """None for a sampled controller, whose outputs are held constant"""
     rates: Callable[..., Any] | None = field(metadata=STATIC)

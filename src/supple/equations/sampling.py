@@ -24,8 +24,8 @@ __all__ = ["ControllerSampling", "march_sampled", "sampling_of"]
 S = TypeVar("S")
 
 _SAME = 1e-6
-"""Times that differ by less than this fraction of the period are equal: a call time so near to an output time is
-moved to it."""
+"""Times that differ by less than this fraction of the period are equal: a call time so near to an output time
+is moved to it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +39,8 @@ class ControllerSampling:
     system: System
     instants: Mapping[int, np.ndarray]
     """Call times by number of the controller, ascending"""
+    rounding: Mapping[int, float]
+    """Difference up to which times are the same call time of a controller"""
 
     @property
     def every(self) -> np.ndarray:
@@ -48,8 +50,7 @@ class ControllerSampling:
     def later(self, time: float) -> np.ndarray:
         """The call times of all controllers after a time, ascending, without those due at the time itself."""
         after = [
-            instants[instants > time + _SAME * self.system.controllers[number].every]
-            for number, instants in self.instants.items()
+            instants[instants > time + self.rounding[number]] for number, instants in self.instants.items()
         ]
         return np.unique(np.concatenate(after))
 
@@ -59,7 +60,7 @@ class ControllerSampling:
         The last digits may differ: a run that is continued by a longer one rounds its times differently.
         """
         apart = np.abs(self.instants[number] - time)
-        return bool(apart.min() <= _SAME * self.system.controllers[number].every)
+        return bool(apart.min() <= self.rounding[number])
 
     def called(self, model: Model, motion: SystemMotion, control: ControlState) -> ControlState | None:
         """The controllers after the due calls; None if no call is due."""
@@ -109,7 +110,7 @@ class ControllerSampling:
 def sampling_of(system: System, run: Run) -> ControllerSampling | None:
     """Call times of a machine's controllers in a run; None without sampled controllers."""
     times = run.times
-    found = {}
+    found, rounding = {}, {}
     for number, controller in enumerate(system.controllers):
         if isinstance(controller, SampledController):
             count = int(np.floor((times[-1] - times[0]) / controller.every * (1 + 1e-12))) + 1
@@ -119,8 +120,8 @@ def sampling_of(system: System, run: Run) -> ControllerSampling | None:
             for output in (before, nearest):
                 same = abs(instants - output) <= _SAME * controller.every
                 instants = np.where(same, output, instants)
-            found[number] = instants
-    return ControllerSampling(system, found) if found else None
+            found[number], rounding[number] = instants, _SAME * controller.every
+    return ControllerSampling(system, found, rounding) if found else None
 
 
 def march_sampled(

@@ -72,6 +72,6 @@ def check_redundant_nearby(
                 f"the mechanism starts in a dead point: {names} depend(s) on the other joints in the initial "
                 f"configuration, but not beside it, where {labels[left_out[worst]]} would open by "
                 f"{opened[worst]:.2g} of the machine's size, or rad. The motion out of a dead point is "
-                "undetermined: place the bodies beside it (a driving joint with an angle there is enough), "
-                "all joints closed"
+                "undetermined: place the bodies beside it, with all joints closed; it is enough to give a "
+                "driving joint an initial angle that is not at the dead point"
             )

@@ -25,7 +25,7 @@ def read_time_table(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64
             f"{path} has {rows.shape[0]} rows of {rows.shape[1]} numbers; write two or more rows time,value"
         )
     if not np.isfinite(rows).all():
-        raise ImportFormatError(f"{path} holds NaN or infinite numbers; remove these rows")
+        raise ImportFormatError(f"{path} has NaN or infinite numbers; remove these rows")
     backwards = np.flatnonzero(np.diff(rows[:, 0]) <= 0)
     if backwards.size:
         row = int(backwards[0]) + 1

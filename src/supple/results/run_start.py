@@ -65,10 +65,10 @@ def start_lines(numbers: Mapping[str, Any]) -> Iterator[str]:
         for each in start["velocities taken"]
     )
     if taken:
-        yield f"Bodies that were given no velocity start with that of their drive: {taken}"
+        yield f"Bodies without a stated velocity start with that of the joint that drives them: {taken}"
     for name, swing in start["swings from gravity"].items():
         yield (
-            f"{name}: gravity acts in full from the start, on an undeformed body: its first swing, "
+            f"{name}: gravity acts on the undeformed body from the first instant: the first swing, "
             f"at time {swing['at time']:.4g}, makes {100 * swing['share of largest']:.3g} % of its largest "
             'deformation. To avoid this, start at rest: start = "equilibrium"; in Python, '
             "simulate(equilibrium(system).system, run)"

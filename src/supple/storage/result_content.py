@@ -130,7 +130,9 @@ class ResultContent:
         """The header, after a check of all rows of `commits`."""
         broken = [number for number in range(len(self._rows)) if not self._is_row_sound(number)]
         if broken:
-            raise self._chunks_damaged({number: "its row of commits has changed" for number in broken})
+            raise self._chunks_damaged(
+                {number: "its entry in `commits` has changed since it was written" for number in broken}
+            )
         begins = np.concatenate([[0], np.cumsum(self._rows[:, 1])])
         if (begins[:-1] != self._rows[:, 0]).any():
             raise damaged(self._path, ValueError("its chunks are not contiguous"))
@@ -278,7 +280,7 @@ class ResultContent:
     def _chunk(self, number: int, *, last_only: bool = False) -> Solution:
         """A chunk; ValueError, or an exception of HDF5, where it is damaged."""
         if not self._is_row_sound(number):
-            raise ValueError("its row of commits has changed")
+            raise ValueError("its entry in `commits` has changed since it was written")
         begin, n_times = self._rows[number, :2].astype(int)
         arrays = self._arrays(begin, begin + n_times)
         state = self._state(number)

@@ -52,7 +52,7 @@ def test_other_values_have_other_coefficients():
     ("times", "values", "message"),
     [
         ([0.0], [1.0], "at least two times and one row of values for each"),
-        ([0.0, 1.0], [1.0, np.nan], "holds NaN or infinite entries"),
+        ([0.0, 1.0], [1.0, np.nan], "has NaN or infinite entries"),
         ([0.0, 1.0, 1.0], [0.0, 1.0, 2.0], r"times of a table must increase: row 2 has 1.0 after 1.0"),
     ],
 )

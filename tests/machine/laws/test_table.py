@@ -43,7 +43,7 @@ def test_table_of_the_wrong_shape(times, values):
 
 
 def test_table_with_nan():
-    with pytest.raises(ValueError, match="a table of a quantity over time holds NaN or infinite entries"):
+    with pytest.raises(ValueError, match="a table of a quantity over time has NaN or infinite entries"):
         Table([0.0, 1.0], [0.0, float("nan")])
 
 

@@ -181,9 +181,9 @@ def warn_of_missing_modes(
         lacking = with_unit(lacking + (", ..." if len(coverage.missing) > 5 else ""), unit)
         reach = with_unit(f"{factor * coverage.band / (2 * np.pi):.3g}", unit)
         warnings.warn(
-            f"{coverage.load} contains up to {reach}: {len(coverage.missing)} of {coverage.n_modes} modes of "
-            f"body '{body.name}' below that are missing from its basis ({lacking}). Ask for "
-            f"at least {coverage.n_modes} modes",
+            f"the frequencies of {coverage.load} reach {reach}: of the {coverage.n_modes} modes of body "
+            f"'{body.name}' up to there, {len(coverage.missing)} are missing from its basis ({lacking}). "
+            f"Take at least {coverage.n_modes} modes",
             LoadSpectrumWarning,
             stacklevel=2,
         )

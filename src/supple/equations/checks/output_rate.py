@@ -112,12 +112,12 @@ def report_output_rate(system: System, run: Run, solution: Solution) -> None:
     frequency, name, what = worst
     needed = 2 * np.pi / frequency / PER_PERIOD
     control = run.step_control
-    also = ", and a step no longer," if isinstance(control, FixedStep) and control.size > needed else ""
+    both = isinstance(control, FixedStep) and control.size > needed
+    steps = "an output step and a step" if both else "an output step"
     message = (
         f"the output step of {step:.3g} is too long to show the motion of body '{name}': {what} "
         f"{frequency / (2 * np.pi):.3g} times per unit of time; outputs resolve {1 / (2 * step):.3g}, "
-        "so that curves and pictures show a slower motion. Set an output step of "
-        f"{needed:.2g}{also} or less"
+        f"so that curves and pictures show a slower motion. Set {steps} of {needed:.2g} or less"
     )
     warnings.warn(message, ResolutionWarning, stacklevel=3)
 

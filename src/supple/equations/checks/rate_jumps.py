@@ -91,11 +91,11 @@ def warn_of_rate_jumps(system: System, run: Run) -> set[str]:
 
 def _message(joint: str, found: Sequence[RateJump]) -> str:
     for what, size, consequence in (
-        ("", "motion", "no machine can follow it; the joint opens or the step fails there"),
+        ("", "motion", "bodies cannot follow a jump: the joint opens there, or the step does not converge"),
         (
             "speed of its ",
             "speed",
-            "an infinite force for an instant, which the step size alone makes finite",
+            "the force is infinite at that instant, and its computed value depends on the step size",
         ),
         ("acceleration of its ", "acceleration", "the forces of the joint jump, and oscillate after it"),
     ):

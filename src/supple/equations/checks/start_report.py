@@ -65,7 +65,9 @@ def _others(joints: Sequence[ConstraintViolation]) -> str:
     if not joints:
         return ""
     names = ", ".join(f"'{each.joint}'" for each in joints[:MOST_NAMES])
-    return f", and so are {len(joints)} others ({names})" if len(joints) > 1 else f", and so is {names}"
+    return (
+        f"; {len(joints)} others are open as well ({names})" if len(joints) > 1 else f"; {names} is as well"
+    )
 
 
 def _slowed(body: VelocityCorrection) -> str:

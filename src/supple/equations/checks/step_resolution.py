@@ -145,12 +145,12 @@ def _warn(what: str, law: Any, run: Run, *, of_motion: bool) -> None:
     if missed.share > MISSED:
         scale = shortest_scale_of(law, begin, end)
         briefest = f", whose shortest time is {scale:.3g}" if np.isfinite(scale) else ""
-        needed = f"a step of {scale / 10:.2g}" if scale < 5 * step else "a shorter one"
+        needed = f"a step of {scale / 10:.2g}" if scale < 5 * step else "a shorter step"
         quantity = "the acceleration of its prescribed motion" if of_motion else "the load"
         message = (
-            f"{what}: within a step of {step:.3g}, at t = {missed.time:.6g}, {quantity} is off a straight "
-            f"line by {100 * missed.share:.0f} % of its largest value{briefest}: the steps miss or alias it. "
-            f"Take {needed}, or adaptive steps, which stop at its kinks and jumps"
+            f"{what}: within a step of {step:.3g}, at t = {missed.time:.6g}, {quantity} differs from "
+            f"a straight line by {100 * missed.share:.0f} % of its largest value{briefest}: the steps miss "
+            f"or alias it. Take {needed}, or adaptive steps, which stop at kinks and jumps"
         )
         warn_or_raise(message, ResolutionWarning, run.validity)
 

@@ -145,8 +145,9 @@ def _too_fast(limits: _Limits, peak: Peaks) -> str:
         )
     missing = 100 * (peak.spin / limits.flying_apart) ** 2
     return (
-        f"body '{limits.name}' {spins} and lacks up to {missing:.3g} % of its stiffness, that of centrifugal "
-        "force on motion outside its columns: its deflections are too large or diverge. Wrap its basis in "
+        f"body '{limits.name}' {spins}, and its basis lacks the motion by which centrifugal force stiffens "
+        f"it: up to {missing:.3g} % of the stiffness are missing, and deflections are too large or diverge. "
+        "Wrap the basis in "
         "SteadyLoads(...) (steady = true in a case file), or add derivatives"
         + ("" if isinstance(limits.frame, MeanAxisFrame) else ", or use MeanAxisFrame() with Rubin(...)")
     )

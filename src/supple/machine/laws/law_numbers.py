@@ -53,7 +53,7 @@ def increasing_rows(times: Any, values: Any) -> tuple[np.ndarray, np.ndarray]:
             f"{times.shape} and values of shape {values.shape}"
         )
     if not (np.isfinite(times).all() and np.isfinite(values).all()):
-        raise ModelError("a table of a quantity over time holds NaN or infinite entries")
+        raise ModelError("a table of a quantity over time has NaN or infinite entries")
     if (np.diff(times) <= 0).any():
         row = int(np.argmax(np.diff(times) <= 0)) + 1
         raise ModelError(f"times of a table must increase: row {row} has {times[row]} after {times[row - 1]}")
