@@ -237,6 +237,10 @@ def test_what_is_not_read():
     with pytest.raises(ModelError, match=r"actuators \(1\).*friction \(1\).*armature \(1\).*leave_out="):
         read_mujoco(text)
     assert len(read_mujoco(text, leave_out=["actuators", "friction", "armature"]).joints) == 1
+    with pytest.raises(
+        ModelError, match="leave_out has no feature 'actuator'; there are: actuators, tendons"
+    ):
+        read_mujoco(text, leave_out=["actuator"])
     with pytest.raises(ModelError, match="has the joints slide and slide, which no single joint combines"):
         read_mujoco(with_joints('<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>'))
     with pytest.raises(ModelError, match="stops must be within half a revolution"):
@@ -251,6 +255,22 @@ def test_what_is_not_read():
         read_mujoco("<mujoco><worldbody><body><joint/></body></worldbody></mujoco>")
     with pytest.raises(ImportFormatError, match="no such file"):
         read_mujoco("missing.xml")
+
+
+@pytest.mark.parametrize(
+    ("option", "body", "feature"),
+    [
+        ('<option density="1.2"/>', "", "fluid"),
+        ('<option><flag gravity="disable"/></option>', "", "flags"),
+        ("", 'gravcomp="1"', "gravcomp"),
+    ],
+)
+def test_forces_that_are_not_read_are_refused(option, body, feature):
+    text = f"""<mujoco>{option}<worldbody><body {body}><joint name="hinge" type="hinge"/>
+        <inertial pos="0 0 0.1" mass="1" diaginertia="1 1 1"/></body></worldbody></mujoco>"""
+    with pytest.raises(ModelError, match=rf"{feature} \(1\).*leave_out="):
+        read_mujoco(text)
+    assert len(read_mujoco(text, leave_out=[feature]).joints) == 1
 
 
 def test_without_the_library(monkeypatch):

@@ -27,10 +27,11 @@ def test_one_new_node_for_each_edge(linear, quadratic):
     assert list(fine.cells) == [quadratic]
 
 
-def test_sets_follow():
+def test_sets_and_links_follow():
     sets = {"half": {CellType.HEXA8: [0]}}
     linear = block(2.0, 1.0, 1.0, 2, 1, 1, CellType.HEXA8)
-    mesh = to_quadratic(Mesh(linear.nodes, linear.cells, linear.node_sets, sets))
+    mesh = to_quadratic(Mesh(linear.nodes, linear.cells, linear.node_sets, sets, links=[[0, 5]]))
+    np.testing.assert_array_equal(mesh.links, [[0, 5]])
     root = mesh.nodes_of("root")
     np.testing.assert_array_equal(np.sort(root), np.flatnonzero(mesh.nodes[:, 0] == 0))
     np.testing.assert_array_equal(root[:4], linear.nodes_of("root"))

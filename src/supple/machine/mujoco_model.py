@@ -39,6 +39,8 @@ Array = NDArray[np.float64]
 
 _FREE, _BALL, _SLIDE, _HINGE = 0, 1, 2, 3
 _CONNECT, _WELD = 0, 1
+_DISABLED = 1 | 2 | 8 | 32 | 64 | 128
+"""Flags that disable constraints, connections, limits, springs, dampers and gravity"""
 _PARALLEL = 1e-6
 _PLACE = 1e-6
 """Largest distance of an interface from its joint, relative to the largest coordinate of the joints."""
@@ -85,13 +87,15 @@ def read_mujoco(
     bodies : replacements of rigid bodies by name, such as a ReducedBody, in the axes of the file's body; each
         joint needs an interface of its name at its position
     leave_out : features of the file to omit: "actuators", "tendons", "friction", "armature", "equality"
-        (constraints other than connect and weld), "limits" (of joint motions)
+        (constraints other than connect and weld), "gravcomp" (gravity compensation of bodies), "fluid"
+        (density and viscosity around the bodies), "flex" (deformable objects), "flags" (that disable gravity,
+        springs, dampers, limits or constraints), "limits" (of joint motions)
     Raises
     ------
     ImportFormatError   mujoco missing (install `supple[mujoco]`); a file that MuJoCo rejects
     ModelError          joints without an equivalent in `supple`; features that are not read and not in
-                        `leave_out`; replacements of bodies that are not in the file, or whose interfaces are
-                        not at its joints
+                        `leave_out`; names in `leave_out` of no feature; replacements of bodies that are not
+                        in the file, or whose interfaces are not at its joints
     """
     model, data = _compiled(source)
     reader = _Reader(model, data)
@@ -144,7 +148,19 @@ def _check_left_out(reader: _Reader, allowed: set[str]) -> None:
         "friction": (int(np.sum(model.dof_frictionloss > 0)), "add HingeFriction or SlideFriction"),
         "armature": (int(np.sum(model.dof_armature > 0)), "add it to the inertia of the bodies"),
         "equality": (others, "write it as gears or joints"),
+        "gravcomp": (int(np.sum(model.body_gravcomp != 0)), "write it as a load on the body"),
+        "fluid": (int(model.opt.density > 0 or model.opt.viscosity > 0), "write its drag as loads"),
+        "flex": (int(model.nflex), "give its body as a finite element mesh"),
+        "flags": (
+            int(model.opt.disableflags & _DISABLED).bit_count(),
+            "remove what they disable from the file",
+        ),
     }
+    known = [*there, "limits"]
+    if unknown := sorted(allowed - {*known}):
+        raise ModelError(
+            f"{reader.name}: leave_out has no feature '{unknown[0]}'; there are: {', '.join(known)}"
+        )
     missed = [(name, n, remedy) for name, (n, remedy) in there.items() if n and name not in allowed]
     if missed:
         listed = "; ".join(f"{name} ({n}): {remedy}" for name, n, remedy in missed)

@@ -21,8 +21,8 @@ _QUADRATIC = {
 def to_quadratic(mesh: Mesh) -> Mesh:
     """The mesh with the quadratic type of each solid cell, such as TETRA10 for TETRA4; edges stay straight.
 
-    New nodes follow the old; a node set contains a new node when it contains both ends of the edge. Node ids,
-    cell ids and links of `mesh` are not copied.
+    New nodes follow the old; a node set contains a new node when it contains both ends of the edge. Node ids
+    and cell ids of `mesh` are not copied.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def to_quadratic(mesh: Mesh) -> Mesh:
         name: {_QUADRATIC[kind]: members for kind, members in by_kind.items()}
         for name, by_kind in mesh.cell_sets.items()
     }
-    return Mesh(nodes, cells, node_sets, cell_sets)
+    return Mesh(nodes, cells, node_sets, cell_sets, links=mesh.links)
 
 
 def _with_middles(members: IntArray, edges: IntArray, n_nodes: int) -> IntArray:

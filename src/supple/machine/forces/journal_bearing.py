@@ -43,8 +43,12 @@ class JournalBearing(AxialElement):
         super().__post_init__()
         _ = self.initial_axes
         speeds = np.asarray(self.speeds, dtype=float)
-        if speeds.ndim != 1 or len(speeds) < 2 or not (np.diff(speeds) > 0).all():
-            raise ModelError(f"{self.label}: speeds must be two or more ascending numbers")
+        if (
+            speeds.ndim != 1
+            or len(speeds) < 2
+            or not (np.isfinite(speeds).all() and (np.diff(speeds) > 0).all())
+        ):
+            raise ModelError(f"{self.label}: speeds must be two or more ascending finite numbers")
         object.__setattr__(self, "speeds", tuple(speeds.tolist()))
         for name in ("stiffness", "damping"):
             given = np.asarray(getattr(self, name), dtype=float)
