@@ -17,23 +17,24 @@ Tie = TypeVar("Tie", RigidTie, WeightedMean)
 
 
 def restricted_deck(deck: Deck, own: NDArray[np.bool_]) -> Deck:
-    """The deck on a subset of its nodes (N,); properties and element sets are unchanged.
+    """The deck on a subset of its nodes (N,); properties, element sets and scalar points are unchanged.
 
     Cells, matrices, rows and ties with other nodes are removed, and so are other nodes of node sets.
     """
     if own.all():
         return deck
-    number = np.cumsum(own) - 1
+    there = np.append(own, np.ones(len(deck.scalar_points), dtype=bool))
+    number = np.cumsum(there) - 1
 
     def matrix(given: NodalMatrix) -> NodalMatrix | None:
-        if not len(given.freedoms) or not own[given.freedoms // 6].all():
+        if not len(given.freedoms) or not there[given.freedoms // 6].all():
             return None
         return replace(given, freedoms=_renumbered(given.freedoms, number))
 
     node_sets = {name: number[of[own[of]]] for name, of in deck.node_sets.items()}
     elements = (_elements(each, own, number) for each in deck.elements)
     return replace(
-        deck.with_actions(matrix, lambda each: _terms(each, own, number)),
+        deck.with_actions(matrix, lambda each: _terms(each, there, number)),
         node_ids=deck.node_ids[own],
         nodes=deck.nodes[own],
         elements=tuple(each for each in elements if len(each.ids)),
@@ -81,7 +82,7 @@ def kept_terms(given: ScalarTerms, own: NDArray[np.bool_]) -> ScalarTerms:
 
 
 def _terms(given: ScalarTerms, own: NDArray[np.bool_], number: IntArray) -> ScalarTerms:
-    """Rows with freedoms of the subset only."""
+    """Rows with freedoms of the subset and of scalar points only."""
     rows = np.ones(len(given.lines), dtype=bool)
     rows[given.rows[~own[given.freedoms // 6]]] = False
     kept = kept_terms(given, rows)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from supple.body import deck_frequencies
 from supple.errors import ImportFormatError
 from supple.importers.deck import LeftOut
 
@@ -27,6 +28,12 @@ def held(read):
     (terms,) = read.held
     assert set(terms.factors) <= {1.0}
     return {(int(read.node_ids[f // 6]), int(f % 6) + 1) for f in terms.freedoms}
+
+
+def scalar_points(read, freedoms):
+    """Ids of the scalar points among some freedoms of a deck."""
+    n = len(read.node_ids)
+    return [int(read.scalar_points[f // 6 - n]) for f in freedoms if f >= 6 * n]
 
 
 # --- the table
@@ -189,6 +196,19 @@ def test_analysis_set(deck):
     assert sorted(read.node_ids[read.node_sets["aset"]]) == [10, 20, 40]
 
 
+def test_supports_of_scalar_points(deck):
+    """Those of the selected set only, also of a range; a range with components has grids only."""
+    control = "SOL 103\nCEND\nSPC = 1\nBEGIN BULK\n"
+    points = "SPOINT,101,THRU,103\nSPOINT,15\n"
+    for support in ("SPC1,2,0,101\n", "SPC,2,101,0\n"):
+        assert not deck(control + SQUARE + points + support + "ENDDATA\n").held
+    for support, ids in (("SPC1,1,0,101,THRU,102\n", [101, 102]), ("SPC,1,103,0\n", [103])):
+        read = deck(control + SQUARE + points + support + "ENDDATA\n")
+        assert scalar_points(read, read.held[0].freedoms) == ids
+    read = deck(control + SQUARE + points + "SPC1,1,3,10,THRU,20\nENDDATA\n")
+    assert read.held[0].freedoms.tolist() == [2, 8]
+
+
 def test_a_wrong_analysis_set_is_noted(deck):
     read = deck(SQUARE + "ASET1,123,99\n")
     assert "aset" not in read.node_sets
@@ -220,6 +240,37 @@ def test_matrices_beside_elements(deck):
     assert "K2PP = KADD" in direct.left_out[0].meaning
     (absent,) = deck(control + SQUARE + cards.replace("KADD", "KSUM") + "ENDDATA\n").left_out
     assert (absent.card, absent.meaning) == ("K2GG", "case control adds KADD, and the file has no such DMIG")
+
+
+def test_a_matrix_with_scalar_points(deck):
+    """They are numbered after the nodes, as those of springs, also beside a superelement."""
+    control = "SOL 103\nCEND\nK2GG = K\nBEGIN BULK\n"
+    cards = "SPOINT,101\nDMIG,K,0,6,2,0\nDMIG,K,10,3,,10,3,2.\n,101,,-2.\nDMIG,K,101,,,101,,2.\n"
+    read = deck(control + SQUARE + cards + "ENDDATA\n")
+    (K,) = read.stiffnesses
+    assert K.freedoms.tolist() == [2, 6 * 4]
+    np.testing.assert_array_equal(K.values, [[2, -2], [-2, 2]])
+    assert "K also acts on scalar points, which a free body omits" in read.left_out[0].meaning
+    same = deck(SQUARE + "SPOINT,101\nCELAS2,9,2.,10,3,101\nENDDATA\n")
+    np.testing.assert_allclose(
+        *(deck_frequencies(each, 6, held=True) for each in (read, same)), rtol=1e-9, atol=1e-3
+    )
+    parts = deck(control + SQUARE + cards + "CELAS2,9,2.,10,3,101\nSESET,1,20\nENDDATA\n").superelements
+    (K,), (terms,) = parts["super_0"].stiffnesses, parts["super_0"].springs
+    n = len(parts["super_0"].node_ids)
+    assert K.freedoms.tolist() == terms.freedoms.tolist() == [2, 6 * n]
+    joined = deck(control + SQUARE + cards + "BEGIN SUPER=2\n" + SQUARE + "ENDDATA\n")
+    assert joined.stiffnesses[0].freedoms.tolist() == [2, 6 * 4]
+    assert [each.card for each in joined.left_out] == ["DMIG"]
+
+
+def test_a_symmetric_matrix_has_one_triangle(deck):
+    control = "SOL 103\nCEND\nK2GG = K\nBEGIN BULK\n"
+    cards = "DMIG,K,0,6,1\nDMIG,K,10,1,,20,1,-2.\nDMIG,K,20,1,,10,1,-2.\nENDDATA\n"
+    with pytest.raises(ImportFormatError, match="line 15: DMIG: K has form 6 .* points 10 and 20 is on both"):
+        deck(control + SQUARE + cards)
+    (K,) = deck(control + SQUARE + cards.replace("0,6", "0,1")).stiffnesses
+    np.testing.assert_array_equal(K.values, [[0, -2], [-2, 0]])
 
 
 # --- parameters

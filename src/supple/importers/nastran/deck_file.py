@@ -21,7 +21,7 @@ from supple.importers.nastran.cells import (
     read_shells,
     read_solids,
 )
-from supple.importers.nastran.deck_reading import DeckReading, left_out_by_card
+from supple.importers.nastran.deck_reading import DeckReading, final_freedoms, left_out_by_card
 from supple.importers.nastran.grids import COORDINATE_CARDS, read_grids
 from supple.importers.nastran.line_properties import BEAM_PROPERTY_CARDS, ROD_PROPERTY_CARDS
 from supple.importers.nastran.lines import BEAM_CARDS, ROD_CARDS, read_beams, read_rods
@@ -199,16 +199,16 @@ def _used_properties(file: BulkFile) -> set[str]:
 
 
 def _deck(reading: DeckReading) -> Deck:
-    materials, added = Materials(reading), read_added_mass(reading)
+    materials, nonstructural = Materials(reading), read_added_mass(reading)
     elements: list[DeckElements] = []
     properties = {}
     solids, found = read_solids(reading, materials)
     elements += solids
     properties |= found
     for cells, found in (
-        read_shells(reading, materials, added),
-        read_beams(reading, materials, added),
-        read_rods(reading, materials, added),
+        read_shells(reading, materials, nonstructural),
+        read_beams(reading, materials, nonstructural),
+        read_rods(reading, materials, nonstructural),
     ):
         elements += cells
         properties |= found
@@ -225,6 +225,10 @@ def _deck(reading: DeckReading) -> Deck:
         last = int(max(ids.max(), reading.scalar_points.max(initial=0)))
         ids = np.concatenate([ids, last + 1 + np.arange(len(reading.added_nodes))])
     n = len(ids)
+    added = {
+        command: tuple(replace(each, freedoms=final_freedoms(each.freedoms, n)) for each in own)
+        for command, own in matrices.items()
+    }
     return Deck(
         reading.file.path,
         ids,
@@ -233,9 +237,9 @@ def _deck(reading: DeckReading) -> Deck:
         properties,
         node_sets | _tied_sets(rigid, means),
         _element_sets(elements),
-        masses=(*reading.masses, *matrices["M2GG"]),
-        stiffnesses=tuple(matrices["K2GG"]),
-        dampings=tuple(matrices["B2GG"]),
+        masses=(*reading.masses, *added["M2GG"]),
+        stiffnesses=added["K2GG"],
+        dampings=added["B2GG"],
         springs=reading.springs.terms(n),
         dashpots=reading.dashpots.terms(n),
         inertias=reading.inertias.terms(n),
@@ -279,6 +283,7 @@ def start_reading(file: BulkFile, whole: BulkFile) -> DeckReading:
     parameters = _parameters([*whole.named("PARAM"), *(file.named("PARAM") if file is not whole else [])])
     reading = DeckReading(
         file,
+        whole,
         read_grids(file),
         _scalar_points(file),
         read_case_control(whole.above),
