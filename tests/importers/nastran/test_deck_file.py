@@ -65,11 +65,25 @@ def test_cards_that_describe_no_body(deck, name):
     assert not read.left_out
 
 
-@pytest.mark.parametrize("name", ["CGAP", "CFAST", "BGSET", "GENEL", "MATS1", "CSUPER"])
+@pytest.mark.parametrize("name", ["CGAP", "CFAST", "BGSET", "GENEL", "MATS1", "CSUPER", "CYSYM", "CYJOIN"])
 def test_cards_that_would_change_the_body(deck, name):
     (left,) = deck(SQUARE + f"{name},1,2,3\n").left_out
     assert left.card == name
     assert len(left.meaning) > 5
+
+
+@pytest.mark.parametrize(
+    ("card", "glues"),
+    [
+        ("BCONPRG,1,,IGLUE,1\n", True),
+        ("BCONPRG,1,,FRIC,1.,,,,\n,IGLUE,0\n", False),
+        ("BCTABLE,1,,,1\n,SLAVE,5,,,,,1\n,MASTERS,6\n", True),
+        ("BCTABLE,1,,,1\n,SLAVE,5,,,,,0\n,MASTERS,6\n", False),
+        ("BCTABL1,1,1\nBCONECT,1\n", False),
+    ],
+)
+def test_contact_that_glues_joins_parts(deck, card, glues):
+    assert [each.card for each in deck(SQUARE + card).left_out] == [card.split(",")[0]] * glues
 
 
 @pytest.mark.parametrize("name", ["PELAST", "PBRSECT", "PGAP", "PBCOMP"])
@@ -91,6 +105,17 @@ def test_a_file_that_is_not_there_is_left_out(deck):
     assert bare.read["GRID"] == 4
     assert not len(bare.nodes)
     assert "names grid 99" in bare.notes[0]
+
+
+def test_a_file_of_case_control_that_is_not_there(deck):
+    """It may select sets; one of executive control, above CEND, selects none. Errors stay errors."""
+    cards = "MPC,5,10,1,1.,20,1,-1.\n"
+    (left,) = deck("CEND\nINCLUDE 'case.inc'\nBEGIN BULK\n" + SQUARE + cards + "ENDDATA\n").left_out
+    assert (left.card, left.line) == ("INCLUDE", 2)
+    assert "case.inc: the sets that case control selects in it are not known" in left.meaning
+    with pytest.raises(ImportFormatError, match="names grid 99"):
+        deck("CEND\nINCLUDE 'case.inc'\nBEGIN BULK\n" + SQUARE + "CTRIA3,3,7,10,20,99\nENDDATA\n")
+    assert not deck("SOL 103\nINCLUDE 'a.dmap'\nCEND\nBEGIN BULK\n" + SQUARE + "ENDDATA\n").left_out
 
 
 def test_a_file_without_grids_has_its_table(deck):
@@ -267,7 +292,9 @@ def test_a_matrix_with_scalar_points(deck):
 def test_a_symmetric_matrix_has_one_triangle(deck):
     control = "SOL 103\nCEND\nK2GG = K\nBEGIN BULK\n"
     cards = "DMIG,K,0,6,1\nDMIG,K,10,1,,20,1,-2.\nDMIG,K,20,1,,10,1,-2.\nENDDATA\n"
-    with pytest.raises(ImportFormatError, match="line 15: DMIG: K has form 6 .* points 10 and 20 is on both"):
+    with pytest.raises(
+        ImportFormatError, match=r"line 15: DMIG: K has form 6 .* points 10 and 20 is on both"
+    ):
         deck(control + SQUARE + cards)
     (K,) = deck(control + SQUARE + cards.replace("0,6", "0,1")).stiffnesses
     np.testing.assert_array_equal(K.values, [[0, -2], [-2, 0]])

@@ -23,6 +23,7 @@ FloatArray = NDArray[np.float64]
 
 _CARD_NAME = re.compile(r"[A-Z][A-Z0-9]{0,7}$")
 _EXPONENT_WITHOUT_E = re.compile(r"([+-]?[0-9]*\.?[0-9]*)([+-][0-9]+)$")
+_CEND = re.compile(r"\s*CEND\b", re.IGNORECASE)
 _BEGIN = re.compile(r"\s*BEGIN\b", re.IGNORECASE)
 _PART = re.compile(r"\b([A-Z]+)\s*=\s*(\w+)", re.IGNORECASE)
 _INCLUDE = re.compile(r"\s*INCLUDE\b\s*(.*)", re.IGNORECASE)
@@ -199,8 +200,9 @@ def read_bulk_data(path: str | Path, absent: list[BulkCard] | None = None) -> Bu
     replication (=, ==, *(x), =n) are supported. A continuation directly follows the line that it continues;
     with the label of this line, it may stand anywhere.
 
-    absent : list to which INCLUDE lines of missing files are added; if None, missing files are errors.
-             Missing files that executive and case control include are ignored
+    absent : list to which INCLUDE lines of missing files are added, with the second field CASE if they
+             belong to case control; if None, missing files are errors, without those of case control.
+             Missing files of executive control, above CEND, are ignored
 
     Raises
     ------
@@ -454,7 +456,9 @@ def _expanded(
             name += more.strip()
         target = included_file(name.strip("'\" "), path.parent, main)
         if not is_file(target) and any(_BEGIN.match(later) for later in read[number:]):
-            continue  # a missing file of executive or case control
+            if absent is not None and not any(_CEND.match(later) for later in read[number:]):
+                absent.append(BulkCard("INCLUDE", (str(target), "CASE"), path, number))
+            continue
         if absent is not None and not is_file(target):
             absent.append(BulkCard("INCLUDE", (str(target),), path, number))
             continue

@@ -39,7 +39,7 @@ from supple.importers.nastran.supports import SUPPORT_CARDS, read_matrices, read
 from supple.importers.nastran.walls import WALL_CARDS
 from supple.importers.nastran.without_effect import has_no_effect
 
-__all__ = ["read_nastran_deck"]
+__all__ = ["CARDS_NOT_READ", "CELLS_NOT_READ", "CONNECTIONS_NOT_READ", "read_nastran_deck"]
 
 IntArray = NDArray[np.int64]
 
@@ -55,18 +55,7 @@ _READ = frozenset(
 _CELLS = (*SOLID_CARDS, *SHELL_CARDS, *BEAM_CARDS, *ROD_CARDS)
 
 # Description, or effect of the omission, of cards that are not read.
-_MEANINGS = {
-    "CGAP": "gaps that open and close: the parts they join are not connected",
-    "PGAP": "properties of gaps",
-    "CFAST": "fasteners between shells: the parts they join are not connected",
-    "PFAST": "properties of fasteners",
-    "CWELD": "spot welds: the parts they join are not connected",
-    "PWELD": "properties of spot welds",
-    "CSEAM": "seam welds: the parts they join are not connected",
-    "PSEAM": "properties of seam welds",
-    "BGSET": "glue between surfaces: the parts it joins are not connected",
-    "BGADD": "a choice of glued surfaces",
-    "GENEL": "an element by its matrix",
+CELLS_NOT_READ = {
     "CBEAM3": "curved beams of three grids",
     "CTRIAX": "axisymmetric solids",
     "CTRIAX6": "axisymmetric solids",
@@ -78,6 +67,29 @@ _MEANINGS = {
     "CCONEAX": "axisymmetric shells",
     "CRAC2D": "elements at the tip of a crack",
     "CRAC3D": "elements at the tip of a crack",
+    "CSUPER": "a superelement from a file or an image of another",
+}
+CONNECTIONS_NOT_READ = {
+    "CGAP": "gaps that open and close: the parts they join are not connected",
+    "CFAST": "fasteners between shells: the parts they join are not connected",
+    "CWELD": "spot welds: the parts they join are not connected",
+    "CSEAM": "seam welds: the parts they join are not connected",
+    "BGSET": "glue between surfaces: the parts it joins are not connected",
+    "BCTABLE": "glue between contact bodies (IGLUE): the parts it joins are not connected",
+    "BCONPRG": "glue between contact bodies (IGLUE): the parts it joins are not connected",
+    "CYSYM": "cyclic symmetry: one sector is read, not the whole body",
+    "CYJOIN": "sides of a sector of a cyclic body: its sectors are not connected",
+    "CYAX": "grids on the axis of a cyclic body: its sectors are not connected",
+}
+_MEANINGS = {
+    **CELLS_NOT_READ,
+    **CONNECTIONS_NOT_READ,
+    "PGAP": "properties of gaps",
+    "PFAST": "properties of fasteners",
+    "PWELD": "properties of spot welds",
+    "PSEAM": "properties of seam welds",
+    "BGADD": "a choice of glued surfaces",
+    "GENEL": "an element by its matrix",
     "RSPLINE": "an interpolation between grids",
     "RSSCON": "a connection of shell and solid",
     "PBRSECT": "a section by its outline: its beams are left out, too",
@@ -97,7 +109,6 @@ _MEANINGS = {
     "GMSURF": "surfaces of geometry: elements stay flat",
     "GMBC": "supports of geometry",
     "GMSPC": "supports of geometry",
-    "CSUPER": "a superelement from a file or an image of another",
     "RELEASE": "freedoms in which a superelement is not joined to the others",
     "MPCAX": "constraints of an axisymmetric model",
     "ROTORD": "a rotating part",
@@ -131,7 +142,7 @@ def read_nastran_deck(path: str | Path) -> Deck:
         reading = start_reading(file, file)
         deck = _deck(reading)
     except ImportFormatError as error:
-        if file.named("GRID") and not absences:
+        if file.named("GRID") and not any(len(each.fields) == 1 for each in absences):
             raise
         return _with_absences(_deck_without_grids(file, error), absences)
     deck = _with_absences(deck, absences)
@@ -152,10 +163,15 @@ def read_nastran_deck(path: str | Path) -> Deck:
     return assembled(deck, parts, file, reading.grids) if parts else deck
 
 
+CARDS_NOT_READ = "its cards are not read"
+# Consequence of a missing included file: of the cards, of case control.
+_UNREAD = {"": CARDS_NOT_READ, "CASE": "the sets that case control selects in it are not known"}
+
+
 def _with_absences(deck: Deck, absences: Sequence[BulkCard]) -> Deck:
     """The deck, with missing included files added to `left_out`."""
     gone = (
-        LeftOut("INCLUDE", 1, card.line, f"there is no file {card.fields[0]}: its contents are not read")
+        LeftOut("INCLUDE", 1, card.line, f"there is no file {card.fields[0]}: {_UNREAD[card.word(1)]}")
         for card in absences
     )
     return replace(deck, left_out=(*gone, *deck.left_out))
@@ -185,11 +201,22 @@ def _deck_without_grids(file: BulkFile, error: ImportFormatError) -> Deck:
 def _not_read(file: BulkFile) -> Iterator[tuple[BulkCard, str]]:
     """Cards that are not read, each with its meaning, without property cards that no element uses."""
     unread = {n: own for n, own in file.by_name.items() if n not in _READ and not has_no_effect(n)}
+    unread |= {n: glue for n in _GLUE if (glue := [card for card in file.named(n) if _is_glue(card)])}
     used = _used_properties(file) if _PROPERTIES.intersection(unread) else set()
     for name, cards in unread.items():
         for card in cards:
             if name not in _PROPERTIES or card.word(0) in used:
                 yield card, _MEANINGS.get(name, "a card that is not supported")
+
+
+_GLUE = ("BCTABLE", "BCONPRG")
+
+
+def _is_glue(card: BulkCard) -> bool:
+    """Whether a contact card glues: IGLUE of a SLAVE row of BCTABLE, or after its name on a BCONPRG."""
+    row, step = ("SLAVE", 6) if card.name == "BCTABLE" else ("IGLUE", 1)
+    places = [i for i in range(len(card.fields)) if card.word(i) == row]
+    return any(card.word(i + step) not in ("", "0") for i in places)
 
 
 def _used_properties(file: BulkFile) -> set[str]:
