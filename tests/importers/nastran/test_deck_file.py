@@ -209,6 +209,24 @@ def test_materials_at_a_temperature(deck, command, modulus, left):
     assert not deck(control + SQUARE + "MATT1,5,,,,,3\nENDDATA\n").left_out
 
 
+@pytest.mark.parametrize(
+    ("axes", "points", "expected"),
+    [
+        ("", "10.,2.+11,1000.,1.+11", 2e11 - 1e11 * 90 / 990),
+        ("LOG", "10.,2.+11,1000.,1.+11", 1.5e11),
+        ("LOG", "1000.,1.+11,10.,2.+11", 1.5e11),
+        ("LOG,LOG", "10.,4.+11,1000.,1.+11", 2e11),
+        ("LOG", "0.,4.+11,1000.,1.+11", None),
+    ],
+)
+def test_tables_of_materials(deck, axes, points, expected):
+    """At 100 degrees, with linear and logarithmic axes, ascending or descending."""
+    cards = f"TEMPD,4,100.\nMATT1,5,3\nTABLEM1,3,{axes}\n,{points},ENDT\n"
+    read = deck("SOL 103\nCEND\nTEMP = 4\nBEGIN BULK\n" + SQUARE + cards + "ENDDATA\n")
+    assert len(read.left_out) == (expected is None)
+    assert read.properties["pshell_7"].material.youngs_modulus == pytest.approx(expected or 2.1e11)
+
+
 def test_supports_in_local_axes(deck):
     read = deck("CORD2C,3,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nGRID,60,,3.,4.,0.,3\nSPC1,1,2,60\n" + SQUARE)
     (terms,) = read.held

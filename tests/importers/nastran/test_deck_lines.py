@@ -206,7 +206,11 @@ def test_warping_acts_through_its_scalar_points(deck):
     [
         ("CBAR,1,4,1,2,1.,0.,0.\nPBARL,4,5,,NEW\n,1.\n", "CBAR", "its section NEW is not read"),
         ("CBAR,1,4,1,2,1.,0.,0.\nPBARL,4,5,,BOX\n,1.,1.,.6,.1\n", "CBAR", "do not make a section BOX"),
-        ("CBAR,1,4,1,2,1.,0.,0.\nPBCOMP,4,5,1.\n", "CBAR", "their property 4 is not supported"),
+        (
+            "CBAR,1,4,1,2,1.,0.,0.\nPBCOMP,4,5,1.\n",
+            "CBAR",
+            "their property 4 is not defined or not supported",
+        ),
         ("CROD,1,4,1,2\nPROD,4,6,1.\n", "CROD", "its material 6 is not defined"),
         ("CONROD,1,1,2,6,1.\n", "CONROD", "its material 6 is not defined"),
         ("CBEND,1,4,1,2,1.,0.,0.,3\nPBEND,4,5,1.,1.,1.,1.\n", "CBEND", "their arc"),

@@ -173,6 +173,20 @@ def _column(cards: Sequence[BulkCard], place: int) -> list[str]:
     return [card.fields[place] if place < len(card.fields) else "" for card in cards]
 
 
+def by_id(cards: Sequence[BulkCard], what: str) -> dict[int, BulkCard]:
+    """Cards by the id in their first field; ImportFormatError if cards with the same id differ."""
+    found: dict[int, BulkCard] = {}
+    for card in cards:
+        number = card.integer(0, f"the {what} id")
+        first = found.setdefault(number, card)
+        if first is not card and not card.same_as(first):
+            raise card.error(
+                f"{what} {number} is defined a second time and differs from that of line {first.line}; "
+                "renumber or remove it"
+            )
+    return found
+
+
 def bulk_real(word: str) -> float:
     """A number as Nastran writes it: 1.5, 1.5E3, 1.5D3 or 1.5+3; ValueError for anything else."""
     if not is_plain(word):

@@ -24,7 +24,7 @@ from supple.importers.nastran.cells import (
 from supple.importers.nastran.deck_reading import DeckReading, final_freedoms, left_out_by_card
 from supple.importers.nastran.grids import COORDINATE_CARDS, read_grids
 from supple.importers.nastran.line_properties import BEAM_PROPERTY_CARDS, ROD_PROPERTY_CARDS
-from supple.importers.nastran.lines import BEAM_CARDS, ROD_CARDS, read_beams, read_rods
+from supple.importers.nastran.lines import BEAM_CARDS, ROD_CARDS, beams_filled, read_beams, read_rods
 from supple.importers.nastran.materials import MATERIAL_CARDS, Materials
 from supple.importers.nastran.nonstructural_mass import NSM_CARDS, read_added_mass
 from supple.importers.nastran.partition import PARTITION_CARDS, partitioned
@@ -306,7 +306,7 @@ def start_reading(file: BulkFile, whole: BulkFile) -> DeckReading:
 
     whole : the main file; its case control and PARAM cards also apply to a superelement `file`
     """
-    file = _elements_once(file)
+    file = beams_filled(_elements_once(file))
     parameters = _parameters([*whole.named("PARAM"), *(file.named("PARAM") if file is not whole else [])])
     reading = DeckReading(
         file,

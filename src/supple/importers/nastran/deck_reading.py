@@ -135,7 +135,7 @@ class DeckReading:
                     self.note(f"{command} sets {', '.join(map(str, sorted(sets)))} are not applied: {why}.")
                 if command != "SPC" and not self.case.present:  # joints of the machine replace supports
                     for card in self.file.named(command, f"{command}1", f"{command}L", f"{command}L1"):
-                        self.leave_out(card, "left out: no case control chooses one of its sets")
+                        self.leave_out(card, "left out: the file has no case control that selects a set")
                 return set()
             return set(sets)
         if command in self.case.varied:

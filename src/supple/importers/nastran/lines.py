@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.importers.deck import BeamProperty, DeckElements, Property
-from supple.importers.nastran.bulk_data import BulkCard
-from supple.importers.nastran.cells import Properties, by_id, grids_named
+from supple.importers.nastran.bulk_data import BulkCard, BulkFile, by_id
+from supple.importers.nastran.cells import Properties, grids_named
 from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.line_properties import (
     BEAM_PROPERTY_CARDS,
@@ -25,7 +25,7 @@ from supple.importers.nastran.materials import Materials
 from supple.importers.plain_number import is_plain_digits
 from supple.mesh import CellType
 
-__all__ = ["BEAM_CARDS", "ROD_CARDS", "read_beams", "read_rods"]
+__all__ = ["BEAM_CARDS", "ROD_CARDS", "beams_filled", "read_beams", "read_rods"]
 
 FloatArray = NDArray[np.float64]
 
@@ -118,10 +118,8 @@ def read_beams(
 ) -> tuple[list[DeckElements], dict[str, Property]]:
     """Cells and properties of CBAR and CBEAM, and of CBEND as straight pieces of an arc."""
     properties = Properties(by_id(reading.file.named(*BEAM_PROPERTY_CARDS), "property"))
-    defaults = {name: next(iter(reading.file.named(of)), None) for name, of in _DEFAULTS.items()}
     groups: dict[tuple[str, str], _Lines] = {}
-    for given in reading.file.named(*BEAM_CARDS):
-        card = _filled(given, defaults.get(given.name))
+    for card in reading.file.named(*BEAM_CARDS):
         element = card.integer(0, "the element id")
         number, nsm = card.integer(1, "the property id", element), added.get(element, 0.0)
         ends = grids_named([card], reading, 2, 2)[0].tolist()
@@ -145,8 +143,16 @@ def read_beams(
     return [lines.elements(name, of) for (name, of), lines in groups.items()], properties.found
 
 
+def beams_filled(file: BulkFile) -> BulkFile:
+    """The file with the blank fields of its beams filled from BAROR and BEAMOR."""
+    defaults = {name: next(iter(file.named(of)), None) for name, of in _DEFAULTS.items()}
+    if not any(defaults.values()):
+        return file
+    return replace(file, cards=tuple(_filled(card, defaults.get(card.name)) for card in file.cards))
+
+
 def _filled(card: BulkCard, default: BulkCard | None) -> BulkCard:
-    """A beam with its blank fields filled from BAROR or BEAMOR."""
+    """A card with its blank fields filled from BAROR or BEAMOR, if there is one for it."""
     if default is None:
         return card
     fields = list(card.fields) + [""] * (8 - len(card.fields))
