@@ -227,10 +227,15 @@ def _curved(
     """Add a curved beam as straight pieces between nodes on its arc; the pieces have the mass of the arc."""
     start, end = reading.grids.positions[ends]
     known = properties.cards.get(number)
-    centre = None if known is None else _centre(card, known, start, end, ends[0], reading)
-    if centre is None or not np.isfinite(centre).all():
-        reading.leave_out(card, "elements left out: their arc (GEOM, RB, THETAB) or property is not defined")
+    arc = None if known is None else _arc(card, known, start, end, ends[0], reading)
+    if arc is None or not np.isfinite(arc).all():
+        reading.leave_out(
+            card,
+            "elements left out: their arc (GEOM, RB, THETAB) or property is not defined, or the arc is over "
+            "180 degrees",
+        )
         return
+    centre, tangent = arc
     a, b = start - centre, end - centre
     radius = float(np.linalg.norm(a))
     angle = atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
@@ -247,10 +252,8 @@ def _curved(
     if why:
         reading.leave_out(card, f"elements left out: {why}")
         return
-    across = b - (b @ a) / radius**2 * a
-    across *= radius / np.linalg.norm(across)
     angles = angle * np.arange(pieces + 1) / pieces
-    arms = np.cos(angles)[:, None] * a + np.sin(angles)[:, None] * across
+    arms = np.cos(angles)[:, None] * a + np.sin(angles)[:, None] * radius * tangent
     nodes = [ends[0], *(reading.add_node(centre + arm) for arm in arms[1:-1]), ends[1]]
     lines = groups.setdefault((card.name, of), _Lines())
     for i in range(pieces):
@@ -261,28 +264,36 @@ def _curved(
     )
 
 
-def _centre(
+def _arc(
     card: BulkCard, known: BulkCard, start: FloatArray, end: FloatArray, node: int, reading: DeckReading
-) -> FloatArray | None:
-    """Centre of the arc of a CBEND; None if its data do not define one.
+) -> tuple[FloatArray, FloatArray] | None:
+    """Centre and unit tangent at GA of the arc of a CBEND; None if its data define no arc up to 180 degrees.
 
-    GEOM 1: it lies on the line of the vector through GA;  2: the vector is the tangent at GA;  3: radius RB;
-    4: angle THETAB. For 3 and 4, centre and vector are on opposite sides of the chord.
+    GEOM 1: the centre lies on the line of the vector through GA;  2: the vector is the tangent at GA;
+    3: radius RB;  4: angle THETAB. For 3 and 4, centre and vector are on opposite sides of the chord.
     """
     geometry = card.integer(7, "GEOM", 1)
     vector, chord = _vector(card, node, start, reading, basic=False), end - start
     length = float(np.linalg.norm(chord))
+    least, along = 1e-9 * length, float(vector @ chord)
+    if not length > 0:
+        return None
     if geometry in (1, 2):
-        towards = vector if geometry == 1 else chord - (chord @ vector) * vector
-        along = float(towards @ chord)
-        if abs(along) < 1e-9 * length * np.linalg.norm(towards):
+        across = chord - along * vector
+        size = float(np.linalg.norm(across))
+        if size <= least or (abs(along) <= least if geometry == 1 else along < -least):
             return None
-        return start + towards * (chord @ chord) / (2 * along)
+        if geometry == 1:
+            return start + vector * (chord @ chord) / (2 * along), across / size
+        return start + across * (chord @ chord) / (2 * size * size), vector
+    side = vector - along / length * (chord / length)
+    size = float(np.linalg.norm(side))
     radius = known.real(6, "RB", 0.0)
     if geometry == 4:
-        half = np.radians(known.real(7, "THETAB", 0.0)) / 2
-        radius = length / 2 / sin(half) if half > 0 else 0.0
-    if radius <= length / 2:
+        angle = np.radians(known.real(7, "THETAB", 0.0))
+        radius = length / 2 / sin(angle / 2) if 0 < angle <= pi else 0.0
+    if size <= 1e-9 or radius < length / 2 - least:
         return None
-    side = vector - (vector @ chord) / length**2 * chord
-    return start + chord / 2 - side / np.linalg.norm(side) * sqrt(radius**2 - length**2 / 4)
+    depth = sqrt(max(radius * radius - length * length / 4, 0.0))
+    tangent = depth * chord / length + length / 2 * side / size
+    return start + chord / 2 - side / size * depth, tangent / np.linalg.norm(tangent)
