@@ -107,15 +107,22 @@ def test_a_file_that_is_not_there_is_left_out(deck):
     assert "names grid 99" in bare.notes[0]
 
 
-def test_a_file_of_case_control_that_is_not_there(deck):
+def test_a_file_of_case_control_that_is_not_there(deck, tmp_path):
     """It may select sets; one of executive control, above CEND, selects none. Errors stay errors."""
     cards = "MPC,5,10,1,1.,20,1,-1.\n"
     (left,) = deck("CEND\nINCLUDE 'case.inc'\nBEGIN BULK\n" + SQUARE + cards + "ENDDATA\n").left_out
     assert (left.card, left.line) == ("INCLUDE", 2)
     assert "case.inc: the sets that case control selects in it are not known" in left.meaning
+    (tmp_path / "there.inc").write_text("INCLUDE 'case.inc'\n")
+    (nested,) = deck("CEND\nINCLUDE 'there.inc'\nBEGIN BULK\n" + SQUARE + "ENDDATA\n").left_out
+    assert nested.meaning == left.meaning
     with pytest.raises(ImportFormatError, match="names grid 99"):
         deck("CEND\nINCLUDE 'case.inc'\nBEGIN BULK\n" + SQUARE + "CTRIA3,3,7,10,20,99\nENDDATA\n")
     assert not deck("SOL 103\nINCLUDE 'a.dmap'\nCEND\nBEGIN BULK\n" + SQUARE + "ENDDATA\n").left_out
+    parts = (
+        "BEGIN BULK\nINCLUDE 'cards.inc'\n" + SQUARE + "BEGIN SUPER=2\n" + SQUARE + "ENDDATA\nINCLUDE 'z'\n"
+    )
+    assert [each.meaning[-22:] for each in deck(parts).left_out] == ["its cards are not read"]
 
 
 def test_a_file_without_grids_has_its_table(deck):

@@ -37,6 +37,9 @@ MOST_REPETITIONS = 10**6
 
 RawLine = tuple[Path, int, str]
 
+# Start of a line in place of a missing included file.
+_MISSING = "INCLUDE "
+
 
 class BulkCard(NamedTuple):
     """A card with its data fields as written: `fields[0]` is Nastran's field 2; a row has eight data fields.
@@ -426,9 +429,9 @@ def _sections(
 ) -> tuple[list[RawLine], list[tuple[str, str, list[RawLine]]], bool]:
     """Lines above the cards; kind, name and lines of each section of cards; whether the file has ENDDATA."""
     inclusions = Inclusions("export the model as text (.bdf)")
-    lines = _expanded(path, path.parent, inclusions.lines(path), inclusions, absent, 0)
+    lines = _expanded(path, path.parent, inclusions.lines(path), inclusions, 0)
     last = next((i for i, (_, _, text) in enumerate(lines) if _END.match(text)), len(lines))
-    ended, lines = last < len(lines), lines[:last]
+    ended, lines = last < len(lines), _present(lines[:last], inclusions, absent)
     starts = [i for i, (_, _, text) in enumerate(lines) if _BEGIN.match(text)]
     above = lines[: starts[0]] if starts else []
     found: list[tuple[str, str, list[RawLine]]] = []
@@ -447,10 +450,9 @@ def _expanded(
     main: Path,
     read: list[str],
     inclusions: Inclusions,
-    absent: list[BulkCard] | None,
     depth: int,
 ) -> list[RawLine]:
-    """Lines without comments and blank lines, with included files inserted."""
+    """Lines without comments and blank lines, with included files; `_MISSING` marks a missing one."""
     found: list[RawLine] = []
     lines = enumerate(read, start=1)
     for number, line in lines:
@@ -469,16 +471,29 @@ def _expanded(
             _, more = next(lines, (0, name[0]))
             name += more.strip()
         target = included_file(name.strip("'\" "), path.parent, main)
-        if not is_file(target) and any(_BEGIN.match(later) for later in read[number:]):
-            if absent is not None and not any(_CEND.match(later) for later in read[number:]):
-                absent.append(BulkCard("INCLUDE", (str(target), "CASE"), path, number))
-            continue
-        if absent is not None and not is_file(target):
-            absent.append(BulkCard("INCLUDE", (str(target),), path, number))
-            continue
-        below = inclusions.included(path, number, target, depth + 1)
-        found += _expanded(target, main, below, inclusions, absent, depth + 1)
+        if is_file(target):
+            below = inclusions.included(path, number, target, depth + 1)
+            found += _expanded(target, main, below, inclusions, depth + 1)
+        else:
+            found.append((path, number, f"{_MISSING}{target}"))
     return found
+
+
+def _present(lines: list[RawLine], inclusions: Inclusions, absent: list[BulkCard] | None) -> list[RawLine]:
+    """The lines without missing files, which are added to `absent` or are errors, as in `read_bulk_data`."""
+    begin = next((i for i, (_, _, text) in enumerate(lines) if _BEGIN.match(text)), 0)
+    cend = next((i for i, (_, _, text) in enumerate(lines[:begin]) if _CEND.match(text)), 0)
+    kept: list[RawLine] = []
+    for place, (file, number, text) in enumerate(lines):
+        target = text.removeprefix(_MISSING)
+        if target == text:
+            kept.append((file, number, text))
+        elif place >= begin and absent is None:
+            inclusions.included(file, number, Path(target), 1)  # raises
+        elif absent is not None and place >= cend:
+            fields = (target,) if place >= begin else (target, "CASE")
+            absent.append(BulkCard("INCLUDE", fields, file, number))
+    return kept
 
 
 def _error(path: Path, number: int, message: str) -> ImportFormatError:
