@@ -24,6 +24,15 @@ def test_stiffness_and_mass_are_read_back(model, tmp_path):
         assert read.matrix.toarray() == pytest.approx(expected.toarray(), abs=1e-9 * abs(expected).max())
 
 
+def test_numbers_fill_their_columns_at_most(tmp_path):
+    K = np.array(
+        [[1.0, -1.23456789e-100, 0], [-1.23456789e-100, 1.23456789e-100, 0], [0, 0, -1.23456789e100]]
+    )
+    path = write_dmig_punch(tmp_path / "small.pch", [7], 3, KAAX=K)
+    assert max(map(len, path.read_text().splitlines())) == 56
+    np.testing.assert_allclose(read_dmig(path, MatrixRole.STIFFNESS).matrix.toarray(), K, rtol=1e-8)
+
+
 def test_matrices_that_no_dmig_holds_are_refused(model, tmp_path):
     ids = np.arange(model.mesh.n_nodes)
     skew = np.triu(np.ones((model.n_dofs,) * 2))

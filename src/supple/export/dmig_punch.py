@@ -19,6 +19,7 @@ from scipy import sparse
 
 from supple.errors import ModelError
 from supple.export.ascii_file import write_ascii
+from supple.importers.plain_number import in_sixteen_columns
 
 __all__ = ["dmig_cards", "write_dmig_punch"]
 
@@ -68,6 +69,6 @@ def dmig_cards(freedoms: ArrayLike, matrices: Mapping[str, Any]) -> list[str]:
             lines.append(f"DMIG*   {name:<16}{labels[j, 0]:16d}{labels[j, 1]:16d}")
             for at in range(lower.indptr[j], lower.indptr[j + 1]):
                 i, value = lower.indices[at], lower.data[at]
-                number = f"{value:.9E}".replace("E", "D")
-                lines.append(f"*       {labels[i, 0]:16d}{labels[i, 1]:16d}{number:>16}")
+                number = in_sixteen_columns(value).replace("E", "D")
+                lines.append(f"*       {labels[i, 0]:16d}{labels[i, 1]:16d}{number}")
     return lines

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
 from supple.importers.plain_number import is_plain
-from supple.importers.text_file import file_lines
+from supple.importers.text_file import file_lines, is_file
 
 FloatArray = NDArray[np.float64]
 
@@ -91,6 +91,24 @@ def read_csv_table(
             raise ImportFormatError(f"{path}, line {number}: {len(row)} values for {len(headings)} columns")
     body = list(zip(*rows[1:], strict=True)) or [()] * len(headings)
     return CsvTable(path, dict(zip(headings, body, strict=True)), tuple(number for number, _ in kept[1:]))
+
+
+def named_csv_file(
+    folder: Path | Traversable, name: str, table: CsvTable, row: int, what: str
+) -> Path | Traversable:
+    """The file `name.csv` of a folder, which a row of a table names; ImportFormatError without it.
+
+    what : kind of the file for messages
+    """
+    file = folder / f"{name}.csv"
+    if "/" not in name and is_file(file):
+        return file
+    where = f"{table.path}, line {table.lines[row]}: unknown {what} '{name}'"
+    try:
+        there = sorted(entry.name[:-4] for entry in folder.iterdir() if entry.name.endswith(".csv"))
+    except (OSError, ValueError) as error:
+        raise ImportFormatError(f"{where}; there is no folder {folder}: correct its name") from error
+    raise ImportFormatError(f"{where}; {folder} has {', '.join(there) or 'no .csv files'}")
 
 
 def _words(path: Path | Traversable, number: int, line: str) -> tuple[str, ...]:

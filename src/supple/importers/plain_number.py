@@ -1,4 +1,4 @@
-"""Numbers of files, written in the digits 0 to 9 only.
+"""Numbers in files, written in the digits 0 to 9 only.
 
 Python also accepts 1_000, digits of other scripts, nan, infinity and integers of any length.
 """
@@ -12,6 +12,12 @@ LARGEST_INTEGER = 2**63 - 1
 
 _LONGEST_INTEGER = 20
 """Largest number of characters of an integer; longer words, which take long to convert, are rejected."""
+
+
+def in_sixteen_columns(value: float) -> str:
+    """A number in 16 characters: nine decimals; eight if it is negative with an exponent of three digits."""
+    word = f"{value:16.9E}"
+    return word if len(word) == 16 else f"{value:16.8E}"
 
 
 def is_plain(text: str) -> bool:

@@ -324,6 +324,11 @@ POINTS = {
 }  # fmt: skip
 
 
+def test_a_pipe_with_a_wall_thicker_than_its_radius_is_none():
+    assert beam_shape("PIPE", [0.1, 0.12]) is None
+    assert beam_shape("PIPE", [0.1, 0.1]).area == pytest.approx(np.pi * 0.01)
+
+
 @pytest.mark.parametrize("kind", POINTS)
 def test_sections_of_beams_beside_sums_over_their_points(kind):
     dimensions, inside, (y0, y1, z0, z1) = POINTS[kind]

@@ -368,7 +368,7 @@ def test_directions_of_a_material(deck):
         ("PSHELL,9,5,.1,-1\n", "plane strain"),
         ("PSHELL,9,5\n", "its property has no thickness"),
         ("PSHELL,9\n", "its property names no material"),
-        ("PSHELL,8,5,.1\n", "their property 9 is not supported"),
+        ("PSHELL,8,5,.1\n", "their property 9 is not defined or not supported"),
         ("PCOMP,9\n", "its property has no plies"),
         ("PCOMP,9,,,,,,,SMCORE\n,5,.1\n", "LAM = SMCORE"),
         ("PCOMP,9,,,,,,,OTHER\n,5,.1\n", "the option LAM = OTHER"),

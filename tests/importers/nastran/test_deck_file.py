@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from supple.body import deck_frequencies
 from supple.errors import ImportFormatError
 from supple.importers.deck import LeftOut
 
@@ -27,6 +28,12 @@ def held(read):
     (terms,) = read.held
     assert set(terms.factors) <= {1.0}
     return {(int(read.node_ids[f // 6]), int(f % 6) + 1) for f in terms.freedoms}
+
+
+def scalar_points(read, freedoms):
+    """Ids of the scalar points among some freedoms of a deck."""
+    n = len(read.node_ids)
+    return [int(read.scalar_points[f // 6 - n]) for f in freedoms if f >= 6 * n]
 
 
 # --- the table
@@ -58,11 +65,25 @@ def test_cards_that_describe_no_body(deck, name):
     assert not read.left_out
 
 
-@pytest.mark.parametrize("name", ["CGAP", "CFAST", "BGSET", "GENEL", "MATS1", "CSUPER"])
+@pytest.mark.parametrize("name", ["CGAP", "CFAST", "BGSET", "GENEL", "MATS1", "CSUPER", "CYSYM", "CYJOIN"])
 def test_cards_that_would_change_the_body(deck, name):
     (left,) = deck(SQUARE + f"{name},1,2,3\n").left_out
     assert left.card == name
     assert len(left.meaning) > 5
+
+
+@pytest.mark.parametrize(
+    ("card", "glues"),
+    [
+        ("BCONPRG,1,,IGLUE,1\n", True),
+        ("BCONPRG,1,,FRIC,1.,,,,\n,IGLUE,0\n", False),
+        ("BCTABLE,1,,,1\n,SLAVE,5,,,,,1\n,MASTERS,6\n", True),
+        ("BCTABLE,1,,,1\n,SLAVE,5,,,,,0\n,MASTERS,6\n", False),
+        ("BCTABL1,1,1\nBCONECT,1\n", False),
+    ],
+)
+def test_contact_that_glues_joins_parts(deck, card, glues):
+    assert [each.card for each in deck(SQUARE + card).left_out] == [card.split(",")[0]] * glues
 
 
 @pytest.mark.parametrize("name", ["PELAST", "PBRSECT", "PGAP", "PBCOMP"])
@@ -84,6 +105,24 @@ def test_a_file_that_is_not_there_is_left_out(deck):
     assert bare.read["GRID"] == 4
     assert not len(bare.nodes)
     assert "names grid 99" in bare.notes[0]
+
+
+def test_a_file_of_case_control_that_is_not_there(deck, tmp_path):
+    """It may select sets; one of executive control, above CEND, selects none. Errors stay errors."""
+    cards = "MPC,5,10,1,1.,20,1,-1.\n"
+    (left,) = deck("CEND\nINCLUDE 'case.inc'\nBEGIN BULK\n" + SQUARE + cards + "ENDDATA\n").left_out
+    assert (left.card, left.line) == ("INCLUDE", 2)
+    assert "case.inc: the sets that case control selects in it are not known" in left.meaning
+    (tmp_path / "there.inc").write_text("INCLUDE 'case.inc'\n")
+    (nested,) = deck("CEND\nINCLUDE 'there.inc'\nBEGIN BULK\n" + SQUARE + "ENDDATA\n").left_out
+    assert nested.meaning == left.meaning
+    with pytest.raises(ImportFormatError, match="names grid 99"):
+        deck("CEND\nINCLUDE 'case.inc'\nBEGIN BULK\n" + SQUARE + "CTRIA3,3,7,10,20,99\nENDDATA\n")
+    assert not deck("SOL 103\nINCLUDE 'a.dmap'\nCEND\nBEGIN BULK\n" + SQUARE + "ENDDATA\n").left_out
+    parts = (
+        "BEGIN BULK\nINCLUDE 'cards.inc'\n" + SQUARE + "BEGIN SUPER=2\n" + SQUARE + "ENDDATA\nINCLUDE 'z'\n"
+    )
+    assert [each.meaning[-22:] for each in deck(parts).left_out] == ["its cards are not read"]
 
 
 def test_a_file_without_grids_has_its_table(deck):
@@ -177,6 +216,24 @@ def test_materials_at_a_temperature(deck, command, modulus, left):
     assert not deck(control + SQUARE + "MATT1,5,,,,,3\nENDDATA\n").left_out
 
 
+@pytest.mark.parametrize(
+    ("axes", "points", "expected"),
+    [
+        ("", "10.,2.+11,1000.,1.+11", 2e11 - 1e11 * 90 / 990),
+        ("LOG", "10.,2.+11,1000.,1.+11", 1.5e11),
+        ("LOG", "1000.,1.+11,10.,2.+11", 1.5e11),
+        ("LOG,LOG", "10.,4.+11,1000.,1.+11", 2e11),
+        ("LOG", "0.,4.+11,1000.,1.+11", None),
+    ],
+)
+def test_tables_of_materials(deck, axes, points, expected):
+    """At 100 degrees, with linear and logarithmic axes, ascending or descending."""
+    cards = f"TEMPD,4,100.\nMATT1,5,3\nTABLEM1,3,{axes}\n,{points},ENDT\n"
+    read = deck("SOL 103\nCEND\nTEMP = 4\nBEGIN BULK\n" + SQUARE + cards + "ENDDATA\n")
+    assert len(read.left_out) == (expected is None)
+    assert read.properties["pshell_7"].material.youngs_modulus == pytest.approx(expected or 2.1e11)
+
+
 def test_supports_in_local_axes(deck):
     read = deck("CORD2C,3,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nGRID,60,,3.,4.,0.,3\nSPC1,1,2,60\n" + SQUARE)
     (terms,) = read.held
@@ -187,6 +244,19 @@ def test_supports_in_local_axes(deck):
 def test_analysis_set(deck):
     read = deck(SQUARE + "ASET1,123,10,THRU,25\nASET,40,3\n")
     assert sorted(read.node_ids[read.node_sets["aset"]]) == [10, 20, 40]
+
+
+def test_supports_of_scalar_points(deck):
+    """Those of the selected set only, also of a range; a range with components has grids only."""
+    control = "SOL 103\nCEND\nSPC = 1\nBEGIN BULK\n"
+    points = "SPOINT,101,THRU,103\nSPOINT,15\n"
+    for support in ("SPC1,2,0,101\n", "SPC,2,101,0\n"):
+        assert not deck(control + SQUARE + points + support + "ENDDATA\n").held
+    for support, ids in (("SPC1,1,0,101,THRU,102\n", [101, 102]), ("SPC,1,103,0\n", [103])):
+        read = deck(control + SQUARE + points + support + "ENDDATA\n")
+        assert scalar_points(read, read.held[0].freedoms) == ids
+    read = deck(control + SQUARE + points + "SPC1,1,3,10,THRU,20\nENDDATA\n")
+    assert read.held[0].freedoms.tolist() == [2, 8]
 
 
 def test_a_wrong_analysis_set_is_noted(deck):
@@ -220,6 +290,39 @@ def test_matrices_beside_elements(deck):
     assert "K2PP = KADD" in direct.left_out[0].meaning
     (absent,) = deck(control + SQUARE + cards.replace("KADD", "KSUM") + "ENDDATA\n").left_out
     assert (absent.card, absent.meaning) == ("K2GG", "case control adds KADD, and the file has no such DMIG")
+
+
+def test_a_matrix_with_scalar_points(deck):
+    """They are numbered after the nodes, as those of springs, also beside a superelement."""
+    control = "SOL 103\nCEND\nK2GG = K\nBEGIN BULK\n"
+    cards = "SPOINT,101\nDMIG,K,0,6,2,0\nDMIG,K,10,3,,10,3,2.\n,101,,-2.\nDMIG,K,101,,,101,,2.\n"
+    read = deck(control + SQUARE + cards + "ENDDATA\n")
+    (K,) = read.stiffnesses
+    assert K.freedoms.tolist() == [2, 6 * 4]
+    np.testing.assert_array_equal(K.values, [[2, -2], [-2, 2]])
+    assert "K also acts on scalar points, which a free body omits" in read.left_out[0].meaning
+    same = deck(SQUARE + "SPOINT,101\nCELAS2,9,2.,10,3,101\nENDDATA\n")
+    np.testing.assert_allclose(
+        *(deck_frequencies(each, 6, held=True) for each in (read, same)), rtol=1e-9, atol=1e-3
+    )
+    parts = deck(control + SQUARE + cards + "CELAS2,9,2.,10,3,101\nSESET,1,20\nENDDATA\n").superelements
+    (K,), (terms,) = parts["super_0"].stiffnesses, parts["super_0"].springs
+    n = len(parts["super_0"].node_ids)
+    assert K.freedoms.tolist() == terms.freedoms.tolist() == [2, 6 * n]
+    joined = deck(control + SQUARE + cards + "BEGIN SUPER=2\n" + SQUARE + "ENDDATA\n")
+    assert joined.stiffnesses[0].freedoms.tolist() == [2, 6 * 4]
+    assert [each.card for each in joined.left_out] == ["DMIG"]
+
+
+def test_a_symmetric_matrix_has_one_triangle(deck):
+    control = "SOL 103\nCEND\nK2GG = K\nBEGIN BULK\n"
+    cards = "DMIG,K,0,6,1\nDMIG,K,10,1,,20,1,-2.\nDMIG,K,20,1,,10,1,-2.\nENDDATA\n"
+    with pytest.raises(
+        ImportFormatError, match=r"line 15: DMIG: K has form 6 .* points 10 and 20 is on both"
+    ):
+        deck(control + SQUARE + cards)
+    (K,) = deck(control + SQUARE + cards.replace("0,6", "0,1")).stiffnesses
+    np.testing.assert_array_equal(K.values, [[0, -2], [-2, 0]])
 
 
 # --- parameters

@@ -181,6 +181,24 @@ def test_a_quarter_of_a_circle(deck, words, bend):
     assert np.abs(found.directions[:, 2]).max() < 1e-12
 
 
+@pytest.mark.parametrize(("geometry", "words"), [(2, ""), (3, "1."), (4, ",180.")])
+def test_half_a_circle(deck, geometry, words):
+    """The ends do not give its plane, but the vector does."""
+    text = "GRID,1,,0.,0.,0.\nGRID,2,,2.,0.,0.\n" + MATERIAL + f"PBEND,4,5,.01,2.-5,1.-5,3.-5,{words}\n"
+    read = deck(text + f"CBEND,1,4,1,2,0.,0.,1.,{geometry}\n")
+    assert len(read.elements[0].nodes) == 32
+    np.testing.assert_allclose(np.linalg.norm(read.nodes - [1, 0, 0], axis=1), 1.0)
+    assert read.nodes[:, 1] == pytest.approx(0)
+    assert (read.nodes[2:, 2] > 0).all()
+
+
+def test_offsets_of_a_curved_beam_are_left_out(deck):
+    text = GRIDS + MATERIAL + "CBEND,1,4,1,2,1.,0.,0.,4\n"
+    for bend in ("1,.1,.02,,,90.\n,,,,.1\n", ".01,2.-5,1.-5,3.-5,,90.\n,,,,,,,,\n,,,,.1\n"):
+        (left,) = deck(text + f"PBEND,4,5,{bend}").left_out
+        assert left.meaning.startswith("the offsets RC, ZC")
+
+
 def test_a_bent_pipe_is_a_tube(deck):
     text = "GRID,1,,0.,0.,0.\nGRID,2,,3.,3.,0.\n" + MATERIAL
     read = deck(text + "CBEND,1,4,1,2,0.,3.,0.,1\nPBEND,4,5,1,.1,.02\n")
@@ -206,10 +224,25 @@ def test_warping_acts_through_its_scalar_points(deck):
     [
         ("CBAR,1,4,1,2,1.,0.,0.\nPBARL,4,5,,NEW\n,1.\n", "CBAR", "its section NEW is not read"),
         ("CBAR,1,4,1,2,1.,0.,0.\nPBARL,4,5,,BOX\n,1.,1.,.6,.1\n", "CBAR", "do not make a section BOX"),
-        ("CBAR,1,4,1,2,1.,0.,0.\nPBCOMP,4,5,1.\n", "CBAR", "their property 4 is not supported"),
+        (
+            "CBAR,1,4,1,2,1.,0.,0.\nPBCOMP,4,5,1.\n",
+            "CBAR",
+            "their property 4 is not defined or not supported",
+        ),
         ("CROD,1,4,1,2\nPROD,4,6,1.\n", "CROD", "its material 6 is not defined"),
         ("CONROD,1,1,2,6,1.\n", "CONROD", "its material 6 is not defined"),
         ("CBEND,1,4,1,2,1.,0.,0.,3\nPBEND,4,5,1.,1.,1.,1.\n", "CBEND", "their arc"),
+        ("CBEND,1,4,1,2,1.,0.,0.,4\nPBEND,4,5,1.,1.,1.,1.,,270.\n", "CBEND", "over 180 degrees"),
+        ("CBEND,1,4,1,2,0.,1.,1.,2\nPBEND,4,5,1.,1.,1.,1.\n", "CBEND", "over 180 degrees"),
+        ("CBEND,1,4,1,2,0.,0.,1.,1\nPBEND,4,5,1.,1.,1.,1.\n", "CBEND", "their arc"),
+        (
+            "CBEND,1,4,1,2,1.,0.,0.,4\nPBEND,4,5,1,1.,3.,,,90.\n",
+            "CBEND",
+            "RM = 1 and thickness T = 3 do not make a pipe",
+        ),
+        ("CBAR,1,4,1,2,1.,0.,0.\nPBARL,4,5,,TUBE2\n,1.,1.2\n", "CBAR", "do not make a section TUBE2"),
+        ("CTUBE,1,6,1,2\nPTUBE,6,5,.1,.06\n", "CTUBE", "T = 0.06 is not between 0 and half"),
+        ("CTUBE,1,6,1,2\nPTUBE,6,5,.1,.04,,.05\n", "CTUBE", "T = 0.04 is not between 0 and half"),
         (f"CBEAM,1,4,1,2,1.,0.,0.\n,,,,,,,,\n,77,78\n{WARPING}", "CBEAM", "its warping"),
     ],
 )

@@ -134,6 +134,15 @@ def test_a_viscous_damper(deck):
     np.testing.assert_allclose(C[3:6, 9:12], -3 * np.outer(x, x))
 
 
+def test_a_rigid_direction_of_a_bushing_has_no_stiffness_and_the_others_have_theirs(deck):
+    read = deck(GRIDS + "CBUSH,1,7,1,2,0.,0.,1.\nPBUSH,7,K,RIGID,2.,,,RIGID,6.\n,,B,1.\n")
+    same = deck(GRIDS + "CBUSH,1,7,1,2,0.,0.,1.\nPBUSH,7,K,,2.,,,,6.\n,,B,1.\n")
+    for field in ("springs", "dashpots"):
+        np.testing.assert_array_equal(*(matrix(getattr(each, field), 4) for each in (read, same)))
+    (left,) = read.left_out
+    assert "rigid directions of a CBUSH (K = RIGID) are not read" in left.meaning
+
+
 # --- masses
 
 
@@ -254,6 +263,13 @@ def test_added_mass(deck, cards, quad, triangle, rod):
     assert made["CROD"].mass_per_length == pytest.approx(10 + rod)
 
 
+def test_added_mass_of_bars_with_default_properties(deck):
+    """A blank property of a CBAR is that of BAROR."""
+    bars = "BAROR,,6,,,0.,0.,1.\nCBAR,4,,1,2\nPBAR,6,5,1.,1.,1.,1.\nNSM1,6,PBAR,.5,6\n"
+    read = deck("SOL 103\nCEND\nNSM = 6\nBEGIN BULK\n" + SHELLS + bars + "ENDDATA\n")
+    assert read.properties["pbar_6"].first.mass_per_length == pytest.approx(10 + 0.5)
+
+
 def test_added_mass_that_is_left_out(deck):
     read = deck("SOL 103\nCEND\nNSM = 6\nBEGIN BULK\n" + SHELLS + "NSM1,6,PGAP,1.,ALL\nENDDATA\n")
     assert read.left_out[0].meaning == "left out: mass of PGAP is not read"
@@ -266,6 +282,11 @@ def test_added_mass_that_is_left_out(deck):
         ("CELAS2,1,4.,1,7\n", "line 7: CELAS2: component 7 of grid 1; give 1 to 6"),
         ("CVISC,1,7,1,3\nPVISC,7,2.\n", "line 7: CVISC: its two grids coincide.*use CDAMP"),
         ("CBUSH1D,1,7,1,3\nPBUSH1D,7,2.\n", "line 7: CBUSH1D: its two grids coincide.*give CID"),
+        *(
+            (f"{name},7,1.,,,\n{name},8,1.\n{name},7,2.\n", f"line 9: {name}: property 7 is defined a second")
+            for name in ("PELAS", "PDAMP", "PMASS", "PVISC")
+        ),
+        ("PELAS,7,1.,,,7,2.\n", "line 7: PELAS: property 7 is defined a second time"),
         ("CONM2,1,4,8,2.\n", "line 7: CONM2: names coordinate system 8"),
         ("CSHEAR,1,7,1,1,3,3\nPSHEAR,7,5,.1\nMAT1,5,1.,,.3\n", "line 7: CSHEAR: its area, thickness"),
     ],

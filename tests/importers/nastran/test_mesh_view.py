@@ -6,7 +6,7 @@ import meshio
 import numpy as np
 import pytest
 
-from supple.errors import ImportFormatError, MeshError
+from supple.errors import ImportFormatError, MeshError, SuppleWarning
 from supple.importers import UnusedNodes, read_mesh, read_nastran, read_nodes
 from supple.mesh import CellType, block, strip
 
@@ -127,6 +127,31 @@ def test_an_element_without_volume_is_named_with_its_line(read):
 def test_a_mesh_with_holes_is_refused(read):
     with pytest.raises(ImportFormatError, match="line 6: CTRIA3: 1 elements left out: their property 8"):
         read(SQUARE.replace("CTRIA3,2,7", "CTRIA3,2,8"))
+
+
+@pytest.mark.parametrize(
+    ("cards", "message"),
+    [
+        (
+            "INCLUDE 'rest.bdf'\n",
+            r"line 9: INCLUDE: there is no file .*rest\.bdf: .* may have holes: add the",
+        ),
+        ("CBEAM3,3,9,10,20,30\n", "line 9: CBEAM3: 1 curved beams .*; without them the mesh has holes"),
+        ("CTRIAX6,3,9,10,20,30\n", "line 9: CTRIAX6: 1 axisymmetric solids; without them"),
+        ("SEBULK,4,EXTOP4\n", "SEBULK: superelement 4 is in another file"),
+    ],
+)
+def test_elements_that_are_not_read_are_holes(read, cards, message):
+    part = "BEGIN SUPER=3\n" + SQUARE if cards.startswith("SEBULK") else ""
+    with pytest.raises(ImportFormatError, match=message):
+        read(("BEGIN BULK\n" if part else "") + SQUARE + cards + part)
+
+
+def test_a_mesh_without_its_connections_is_doubtful(read):
+    with pytest.warns(SuppleWarning, match="line 9: CWELD: 1 spot welds: the parts they join"):
+        mesh = read(SQUARE + "CWELD,3,9,10\n")
+    assert len(mesh.cells[CellType.TRIANGLE3]) == 2
+    assert len(read("CEND\nINCLUDE 'case.inc'\nBEGIN BULK\n" + SQUARE).nodes) == 4
 
 
 def test_reference_grids_of_ties_are_no_nodes_of_a_mesh(read):

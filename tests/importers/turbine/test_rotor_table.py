@@ -40,6 +40,8 @@ def test_the_shipped_rotor():
 def test_file_errors(read, tmp_path):
     with pytest.raises(ImportFormatError, match=r"line 3: unknown polar 'bent'; .* has flat"):
         read(f"{HEAD}\n1,0.3,18,flat\n5,0.1,0,bent\n")
+    with pytest.raises(ImportFormatError, match=r"line 2: unknown polar 'flat'; there is no folder .*gone"):
+        read_rotor(tmp_path / "rotor.txt", polars=tmp_path / "gone", n_blades=2)
     with pytest.raises(ImportFormatError, match="no such file"):
         read_polar(tmp_path / "none.csv", name="none")
 

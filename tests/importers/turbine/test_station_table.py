@@ -59,6 +59,12 @@ def test_file_errors(read, rows, message):
         read(f"{HEAD}\n{rows}")
 
 
+def test_a_missing_folder(read, tmp_path):
+    read(f"{HEAD}\n0,diamond,2,9,0.5\n10,diamond,1,0,0.4\n")
+    with pytest.raises(ImportFormatError, match=r"unknown section 'diamond'; there is no folder .*gone"):
+        read_stations(tmp_path / "blade.csv", sections=tmp_path / "gone")
+
+
 def test_unknown_trailing_edge(read):
     with pytest.raises(
         ImportFormatError, match="line 2: trailing edge 'torn'; write one of round, flat, sharp"

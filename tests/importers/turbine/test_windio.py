@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from supple.errors import ImportFormatError, MeshError
+from supple.errors import ImportFormatError, MeshError, SuppleWarning
 from supple.importers.turbine.windio import read_windio_blade
 from supple.mesh import BladeGrid, ShearWebs, loft_blade
 
@@ -39,6 +39,22 @@ def test_thickness_along_the_span_rules_the_blend(tmp_path):
     )
     section = read_windio_blade(_written(tmp_path, text)).sections[2]
     np.testing.assert_allclose(np.ptp(section.heights(X), axis=0).max(), 0.4, rtol=1e-3)
+
+
+def test_different_airfoils_of_one_thickness_are_doubtful(tmp_path):
+    """The blend over the thickness has room for the first only; the same shape again is no matter."""
+    text = (
+        FILES[1]
+        .read_text()
+        .replace("name: thick, spanwise_position: 0.5", "name: other, spanwise_position: 0.5")
+    )
+    other = "  - name: other\n    rthick: 0.6\n"
+    other += "    coordinates: {x: [1.0, 0.5, 0.0, 0.5, 1.0], y: [0.0, 0.4, 0.0, "
+    with pytest.warns(SuppleWarning, match="'thick' and 'other' have the same .* 0.6: only 'thick' is used"):
+        changed = read_windio_blade(_written(tmp_path, text + other + "-0.2, 0.0]}\n"))
+    same = read_windio_blade(_written(tmp_path, text + other.replace("0.4", "0.3") + "-0.3, 0.0]}\n"))
+    for a, b in zip(changed.sections, same.sections, strict=True):
+        np.testing.assert_array_equal(a.heights(X), b.heights(X))
 
 
 def test_normal_offset_moves_the_axis(tmp_path):
@@ -84,6 +100,11 @@ def test_an_imported_blade_can_be_meshed():
             "twist: {grid: [0.0, 1.0]",
             "twist: {grid: [0.1, 1.0]",
             r"outer_shape\.twist is given from 0\.1 to 1, the sections from 0 to 1; extend its grid",
+        ),
+        (
+            "rthick: {grid: [0.0, 0.5",
+            "rthick: {grid: [0.1, 0.5",
+            r"outer_shape\.rthick is given from 0\.1 to 1, the sections from 0 to 1; extend its grid",
         ),
         (
             "values: [18.0, 0.0]",

@@ -61,7 +61,40 @@ def test_static_modes_have_full_rows(tmp_path):
     assert read.frame_modes is None
 
 
+def test_numbers_at_the_limits_of_their_columns(tmp_path):
+    """Ids of eight digits; negative numbers whose exponent has three digits have one decimal less."""
+    modes = np.zeros((2, 1, 6))
+    modes[0, 0] = [-1.23456789e-100, 1.23456789e-100, -1.23456789e100, 1.0, -2.0, 0.0]
+    wrote = FlexibleBodyFile(np.array([99_999_999]), np.eye(3), 7.0, modes, np.ones(2), np.diag([3.0, 4.0]))
+    path = write_flexible_body_file(tmp_path / "small.fxb", wrote)
+    assert max(map(len, path.read_text().splitlines())) == 80
+    read = read_flexible_body_file(path)
+    assert read.node_ids.tolist() == [99_999_999]
+    np.testing.assert_allclose(read.modes, modes, rtol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"node_ids": np.array([100_000_000])}, "node ids from 0 to 99999999; got 100000000"),
+        (
+            {"stiffness": np.array([[3.0, 0.1], [0.1, 4.0]])},
+            "diagonal except for rows and columns of its static",
+        ),
+        ({"stiffness": np.array([[3.0, 0.1], [0.2, 4.0]]), "n_static": 1}, "needs a symmetric stiffness"),
+    ],
+)
+def test_contents_that_no_file_holds_are_refused(changed, message):
+    given = {"node_ids": np.array([1]), "frame": np.eye(3), "highest_frequency": 7.0, "mass": np.ones(2)}
+    given |= {"modes": np.zeros((2, 1, 6)), "stiffness": np.diag([3.0, 4.0])}
+    FlexibleBodyFile(**given)
+    with pytest.raises(ImportFormatError, match=message):
+        FlexibleBodyFile(**given | changed)
+
+
 def test_a_file_that_is_cut_or_spoiled_is_named(tmp_path):
+    with pytest.raises(ImportFormatError, match=r"gone\.fxb: no such file"):
+        read_flexible_body_file(tmp_path / "gone.fxb")
     path = write_flexible_body_file(tmp_path / "box.fxb", flexible_body_file(modal_box()))
     lines = path.read_text().splitlines()
     path.write_text("\n".join(lines[:-3]))

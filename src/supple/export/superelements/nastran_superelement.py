@@ -12,6 +12,7 @@ from supple.export.ascii_file import write_ascii
 from supple.export.dmig_punch import dmig_cards
 from supple.export.superelements.interface_form import InterfaceForm
 from supple.export.superelements.output4 import write_output4
+from supple.importers.plain_number import in_sixteen_columns
 
 __all__ = ["write_dmig_superelement", "write_output4_superelement"]
 
@@ -57,8 +58,7 @@ def _bulk_data(form: InterfaceForm, further: Sequence[str]) -> list[str]:
     n, last = len(form.interfaces), len(form.interfaces) + form.n_modal
     lines = [f"$ {line}" for line in (*form.comment(), *further)]
     for number, (name, place) in enumerate(zip(form.interfaces, form.positions, strict=True), 1):
-        # A field of 16 columns holds ten digits, as in the matrices.
-        x, y, z = (f"{value:.9E}".rjust(16) for value in place)
+        x, y, z = map(in_sixteen_columns, place)
         lines += [f"$ {name}", f"GRID*   {number:<16d}{'':16}{x}{y}", f"*       {z}"]
     lines.append(f"ASET1   123456  1       THRU    {n}" if n > 1 else "ASET1   123456  1")
     if form.n_modal:

@@ -55,8 +55,10 @@ def beam_shape(kind: str, dimensions: list[float]) -> BeamShape | None:
     if maker is None:
         return None
     try:
-        made = maker(*[*dimensions, *n * [0.0]][:n])
+        made: BeamShape | None = maker(*[*dimensions, *n * [0.0]][:n])
     except (OverflowError, ZeroDivisionError):  # inconsistent dimensions
+        return None
+    if made is None:
         return None
     positive = min(made.area, made.Iyy, made.Izz, made.J) > 0
     return made if positive and np.isfinite([made.area, made.Iyy, made.Izz, made.J]).all() else None
@@ -92,7 +94,9 @@ def _circle(r: float) -> BeamShape:
     )
 
 
-def _pipe(r: float, t: float) -> BeamShape:
+def _pipe(r: float, t: float) -> BeamShape | None:
+    if t > r:
+        return None
     inner = r - t
     second = np.pi * (r**4 - inner**4) / 4
     return BeamShape(

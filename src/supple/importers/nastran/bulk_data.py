@@ -23,6 +23,7 @@ FloatArray = NDArray[np.float64]
 
 _CARD_NAME = re.compile(r"[A-Z][A-Z0-9]{0,7}$")
 _EXPONENT_WITHOUT_E = re.compile(r"([+-]?[0-9]*\.?[0-9]*)([+-][0-9]+)$")
+_CEND = re.compile(r"\s*CEND\b", re.IGNORECASE)
 _BEGIN = re.compile(r"\s*BEGIN\b", re.IGNORECASE)
 _PART = re.compile(r"\b([A-Z]+)\s*=\s*(\w+)", re.IGNORECASE)
 _INCLUDE = re.compile(r"\s*INCLUDE\b\s*(.*)", re.IGNORECASE)
@@ -35,6 +36,9 @@ MOST_REPETITIONS = 10**6
 """Largest number n of a replication `=n`; a larger n is an ImportFormatError."""
 
 RawLine = tuple[Path, int, str]
+
+# Start of a line in place of a missing included file.
+_MISSING = "INCLUDE "
 
 
 class BulkCard(NamedTuple):
@@ -172,6 +176,20 @@ def _column(cards: Sequence[BulkCard], place: int) -> list[str]:
     return [card.fields[place] if place < len(card.fields) else "" for card in cards]
 
 
+def by_id(cards: Sequence[BulkCard], what: str) -> dict[int, BulkCard]:
+    """Cards by the id in their first field; ImportFormatError if cards with the same id differ."""
+    found: dict[int, BulkCard] = {}
+    for card in cards:
+        number = card.integer(0, f"the {what} id")
+        first = found.setdefault(number, card)
+        if first is not card and not card.same_as(first):
+            raise card.error(
+                f"{what} {number} is defined a second time and differs from that of line {first.line}; "
+                "renumber or remove it"
+            )
+    return found
+
+
 def bulk_real(word: str) -> float:
     """A number as Nastran writes it: 1.5, 1.5E3, 1.5D3 or 1.5+3; ValueError for anything else."""
     if not is_plain(word):
@@ -199,8 +217,9 @@ def read_bulk_data(path: str | Path, absent: list[BulkCard] | None = None) -> Bu
     replication (=, ==, *(x), =n) are supported. A continuation directly follows the line that it continues;
     with the label of this line, it may stand anywhere.
 
-    absent : list to which INCLUDE lines of missing files are added; if None, missing files are errors.
-             Missing files that executive and case control include are ignored
+    absent : list to which INCLUDE lines of missing files are added, with the second field CASE if they
+             belong to case control; if None, missing files are errors, without those of case control.
+             Missing files of executive control, above CEND, are ignored
 
     Raises
     ------
@@ -410,9 +429,9 @@ def _sections(
 ) -> tuple[list[RawLine], list[tuple[str, str, list[RawLine]]], bool]:
     """Lines above the cards; kind, name and lines of each section of cards; whether the file has ENDDATA."""
     inclusions = Inclusions("export the model as text (.bdf)")
-    lines = _expanded(path, path.parent, inclusions.lines(path), inclusions, absent, 0)
+    lines = _expanded(path, path.parent, inclusions.lines(path), inclusions, 0)
     last = next((i for i, (_, _, text) in enumerate(lines) if _END.match(text)), len(lines))
-    ended, lines = last < len(lines), lines[:last]
+    ended, lines = last < len(lines), _present(lines[:last], inclusions, absent)
     starts = [i for i, (_, _, text) in enumerate(lines) if _BEGIN.match(text)]
     above = lines[: starts[0]] if starts else []
     found: list[tuple[str, str, list[RawLine]]] = []
@@ -431,10 +450,9 @@ def _expanded(
     main: Path,
     read: list[str],
     inclusions: Inclusions,
-    absent: list[BulkCard] | None,
     depth: int,
 ) -> list[RawLine]:
-    """Lines without comments and blank lines, with included files inserted."""
+    """Lines without comments and blank lines, with included files; `_MISSING` marks a missing one."""
     found: list[RawLine] = []
     lines = enumerate(read, start=1)
     for number, line in lines:
@@ -453,14 +471,29 @@ def _expanded(
             _, more = next(lines, (0, name[0]))
             name += more.strip()
         target = included_file(name.strip("'\" "), path.parent, main)
-        if not is_file(target) and any(_BEGIN.match(later) for later in read[number:]):
-            continue  # a missing file of executive or case control
-        if absent is not None and not is_file(target):
-            absent.append(BulkCard("INCLUDE", (str(target),), path, number))
-            continue
-        below = inclusions.included(path, number, target, depth + 1)
-        found += _expanded(target, main, below, inclusions, absent, depth + 1)
+        if is_file(target):
+            below = inclusions.included(path, number, target, depth + 1)
+            found += _expanded(target, main, below, inclusions, depth + 1)
+        else:
+            found.append((path, number, f"{_MISSING}{target}"))
     return found
+
+
+def _present(lines: list[RawLine], inclusions: Inclusions, absent: list[BulkCard] | None) -> list[RawLine]:
+    """The lines without missing files, which are added to `absent` or are errors, as in `read_bulk_data`."""
+    begin = next((i for i, (_, _, text) in enumerate(lines) if _BEGIN.match(text)), 0)
+    cend = next((i for i, (_, _, text) in enumerate(lines[:begin]) if _CEND.match(text)), 0)
+    kept: list[RawLine] = []
+    for place, (file, number, text) in enumerate(lines):
+        target = text.removeprefix(_MISSING)
+        if target == text:
+            kept.append((file, number, text))
+        elif place >= begin and absent is None:
+            inclusions.included(file, number, Path(target), 1)  # raises
+        elif absent is not None and place >= cend:
+            fields = (target,) if place >= begin else (target, "CASE")
+            absent.append(BulkCard("INCLUDE", fields, file, number))
+    return kept
 
 
 def _error(path: Path, number: int, message: str) -> ImportFormatError:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.importers.deck import DeckElements, IsotropicMaterial, Property, ShellProperty, SolidProperty
-from supple.importers.nastran.bulk_data import BulkCard, integer_column
+from supple.importers.nastran.bulk_data import BulkCard, by_id, integer_column
 from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.materials import Materials
 from supple.importers.nastran.walls import WALL_CARDS, WallOptions, read_wall
@@ -118,20 +118,6 @@ def grids_named(cards: Sequence[BulkCard], reading: DeckReading, first: int, cou
     return nodes
 
 
-def by_id(cards: Sequence[BulkCard], what: str) -> dict[int, BulkCard]:
-    """Cards by the id in their first field; ImportFormatError if cards with the same id differ."""
-    found: dict[int, BulkCard] = {}
-    for card in cards:
-        number = card.integer(0, f"the {what} id")
-        first = found.setdefault(number, card)
-        if first is not card and not card.same_as(first):
-            raise card.error(
-                f"{what} {number} is defined a second time and differs from that of line {first.line}; "
-                "renumber or remove it"
-            )
-    return found
-
-
 class Properties:
     """The properties of elements of one kind, each made once and named after its card.
 
@@ -156,7 +142,7 @@ class Properties:
             return known, ""
         card = self.cards.get(number)
         if card is None:
-            return "", f"their property {number} is not supported"
+            return "", f"their property {number} is not defined or not supported"
         try:
             made = make(card)
         except (ArithmeticError, np.linalg.LinAlgError):

@@ -21,10 +21,10 @@ from supple.importers.nastran.cells import (
     read_shells,
     read_solids,
 )
-from supple.importers.nastran.deck_reading import DeckReading, left_out_by_card
+from supple.importers.nastran.deck_reading import DeckReading, final_freedoms, left_out_by_card
 from supple.importers.nastran.grids import COORDINATE_CARDS, read_grids
 from supple.importers.nastran.line_properties import BEAM_PROPERTY_CARDS, ROD_PROPERTY_CARDS
-from supple.importers.nastran.lines import BEAM_CARDS, ROD_CARDS, read_beams, read_rods
+from supple.importers.nastran.lines import BEAM_CARDS, ROD_CARDS, beams_filled, read_beams, read_rods
 from supple.importers.nastran.materials import MATERIAL_CARDS, Materials
 from supple.importers.nastran.nonstructural_mass import NSM_CARDS, read_added_mass
 from supple.importers.nastran.partition import PARTITION_CARDS, partitioned
@@ -39,7 +39,7 @@ from supple.importers.nastran.supports import SUPPORT_CARDS, read_matrices, read
 from supple.importers.nastran.walls import WALL_CARDS
 from supple.importers.nastran.without_effect import has_no_effect
 
-__all__ = ["read_nastran_deck"]
+__all__ = ["CARDS_NOT_READ", "CELLS_NOT_READ", "CONNECTIONS_NOT_READ", "read_nastran_deck"]
 
 IntArray = NDArray[np.int64]
 
@@ -55,18 +55,7 @@ _READ = frozenset(
 _CELLS = (*SOLID_CARDS, *SHELL_CARDS, *BEAM_CARDS, *ROD_CARDS)
 
 # Description, or effect of the omission, of cards that are not read.
-_MEANINGS = {
-    "CGAP": "gaps that open and close: the parts they join are not connected",
-    "PGAP": "properties of gaps",
-    "CFAST": "fasteners between shells: the parts they join are not connected",
-    "PFAST": "properties of fasteners",
-    "CWELD": "spot welds: the parts they join are not connected",
-    "PWELD": "properties of spot welds",
-    "CSEAM": "seam welds: the parts they join are not connected",
-    "PSEAM": "properties of seam welds",
-    "BGSET": "glue between surfaces: the parts it joins are not connected",
-    "BGADD": "a choice of glued surfaces",
-    "GENEL": "an element by its matrix",
+CELLS_NOT_READ = {
     "CBEAM3": "curved beams of three grids",
     "CTRIAX": "axisymmetric solids",
     "CTRIAX6": "axisymmetric solids",
@@ -78,6 +67,29 @@ _MEANINGS = {
     "CCONEAX": "axisymmetric shells",
     "CRAC2D": "elements at the tip of a crack",
     "CRAC3D": "elements at the tip of a crack",
+    "CSUPER": "a superelement from a file or an image of another",
+}
+CONNECTIONS_NOT_READ = {
+    "CGAP": "gaps that open and close: the parts they join are not connected",
+    "CFAST": "fasteners between shells: the parts they join are not connected",
+    "CWELD": "spot welds: the parts they join are not connected",
+    "CSEAM": "seam welds: the parts they join are not connected",
+    "BGSET": "glue between surfaces: the parts it joins are not connected",
+    "BCTABLE": "glue between contact bodies (IGLUE): the parts it joins are not connected",
+    "BCONPRG": "glue between contact bodies (IGLUE): the parts it joins are not connected",
+    "CYSYM": "cyclic symmetry: one sector is read, not the whole body",
+    "CYJOIN": "sides of a sector of a cyclic body: its sectors are not connected",
+    "CYAX": "grids on the axis of a cyclic body: its sectors are not connected",
+}
+_MEANINGS = {
+    **CELLS_NOT_READ,
+    **CONNECTIONS_NOT_READ,
+    "PGAP": "properties of gaps",
+    "PFAST": "properties of fasteners",
+    "PWELD": "properties of spot welds",
+    "PSEAM": "properties of seam welds",
+    "BGADD": "a choice of glued surfaces",
+    "GENEL": "an element by its matrix",
     "RSPLINE": "an interpolation between grids",
     "RSSCON": "a connection of shell and solid",
     "PBRSECT": "a section by its outline: its beams are left out, too",
@@ -97,7 +109,6 @@ _MEANINGS = {
     "GMSURF": "surfaces of geometry: elements stay flat",
     "GMBC": "supports of geometry",
     "GMSPC": "supports of geometry",
-    "CSUPER": "a superelement from a file or an image of another",
     "RELEASE": "freedoms in which a superelement is not joined to the others",
     "MPCAX": "constraints of an axisymmetric model",
     "ROTORD": "a rotating part",
@@ -131,7 +142,7 @@ def read_nastran_deck(path: str | Path) -> Deck:
         reading = start_reading(file, file)
         deck = _deck(reading)
     except ImportFormatError as error:
-        if file.named("GRID") and not absences:
+        if file.named("GRID") and not any(len(each.fields) == 1 for each in absences):
             raise
         return _with_absences(_deck_without_grids(file, error), absences)
     deck = _with_absences(deck, absences)
@@ -152,10 +163,15 @@ def read_nastran_deck(path: str | Path) -> Deck:
     return assembled(deck, parts, file, reading.grids) if parts else deck
 
 
+CARDS_NOT_READ = "its cards are not read"
+# Consequence of a missing included file: of the cards, of case control.
+_UNREAD = {"": CARDS_NOT_READ, "CASE": "the sets that case control selects in it are not known"}
+
+
 def _with_absences(deck: Deck, absences: Sequence[BulkCard]) -> Deck:
     """The deck, with missing included files added to `left_out`."""
     gone = (
-        LeftOut("INCLUDE", 1, card.line, f"there is no file {card.fields[0]}: its contents are not read")
+        LeftOut("INCLUDE", 1, card.line, f"there is no file {card.fields[0]}: {_UNREAD[card.word(1)]}")
         for card in absences
     )
     return replace(deck, left_out=(*gone, *deck.left_out))
@@ -185,11 +201,22 @@ def _deck_without_grids(file: BulkFile, error: ImportFormatError) -> Deck:
 def _not_read(file: BulkFile) -> Iterator[tuple[BulkCard, str]]:
     """Cards that are not read, each with its meaning, without property cards that no element uses."""
     unread = {n: own for n, own in file.by_name.items() if n not in _READ and not has_no_effect(n)}
+    unread |= {n: glue for n in _GLUE if (glue := [card for card in file.named(n) if _is_glue(card)])}
     used = _used_properties(file) if _PROPERTIES.intersection(unread) else set()
     for name, cards in unread.items():
         for card in cards:
             if name not in _PROPERTIES or card.word(0) in used:
                 yield card, _MEANINGS.get(name, "a card that is not supported")
+
+
+_GLUE = ("BCTABLE", "BCONPRG")
+
+
+def _is_glue(card: BulkCard) -> bool:
+    """Whether a contact card glues: IGLUE of a SLAVE row of BCTABLE, or after its name on a BCONPRG."""
+    row, step = ("SLAVE", 6) if card.name == "BCTABLE" else ("IGLUE", 1)
+    places = [i for i in range(len(card.fields)) if card.word(i) == row]
+    return any(card.word(i + step) not in ("", "0") for i in places)
 
 
 def _used_properties(file: BulkFile) -> set[str]:
@@ -199,16 +226,16 @@ def _used_properties(file: BulkFile) -> set[str]:
 
 
 def _deck(reading: DeckReading) -> Deck:
-    materials, added = Materials(reading), read_added_mass(reading)
+    materials, nonstructural = Materials(reading), read_added_mass(reading)
     elements: list[DeckElements] = []
     properties = {}
     solids, found = read_solids(reading, materials)
     elements += solids
     properties |= found
     for cells, found in (
-        read_shells(reading, materials, added),
-        read_beams(reading, materials, added),
-        read_rods(reading, materials, added),
+        read_shells(reading, materials, nonstructural),
+        read_beams(reading, materials, nonstructural),
+        read_rods(reading, materials, nonstructural),
     ):
         elements += cells
         properties |= found
@@ -225,6 +252,10 @@ def _deck(reading: DeckReading) -> Deck:
         last = int(max(ids.max(), reading.scalar_points.max(initial=0)))
         ids = np.concatenate([ids, last + 1 + np.arange(len(reading.added_nodes))])
     n = len(ids)
+    added = {
+        command: tuple(replace(each, freedoms=final_freedoms(each.freedoms, n)) for each in own)
+        for command, own in matrices.items()
+    }
     return Deck(
         reading.file.path,
         ids,
@@ -233,9 +264,9 @@ def _deck(reading: DeckReading) -> Deck:
         properties,
         node_sets | _tied_sets(rigid, means),
         _element_sets(elements),
-        masses=(*reading.masses, *matrices["M2GG"]),
-        stiffnesses=tuple(matrices["K2GG"]),
-        dampings=tuple(matrices["B2GG"]),
+        masses=(*reading.masses, *added["M2GG"]),
+        stiffnesses=added["K2GG"],
+        dampings=added["B2GG"],
         springs=reading.springs.terms(n),
         dashpots=reading.dashpots.terms(n),
         inertias=reading.inertias.terms(n),
@@ -275,10 +306,11 @@ def start_reading(file: BulkFile, whole: BulkFile) -> DeckReading:
 
     whole : the main file; its case control and PARAM cards also apply to a superelement `file`
     """
-    file = _elements_once(file)
+    file = beams_filled(_elements_once(file))
     parameters = _parameters([*whole.named("PARAM"), *(file.named("PARAM") if file is not whole else [])])
     reading = DeckReading(
         file,
+        whole,
         read_grids(file),
         _scalar_points(file),
         read_case_control(whole.above),

@@ -20,8 +20,13 @@ FloatArray = NDArray[np.float64]
 
 Term = tuple[int, float]
 
-# Provisional number of the first scalar point; `FreedomSums.terms` replaces it by the number of nodes.
+# Provisional number of the first scalar point; `final_freedoms` replaces it by the number of nodes.
 _SCALARS = 2**40
+
+
+def final_freedoms(given: IntArray, n_nodes: int) -> IntArray:
+    """Freedoms in final numbers: `n_nodes`, the number of all nodes, is that of the first scalar point."""
+    return np.where(given >= 6 * _SCALARS, given - 6 * (_SCALARS - n_nodes), given)
 
 
 @dataclass(eq=False)
@@ -60,19 +65,20 @@ class FreedomSums:
         if not self.counts:
             return ()
         rows = np.repeat(np.arange(len(self.counts)), self.counts)
-        integer = [np.array(v, dtype=np.int64) for v in (self.freedoms, self.lines, self.dependent)]
-        for freedoms in (integer[0], integer[2]):
-            freedoms[freedoms >= 6 * _SCALARS] -= 6 * (_SCALARS - n_nodes)
-        factors, values = np.array(self.factors), np.array(self.values)
+        freedoms, dependent = (
+            final_freedoms(np.array(v, dtype=np.int64), n_nodes) for v in (self.freedoms, self.dependent)
+        )
+        factors, lines = np.array(self.factors), np.array(self.lines, dtype=np.int64)
         if constraints:
-            return (ScalarTerms(rows, integer[0], factors, integer[1], dependent=integer[2]),)
-        return (ScalarTerms(rows, integer[0], factors, integer[1], values),)
+            return (ScalarTerms(rows, freedoms, factors, lines, dependent=dependent),)
+        return (ScalarTerms(rows, freedoms, factors, lines, np.array(self.values)),)
 
 
 @dataclass(eq=False)
 class DeckReading:
     """A deck under construction, with the data that all parts of the reader use.
 
+    whole : the main file, with the sections of all superelements
     scalar_points : (S,) ids of points with one freedom
     mass_factor, stiffness_factor, damping_factor : factors by PARAM
     matrix_factors : {"K2GG": factor on the matrices that K2GG adds, ..}, without WTMASS
@@ -82,6 +88,7 @@ class DeckReading:
     """
 
     file: BulkFile
+    whole: BulkFile
     grids: GridPoints
     scalar_points: IntArray
     case: CaseControl
@@ -128,7 +135,7 @@ class DeckReading:
                     self.note(f"{command} sets {', '.join(map(str, sorted(sets)))} are not applied: {why}.")
                 if command != "SPC" and not self.case.present:  # joints of the machine replace supports
                     for card in self.file.named(command, f"{command}1", f"{command}L", f"{command}L1"):
-                        self.leave_out(card, "left out: no case control chooses one of its sets")
+                        self.leave_out(card, "left out: the file has no case control that selects a set")
                 return set()
             return set(sets)
         if command in self.case.varied:

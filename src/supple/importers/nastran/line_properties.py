@@ -26,6 +26,9 @@ _POINTS = ("C1", "C2", "D1", "D2", "E1", "E2", "F1", "F2")
 # larger end value, that is not reported.
 _OFF_THE_LINE = 0.01
 
+# Flags FSI of pipes, the third field of a PBEND, where other sections have their area.
+_PIPES = ("1", "2", "3", "4", "5", "6")
+
 # Number of rows of a station of a PBEAM: one for its section, and after YES one for its stress points.
 _STATIONS = {"YES": 2, "YESA": 1, "NO": 1}
 
@@ -44,6 +47,8 @@ def read_rod(card: BulkCard, materials: Materials, reading: DeckReading, added: 
 
     PROD: MID A J C NSM. PTUBE: MID OD T NSM OD2, a tube of outer diameter OD, tapered to OD2; a blank T
     is a solid rod. A tapered tube has its mean area, as in Nastran.
+
+    A wall thicker than the radius is refused with a reason.
     """
     material = materials.isotropic(card.integer(1, "the material id"))
     if isinstance(material, str):
@@ -53,6 +58,8 @@ def read_rod(card: BulkCard, materials: Materials, reading: DeckReading, added: 
         return rod(material, area, J, arm, nsm + added, reading)
     outer = card.real(2, "OD")
     thickness, nsm, other = (card.real(3 + i, what, 0.0) for i, what in enumerate(("T", "NSM", "OD2")))
+    if not 0 <= 2 * thickness <= min(outer, other or outer):
+        return f"its thickness T = {thickness:g} is not between 0 and half the outer diameter OD"
     areas, twists = [], []
     for diameter in (outer, other or outer):
         inner = diameter - 2 * thickness if thickness else 0.0
@@ -87,25 +94,29 @@ def _points(values: Sequence[float], words: Sequence[str]) -> SectionGeometry | 
     return SectionGeometry(points) if points else None
 
 
-def _pbend(card: BulkCard, material: IsotropicMaterial, reading: DeckReading, added: float) -> BeamProperty:
+def _pbend(
+    card: BulkCard, material: IsotropicMaterial, reading: DeckReading, added: float
+) -> BeamProperty | str:
     """A curved beam given by A I1 I2 J .. K1 K2 NSM, or a pipe by FSI, mean radius RM, thickness T .. NSM."""
-    geometry = None
-    if card.word(2) in ("1", "2", "3"):
+    geometry, offsets = None, 19
+    if card.word(2) in _PIPES:
         middle, t = card.real(3, "the mean radius RM"), card.real(4, "the thickness T")
         if card.word(2) != "1":
             reading.leave_out(
-                card, "the flexibility of bent pipes (FSI = 2, 3) is not read: the pipes are too stiff"
+                card, "the flexibility of bent pipes (FSI above 1) is not read: the pipes are too stiff"
             )
-        section = SHAPES["TUBE"].values(middle + t / 2, max(middle - t / 2, 0.0))
-        assert section is not None
+        section = SHAPES["TUBE"].values(middle + t / 2, middle - t / 2) if 0 <= t <= 2 * middle else None
+        if section is None:
+            return f"its mean radius RM = {middle:g} and thickness T = {t:g} do not make a pipe"
         area, I1, I2, J, K1, K2 = section.area, section.I1, section.I2, section.J, section.K1, section.K2
-        nsm, geometry = card.real(10, "NSM", 0.0), section.geometry
+        nsm, geometry, offsets = card.real(10, "NSM", 0.0), section.geometry, 11
     else:
         area, I1, I2, J = (card.real(2 + i, what, 0.0) for i, what in enumerate(("A", "I1", "I2", "J")))
         geometry = _points([card.real(8 + i, w, 0.0) for i, w in enumerate(_POINTS)], card.fields[8:16])
         K1, K2, nsm = (card.real(16 + i, what, 0.0) for i, what in enumerate(("K1", "K2", "NSM")))
-        if any(card.real(19 + i, what, 0.0) for i, what in enumerate(("RC", "ZC", "DELTAN"))):
-            reading.leave_out(card, "the offsets RC, ZC, DELTAN of a curved beam are not read")
+    names = ("RC", "ZC") if offsets == 11 else ("RC", "ZC", "DELTAN")
+    if any(card.real(offsets + i, what, 0.0) for i, what in enumerate(names)):
+        reading.leave_out(card, f"the offsets {', '.join(names)} of a curved beam are not read")
     mass = material.density * area + (nsm + added) * reading.mass_factor
     return BeamProperty(material, BeamValues(area, I1, I2, J, K1, K2, mass, geometry=geometry))
 

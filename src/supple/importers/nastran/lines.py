@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.importers.deck import BeamProperty, DeckElements, Property
-from supple.importers.nastran.bulk_data import BulkCard
-from supple.importers.nastran.cells import Properties, by_id, grids_named
+from supple.importers.nastran.bulk_data import BulkCard, BulkFile, by_id
+from supple.importers.nastran.cells import Properties, grids_named
 from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.line_properties import (
     BEAM_PROPERTY_CARDS,
@@ -25,7 +25,7 @@ from supple.importers.nastran.materials import Materials
 from supple.importers.plain_number import is_plain_digits
 from supple.mesh import CellType
 
-__all__ = ["BEAM_CARDS", "ROD_CARDS", "read_beams", "read_rods"]
+__all__ = ["BEAM_CARDS", "ROD_CARDS", "beams_filled", "read_beams", "read_rods"]
 
 FloatArray = NDArray[np.float64]
 
@@ -118,10 +118,8 @@ def read_beams(
 ) -> tuple[list[DeckElements], dict[str, Property]]:
     """Cells and properties of CBAR and CBEAM, and of CBEND as straight pieces of an arc."""
     properties = Properties(by_id(reading.file.named(*BEAM_PROPERTY_CARDS), "property"))
-    defaults = {name: next(iter(reading.file.named(of)), None) for name, of in _DEFAULTS.items()}
     groups: dict[tuple[str, str], _Lines] = {}
-    for given in reading.file.named(*BEAM_CARDS):
-        card = _filled(given, defaults.get(given.name))
+    for card in reading.file.named(*BEAM_CARDS):
         element = card.integer(0, "the element id")
         number, nsm = card.integer(1, "the property id", element), added.get(element, 0.0)
         ends = grids_named([card], reading, 2, 2)[0].tolist()
@@ -145,8 +143,16 @@ def read_beams(
     return [lines.elements(name, of) for (name, of), lines in groups.items()], properties.found
 
 
+def beams_filled(file: BulkFile) -> BulkFile:
+    """The file with the blank fields of its beams filled from BAROR and BEAMOR."""
+    defaults = {name: next(iter(file.named(of)), None) for name, of in _DEFAULTS.items()}
+    if not any(defaults.values()):
+        return file
+    return replace(file, cards=tuple(_filled(card, defaults.get(card.name)) for card in file.cards))
+
+
 def _filled(card: BulkCard, default: BulkCard | None) -> BulkCard:
-    """A beam with its blank fields filled from BAROR or BEAMOR."""
+    """A card with its blank fields filled from BAROR or BEAMOR, if there is one for it."""
     if default is None:
         return card
     fields = list(card.fields) + [""] * (8 - len(card.fields))
@@ -221,10 +227,15 @@ def _curved(
     """Add a curved beam as straight pieces between nodes on its arc; the pieces have the mass of the arc."""
     start, end = reading.grids.positions[ends]
     known = properties.cards.get(number)
-    centre = None if known is None else _centre(card, known, start, end, ends[0], reading)
-    if centre is None or not np.isfinite(centre).all():
-        reading.leave_out(card, "elements left out: their arc (GEOM, RB, THETAB) or property is not defined")
+    arc = None if known is None else _arc(card, known, start, end, ends[0], reading)
+    if arc is None or not np.isfinite(arc).all():
+        reading.leave_out(
+            card,
+            "elements left out: their arc (GEOM, RB, THETAB) or property is not defined, or the arc is over "
+            "180 degrees",
+        )
         return
+    centre, tangent = arc
     a, b = start - centre, end - centre
     radius = float(np.linalg.norm(a))
     angle = atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
@@ -241,10 +252,8 @@ def _curved(
     if why:
         reading.leave_out(card, f"elements left out: {why}")
         return
-    across = b - (b @ a) / radius**2 * a
-    across *= radius / np.linalg.norm(across)
     angles = angle * np.arange(pieces + 1) / pieces
-    arms = np.cos(angles)[:, None] * a + np.sin(angles)[:, None] * across
+    arms = np.cos(angles)[:, None] * a + np.sin(angles)[:, None] * radius * tangent
     nodes = [ends[0], *(reading.add_node(centre + arm) for arm in arms[1:-1]), ends[1]]
     lines = groups.setdefault((card.name, of), _Lines())
     for i in range(pieces):
@@ -255,28 +264,36 @@ def _curved(
     )
 
 
-def _centre(
+def _arc(
     card: BulkCard, known: BulkCard, start: FloatArray, end: FloatArray, node: int, reading: DeckReading
-) -> FloatArray | None:
-    """Centre of the arc of a CBEND; None if its data do not define one.
+) -> tuple[FloatArray, FloatArray] | None:
+    """Centre and unit tangent at GA of the arc of a CBEND; None if its data define no arc up to 180 degrees.
 
-    GEOM 1: it lies on the line of the vector through GA;  2: the vector is the tangent at GA;  3: radius RB;
-    4: angle THETAB. For 3 and 4, centre and vector are on opposite sides of the chord.
+    GEOM 1: the centre lies on the line of the vector through GA;  2: the vector is the tangent at GA;
+    3: radius RB;  4: angle THETAB. For 3 and 4, centre and vector are on opposite sides of the chord.
     """
     geometry = card.integer(7, "GEOM", 1)
     vector, chord = _vector(card, node, start, reading, basic=False), end - start
     length = float(np.linalg.norm(chord))
+    least, along = 1e-9 * length, float(vector @ chord)
+    if not length > 0:
+        return None
     if geometry in (1, 2):
-        towards = vector if geometry == 1 else chord - (chord @ vector) * vector
-        along = float(towards @ chord)
-        if abs(along) < 1e-9 * length * np.linalg.norm(towards):
+        across = chord - along * vector
+        size = float(np.linalg.norm(across))
+        if size <= least or (abs(along) <= least if geometry == 1 else along < -least):
             return None
-        return start + towards * (chord @ chord) / (2 * along)
+        if geometry == 1:
+            return start + vector * (chord @ chord) / (2 * along), across / size
+        return start + across * (chord @ chord) / (2 * size * size), vector
+    side = vector - along / length * (chord / length)
+    size = float(np.linalg.norm(side))
     radius = known.real(6, "RB", 0.0)
     if geometry == 4:
-        half = np.radians(known.real(7, "THETAB", 0.0)) / 2
-        radius = length / 2 / sin(half) if half > 0 else 0.0
-    if radius <= length / 2:
+        angle = np.radians(known.real(7, "THETAB", 0.0))
+        radius = length / 2 / sin(angle / 2) if 0 < angle <= pi else 0.0
+    if size <= 1e-9 or radius < length / 2 - least:
         return None
-    side = vector - (vector @ chord) / length**2 * chord
-    return start + chord / 2 - side / np.linalg.norm(side) * sqrt(radius**2 - length**2 / 4)
+    depth = sqrt(max(radius * radius - length * length / 4, 0.0))
+    tangent = depth * chord / length + length / 2 * side / size
+    return start + chord / 2 - side / size * depth, tangent / np.linalg.norm(tangent)

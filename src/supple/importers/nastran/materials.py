@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.importers.deck import AnisotropicMaterial, IsotropicMaterial
-from supple.importers.nastran.bulk_data import BulkCard
+from supple.importers.nastran.bulk_data import BulkCard, by_id
 from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.temperature import at_temperature
 
@@ -48,18 +48,10 @@ class Materials:
 
     def __init__(self, reading: DeckReading) -> None:
         self._reading = reading
-        self._cards: dict[int, BulkCard] = {}
         self._line: dict[int, IsotropicMaterial] = {}
         self._of_lines: dict[int, BulkCard] = {}
         self._half_rigid: set[BulkCard] = set()
-        for card in reading.file.named(*MATERIAL_CARDS):
-            number = card.integer(0, "the material id")
-            first = self._cards.setdefault(number, card)
-            if first is not card and not card.same_as(first):
-                raise card.error(
-                    f"material {number} is defined a second time and differs from that of line {first.line}; "
-                    "renumber or remove it"
-                )
+        self._cards = by_id(reading.file.named(*MATERIAL_CARDS), "material")
         self._cards |= at_temperature(reading, self._cards)
 
     def isotropic(self, number: int) -> IsotropicMaterial | str:
@@ -177,7 +169,7 @@ class Materials:
         shear = np.diag([G1Z, G2Z]) * factor if G1Z > 0 and G2Z > 0 else None
         if (G1Z > 0) != (G2Z > 0) and card not in self._half_rigid:
             self._half_rigid.add(card)
-            self._reading.leave_out(card, "one of G1Z and G2Z is blank: both count as rigid")
+            self._reading.leave_out(card, "one of G1Z and G2Z is not positive: both count as rigid")
         return WallMaterial(Q * factor, shear, self._density(card, 7), None)
 
     def _mat9(self, card: BulkCard) -> AnisotropicMaterial:

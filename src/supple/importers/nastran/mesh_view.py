@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
-from supple.errors import ImportFormatError
+from supple.errors import ImportFormatError, SuppleWarning
 from supple.importers.connection import Connection
-from supple.importers.deck import RigidTie
+from supple.importers.deck import Deck, RigidTie
 from supple.importers.file_mesh import CellOrigin, FileMesh, UnusedNodes
 from supple.importers.nastran.bulk_data import read_bulk_data
-from supple.importers.nastran.deck_file import read_nastran_deck, start_reading
+from supple.importers.nastran.deck_file import (
+    CARDS_NOT_READ,
+    CELLS_NOT_READ,
+    CONNECTIONS_NOT_READ,
+    read_nastran_deck,
+    start_reading,
+)
 from supple.importers.nastran.retained_freedoms import modal_freedoms, retained_freedoms
 from supple.importers.nastran.rigid import read_ties
 from supple.importers.nastran.supports import read_supports
@@ -35,8 +42,8 @@ def read_nastran(
     """Mesh of a Nastran file: the cells that `read_nastran_deck` reads, without properties and materials.
 
     Node sets are those of supports (spc1_123456: set 1, components 123456; spc_3: field PS), ASET (aset) and
-    ties (rbe2_ID, rbe3_ID); cell sets those of properties (pshell_ID, psolid_ID). Missing included files and
-    cards of unsupported elements are ignored.
+    ties (rbe2_ID, rbe3_ID); cell sets those of properties (pshell_ID, psolid_ID). Masses, springs, dampers
+    and missing files of case control are ignored.
 
     Parameters
     ----------
@@ -44,19 +51,16 @@ def read_nastran(
     unused_nodes : UnusedNodes  REFUSE or DROP grids that no cell uses; reference grids of ties are dropped
     Raises
     ------
-    ImportFormatError   as for `read_nastran_deck`; no elements; elements whose property or material is
-                        missing or not supported
+    ImportFormatError   as for `read_nastran_deck`; no elements; elements that are not supported, or whose
+                        property or material is missing or not supported; missing included files
     MeshError           what the file describes is not a usable mesh, such as flat elements
+    Warns
+    -----
+    SuppleWarning       connections that are not read, such as spot welds
     """
     path = Path(path)
     deck = read_nastran_deck(path)
-    missing = [each for each in deck.left_out if each.meaning.startswith("elements left out")]
-    if missing:
-        first = missing[0]
-        raise ImportFormatError(
-            f"{path}, line {first.line}: {first.card}: {first.count} {first.meaning}; without them the mesh "
-            "has holes: correct them, or remove them"
-        )
+    _refuse_holes(deck)
     if not deck.elements:
         raise ImportFormatError(f"{path}: no elements that are cells; is this a mesh file, and complete?")
     cells: dict[CellType, list[IntArray]] = {}
@@ -89,6 +93,23 @@ def read_nastran(
     shown = np.zeros(len(deck.nodes), dtype=bool)
     shown[[tie.reference for tie in (*deck.rigid, *deck.means)]] = True
     return file.without_unused(shown).to_mesh(only=only, unused_nodes=unused_nodes)
+
+
+def _refuse_holes(deck: Deck) -> None:
+    """Raise ImportFormatError if cells are left out; warn of connections that are left out."""
+    for each in deck.left_out:
+        where = f"{deck.path}, line {each.line}: {each.card}: "
+        if each.meaning.startswith("elements left out") or each.card in CELLS_NOT_READ:
+            raise ImportFormatError(
+                f"{where}{each.count} {each.meaning}; without them the mesh has holes: correct them, or "
+                "remove them"
+            )
+        if each.meaning.endswith(CARDS_NOT_READ) or each.card == "SEBULK":
+            raise ImportFormatError(
+                f"{where}{each.meaning}; the mesh may have holes: add the file, or remove the card"
+            )
+        if each.card in CONNECTIONS_NOT_READ:
+            warnings.warn(f"{where}{each.count} {each.meaning}", SuppleWarning, stacklevel=4)
 
 
 def read_nastran_nodes(path: str | Path) -> NodeTable:

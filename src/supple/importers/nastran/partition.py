@@ -36,7 +36,8 @@ def partitioned(deck: Deck, reading: DeckReading) -> Deck:
         number, ids = card.integer(0, "the superelement"), _ids(card)
         for each, owner in zip(deck.elements, owners, strict=True):
             owner[np.isin(each.ids, ids)] = number
-    found = {number: _part(deck, interior, owners, number) for number in (0, *numbers)}
+    owner_of_point = np.append(interior, np.zeros(len(deck.scalar_points), dtype=np.int64))
+    found = {number: _part(deck, owner_of_point, owners, number) for number in (0, *numbers)}
     none = np.empty(0, dtype=np.int64)
     elements = {
         superelement_name(n): np.unique(np.concatenate([none, *(each.ids for each in part.elements)]))
@@ -82,12 +83,15 @@ def _owners(interior: IntArray, nodes: IntArray) -> IntArray:
     """The superelement of each group of nodes (C, k): the lowest number above 0 in the group, or 0."""
     own = interior[nodes]
     far = np.iinfo(np.int64).max
-    lowest = np.where(own > 0, own, far).min(axis=1)
+    lowest = np.where(own > 0, own, far).min(axis=1, initial=far)
     return np.where(lowest == far, 0, lowest)
 
 
 def _part(deck: Deck, interior: IntArray, owners: list[IntArray], number: int) -> Deck:
-    """One superelement: its elements, and matrices, linear combinations and ties that belong to it."""
+    """One superelement: its elements, and matrices, linear combinations and ties that belong to it.
+
+    interior : (N + S,) as in `_interior`, and 0 for scalar points
+    """
 
     def is_own(nodes: IntArray) -> bool:
         return int(_owners(interior, nodes[None])[0]) == number
@@ -96,9 +100,7 @@ def _part(deck: Deck, interior: IntArray, owners: list[IntArray], number: int) -
         return given if is_own(given.freedoms // 6) else None
 
     def terms(given: ScalarTerms) -> ScalarTerms:
-        nodes = given.freedoms // 6
-        placed = nodes < len(interior)
-        own = np.where(placed, interior[np.minimum(nodes, len(interior) - 1)], 0)
+        own = interior[given.freedoms // 6]
         far = np.iinfo(np.int64).max
         lowest = np.full(len(given.lines), far)
         np.minimum.at(lowest, given.rows, np.where(own > 0, own, far))

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.importers.deck import NodalMatrix
-from supple.importers.nastran.bulk_data import BulkCard
-from supple.importers.nastran.cells import by_id, grids_named
+from supple.importers.nastran.bulk_data import BulkCard, by_id
+from supple.importers.nastran.cells import grids_named
 from supple.importers.nastran.deck_reading import DeckReading, FreedomSums, Term, times
 from supple.importers.nastran.materials import Materials
 from supple.importers.plain_number import is_plain_digits
@@ -64,13 +64,10 @@ def read_point_elements(reading: DeckReading, materials: Materials) -> None:
 
 
 def _several(cards: list[BulkCard], step: int) -> dict[int, tuple[BulkCard, int]]:
-    """Properties by id: the card and the index of the first field; of repeated ids, the first is used."""
-    found: dict[int, tuple[BulkCard, int]] = {}
-    for card in cards:
-        for place in range(0, max(len(card.fields), 1), step):
-            if card.word(place):
-                found.setdefault(card.integer(place, "the property id"), (card, place))
-    return found
+    """Properties by id: the card and the index of the first field; errors as for `by_id`."""
+    found = [(card, i) for card in cards for i in range(0, len(card.fields), step) if card.word(i)]
+    by_id([card._replace(fields=card.fields[i : i + step]) for card, i in found], "property")
+    return {card.integer(i, "the property id"): (card, i) for card, i in found}
 
 
 def _scalar(
@@ -151,7 +148,9 @@ def _bush(card: BulkCard, known: BulkCard, reading: DeckReading) -> None:
         if kind == "M":
             _bush_mass(a, b, values[0], reading)
         elif kind == "RIGID":
-            reading.leave_out(known, "rigid directions of a CBUSH (K = RIGID) are not read")
+            reading.leave_out(
+                known, "rigid directions of a CBUSH (K = RIGID) are not read: they have no stiffness"
+            )
         elif kind in rows:
             collected, factor = rows[kind]
             for place, value in enumerate(values[:6]):
@@ -163,16 +162,18 @@ def _bush(card: BulkCard, known: BulkCard, reading: DeckReading) -> None:
 def _bush_values(known: BulkCard) -> dict[str, list[float]]:
     """Six values of each group K, B, M of a PBUSH.
 
-    A group with the word RIGID is omitted as a whole, and the key "RIGID" is added.
+    A value RIGID counts as zero, and the key "RIGID" is added.
     """
     found: dict[str, list[float]] = {}
     for start in range(0, len(known.fields), 8):
         kind = known.word(start + 1)
         if kind in ("K", "B", "M") or (not start and kind):
-            if "RIGID" in [known.word(start + 2 + i) for i in range(6)]:
+            rigid = [known.word(start + 2 + i) == "RIGID" for i in range(6)]
+            if any(rigid):
                 found["RIGID"] = []
-                continue
-            found[kind] = [known.real(start + 2 + i, f"{kind}{i + 1}", 0.0) for i in range(6)]
+            found[kind] = [
+                0.0 if rigid[i] else known.real(start + 2 + i, f"{kind}{i + 1}", 0.0) for i in range(6)
+            ]
     return found
 
 

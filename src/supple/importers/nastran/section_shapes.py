@@ -86,8 +86,8 @@ def _tube(outer: float, inner: float, K: float = 0.5) -> SectionValues:
     return SectionValues(area, second, second, 0.0, 2 * second, K, K, circular_section(outer, inner))
 
 
-def _tube2(outer: float, thickness: float) -> SectionValues:
-    return _tube(outer, max(outer - thickness, 0.0))
+def _tube2(outer: float, thickness: float) -> SectionValues | None:
+    return _tube(outer, outer - thickness) if thickness <= outer else None
 
 
 def _bar(width: float, height: float) -> SectionValues | None:

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from supple.errors import ImportFormatError
 from supple.importers.deck import NodalMatrix
 from supple.importers.nastran.bulk_data import BulkCard
-from supple.importers.nastran.deck_reading import DeckReading
+from supple.importers.nastran.deck_reading import DeckReading, Term
 from supple.importers.nastran.retained_freedoms import retained_freedoms
+from supple.importers.numbering import positions_of_ids
 from supple.importers.plain_number import number_of_word
 
 __all__ = ["SUPPORT_CARDS", "read_matrices", "read_supports"]
@@ -41,7 +42,10 @@ def read_supports(reading: DeckReading, tied: Collection[int] = ()) -> dict[str,
             held |= {(node, int(c) - 1): card.line for c in components}
     for card in cards:
         number = card.integer(0, "the set id")
-        for node, components in _supported(card, reading):
+        points, grids = _supported(card, reading)
+        for point in points if number in chosen else ():
+            reading.held.add(reading.freedom(card, point, 1), card.line)
+        for node, components in grids:
             found.setdefault(f"spc{number}_{components}", {})[node] = None
             if number in chosen:
                 for component in components:
@@ -52,8 +56,8 @@ def read_supports(reading: DeckReading, tied: Collection[int] = ()) -> dict[str,
         reading.note(f"The analysis set is not read: {error}")
         physical = None
     if physical is not None:
-        grids = np.unique(physical[physical[:, 1] > 0, 0])
-        found["aset"] = dict.fromkeys(reading.grids.lookup(grids)[0].tolist())
+        ids = np.unique(physical[physical[:, 1] > 0, 0])
+        found["aset"] = dict.fromkeys(reading.grids.lookup(ids)[0].tolist())
     for (node, component), line in held.items():
         if component > 2 and node in tied:
             continue
@@ -61,8 +65,11 @@ def read_supports(reading: DeckReading, tied: Collection[int] = ()) -> dict[str,
     return {name: np.array(list(nodes), dtype=np.int64) for name, nodes in found.items() if nodes}
 
 
-def _supported(card: BulkCard, reading: DeckReading) -> list[tuple[int, str]]:
-    """Node and components of every entry of an SPC or SPC1."""
+_Supported = tuple[list[int], list[tuple[int, str]]]
+
+
+def _supported(card: BulkCard, reading: DeckReading) -> _Supported:
+    """Ids of the scalar points of an SPC or SPC1, and node and components of each of its grids."""
     if card.name == "SPC1":
         return _listed(card, 1, 2, reading)
     if any(card.real(i + 2, "a displacement", 0.0) for i in (1, 4) if card.word(i)):
@@ -70,45 +77,41 @@ def _supported(card: BulkCard, reading: DeckReading) -> list[tuple[int, str]]:
     return _pairs(card, 1, 3, reading)
 
 
-def _pairs(card: BulkCard, start: int, step: int, reading: DeckReading) -> list[tuple[int, str]]:
+def _pairs(card: BulkCard, start: int, step: int, reading: DeckReading) -> _Supported:
+    points: list[int] = []
     found: list[tuple[int, str]] = []
     for place in range(start, len(card.fields), step):
         if card.word(place) in ("", "0"):
             continue
         number = card.integer(place, "a grid")
         if reading.is_scalar(number):
-            terms = reading.freedom(card, number, 1)
-            if card.name == "SPC":
-                reading.held.add(terms, card.line)
+            points.append(number)
             continue
         found += [(node, _components(card, card.word(place + 1))) for node in _known(card, [number], reading)]
-    return found
+    return points, found
 
 
-def _listed(card: BulkCard, components: int, start: int, reading: DeckReading) -> list[tuple[int, str]]:
-    """Nodes and components of a list G1 G2 .., where G1 THRU G2 names all existing grids in the range."""
+def _listed(card: BulkCard, components: int, start: int, reading: DeckReading) -> _Supported:
+    """Points of a list G1 G2 ..; G1 THRU G2 is all grids in the range, without components scalar points."""
     ids: list[int] = []
     place = start
+    between = np.sort(reading.scalar_points if card.word(components) in ("", "0") else reading.grids.ids)
     while place < len(card.fields):
         word = card.word(place)
         if word == "THRU" and ids:
             last = card.integer(place + 1, "the last grid")
-            between = reading.grids.ids
             first = ids.pop()
-            ids += np.sort(between[(between >= first) & (between <= last)]).tolist()
+            ids += between[(between >= first) & (between <= last)].tolist()
             place += 2
         else:
             ids += [card.integer(place, "a grid")] if word else []
             place += 1
-    scalars = [number for number in ids if reading.is_scalar(number)]
-    if card.name == "SPC1":
-        for number in scalars:
-            reading.held.add(reading.freedom(card, number, 1), card.line)
-    grids = [number for number in ids if number not in set(scalars)] if scalars else ids
+    is_scalar = positions_of_ids(reading.scalar_points, np.array(ids, dtype=np.int64))[1].tolist()
+    points, grids = ([n for n, own in zip(ids, is_scalar, strict=True) if own == of] for of in (True, False))
     if not grids:
-        return []
+        return points, []
     what = _components(card, card.word(components))
-    return [(node, what) for node in _known(card, grids, reading)]
+    return points, [(node, what) for node in _known(card, grids, reading)]
 
 
 def _known(card: BulkCard, ids: list[int], reading: DeckReading) -> list[int]:
@@ -135,6 +138,8 @@ def read_matrices(reading: DeckReading) -> dict[str, list[NodalMatrix]]:
     cards: dict[str, list[BulkCard]] = {}
     for card in reading.file.named("DMIG"):
         cards.setdefault(card.word(0), []).append(card)
+    sections = (reading.whole, *reading.whole.parts.values())
+    anywhere = {card.word(0) for section in sections for card in section.named("DMIG")}
     used: set[str] = set()
     for command, matrices in found.items():
         for word in reading.case.chosen.get(command, "").replace("+", ",").split(","):
@@ -142,7 +147,7 @@ def read_matrices(reading: DeckReading) -> dict[str, list[NodalMatrix]]:
             if name in cards:
                 used.add(name)
                 matrices.append(_matrix(cards[name], factor * reading.matrix_factors[command], reading))
-            elif name:
+            elif name and name not in anywhere:
                 absent = BulkCard(command, (name,), reading.file.path, 0)
                 reading.leave_out(absent, f"case control adds {name}, and the file has no such DMIG")
     for command in ("K2PP", "M2PP", "B2PP"):
@@ -167,24 +172,43 @@ def _scaled(word: str) -> tuple[float, str]:
 def _matrix(cards: list[BulkCard], factor: float, reading: DeckReading) -> NodalMatrix:
     """The matrix of DMIG cards in basic axes, made symmetric; for IFO = 6 the file has one triangle of it."""
     entries: dict[tuple[int, int], float] = {}
+    is_triangle = cards[0].word(2) == "6"
+    points: set[int] = set()
+    given: set[tuple[tuple[Term, ...], tuple[Term, ...]]] = set()
     for card in cards:
         if card.word(1) == "0":
             continue
-        column = reading.freedom(
-            card, card.integer(1, "the grid of the column"), card.integer(2, "its component", 0)
-        )
+        number = card.integer(1, "the grid of the column")
+        column = tuple(reading.freedom(card, number, card.integer(2, "its component", 0)))
+        points.add(number)
         for place in range(4, len(card.fields), 4):
             if card.is_blank(place, place + 3):
                 continue
-            row = reading.freedom(
-                card, card.integer(place, "a grid"), card.integer(place + 1, "a component", 0)
-            )
+            number = card.integer(place, "a grid")
+            row = tuple(reading.freedom(card, number, card.integer(place + 1, "a component", 0)))
+            points.add(number)
             value = factor * card.real(place + 2, "an entry")
+            is_beside = is_triangle and row != column
+            if is_beside:
+                given.add((row, column))
+                if (column, row) in given:
+                    raise card.error(
+                        f"{card.word(0)} has form 6 (symmetric), which takes one triangle, but the entry of "
+                        f"points {number} and {card.word(1)} is on both sides of its diagonal; remove one, "
+                        "or give it form 1 (square)"
+                    )
             for i, a in row:
                 for j, b in column:
                     entries[i, j] = entries.get((i, j), 0.0) + a * b * value
-                    if row != column and cards[0].word(2) == "6":
+                    if is_beside:
                         entries[j, i] = entries.get((j, i), 0.0) + a * b * value
+    scalar = {point for point in points if reading.is_scalar(point)}
+    if scalar and scalar != points:
+        reading.leave_out(
+            cards[0],
+            f"{cards[0].word(0)} also acts on scalar points, which a free body omits: the matrix is omitted "
+            "with them",
+        )
     freedoms, places = np.unique(np.array(list(entries), dtype=np.int64), return_inverse=True)
     places = places.reshape(-1, 2)
     values = np.zeros((len(freedoms), len(freedoms)))

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from supple.importers.nastran.bulk_data import BulkCard
+from supple.importers.nastran.bulk_data import BulkCard, by_id
 from supple.importers.nastran.deck_reading import DeckReading
 
 __all__ = ["at_temperature"]
@@ -26,10 +26,9 @@ def at_temperature(reading: DeckReading, cards: Mapping[int, BulkCard]) -> dict[
     if not reading.case.temperature:
         return {}
     temperature = _uniform(reading)
-    tables = {card.word(0): card for card in reading.file.named("TABLEM1")}
+    tables = by_id(reading.file.named("TABLEM1"), "table")
     found: dict[int, BulkCard] = {}
-    for card in reading.file.named(*_MATERIALS):
-        number = card.integer(0, "the material id")
+    for number, card in by_id(reading.file.named(*_MATERIALS), "material").items():
         if number not in cards or (card.name == "MATT1" and card.is_blank(1, 5)):
             continue  # tables of thermal expansion or damping only
         fields = [*cards[number].fields, *[""] * 5]
@@ -37,7 +36,7 @@ def at_temperature(reading: DeckReading, cards: Mapping[int, BulkCard]) -> dict[
         for place in _OF_STIFFNESS_AND_MASS if known else ():
             if card.word(place) in ("", "0"):
                 continue
-            value = _interpolated(tables.get(card.word(place)), temperature or 0.0)
+            value = _interpolated(tables.get(card.integer(place, "a table")), temperature or 0.0)
             known &= value is not None
             fields[place] = repr(value)
         if known:
@@ -60,7 +59,10 @@ def _uniform(reading: DeckReading) -> float | None:
 
 
 def _interpolated(table: BulkCard | None, at: float) -> float | None:
-    """Value of a TABLEM1, linear between its points; None outside their range, or without table or points."""
+    """Value of a TABLEM1, linear between its points, on an axis LOG linear in the logarithm.
+
+    None outside the range of the points, without table or points, or for values without logarithm.
+    """
     if table is None:
         return None
     words = [word.upper() for word in table.fields[8:]]
@@ -72,5 +74,10 @@ def _interpolated(table: BulkCard | None, at: float) -> float | None:
     ]
     if not points:
         return None
-    x, y = np.array(points).T
-    return float(np.interp(at, x, y)) if x.min() <= at <= x.max() else None
+    x, y = np.array(sorted(points)).T
+    log_x, log_y = (table.word(place) == "LOG" for place in (1, 2))
+    if not x[0] <= at <= x[-1] or (log_x and x[0] <= 0) or (log_y and y.min() <= 0):
+        return None
+    if log_x:
+        x, at = np.log(x), float(np.log(at))
+    return float(np.exp(np.interp(at, x, np.log(y))) if log_y else np.interp(at, x, y))

@@ -27,6 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
+from supple.importers.plain_number import in_sixteen_columns
+from supple.importers.text_file import file_lines
 
 __all__ = ["FlexibleBodyFile", "read_flexible_body_file", "write_flexible_body_file"]
 
@@ -35,6 +37,8 @@ IntArray = NDArray[np.int64]
 
 _MOST = 10_000_000
 """Largest number of nodes or of modes in the first line; a larger number is an ImportFormatError."""
+_LARGEST_ID = 99_999_999  # eight columns
+_ROUNDING = 1e-9  # largest entry that is not written, relative to the largest
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +50,9 @@ class FlexibleBodyFile:
     mass : (k,) its diagonal;   stiffness : (k, k), diagonal except for rows and columns of static modes
     frame_mass : (f, f);   coupling_mass, coupling_stiffness : (9, k, f)
     damping : (alpha, beta) of Rayleigh damping, or None
-    Raises ImportFormatError for arrays of other shapes, other numbers f, or more than k static modes.
+    Raises ImportFormatError for arrays of other shapes, other numbers f, more than k static modes, ids that
+    are negative or have over eight digits, or a stiffness that is not symmetric or couples modes that are not
+    static.
     """
 
     node_ids: IntArray
@@ -81,10 +87,23 @@ class FlexibleBodyFile:
                 f"modes as "
                 f"modes; got {f} and {self.n_static} of {k}"
             )
+        if N and not 0 <= np.min(self.node_ids) <= np.max(self.node_ids) <= _LARGEST_ID:
+            raise ImportFormatError(
+                f"a flexible-body file has node ids from 0 to {_LARGEST_ID}; got {np.min(self.node_ids)} to "
+                f"{np.max(self.node_ids)}: renumber the nodes"
+            )
+        K, s = np.asarray(self.stiffness), self.n_static
+        coupled = K[s:, s:] - np.diag(np.diag(K)[s:])
+        limit = _ROUNDING * np.abs(K).max(initial=0.0)
+        if (np.abs(coupled) > limit).any() or (np.abs(K - K.T) > limit).any():
+            raise ImportFormatError(
+                "a flexible-body file needs a symmetric stiffness, diagonal except for rows and columns of "
+                "its static modes; give eigenmodes, or declare the coupled modes static"
+            )
 
 
 def write_flexible_body_file(path: Path | str, body: FlexibleBodyFile) -> Path:
-    """Write a flexible-body file, with nine decimals of the mantissa of real numbers; returns its path."""
+    """Write a flexible-body file, with nine decimals (`in_sixteen_columns`); returns its path."""
     f = 0 if body.frame_modes is None else len(body.frame_modes)
     k, s = len(body.modes), body.n_static
     head = [k, s, len(body.node_ids), int(f == 15), int(body.damping is not None), int(f == 0), 0]
@@ -113,13 +132,13 @@ def write_flexible_body_file(path: Path | str, body: FlexibleBodyFile) -> Path:
 
 
 def read_flexible_body_file(path: Path | str) -> FlexibleBodyFile:
-    """Contents of a flexible-body file; OSError for a missing file.
+    """Contents of a flexible-body file.
 
-    Raises ImportFormatError if it ends too early, has an invalid first line, or entries that are no finite
-    numbers.
+    Raises ImportFormatError if it is missing or ends too early, has an invalid first line, or entries that
+    are no finite numbers.
     """
-    text = Path(path).read_text(encoding="ascii", errors="replace")
-    rows = ((i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip() and line[0] != "#")
+    text = file_lines(Path(path), "export it with its data in the file")
+    rows = ((i, line) for i, line in enumerate(text, 1) if line.strip() and line[0] != "#")
     head = _whole(rows, 7, 7, path)
     k, s, N, irot, idamp, blocked, _ = (int(value) for value in head)
     if min(k, s, N) < 0 or max(k, N) > _MOST or s > k or not {irot, idamp, blocked} <= {0, 1}:
@@ -168,7 +187,7 @@ Rows = Iterator[tuple[int, str]]
 
 
 def _lines(values: FloatArray) -> list[str]:
-    return ["".join(f"{value:16.9E}" for value in values[i : i + 5]) for i in range(0, len(values), 5)]
+    return ["".join(map(in_sixteen_columns, values[i : i + 5])) for i in range(0, len(values), 5)]
 
 
 def _whole(rows: Rows, count: int, a_line: int, path: Path | str) -> IntArray:

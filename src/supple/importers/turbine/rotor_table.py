@@ -8,9 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from supple.aero import Polar, Rotor
-from supple.errors import ImportFormatError
-from supple.importers.csv_table import read_csv_table
-from supple.importers.text_file import is_file
+from supple.importers.csv_table import named_csv_file, read_csv_table
 
 __all__ = ["read_polar", "read_rotor"]
 
@@ -31,20 +29,14 @@ def read_rotor(path: str | Path | Traversable, *, polars: str | Path | Traversab
     Rotor   angles in rad
     Raises
     ------
-    ImportFormatError   missing files or columns, unknown polars, words instead of numbers
+    ImportFormatError   missing files, folder or columns, unknown polars, words instead of numbers
     ModelError          tables that describe no rotor or polar
     """
     table = read_csv_table(path, required=("radius_m", "chord_m", "twist_deg", "polar"))
     folder = Path(polars) if isinstance(polars, str) else polars
     names = table.words("polar")
-    for line, name in zip(table.lines, names, strict=True):
-        if "/" in name or not is_file(folder / f"{name}.csv"):
-            there = sorted(entry.name[:-4] for entry in folder.iterdir() if entry.name.endswith(".csv"))
-            raise ImportFormatError(
-                f"{table.path}, line {line}: unknown polar '{name}'; {folder} has "
-                f"{', '.join(there) or 'no .csv files'}"
-            )
-    known = {name: read_polar(folder / f"{name}.csv", name=name) for name in dict.fromkeys(names)}
+    files = {name: named_csv_file(folder, name, table, row, "polar") for row, name in enumerate(names)}
+    known = {name: read_polar(file, name=name) for name, file in files.items()}
     return Rotor(
         radius=table.numbers("radius_m"),
         chord=table.numbers("chord_m"),

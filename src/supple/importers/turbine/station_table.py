@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from supple.errors import ImportFormatError, MeshError
-from supple.importers.csv_table import CsvTable, read_csv_table
-from supple.importers.text_file import is_file
+from supple.importers.csv_table import CsvTable, named_csv_file, read_csv_table
 from supple.mesh import AirfoilSection, BladeStations, TrailingEdge
 
 __all__ = ["read_stations"]
@@ -37,7 +36,8 @@ def read_stations(path: str | Path | Traversable, *, sections: str | Path | Trav
     BladeStations   angles in rad
     Raises
     ------
-    ImportFormatError   missing files or columns, unknown sections or trailing edges, words instead of numbers
+    ImportFormatError   missing files, folder or columns, unknown sections or trailing edges, words instead of
+                        numbers
     MeshError           a section or table that describes no blade (out of order, crossing itself, ...)
     """
     table = read_csv_table(
@@ -74,13 +74,7 @@ def _read_section(table: CsvTable, row: int, folder: Path | Traversable) -> Airf
             f"{table.path}, line {table.lines[row]}: trailing edge '{edge}'; write one of "
             f"{', '.join(_TRAILING_EDGES)}"
         )
-    file = folder / f"{name}.csv"
-    if "/" in name or not is_file(file):
-        there = sorted(entry.name[:-4] for entry in folder.iterdir() if entry.name.endswith(".csv"))
-        raise ImportFormatError(
-            f"{table.path}, line {table.lines[row]}: unknown section '{name}'; {folder} has "
-            f"{', '.join(there) or 'no .csv files'}"
-        )
+    file = named_csv_file(folder, name, table, row, "section")
     outline = read_csv_table(file, required=("x_over_c", "y_over_c"))
     points = np.column_stack([outline.numbers("x_over_c"), outline.numbers("y_over_c")])
     return AirfoilSection(name, points, _TRAILING_EDGES[edge])

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.errors import ImportFormatError, MeshError
+from supple.errors import ImportFormatError, MeshError, SuppleWarning
 from supple.importers.turbine.windio_file import WindioFile
 from supple.mesh import AirfoilSection, BladeStations
 from supple.mesh.blade_stations import SHAPE_POINTS
@@ -36,6 +37,9 @@ def read_windio_blade(path: str | Path) -> BladeStations:
     ------
     ImportFormatError   missing file, no YAML, missing entries, unknown airfoils, entries that are not numbers
     MeshError           airfoils or distributions that describe no blade
+    Warns
+    -----
+    SuppleWarning       different airfoils at one position or of one `rthick`: the first is used
     Source: windIO turbine schema, versions 1 (`outer_shape_bem`) and 2 (`outer_shape`).
     """
     file = _OuterShape.read(path)
@@ -105,8 +109,17 @@ class _OuterShape(WindioFile):
         at = grid
         if self.has(*shape, "rthick"):
             places = np.array([airfoils[name].relative_thickness() for name in names])
-            at = self.distribution(*shape, "rthick")(grid).clip(places.min(), places.max())
-        places, first = np.unique(places, return_index=True)
+            at = self.covering(grid, *shape, "rthick")(grid).clip(places.min(), places.max())
+        places, first, which = np.unique(places, return_index=True, return_inverse=True)
+        lost = np.flatnonzero(~np.isclose(heights, heights[first[which]]).all(axis=(1, 2)))
+        if lost.size:
+            kept = names[first[which[lost[0]]]]
+            warnings.warn(
+                f"{self.path}: airfoils '{kept}' and '{names[lost[0]]}' have the same position or relative "
+                f"thickness, {places[which[lost[0]]]:g}: only '{kept}' is used there",
+                SuppleWarning,
+                stacklevel=3,
+            )
         if places.size < 2:
             raise ImportFormatError(
                 f"{self.path}: {'.'.join(shape)} needs airfoils at two or more positions; with rthick, "

@@ -64,7 +64,9 @@ def read_windio_sections(path: str | Path) -> SectionTable:
 def _grid(file: WindioFile, *keys: str) -> FloatArray:
     grid = file.numbers(*keys, "grid")
     if grid.size < 2 or (np.diff(grid) <= 0).any():
-        raise ImportFormatError(f"{file.path}: the grid of {'.'.join(keys)} needs two numbers, ascending")
+        raise ImportFormatError(
+            f"{file.path}: the grid of {'.'.join(keys)} needs at least two numbers, ascending"
+        )
     return grid
 
 
