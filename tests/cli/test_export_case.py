@@ -60,6 +60,13 @@ def test_a_body_that_is_not_there_is_refused(case_folder, tmp_path):
     assert "'strap' is none of the bodies with elements; did you mean 'strip'?" in message
 
 
+def test_a_run_is_written_from_its_result(case_folder, tmp_path):
+    for name in ("run.csv", "run.vtkhdf", "run.h5"):
+        result = exported(case_folder / "strip.toml", "-o", tmp_path / name)
+        assert result.exit_code == 2
+        assert "Run the case, then export the result" in " ".join(result.output.split())
+
+
 def test_a_body_that_no_joint_holds_is_refused(case_folder, tmp_path):
     case = case_folder / "strip.toml"
     case.write_text(case.read_text().replace('"strip.root"\n\n[sim', '"other.eye"\n\n[sim') + OTHER)

@@ -131,7 +131,7 @@ def sweep(
     share: Annotated[
         str | None, typer.Option(help="K/N: run the part of job K of N in this process (job arrays).")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Start anew; replaces the folder.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Start anew; replaces the folder. Not with --share.")] = False,
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
@@ -144,7 +144,7 @@ def sweep(
 
     with reported_errors(debug=debug), reported_warnings():
         keep_compiled_programs()
-        executors = chosen_executors(workers, cluster, mpi)
+        executors = chosen_executors(workers, cluster, mpi, share)
         folder = output or Path("results") / path.stem
         sweep_cases(path, folder, executors, share, force=force, allow_code=allow_code)
 
