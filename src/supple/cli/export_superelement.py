@@ -34,7 +34,7 @@ from supple.importers import read_section_table
 from supple.methods.intrinsic import IntrinsicBody
 from supple.reduction import ReducedBody
 from supple.storage import read_reduced_body
-from supple.terminal import console, print_table, say, worded
+from supple.terminal import print_table, say, shown_step
 
 _OF_INTERFACES: dict[str, Callable[[Path, InterfaceForm], object]] = {
     ".op4": write_output4_superelement,
@@ -78,14 +78,14 @@ def export_superelement(path: Path, target: Path, *, body: Sequence[str] | None,
             f"cannot write {target}: MNF is a closed format of Adams; write .op4 or .pch for a program that "
             "writes MNF, such as Nastran"
         )
-    with console.status("reading") as status:
+    with shown_step("reading") as notify:
         if path.suffix.lower() != ".toml":
             only = read_reduced_body(path)
             if body and list(body) != [only.name]:
                 raise ArgumentError(f"{path} contains the body '{only.name}' alone: remove --body")
             _write(target, suffix, only, None, abaqus=abaqus)
             return
-        case = read_case(path, lambda step, detail="": status.update(worded(step, detail)))
+        case = read_case(path, notify)
         check_not_an_input(case, [target])
         chosen = _chosen(case, body, ("reduced", "intrinsic") if suffix == _OPENFAST else ("reduced",))
         if chosen.kind == "intrinsic":

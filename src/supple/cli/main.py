@@ -131,7 +131,9 @@ def sweep(
     share: Annotated[
         str | None, typer.Option(help="K/N: run the part of job K of N in this process (job arrays).")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Start anew; replaces the folder. Not with --share.")] = False,
+    force: Annotated[
+        bool, typer.Option("--force", help="Start anew; replaces the folder. Not with --share.")
+    ] = False,
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
