@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -55,14 +55,10 @@ def pieces_of(
     of mass to its interfaces. A joint is a point at its second end, or at its first end if the second is the
     ground.
 
-    Raises ModelError for an unknown body, or no body.
+    Raises ModelError for an unknown body, no body, or a mesh of another body.
     """
-    known = [placed.body.name for placed in system.bodies]
-    for name in bodies or ():
-        if name not in known:
-            raise ModelError(
-                f"no body '{name}' to write{did_you_mean(name, known)}; there are: {', '.join(known)}"
-            )
+    known = check_bodies(system, bodies or ())
+    check_bodies(system, meshes)
     wanted = known if bodies is None else [name for name in known if name in bodies]
     if not wanted:
         raise ModelError(
@@ -79,6 +75,17 @@ def pieces_of(
     return tuple(found) if joints is None else (*found, joints)
 
 
+def check_bodies(system: System, names: Iterable[str]) -> list[str]:
+    """Names of all bodies of a system; ModelError unless the given ones are among them."""
+    known = [placed.body.name for placed in system.bodies]
+    for name in names:
+        if name not in known:
+            raise ModelError(
+                f"no body '{name}' to write{did_you_mean(name, known)}; there are: {', '.join(known)}"
+            )
+    return known
+
+
 def _at_rest(placed: Placed, local: Array) -> Array:
     position, rotation = placed.assembly
     return position + local @ rotation.T
@@ -86,6 +93,11 @@ def _at_rest(placed: Placed, local: Array) -> Array:
 
 def _elastic_piece(placed: Placed, mesh: Mesh | None) -> Piece:
     body: Any = placed.body
+    if mesh is not None and mesh.n_nodes > len(body.nodes):
+        raise ModelError(
+            f"the mesh given for body '{body.name}' has {mesh.n_nodes} nodes and the body {len(body.nodes)}: "
+            "give the mesh of which the body was made"
+        )
     vertices = (VERTEX, np.arange(len(body.nodes))[:, None])
     cells = Cells.of(vertices) if mesh is None else vtk_cells(mesh)
     return Piece(
