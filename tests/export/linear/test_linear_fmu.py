@@ -248,7 +248,9 @@ def test_what_has_no_linear_form_is_refused_with_its_cause(machine, cause):
 
 def test_a_load_that_vanishes_at_even_times_is_seen_to_vary():
     system, _, sensors, inputs = oscillator()
-    shaken = ForceBetween(first="ground", second="mass.eye", axis=(1, 0, 0), force=Sine(1.0, frequency_hz=5.0))
+    shaken = ForceBetween(
+        first="ground", second="mass.eye", axis=(1, 0, 0), force=Sine(1.0, frequency_hz=5.0)
+    )
     system = System(system.bodies, system.joints, loads=[*system.loads, shaken], gravity=(0, 0, -9.81))
     with pytest.raises(ModelError, match="vary with time"):
         linear_form(system, Run(10.0, 0.1), sensors, inputs)

@@ -146,7 +146,13 @@ _TYPES = {
     "uint64": "uint64_t",
     "bool": "bool",
     "uint8": "uint8_t",
+    "int8": "int8_t",
+    "int16": "int16_t",
+    "uint16": "uint16_t",
 }
+
+
+_SMALLEST = -(2**63)
 
 
 def c_type(dtype: Any) -> str:
@@ -159,7 +165,11 @@ def literal(number: Any, dtype: Any) -> str:
     kind = np.dtype(dtype).kind
     if kind == "b":
         return "1" if number else "0"
-    if kind in "iu":
+    if kind == "u":
+        return f"{int(number)}u"
+    if kind == "i":
+        if number == _SMALLEST:  # a minus sign before a number that is too large
+            return f"({_SMALLEST + 1} - 1)"
         return f"({int(number)})" if number < 0 else str(int(number))
     if math.isnan(number):
         return "((double)NAN)"
