@@ -224,7 +224,10 @@ def modes(
     time: Instant = 0.0,
     rates: Annotated[
         str | None,
-        typer.Option(help="FROM:TO:NUMBER: Campbell diagram over these rates of the case's spin, rad/s."),
+        typer.Option(
+            help="FROM:TO:NUMBER: Campbell diagram over these rates of the case's spin, rad per unit of time; "
+            "loads at time 0."
+        ),
     ] = None,
     no_errors: NoErrors = False,
     allow_code: AllowCode = False,
