@@ -115,8 +115,8 @@ class UnitSystem:
 
         Raises
         ------
-        ModelError   an unknown quantity or unit; units that are not a consistent set, with the remedy; a force
-                     or stress without length and time
+        ModelError   an unknown quantity or unit; units that are not a consistent set, with the remedy; a
+                     force or stress without length and time
         """
         for key in units:
             if key not in _STATED:

@@ -231,7 +231,6 @@ os.environ.setdefault("NPROC", "1")
 os.environ["XLA_FLAGS"] = _with_flags(os.environ.get("XLA_FLAGS", ""))
 # Also called for a folder from the environment: by default JAX caches nothing compiled within a second.
 if os.environ.get("JAX_COMPILATION_CACHE_DIR") or (
-    getattr(jax.config, "jax_compilation_cache_dir", None) is None
-    and _writable(_user_folder())
+    getattr(jax.config, "jax_compilation_cache_dir", None) is None and _writable(_user_folder())
 ):
     keep_compiled_programs()

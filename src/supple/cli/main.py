@@ -225,8 +225,8 @@ def modes(
     rates: Annotated[
         str | None,
         typer.Option(
-            help="FROM:TO:NUMBER: Campbell diagram over these rates of the case's spin, rad per unit of time; "
-            "loads at time 0."
+            help="FROM:TO:NUMBER: Campbell diagram over these rates of the case's spin, "
+            "rad per unit of time; loads at time 0."
         ),
     ] = None,
     no_errors: NoErrors = False,

@@ -24,6 +24,7 @@ from supple.sweeps import (
     write_sweep_report,
 )
 from supple.sweeps.part_file import CaseStatus
+from supple.sweeps.plan import read_plan
 from supple.terminal import bar, error_console, print_table, progress_bars, say, words
 
 __all__ = ["chosen_executors", "print_status", "sweep_cases", "write_pages"]
@@ -150,11 +151,7 @@ def _print(status: SweepStatus, folder: Path) -> None:
     )
     errors = status.errors
     if errors.n_estimated:
-        say(
-            f"{status.n_cases} cases, largest estimated error {errors.largest:.3g}, "
-            f"{status.n_again} run again"
-            + (f", {errors.n_above} above their accuracy" if errors.n_above else "")
-        )
+        say(errors.line(status.n_cases, status.n_again, read_plan(folder).units.length))
     for reason, number in errors.reasons.items():
         say(f"The errors of {number} cases are not estimated: {reason}")
     say(f"Results are in {folder}/")

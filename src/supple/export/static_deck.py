@@ -85,10 +85,10 @@ def write_static_deck(
 
     Raises
     ------
-    ModelError          another suffix; springs, ties and constraints of the model; beams and pyramids; laminates given by their A-B-D matrix alone;
-                        shells with an offset or an added mass; anisotropic materials, or a separate shear
-                        modulus; loads of a wrong shape or not finite; no load; no clamped node, or one out
-                        of range
+    ModelError          another suffix; springs, ties and constraints of the model; beams and pyramids;
+                        laminates given by their A-B-D matrix alone; shells with an offset or an added
+                        mass; anisotropic materials, or a separate shear modulus; loads of a wrong shape
+                        or not finite; no load; no clamped node, or one out of range
     ResultFileError     the file cannot be written
     """
     path = Path(path)

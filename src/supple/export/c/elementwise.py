@@ -71,8 +71,8 @@ def _by_kind(name: str, **forms: Callable[..., str]) -> None:
         kind = {"f": "real", "i": "whole", "u": "whole", "b": "logical"}[inputs[0].dtype.kind]
         if kind not in forms:
             raise ModelError(
-                f"the machine's equations use the operation '{name}' of {inputs[0].dtype} numbers, which has no "
-                "translation to C: convert them to floats first"
+                f"the machine's equations use the operation '{name}' of {inputs[0].dtype} numbers, which has "
+                "no translation to C: convert them to floats first"
             )
         return [elementwise(block, outputs[0].shape, outputs[0].dtype, inputs, forms[kind])]
 

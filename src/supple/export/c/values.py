@@ -152,12 +152,15 @@ _TYPES = {
 }
 
 
-_SMALLEST = -(2**63)
-
-
 def c_type(dtype: Any) -> str:
     """The C type of the elements of an array."""
     return _TYPES.get(np.dtype(dtype).name, "double")
+
+
+def _whole(number: int) -> str:
+    if number == -(2**63):  # 2^63 is no number of C, a minus sign before it is an operation
+        return f"({number + 1} - 1)"
+    return f"({number})" if number < 0 else str(number)
 
 
 def literal(number: Any, dtype: Any) -> str:
@@ -165,12 +168,8 @@ def literal(number: Any, dtype: Any) -> str:
     kind = np.dtype(dtype).kind
     if kind == "b":
         return "1" if number else "0"
-    if kind == "u":
-        return f"{int(number)}u"
-    if kind == "i":
-        if number == _SMALLEST:  # a minus sign before a number that is too large
-            return f"({_SMALLEST + 1} - 1)"
-        return f"({int(number)})" if number < 0 else str(int(number))
+    if kind in "iu":
+        return _whole(int(number)) + ("u" if kind == "u" else "")
     if math.isnan(number):
         return "((double)NAN)"
     if math.isinf(number):
