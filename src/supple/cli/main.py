@@ -10,6 +10,7 @@ import typer
 from supple import __version__
 from supple.cli.benchmark import BenchmarkGroup
 from supple.cli.sweep_group import SweepGroup
+from supple.errors import ArgumentError
 from supple.progress import show_progress
 from supple.terminal import console, reported_errors, reported_warnings, show_any_character
 
@@ -392,6 +393,8 @@ def example(
 
     with reported_errors(debug=debug), reported_warnings():
         if name is None:
+            if output is not None:
+                raise ArgumentError("-o is the folder for an example: give the name of one as well")
             list_examples()
         else:
             write_example(name, output or Path())

@@ -76,6 +76,8 @@ def draw_run(
     -------
     the paths of the pictures
     """
+    for name in elements or ():
+        system.placed(name, "elements")  # a misspelt name is an error
     camera = view.camera or machine_camera(system, solution, meshes)
     seen = View(camera, view.enlargement)
     pictures: list[Path] = []

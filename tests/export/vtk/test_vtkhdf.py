@@ -165,7 +165,7 @@ def test_a_part_without_a_mesh_is_written_as_points_without_values_of_elements(m
 def test_meshes_and_elements_are_of_bodies(machine, meshes, elements, tmp_path):
     path = tmp_path / "a.vtkhdf"
     for kwargs in ({"meshes": {"fill": meshes["full"]}}, {"elements": {"fill": elements["full"]}}):
-        with pytest.raises(ModelError, match="no body 'fill' to write; did you mean 'full'"):
+        with pytest.raises(ModelError, match="there is no body 'fill'; did you mean 'full'"):
             write_vtkhdf(path, *machine, **kwargs)
     large = block(1.0, 1.0, 1.0, 9, 9, 9, CellType.HEXA8)
     with pytest.raises(ModelError, match="the mesh given for body 'full' has 1000 nodes and the body"):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import BodyForm
-from supple.export.vtk.pieces import Piece, check_bodies
+from supple.export.vtk.pieces import Piece
 from supple.fem import FiniteElementModel
 from supple.integrate import FramedMotion, Solution
 from supple.machine import At, System
@@ -61,7 +61,8 @@ def fields_of(
 
     Raises ModelError for elements of an unknown body.
     """
-    check_bodies(system, elements)
+    for name in elements:
+        system.placed(name, "elements")  # a misspelt name is an error
     bodies = [piece for piece in pieces if piece.body is not None]
     framed = [piece for piece in bodies if _form(piece).has_frame]
     # A part without a mesh is written as points, which have no values of elements.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -57,8 +57,14 @@ def pieces_of(
 
     Raises ModelError for an unknown body, no body, or a mesh of another body.
     """
-    known = check_bodies(system, bodies or ())
-    check_bodies(system, meshes)
+    known = [placed.body.name for placed in system.bodies]
+    for name in bodies or ():
+        if name not in known:
+            raise ModelError(
+                f"no body '{name}' to write{did_you_mean(name, known)}; there are: {', '.join(known)}"
+            )
+    for name in meshes:
+        system.placed(name, "meshes")  # a misspelt name is an error
     wanted = known if bodies is None else [name for name in known if name in bodies]
     if not wanted:
         raise ModelError(
@@ -73,17 +79,6 @@ def pieces_of(
     ]
     joints = _joints_piece(system) if bodies is None else None
     return tuple(found) if joints is None else (*found, joints)
-
-
-def check_bodies(system: System, names: Iterable[str]) -> list[str]:
-    """Names of all bodies of a system; ModelError unless the given ones are among them."""
-    known = [placed.body.name for placed in system.bodies]
-    for name in names:
-        if name not in known:
-            raise ModelError(
-                f"no body '{name}' to write{did_you_mean(name, known)}; there are: {', '.join(known)}"
-            )
-    return known
 
 
 def _at_rest(placed: Placed, local: Array) -> Array:
