@@ -91,8 +91,8 @@ def moving_machine(
 ) -> MovingMachine:
     """A machine in a run; parameters as for `write_report`.
 
-    Raises ModelError for a solution with other basis columns than the bodies; meshes or elements of an unknown
-    body.
+    Raises ModelError for a solution with other basis columns than the bodies, and for meshes or elements of
+    an unknown body.
     """
     check_motions(system, solution)
     for what, names in (("meshes", meshes), ("elements", elements or ())):

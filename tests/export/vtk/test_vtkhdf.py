@@ -170,6 +170,9 @@ def test_meshes_and_elements_are_of_bodies(machine, meshes, elements, tmp_path):
     large = block(1.0, 1.0, 1.0, 9, 9, 9, CellType.HEXA8)
     with pytest.raises(ModelError, match="the mesh given for body 'full' has 1000 nodes and the body"):
         write_vtkhdf(path, *machine, {"full": large})
+    few = block(1.0, 1.0, 1.0, 1, 1, 1, CellType.HEXA8)
+    with pytest.raises(ModelError, match="part 'finite elements' has 1 cells and the part 8 elements"):
+        write_vtkhdf(path, *machine, {"finite elements": few})
     assert not path.exists()
 
 

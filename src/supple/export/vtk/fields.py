@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import BodyForm
+from supple.errors import ModelError
 from supple.export.vtk.pieces import Piece
 from supple.fem import FiniteElementModel
 from supple.integrate import FramedMotion, Solution
@@ -158,5 +159,10 @@ def _cell_order(piece: Piece) -> NDArray[np.int64]:
     body, mesh = _form(piece), piece.mesh
     assert mesh is not None
     starts = dict(zip(mesh.cells, np.cumsum([0, *map(len, mesh.cells.values())]), strict=False))
-    cells = np.concatenate([starts[own.cell_type] + own.cells for own in body.model.sections])
+    cells = np.concatenate([starts.get(own.cell_type, 0) + own.cells for own in body.model.sections])
+    if len(cells) != len(piece.cells.types):
+        raise ModelError(
+            f"the mesh given for part '{piece.name}' has {len(piece.cells.types)} cells and the part "
+            f"{len(cells)} elements: give the mesh of which the part was made"
+        )
     return np.argsort(cells, kind="stable")
