@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from supple.errors import ModelError
-from supple.units import SI, UNNAMED, UnitSystem, headed, labelled, with_unit
+from supple.units import SI, UNNAMED, UnitSystem, headed, labelled, plain_number, with_unit
 
 DERIVED = ("force", "moment", "stress", "energy", "velocity", "density", "inertia")
 
@@ -66,7 +66,12 @@ def test_the_mass_follows_from_the_force():
     inches = UnitSystem.stated({"length": "in", "force": "lbf", "time": "s"})
     assert inches == UnitSystem("in", "slinch", "s")
     assert inches.in_si(mass=1, length=-3) == pytest.approx(4.4482216152605 / 0.0254**4)
+    assert UnitSystem.stated({"length": "mm", "stress": "MPa", "time": "s"}) == UnitSystem("mm", "t", "s")
     assert UnitSystem.stated({"mass": "lbf·s²/in"}) == UnitSystem(mass="lbf s2/in")
+
+
+def test_a_number_is_plain_also_where_it_is_rounded_up():
+    assert [plain_number(each) for each in (0.6749, 999.4, 999.7, 1050.0)] == ["0.675", "999", "1000", "1050"]
 
 
 @pytest.mark.parametrize(
@@ -77,10 +82,12 @@ def test_the_mass_follows_from_the_force():
             "the stress in MPa is not consistent with",
         ),
         ({"length": "mm", "mass": "kg", "time": "s", "force": "N"}, "these have the force in .*, such as m"),
-        ({"length": "metre"}, "no unit of length 'metre'"),
+        ({"length": "metre"}, "unknown unit of length 'metre'"),
         ({"lenght": "m"}, "units cannot be given for 'lenght'.*did you mean 'length'"),
-        ({"force": "newton"}, "no unit of force 'newton'"),
+        ({"force": "newton"}, "unknown unit of force 'newton'"),
         ({"length": "ft", "time": "ms", "force": "dyn"}, "no known unit of mass matches ft, ms and dyn"),
+        ({"length": "mm", "time": "s", "stress": "psi"}, "no known unit of mass matches mm, s and psi"),
+        ({"length": "m", "force": "N"}, "a unit of force is used with units of length and time: give these"),
     ],
 )
 def test_units_that_are_no_set_are_refused(stated, message):

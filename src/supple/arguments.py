@@ -120,11 +120,17 @@ def _is_number(value: Any) -> bool:
 
 
 def check_fields(record: Any) -> None:
-    """Raise unless every field of a dataclass fits its annotation; to be called in `__post_init__`."""
+    """Raise unless every field of a dataclass fits its annotation; to be called in `__post_init__`.
+
+    Whole numbers written as 3.0 become integers.
+    """
     kind = type(record)
     for name, hint in _hints(kind).items():
         if name in kind.__dataclass_fields__:
-            _check(f"{kind.__name__}, {name}", getattr(record, name, None), hint)
+            value = getattr(record, name, None)
+            checked = _checked(f"{kind.__name__}, {name}", value, hint)
+            if checked is not value:
+                object.__setattr__(record, name, checked)
 
 
 def check_ranges(label: str, record: Any) -> None:
@@ -153,16 +159,20 @@ def _ranges(kind: type) -> dict[str, str]:
 
 
 def checked_arguments(function: _F) -> _F:
-    """Decorator that checks the arguments of each call against their annotations."""
+    """Decorator that checks the arguments of each call against their annotations.
+
+    Whole numbers written as 3.0 become integers.
+    """
     signature = inspect.signature(function)
 
     @wraps(function)
     def with_checks(*args: Any, **kwargs: Any) -> Any:
-        hints = _hints(function)
-        for name, value in signature.bind(*args, **kwargs).arguments.items():
+        hints, bound = _hints(function), signature.bind(*args, **kwargs)
+        for name, value in bound.arguments.items():
             if name in hints:
-                _check(f"{function.__name__}, {name}", value, hints[name])  # ty: ignore[missing-attribute]
-        return function(*args, **kwargs)
+                what = f"{function.__name__}, {name}"  # ty: ignore[missing-attribute]
+                bound.arguments[name] = _checked(what, value, hints[name])
+        return function(*bound.args, **bound.kwargs)
 
     return cast(_F, with_checks)
 
@@ -172,19 +182,22 @@ def _hints(of: Any) -> dict[str, Any]:
     return get_type_hints(of)
 
 
-def _check(what: str, value: Any, hint: Any) -> None:
-    """Raise unless a value fits an annotation; annotations without a known check allow all values."""
+def _checked(what: str, value: Any, hint: Any) -> Any:
+    """The value; a whole number as an integer, for which `range` and NumPy do not accept 3.0.
+
+    Raise unless it fits the annotation; annotations without a known check allow all values.
+    """
     options = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
     if value is None and NoneType in options:
-        return
+        return value
     options = [option for option in options if option is not NoneType]
     tests = [_test_of(option) for option in options]
     if None in tests:
-        return
+        return value
     found = [test for test in tests if test is not None]
-    for is_right, _ in found:
+    for option, (is_right, _) in zip(options, found, strict=True):
         if is_right(value):
-            return
+            return int(value) if option is int else value
     raise ArgumentError(f"{what}: expected {' or '.join(name for _, name in found)}, got {given(value)}")
 
 

@@ -145,6 +145,20 @@ def worded(step: str, detail: str = "") -> str:
     return plain(f"{step}: {detail}" if detail else step)
 
 
+@contextmanager
+def shown_step(step: str) -> Iterator[Callable[..., None]]:
+    """Show a step with a spinner until the block ends; yields the function (step, detail) that shows another.
+
+    The text is printed literally: brackets in names of bodies are not markup.
+    """
+    with console.status(words(step)) as status:
+
+        def show(step: str, detail: str = "", /) -> None:
+            status.update(words(worded(step, detail)))
+
+        yield show
+
+
 class ProgressBars:
     """One bar per step, in order; a step of unknown length has a spinner until the next step begins."""
 

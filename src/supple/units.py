@@ -80,7 +80,8 @@ def plain_number(value: float, digits: int = 3) -> str:
 
     From 10^digits to 1e9 the number is rounded to a whole number: "1050", not "1.05e+03".
     """
-    return f"{value:.0f}" if 10**digits <= abs(value) < 1e9 else f"{value:.{digits}g}"
+    shown = f"{value:.{digits}g}"
+    return f"{value:.0f}" if 10**digits <= abs(float(shown)) < 1e9 else shown
 
 
 @dataclass(frozen=True)
@@ -103,20 +104,19 @@ class UnitSystem:
         for name, known in _BASE.items():
             given = _spelled(getattr(self, name))
             if given and given not in known:
-                raise ModelError(f"there is no unit of {name} {given!r}{did_you_mean(given, known)}")
+                raise ModelError(f"unknown unit of {name} {given!r}{did_you_mean(given, known)}")
             object.__setattr__(self, name, given)
 
     @classmethod
     def stated(cls, units: Mapping[str, str]) -> UnitSystem:
         """The system for given names of units of length, mass, time, force and stress.
 
-        A unit of force or stress is compared with the others only if length, mass and time are known.
-
-        By default the mass follows from length, time and force: slinch from in, s and lbf.
+        By default the mass follows from length, time and force, or stress: slinch from in, s and lbf.
 
         Raises
         ------
-        ModelError   an unknown quantity or unit; units that are not a consistent set, with the remedy
+        ModelError   an unknown quantity or unit; units that are not a consistent set, with the remedy; a
+                     force or stress without length and time
         """
         for key in units:
             if key not in _STATED:
@@ -125,13 +125,20 @@ class UnitSystem:
         for key in ("force", "stress"):
             if key in given and given[key] not in _STATED[key]:
                 raise ModelError(
-                    f"there is no unit of {key} {given[key]!r}{did_you_mean(given[key], _STATED[key])}"
+                    f"unknown unit of {key} {given[key]!r}{did_you_mean(given[key], _STATED[key])}"
                 )
         length, time = given.get("length", ""), given.get("time", "")
-        mass = given.get("mass", "") or _mass_of(length, time, given.get("force", ""))
+        mass, derived = given.get("mass", ""), [key for key in ("force", "stress") if given.get(key)]
+        for key in derived:
+            if not (length and time):
+                raise ModelError(
+                    f"a unit of {key} is used with units of length and time: give these, too, or leave out "
+                    f"the {key}"
+                )
+            mass = mass or _mass_of(length, time, key, given[key])
         system = cls(length, mass, time)
-        for key in ("force", "stress"):
-            system._agrees(key, given.get(key, ""))
+        for key in derived:
+            system._agrees(key, given[key])
         return system
 
     @classmethod
@@ -252,8 +259,7 @@ class UnitSystem:
     def _agrees(self, key: str, unit: str) -> None:
         powers = _POWERS[key]
         found = self.in_si(**powers)
-        if not unit or found is None:
-            return
+        assert found is not None  # `stated` has length, mass and time
         if not isclose(_STATED[key][unit], found, rel_tol=1e-6):
             raise ModelError(
                 f"the {key} in {unit} is not consistent with {self}: these have the {key} in "
@@ -276,17 +282,17 @@ def _spelled(unit: str) -> str:
     return _SPELLINGS.get(plain, plain)
 
 
-def _mass_of(length: str, time: str, force: str) -> str:
-    """The mass consistent with length, time and force, "" if one of them is missing.
+def _mass_of(length: str, time: str, key: str, unit: str) -> str:
+    """The mass consistent with length, time and a unit of force or stress.
 
-    Raises ModelError if this mass has no name.
+    "" for an unknown length or time. Raises ModelError if this mass has no name.
     """
-    if not (force and length in _LENGTHS and time in _TIMES):
+    if length not in _LENGTHS or time not in _TIMES:
         return ""
-    size = _FORCES[force] * _TIMES[time] ** 2 / _LENGTHS[length]
+    size = _STATED[key][unit] * _TIMES[time] ** 2 / _LENGTHS[length] ** _POWERS[key]["length"]
     same = [name for name, own in _MASSES.items() if isclose(own, size, rel_tol=_SAME)]
     if not same:
-        raise ModelError(f"no known unit of mass matches {length}, {time} and {force}: give the mass, too")
+        raise ModelError(f"no known unit of mass matches {length}, {time} and {unit}: give the mass, too")
     return same[0]
 
 

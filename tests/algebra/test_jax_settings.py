@@ -34,6 +34,19 @@ def test_user_cache_by_default(tmp_path, monkeypatch):
     assert float(jax.jit(lambda x: 2 * x)(jnp.ones(()))) == 2.0
 
 
+def test_a_user_without_home_has_no_cache(monkeypatch):
+    def none():
+        raise RuntimeError("Could not determine home directory.")
+
+    for variable in ("JAX_COMPILATION_CACHE_DIR", "XDG_CACHE_HOME", "LOCALAPPDATA"):
+        monkeypatch.delenv(variable, raising=False)
+    monkeypatch.setattr(jax_settings.Path, "home", none)
+    before = jax.config.jax_compilation_cache_dir
+    assert keep_compiled_programs() is None
+    assert jax.config.jax_compilation_cache_dir == before
+    assert not jax_settings._writable(jax_settings._user_folder())
+
+
 def test_unlike_machines_share_no_programs(monkeypatch):
     """Another instruction set, or another version of the compiler, has another folder."""
     monkeypatch.undo()

@@ -125,7 +125,12 @@ def test_a_refused_model_is_an_exit_code(folder):
 def test_a_mesh_without_materials_is_no_whole_model(folder):
     (folder / "strip.msh").touch()
     output = call("check", folder / "strip.msh", code=2)
-    assert "strip.msh: not a whole model; give a file that ends in .toml, .inp, .bdf" in output
+    assert "strip.msh: not a complete model: check reads .toml, .inp, .bdf" in output
+    assert "write a case: supple new" in output
+
+
+def test_bodies_without_elements_are_named(pendulum):
+    assert "not checked, because they have no elements or matrices here: 'bob'" in call("check", pendulum)
 
 
 def test_info_of_bulk_data_shows_what_it_holds(folder):

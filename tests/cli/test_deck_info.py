@@ -90,6 +90,13 @@ def test_json_is_of_decks(tmp_path):
     assert "--json, --modes and --held are for decks" in call("info", tmp_path / "a.toml", "--held", code=2)
 
 
+def test_options_without_effect_or_that_lose_the_deck_are_refused(bar):
+    text = bar.read_text()
+    assert "--held is for frequencies" in call("info", bar, "--held", code=2)
+    assert "it is the deck itself" in call("info", bar, "--json", bar, code=2)
+    assert bar.read_text() == text
+
+
 CASE = """
 title = "a bar"
 [[body]]

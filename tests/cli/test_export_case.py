@@ -37,6 +37,19 @@ def test_without_a_word_the_deck_is_for_calculix(case_folder, tmp_path):
     assert "t = 0.1" in result.output
 
 
+def test_what_the_deck_leaves_out_is_printed(case_folder, tmp_path):
+    case = case_folder / "strip.toml"
+    spring = (
+        '\n[[spring]]\nkind = "straight"\nfirst = "ground"\nsecond = "strip.root"\nstiffness = 1e3\n'
+        "free_length = 0.0\nanchor = [0.0, 0.0, 1.0]\n"
+    )
+    text = case.read_text()
+    assert "without the case's" not in exported(case, "-o", tmp_path / "deck.inp").output
+    case.write_text(text + spring + "\n[spin]\nrate = 1.0\naxis = [0, 0, 1]\n")
+    result = exported(case, "-o", tmp_path / "deck.inp")
+    assert "without the case's springs (1), steady rotation" in " ".join(result.output.split())
+
+
 OTHER = """
 [[body]]
 name = "other"
@@ -58,6 +71,26 @@ def refused(case, tmp_path, *arguments):
 def test_a_body_that_is_not_there_is_refused(case_folder, tmp_path):
     message = refused(case_folder / "strip.toml", tmp_path, "--body", "strap")
     assert "'strap' is none of the bodies with elements; did you mean 'strip'?" in message
+
+
+def test_a_name_with_brackets_is_no_markup(case_folder, tmp_path):
+    case = case_folder / "strip.toml"
+    case.write_text(
+        case.read_text()
+        .replace('name = "strip"', 'name = "arm[/x]"')
+        .replace('"strip.root"', '"arm[/x].root"')
+        .replace('"strip.TIP", ', "")
+    )
+    result = exported(case, "-o", tmp_path / "deck.inp")
+    assert result.exit_code == 0, result.output
+    assert "arm[/x]" in result.output
+
+
+def test_a_run_is_written_from_its_result(case_folder, tmp_path):
+    for name in ("run.csv", "run.vtkhdf", "run.h5"):
+        result = exported(case_folder / "strip.toml", "-o", tmp_path / name)
+        assert result.exit_code == 2
+        assert "Run the case, then export the result" in " ".join(result.output.split())
 
 
 def test_a_body_that_no_joint_holds_is_refused(case_folder, tmp_path):

@@ -65,6 +65,7 @@ def test_what_cannot_be_written_is_refused(strip_file, tmp_path):
         ("x.dat", (), "give the case file for .dat"),
         ("x.op4", ("--superelement",), "--superelement is for a deck (.inp)"),
         ("x.op4", ("--times", "0:1:3"), "is not for a superelement: remove it (its options: --body)"),
+        ("x.op4", ("--body", "other"), "contains the body 'strip' alone: remove --body"),
         ("x.op4", ("--abaqus",), "--abaqus is not for a superelement"),
         ("x.inp", ("--superelement", "--time", "1"), "--time is not for a deck with a superelement"),
     ):
@@ -84,6 +85,10 @@ def test_of_a_case_the_interface_that_no_joint_holds_is_where_a_tower_begins(cas
     result = exported(case, "-o", tmp_path / "x.dat")
     assert result.exit_code == 0, result.output
     assert "at top, all other interfaces clamped" in (tmp_path / "x.dat").read_text()
+    upright = case.read_text()
+    case.write_text(upright.replace('name = "strip"\n', 'name = "strip"\nrotation = [0, -1.57, 0]\n', 1))
+    lying = exported(case, "-o", tmp_path / "y.dat")
+    assert "mesh axes of body 'strip', and ExtPtfm needs z upwards" in " ".join(lying.output.split())
     case.write_text(text)
     refused = exported(case, "-o", tmp_path / "y.dat")
     assert "0 interfaces of 'strip' are not joined to the ground" in " ".join(refused.output.split())

@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from supple import cases
 from supple.cases.read_case import read_case
+from supple.cli.main import app
 from supple.errors import ArgumentError
 from supple.importers import read_mesh
 
@@ -48,6 +50,12 @@ def test_what_is_there_is_not_replaced(tmp_path):
     cases.write_example("pendulum", tmp_path)
     with pytest.raises(ArgumentError, match="exists already"):
         cases.write_example("pendulum", tmp_path)
+
+
+def test_a_folder_without_an_example_is_refused(tmp_path):
+    result = CliRunner().invoke(app, ["example", "-o", str(tmp_path)])
+    assert result.exit_code == 2
+    assert "give the name of one as well" in result.output
 
 
 def test_an_unknown_example_is_named(tmp_path):

@@ -102,6 +102,7 @@ def test_a_run_from_the_equilibrium_does_not_swing(run):
     [
         (("modes", "--rates", "0:2"), "", "FROM:TO:NUMBER"),
         (("modes", "--rates", "0:2:3"), "", "needs a spin"),
+        (("modes", "--rates", "0:2:3", "--time", "5"), "", "--time is for the modes at one speed"),
         (("static",), "[spin]\nrate = 1.0\naxis = [0, 0, 0]\n", "length zero"),
         (("static",), "[spin]\nrate = 1.0\naxis = [0, 0, 1]\nbodies = ['bop']\n", "there is no body 'bop'"),
     ],

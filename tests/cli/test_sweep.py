@@ -50,11 +50,23 @@ def test_jobs_share_a_sweep_and_the_status_says_how_far_it_is(cases, tmp_path):
         (["--share", "3/2"], "such as 3/40"),
         (["--share", "half"], "such as 3/40"),
         (["--workers", "2", "--cluster", "tcp://host:1"], "give one of them"),
+        (["--workers", "2", "--share", "1/2"], "without --workers, --cluster and --mpi"),
+        (["--force", "--share", "1/2"], "then start all jobs without --force"),
     ],
 )
 def test_options_that_do_not_fit_are_refused(cases, tmp_path, options, message):
     assert message in call("sweep", cases, "-o", tmp_path / "out", *options, code=2)
     assert not (tmp_path / "out").exists()
+
+
+def test_a_stopped_sweep_names_the_command_that_keeps_its_cases(cases, tmp_path, monkeypatch):
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("supple.cli.sweep.run_sweep", stopped)
+    command = ("sweep", cases, "-o", tmp_path / "out")
+    assert "the same command runs the rest" in call(*command, code=130)
+    assert "the same command without --force runs the rest" in call(*command, "--force", code=130)
 
 
 @pytest.mark.slow

@@ -14,12 +14,14 @@ from supple.errors import ModelError
 from supple.export import ABAQUS, CALCULIX, resultant, static_load, write_static_deck
 from supple.fem import (
     Anisotropic,
+    Attached,
     BeamSection,
     HomogeneousSection,
     Isotropic,
     LaminateSection,
     Section,
     finite_element_model,
+    linear_strains,
     shell_model,
     solid_model,
 )
@@ -196,6 +198,11 @@ def test_what_a_deck_cannot_hold_is_refused(box, tmp_path):
     with pytest.raises(ModelError, match="a laminate cannot be written"):
         write_static_deck(tmp_path / "plies.inp", plies, np.ones((plies.mesh.n_nodes, 6)), [0])
     body = flexible_body("box", box, [RigidInterface("root", "root")])
+    with pytest.raises(ModelError, match="acts on body 'bix', not on 'box'"):
+        static_load(body, [DeadForce(body="bix", at=[0], force=[1.0, 0, 0])])
+    springs = Attached(springs=linear_strains([(np.arange(2), np.eye(2), np.ones(2))], 6))
+    with pytest.raises(ModelError, match="the springs beside the elements cannot be written"):
+        write_static_deck(tmp_path / "box.inp", replace(box, attached=springs), load, root)
     for there in (
         DeadForce(body="box", at="root", force=[1.0, 0, 0]),
         FollowerForce(first="box.root", force=[1.0, 0, 0]),

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import supple as sp
-from supple.arguments import given
+from supple.arguments import checked_arguments, given
+from supple.equations import StaticSearch
 from supple.errors import ArgumentError, SuppleError
 
 STEEL = sp.Isotropic(2e11, 0.3, 7800.0)
@@ -193,6 +194,18 @@ def test_numbers_of_numpy_and_lists_are_numbers():
     assert sp.CraigBampton(np.int64(2)).n_modes == 2
     assert sp.RigidBody("h", 1, [0, 0, 0], np.eye(3).tolist()).mass == 1
     assert sp.Revolute(**ENDS, axis=[0, 0, 1]).axis == [0, 0, 1]
+
+
+def test_whole_numbers_may_be_written_as_floats_and_are_counted_with():
+    @checked_arguments
+    def counted(number: int, other: int | None = None, size: float = 1):
+        return range(number), other, size
+
+    assert counted(3.0, size=2) == (range(3), None, 2)
+    for kind in (sp.Tolerances, StaticSearch):
+        assert range(kind(max_iterations=20.0).max_iterations) == range(20)
+        with pytest.raises(ArgumentError, match=r"expected a whole number, got 2\.5"):
+            kind(max_iterations=2.5)
 
 
 def test_values_are_told_in_few_words():

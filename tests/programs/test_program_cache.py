@@ -76,6 +76,12 @@ def test_broken_file_is_built_anew(kept, traced):
     assert len(traced) == 2
 
 
+def test_nothing_is_kept_where_the_system_allows_none(kept, monkeypatch):
+    """A name that is too long is refused at each call, as a folder that may not be searched is."""
+    monkeypatch.setattr(program_cache, "_folder", lambda: kept / (300 * "x"))
+    np.testing.assert_array_equal(CachedProgram(rotation_exp)(VECTOR), rotation_exp(VECTOR))
+
+
 def test_the_folder_is_bounded_and_the_program_read_last_stays(kept, monkeypatch):
     monkeypatch.setattr(program_cache, "_MOST_KEPT", 100_000)
     (kept / "by-text").mkdir()

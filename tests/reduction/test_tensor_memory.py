@@ -22,7 +22,8 @@ def left(monkeypatch, tmp_path):
         for name, text in (
             ("meminfo", f"MemTotal: 9 kB\nMemAvailable: {kilobytes} kB\n"),
             ("memory.max", group),
-            ("memory.current", "1000"),
+            ("memory.current", "5000"),
+            ("memory.stat", "anon 1000\ninactive_file 4000\n"),
         ):
             (tmp_path / name).write_text(text)
         monkeypatch.setattr(memory, "_SYSTEM", tmp_path / "meminfo")

@@ -153,6 +153,16 @@ def test_a_run_without_output_can_finish(tmp_path):
     assert read_header(tmp_path / "run.h5").complete
 
 
+def test_a_closed_file_keeps_its_run(tmp_path, make):
+    path = tmp_path / "run.h5"
+    with ResultFile.create(path, case=CASE) as file:
+        file.append(make())
+    for act in (file.finish, file.solution):
+        with pytest.raises(ResultFileError, match=r"it is closed; continue it with ResultFile\.resume"):
+            act()
+    assert_bit_equal(read_solution(path), make())
+
+
 def test_an_exception_leaves_an_incomplete_readable_file(tmp_path, make):
     def crash():
         with ResultFile.create(tmp_path / "run.h5", case=CASE) as file:

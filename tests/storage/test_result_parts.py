@@ -38,6 +38,9 @@ def test_chosen_times_are_those_of_the_run(path, n_bytes, monkeypatch):
     assert bits(concatenate(list(parts))) == bits(read_solution(path).at(rows))
     with pytest.raises(ResultFileError, match="12 output times, numbered from 0; there is no number 12"):
         ResultParts(path, [12])
+    for wrong in ([5, 2], [2, 2], rows > 3, 0.5 * rows):
+        with pytest.raises(ResultFileError, match="each once and ascending"):
+            ResultParts(path, wrong)
 
 
 def test_a_damaged_chunk_is_found_before_it_is_given_out(path, monkeypatch):

@@ -148,7 +148,9 @@ def test_cases_above_their_accuracy_run_again_and_no_others(planned):
     page = ReadPage(write_sweep_report(folder))
     text, ratios = page.text, page.cases()["estimated / allowed"]
     assert ratios[[3, 15, 39]].tolist() == [0.4, 2.4, 0.8]
-    assert "40 cases, largest estimated error 2.4 m, 5 run again, 1 above their accuracy." in text
+    assert (
+        "40 of 40 cases have an estimate, the largest is 2.4 m; 5 run again, 1 above their accuracy." in text
+    )
     assert "Estimated over allowed error: 0.2 to 2.4, median 0.8; largest in case 15." in text
     columns = SweepColumns(folder)
     assert columns.of_cases("basis_error")[[3, 15, 16, 38]].tolist() == [0.2, 1.2, 0.3, 0.1]

@@ -143,7 +143,9 @@ class GivesUp(Here):
 
 def test_tasks_that_are_given_up_are_an_error_and_missing(pendulum, tmp_path):
     table = CaseTable({"gravity[2]": np.linspace(-9.81, -1.0, 40).tolist()})
-    with pytest.raises(SuppleError, match=r"lost its scheduler; .* the same command runs the missing cases"):
+    with pytest.raises(
+        SuppleError, match=r"lost its scheduler; .* the same command without force runs the missing cases"
+    ):
         sweep(pendulum, table, tmp_path / "out", executor=GivesUp())
     assert sweep_status(tmp_path / "out").missing == (1, 2)
 

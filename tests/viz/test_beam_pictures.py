@@ -31,7 +31,7 @@ from supple.quantities import von_mises_by_end, von_mises_history
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, body_modes, reduce
 from supple.results import body_surface
 from supple.results.beam_skin import outlines
-from supple.viz import animate_run, draw_run, surface_glyphs
+from supple.viz import Glyphs, animate_run, draw_run, surface_glyphs
 
 STEEL = Isotropic(2.1e11, 0.3, 7850.0)
 H, W = 0.3, 0.1
@@ -164,6 +164,11 @@ def test_shells_and_beams_in_one_picture():
     assert body_surface(flat).skin.triangles.shape == flat.cells[CellType.TRIANGLE3].shape
     with pytest.raises(ModelError, match="a mesh of beams alone has no skin"):
         body_surface(straight())
+
+
+def test_lines_alone_are_something_to_draw():
+    assert not Glyphs(np.zeros((1, 1, 2, 3)), ()).is_empty
+    assert Glyphs(np.zeros((1, 0, 2, 3)), ()).is_empty
 
 
 def test_masses_and_ties_are_glyphs():

@@ -103,6 +103,7 @@ def test_stress_of_round_off_has_no_colour():
 
     assert not colouring.values(part, flying(noise), None).any()
     assert colouring.values(part, flying(1e6 * noise), None).any()
+    assert stress_colouring({"other": part.model}).values(part, flying(noise), None) is None
 
 
 def test_energies_of_round_off_are_no_curves(tmp_path, monkeypatch):

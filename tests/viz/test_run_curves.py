@@ -161,3 +161,20 @@ def test_a_campbell_diagram_is_in_rpm_and_names_its_lines(figure, tmp_path):
     assert axes.get_xlabel() == "speed (rpm)"
     assert axes.get_ylabel() == "frequency in axes turning with the machine (Hz)"
     assert axes.get_lines()[0].get_xdata() == pytest.approx([0.0, 30.0])
+
+
+@pytest.mark.parametrize("rates", [(-2.0, 0.0, 2.0), (2.0, 1.0, 0.0), (-1.5, 0.5)])
+def test_names_of_multiples_are_on_their_lines(figure, tmp_path, rates):
+    followed = SimpleNamespace(
+        rates=np.array(rates),
+        frequencies=np.full((len(rates), 1), 10.0),
+        axes="turning",
+        names=["flap"],
+        critical_speeds=[],
+    )
+    plot_campbell(tmp_path / "a.png", followed, units=SI)
+    (axes,) = figure.axes
+    for text, line in zip(axes.texts[:4], axes.get_lines(), strict=False):
+        (x, y), ascending = text.xy, np.argsort(line.get_xdata())
+        assert y == pytest.approx(np.interp(x, line.get_xdata()[ascending], line.get_ydata()[ascending]))
+        assert 0.0 < y < axes.get_ylim()[1]

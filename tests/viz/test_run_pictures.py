@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from supple.errors import ModelError
 from supple.integrate import FloatingMotion, Solution, Statistics
 from supple.machine import Placed, System
 from supple.mesh import strip
 from supple.quantities import tracked_motion
+from supple.report import write_report
 from supple.viz import animate_run, draw_run
 
 
@@ -43,6 +45,14 @@ def test_an_animation_tells_how_far_it_is(tmp_path, swinging):
     assert path is not None
     assert path.stat().st_size > 0
     assert shares[-1] == 1.0
+
+
+def test_meshes_and_elements_of_no_body_are_refused(tmp_path, swinging, blade):
+    system, solution, meshes = swinging
+    for given, more in (({"blde": meshes["blade"]}, {}), (meshes, {"elements": {"blde": blade.model}})):
+        for draw in (draw_run, animate_run, write_report):
+            with pytest.raises(ModelError, match="there is no body 'blde'; did you mean 'blade'"):
+                draw(tmp_path / "a.gif", system, solution, given, **more)
 
 
 def test_nothing_to_animate(tmp_path, swinging):

@@ -73,6 +73,9 @@ def test_responses_need_models_at_the_references_times(tmp_path):
     late = Series("late", T + 1.0, truth.values)
     with pytest.raises(ModelError, match="series 'late' is not at the times of the reference"):
         plot_response_errors(tmp_path / "r.png", [Response("u", truth, [late])])
+    of_late = Response("v", late, [Series("a", T, truth.values)])
+    with pytest.raises(ModelError, match="series 'a' is not at the times of the reference"):
+        plot_response_errors(tmp_path / "r.png", [Response("u", truth, [truth]), of_late])
 
 
 def test_skins_of_plain_triangles_join_too():

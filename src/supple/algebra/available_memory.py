@@ -31,6 +31,9 @@ def _of_group() -> int | None:
     try:
         limit = (_GROUP / "memory.max").read_text(encoding="ascii").strip()
         used = int((_GROUP / "memory.current").read_text(encoding="ascii"))
+        counts = dict(map(str.split, (_GROUP / "memory.stat").read_text(encoding="ascii").splitlines()))
+        # The system drops contents of files that were not read lately before it refuses memory.
+        used -= int(counts.get("inactive_file", 0))
     except (OSError, ValueError):
         return None
     return max(int(limit) - used, 0) if limit.isdigit() else None

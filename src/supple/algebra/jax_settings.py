@@ -44,8 +44,10 @@ __all__ = [
 ]
 
 
-def keep_compiled_programs(folder: Path | None = None) -> Path:
+def keep_compiled_programs(folder: Path | None = None) -> Path | None:
     """Store compiled programs in a folder, by default the user's cache; returns the folder.
+
+    A user without a home folder has no cache: nothing is stored, and None is returned.
 
     A program is identified by its content, so a stale one is never used; the folder may be deleted at any
     time. Programs are native code: the name of the default folder contains the processor and the versions of
@@ -53,18 +55,23 @@ def keep_compiled_programs(folder: Path | None = None) -> Path:
     takes precedence; JAX_ENABLE_COMPILATION_CACHE=false turns the cache off.
     """
     named = os.environ.get("JAX_COMPILATION_CACHE_DIR")
-    folder = Path(named) if named else folder or _user_cache() / "supple" / "compiled" / this_machine()
+    folder = Path(named) if named else folder or _user_folder()
+    if folder is None:
+        return None
     jax.config.update("jax_compilation_cache_dir", str(folder))
     # Store small programs as well: there are hundreds, and reading one takes a sixth of its compilation.
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
     return folder
 
 
-def _user_cache() -> Path:
-    for variable in ("XDG_CACHE_HOME", "LOCALAPPDATA"):
-        if os.environ.get(variable):
-            return Path(os.environ[variable])
-    return Path.home() / ".cache"
+def _user_folder() -> Path | None:
+    """Folder of this machine's programs in the user's cache; None without a home folder."""
+    found = (os.environ.get(variable) for variable in ("XDG_CACHE_HOME", "LOCALAPPDATA"))
+    try:
+        cache = next((Path(each) for each in found if each), None) or Path.home() / ".cache"
+    except RuntimeError:  # no HOME, and no entry of the user in the system's list
+        return None
+    return cache / "supple" / "compiled" / this_machine()
 
 
 @lru_cache
@@ -191,8 +198,10 @@ if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_remember_fork)
 
 
-def _writable(folder: Path) -> bool:
+def _writable(folder: Path | None) -> bool:
     """Whether programs can be cached there: a home may be missing or read-only."""
+    if folder is None:
+        return False
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:
@@ -222,7 +231,6 @@ os.environ.setdefault("NPROC", "1")
 os.environ["XLA_FLAGS"] = _with_flags(os.environ.get("XLA_FLAGS", ""))
 # Also called for a folder from the environment: by default JAX caches nothing compiled within a second.
 if os.environ.get("JAX_COMPILATION_CACHE_DIR") or (
-    getattr(jax.config, "jax_compilation_cache_dir", None) is None
-    and _writable(_user_cache() / "supple" / "compiled" / this_machine())
+    getattr(jax.config, "jax_compilation_cache_dir", None) is None and _writable(_user_folder())
 ):
     keep_compiled_programs()

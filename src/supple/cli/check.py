@@ -12,6 +12,7 @@ from rich.table import Table
 from supple.body import MatrixFiles, ModelCheck, Verdict, deck_source, labelled_matrices_source
 from supple.body.model_check import LOWEST_FREQUENCIES
 from supple.cases import Case, read_case
+from supple.cases.bodies import Body
 from supple.cases.notify import silent
 from supple.errors import ImportFormatError, ModelError
 from supple.importers import DECK_SUFFIXES, HDF5_SUFFIXES
@@ -79,6 +80,10 @@ def _print_lines(case: Case) -> None:
         say(line)
 
 
+def _has_no_model(body: Body, case: Case) -> bool:
+    return not body.is_line and body.name not in case.sources
+
+
 def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, UnitSystem]]:
     suffix = path.suffix.lower()
     if suffix in DECK_SUFFIXES:
@@ -91,9 +96,15 @@ def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, U
         _print_lines(case)
         for name, source in case.sources.items():
             yield f"body '{name}'", source.check(n_frequencies), case.units
+        without = [f"'{body.name}'" for body in case.parts.body if _has_no_model(body, case)]
+        if without:
+            say(
+                f"not checked, because they have no elements or matrices here: {', '.join(without)} "
+                "(rigid bodies, and bodies read from files of reduced bodies)"
+            )
     else:
         complete = ", ".join((".toml", *DECK_SUFFIXES, *HDF5_SUFFIXES))
         raise ImportFormatError(
-            f"{path}: not a whole model; give a file that ends in {complete} (a mesh without materials, or "
-            "matrices without nodes, needs a case file)"
+            f"{path}: not a complete model: check reads {complete}; for a mesh write a case: "
+            f"supple new {path}"
         )

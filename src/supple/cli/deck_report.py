@@ -140,7 +140,7 @@ def deck_rows(report: DeckReport) -> Iterator[Row]:
         weight = "" if own is None else f", mass {own.mass:.6g}"
         yield f"superelement {name}", f"{len(deck.superelements[name].node_ids)} nodes{weight}"
     if report.frequencies is not None:
-        yield "frequencies", _listed(report.frequencies) + " per unit of time"
+        yield "frequencies", _listed(report.frequencies) + " cycles per unit of time"
     yield "cards read", _counted(deck.read)
     yield "cards ignored, without effect on a body", _counted(deck.passed_over)
     for each in deck.left_out:

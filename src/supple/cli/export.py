@@ -146,7 +146,13 @@ def _superelement(path: Path, target: Path, options: ExportOptions) -> None:
 
 def _deck(path: Path, target: Path, options: ExportOptions) -> None:
     from supple.cli.export_case import export_case
+    from supple.export import TABLE_SUFFIXES
 
+    if target.suffix.lower() in (".vtu", ".vtkhdf", *TABLE_SUFFIXES):
+        raise ArgumentError(
+            f"cannot write {target} from a case: tables and pictures of a run are written from its result "
+            "(.h5). Run the case, then export the result"
+        )
     export_case(path, target, body=options.body, time=options.time, abaqus=options.abaqus)
 
 

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from supple.cases import read_case
+from supple.cases import Case, read_case
 from supple.cases.outputs import check_not_an_input
 from supple.cli.chosen_body import chosen_body
 from supple.errors import CaseError
 from supple.export import ABAQUS, CALCULIX, resultant, static_load, write_static_deck
-from supple.terminal import console, print_rows, say, worded
+from supple.terminal import print_rows, say, shown_step
 from supple.units import headed, with_unit
 
 
@@ -21,7 +22,8 @@ def export_case(
 ) -> None:
     """Write a body of the case at `path`, clamped at its joints, under its loads at one time.
 
-    The deck contains no springs, force elements, ties or contacts of the case.
+    The deck contains no springs, force elements, ties, contacts, controllers or rotation of the case; a line
+    states which of them act on the body.
 
     body : name of one body; by default the only one with elements
     abaqus : three-node shells for Abaqus, instead of the six-node ones for CalculiX
@@ -34,8 +36,8 @@ def export_case(
     ModelError          contents that a deck cannot have
     ResultFileError     a file that cannot be written
     """
-    with console.status("reading") as status:
-        case = read_case(path, lambda step, detail="": status.update(worded(step, detail)))
+    with shown_step("reading") as notify:
+        case = read_case(path, notify)
         check_not_an_input(case, [target])
         known = [one.name for one in case.tables.body if one.name in case.elements and one.explicit is None]
         name = chosen_body(
@@ -83,7 +85,31 @@ def export_case(
             (headed("moment about the mesh's origin", case.units.moment), _numbers(total[3:])),
         ],
     )
+    if left_out := _left_out(case, name):
+        say(f"without the case's {left_out}: the deflections differ from those of the case")
     say(f"written to {target} for {program.name}")
+
+
+def _left_out(case: Case, name: str) -> str:
+    """What acts on a body in the case and is not in its deck, for messages; empty if there is nothing."""
+    tables = case.tables
+    kinds = {
+        "springs": tables.spring,
+        "force elements": tables.element,
+        "ties": tables.tie,
+        "contacts": tables.contact,
+    }
+    counts = {words: sum(_touches(each, name) for each in given) for words, given in kinds.items()}
+    found = [f"{words} ({count})" for words, count in counts.items() if count]
+    found += ["controllers"] if tables.control is not None else []
+    found += ["steady rotation"] if tables.spin is not None else []
+    return ", ".join(found)
+
+
+def _touches(table: Any, name: str) -> bool:
+    """Whether a spring, force element, tie or contact acts on a body."""
+    ends = (getattr(table, key, None) for key in ("first", "second", "nodes", "on", "surface"))
+    return any(isinstance(end, str) and end.partition(".")[0] == name for end in ends)
 
 
 def _numbers(values: np.ndarray) -> str:

@@ -33,7 +33,7 @@ from supple.quantities import JointMotionSensor, PositionSensor, Quantity
 from supple.stepping import StepProgram, Variable, step_program
 from supple.stepping.parameters import Exported, MachineParameters
 from supple.sweeps.body_numbers import number_of_run
-from supple.terminal import console, print_rows, say, worded
+from supple.terminal import print_rows, say, shown_step
 
 __all__ = ["export_c", "export_fmu", "machine_outputs"]
 
@@ -97,11 +97,7 @@ def _opened(
     path: Path, target: Path, case_file: Path | None, allow_code: bool
 ) -> Iterator[tuple[Case, System, Notify]]:
     """Case, machine and the display of the current step; CaseError if the target is an input of the case."""
-    with console.status("reading") as status:
-
-        def notify(step: str, detail: str = "") -> None:
-            status.update(worded(step, detail))
-
+    with shown_step("reading") as notify:
         case, system = _machine(path, case_file, allow_code, notify)
         check_not_an_input(case, [target])
         yield case, system, notify

@@ -11,7 +11,7 @@ from supple.cases.modes_case import mode_case
 from supple.cases.outputs import check_not_an_input
 from supple.errors import ArgumentError
 from supple.export import write_vtkhdf, write_vtu
-from supple.terminal import console, say, worded
+from supple.terminal import say, shown_step
 
 
 def export_mode(path: Path, target: Path, mode: int, *, bodies: Sequence[str] | None, time: float) -> None:
@@ -30,8 +30,8 @@ def export_mode(path: Path, target: Path, mode: int, *, bodies: Sequence[str] | 
     suffix = target.suffix.lower()
     if path.suffix.lower() != ".toml" or suffix not in (".vtkhdf", ".vtu"):
         raise ArgumentError("--mode needs a case (.toml) and a file .vtkhdf or .vtu")
-    with console.status("reading") as status:
-        case = read_case(path, lambda step, detail="": status.update(worded(step, detail)))
+    with shown_step("reading") as notify:
+        case = read_case(path, notify)
         check_not_an_input(case, [target])
         system, motion = mode_case(case, mode, time=time)
         of_picture: dict[str, Any] = {"bodies": bodies or None, "bases": case.bases, "units": case.units}

@@ -18,7 +18,7 @@ from supple.fem import FiniteElementModel, stress_recovery
 from supple.quantities import read_in_parts
 from supple.simulation.stored_bodies import stored_path
 from supple.storage import ResultParts
-from supple.terminal import console, say, worded
+from supple.terminal import say, shown_step
 from supple.units import with_unit
 
 _PICTURES = (".vtkhdf", ".vtu")
@@ -53,8 +53,8 @@ def export_result(
     if suffix not in (*_PICTURES, *TABLE_SUFFIXES):
         known = ", ".join((*_PICTURES, *TABLE_SUFFIXES))
         raise ModelError(f"cannot write {target}: give a file that ends in {known}")
-    with console.status("reading") as status:
-        found = result_machine(path, case_file, lambda step, detail="": status.update(worded(step, detail)))
+    with shown_step("reading") as notify:
+        found = result_machine(path, case_file, notify)
         check_not_an_input(found.case, [target])
         if target.resolve() in {path.resolve(), *_bodies_beside(found, path)}:
             raise ResultFileError(
@@ -62,7 +62,7 @@ def export_result(
             )
         rows = _rows(found.run.times, suffix, time, times)
         run = ResultParts(path, rows)
-        status.update("writing")
+        notify("writing")
         if suffix in TABLE_SUFFIXES:
             readings = read_in_parts(recorded_quantities(found.case, found.system), found.system, run)
             write_readings(target, readings, units=found.case.units)

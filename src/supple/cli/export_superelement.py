@@ -34,7 +34,7 @@ from supple.importers import read_section_table
 from supple.methods.intrinsic import IntrinsicBody
 from supple.reduction import ReducedBody
 from supple.storage import read_reduced_body
-from supple.terminal import console, print_table, say, worded
+from supple.terminal import print_table, say, shown_step
 
 _OF_INTERFACES: dict[str, Callable[[Path, InterfaceForm], object]] = {
     ".op4": write_output4_superelement,
@@ -48,6 +48,8 @@ _OF_BODIES: dict[str, Callable[[Path, ReducedBody], object]] = {
     ".npz": lambda path, body: write_exudyn(path, _linear(body)),
 }
 _OPENFAST, _CLOSED = ".dat", ".mnf"
+_UPRIGHT = 1e-2
+"""Largest angle, rad, between gravity and the z axis of a mesh for OpenFAST: angles may be rounded."""
 _NONE = (
     "give an elastic body a reduction of fixed size; for a self-correcting one, export the NAME-reduced.h5 "
     "of its run"
@@ -58,14 +60,15 @@ SUPERELEMENT_SUFFIXES = (*_OF_INTERFACES, *_OF_BODIES, _OPENFAST, _CLOSED)
 def export_superelement(path: Path, target: Path, *, body: Sequence[str] | None, abaqus: bool) -> None:
     """Write the reduced body at `path`, a case or the file of a reduced body, in the target's format.
 
-    body : at most one name of a body of the case; by default its only body. Not used for a file of a reduced
-        body
+    body : at most one name of a body of the case; by default its only body.
+        For a file of a reduced body only the name of this body
     abaqus : write a deck (.inp) with matrices for Abaqus, instead of equations for CalculiX
 
     Raises
     ------
     ArgumentError       a closed format
-    CaseError           mistakes in the case file; no such body, or several to choose from
+    CaseError           mistakes in the case file; no such body, or several to choose from; for OpenFAST, a
+                        body whose mesh axis z is not upwards
     ModelError          contents that the format cannot have
     ResultFileError     a file that cannot be read or written
     """
@@ -75,11 +78,14 @@ def export_superelement(path: Path, target: Path, *, body: Sequence[str] | None,
             f"cannot write {target}: MNF is a closed format of Adams; write .op4 or .pch for a program that "
             "writes MNF, such as Nastran"
         )
-    with console.status("reading") as status:
+    with shown_step("reading") as notify:
         if path.suffix.lower() != ".toml":
-            _write(target, suffix, read_reduced_body(path), None, abaqus=abaqus)
+            only = read_reduced_body(path)
+            if body and list(body) != [only.name]:
+                raise ArgumentError(f"{path} contains the body '{only.name}' alone: remove --body")
+            _write(target, suffix, only, None, abaqus=abaqus)
             return
-        case = read_case(path, lambda step, detail="": status.update(worded(step, detail)))
+        case = read_case(path, notify)
         check_not_an_input(case, [target])
         chosen = _chosen(case, body, ("reduced", "intrinsic") if suffix == _OPENFAST else ("reduced",))
         if chosen.kind == "intrinsic":
@@ -100,7 +106,7 @@ def _write(target: Path, suffix: str, body: ReducedBody, case: Case | None, *, a
     elif suffix == _OPENFAST:
         if case is None:
             raise ArgumentError("give the case file for .dat: its joints to the ground fix the superelement")
-        write_extptfm(target, form, _free_interface(case, form), gravity=case.tables.gravity)
+        write_extptfm(target, form, _free_interface(case, form), gravity=_downwards(case, body.name))
     else:
         (write_abaqus_superelement if abaqus else write_calculix_superelement)(target, form)
     _report(target, body, form.stated_frequencies(), linear=True)
@@ -128,6 +134,17 @@ def _write_blade(target: Path, case: Case, body: IntrinsicBody) -> None:
     )
     say(title)
     say(f"written to {primary} and {blade}")
+
+
+def _downwards(case: Case, name: str) -> NDArray[np.float64]:
+    """Gravity in the axes of the body's mesh, in which the matrices are; CaseError unless it is along -z."""
+    gravity = np.asarray(case.tables.gravity) @ case.system.placed(name).rotation
+    if np.hypot(*gravity[:2]) > _UPRIGHT * np.linalg.norm(gravity) or gravity[2] > 0:
+        raise CaseError(
+            f"{case.path}: gravity is along ({_listed(gravity)}) in the mesh axes of body '{name}', and "
+            "ExtPtfm needs z upwards: rotate the mesh so that its z is up, and the body not at all"
+        )
+    return gravity
 
 
 def _free_interface(case: Case, form: InterfaceForm) -> str:

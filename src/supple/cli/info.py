@@ -25,11 +25,15 @@ def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: 
 
     Raises
     ------
-    ArgumentError    these options for a file that is not a deck
+    ArgumentError    these options for a file that is not a deck; `held` without `n_modes`; `json` is `path`
     CaseError, ImportFormatError, MeshError, ResultFileError    a file that cannot be read, or of another kind
     """
     suffix = path.suffix.lower()
     if suffix in DECK_SUFFIXES:
+        if held and not n_modes:
+            raise ArgumentError("--held is for frequencies: give their number as well, such as --modes 6")
+        if json is not None and json.resolve() == path.resolve():
+            raise ArgumentError(f"cannot write {json}: it is the deck itself and would be lost")
         report = deck_report(read_deck(path), n_modes=n_modes, held=held)
         print_rows(f"Deck {path}", deck_rows(report))
         if json is not None:

@@ -10,6 +10,7 @@ import typer
 from supple import __version__
 from supple.cli.benchmark import BenchmarkGroup
 from supple.cli.sweep_group import SweepGroup
+from supple.errors import ArgumentError
 from supple.progress import show_progress
 from supple.terminal import console, reported_errors, reported_warnings, show_any_character
 
@@ -131,7 +132,9 @@ def sweep(
     share: Annotated[
         str | None, typer.Option(help="K/N: run the part of job K of N in this process (job arrays).")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Start anew; replaces the folder.")] = False,
+    force: Annotated[
+        bool, typer.Option("--force", help="Start anew; replaces the folder. Not with --share.")
+    ] = False,
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
@@ -144,7 +147,7 @@ def sweep(
 
     with reported_errors(debug=debug), reported_warnings():
         keep_compiled_programs()
-        executors = chosen_executors(workers, cluster, mpi)
+        executors = chosen_executors(workers, cluster, mpi, share)
         folder = output or Path("results") / path.stem
         sweep_cases(path, folder, executors, share, force=force, allow_code=allow_code)
 
@@ -222,7 +225,10 @@ def modes(
     time: Instant = 0.0,
     rates: Annotated[
         str | None,
-        typer.Option(help="FROM:TO:NUMBER: Campbell diagram over these rates of the case's spin, rad/s."),
+        typer.Option(
+            help="FROM:TO:NUMBER: Campbell diagram over these rates of the case's spin, "
+            "rad per unit of time; loads at time 0."
+        ),
     ] = None,
     no_errors: NoErrors = False,
     allow_code: AllowCode = False,
@@ -387,6 +393,8 @@ def example(
 
     with reported_errors(debug=debug), reported_warnings():
         if name is None:
+            if output is not None:
+                raise ArgumentError("-o is the folder for an example: give the name of one as well")
             list_examples()
         else:
             write_example(name, output or Path())

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from supple import cases
-from supple.errors import CaseError
+from supple.errors import ArgumentError, CaseError
 from supple.results.mode_tables import mode_table, speed_tables
 from supple.terminal import ProgressBars, print_table, progress_bars, say
 
@@ -19,8 +19,13 @@ def modes_case(
 
     rates : "FROM:TO:NUMBER" of a Campbell diagram, rad per unit of time; None: modes at the rate of `[spin]`
     time : time at which loads and laws are evaluated; not used for a Campbell diagram
-    Errors as for `cases.modes_case` and `cases.campbell_case`.
+    Errors as for `cases.modes_case` and `cases.campbell_case`; ArgumentError for `rates` and a `time`.
     """
+    if rates is not None and time:
+        raise ArgumentError(
+            "--time is for the modes at one speed; a Campbell diagram (--rates) is computed at time 0: "
+            "remove one of them"
+        )
     speeds = None if rates is None else _speeds(rates)
     bars = progress_bars()
     steps = ProgressBars(bars)

@@ -12,7 +12,7 @@ from supple.results.descriptions import describe_reduction
 from supple.results.run_tables import body_table
 from supple.simulation import reduced_bodies, store_body
 from supple.simulation.stored_bodies import stored_path
-from supple.terminal import console, print_rows, print_table, say, worded, words
+from supple.terminal import print_rows, print_table, say, shown_step
 
 
 def reduce_case(path: Path, folder: Path) -> None:
@@ -24,8 +24,8 @@ def reduce_case(path: Path, folder: Path) -> None:
     ResultFileError     a file that cannot be written
     SuppleError         errors of building and reducing
     """
-    with console.status("reducing") as status:
-        case = read_case(path, lambda step, detail="": status.update(words(worded(step, detail))))
+    with shown_step("reducing") as notify:
+        case = read_case(path, notify)
         check_not_an_input(case, [stored_path(folder, name) for name in case.made_here])
         bodies = reduced_bodies(case.system, case.made_here)
     if not bodies:

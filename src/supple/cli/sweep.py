@@ -24,18 +24,26 @@ from supple.sweeps import (
     write_sweep_report,
 )
 from supple.sweeps.part_file import CaseStatus
+from supple.sweeps.plan import read_plan
 from supple.terminal import bar, error_console, print_table, progress_bars, say, words
 
 __all__ = ["chosen_executors", "print_status", "sweep_cases", "write_pages"]
 
 _MOST_SHOWN = 10
+_BUT = {False: "", True: " without --force"}
 _WORDS = {CaseStatus.FAILED: "failed", CaseStatus.KILLED: "killed its process"}
 
 
-def chosen_executors(workers: int | None, cluster: str | None, mpi: bool) -> Executors:
-    """The executors of the tasks; ArgumentError for more than one kind."""
-    if sum([workers is not None, cluster is not None, mpi]) > 1:
+def chosen_executors(workers: int | None, cluster: str | None, mpi: bool, share: str | None) -> Executors:
+    """The executors of the tasks; ArgumentError for more than one kind, or for a share, which has none."""
+    kinds = sum([workers is not None, cluster is not None, mpi])
+    if kinds > 1:
         raise ArgumentError("--workers, --cluster and --mpi are alternatives: give one of them")
+    if kinds and share is not None:
+        raise ArgumentError(
+            "--share runs its cases one after the other in this process, without --workers, --cluster and "
+            "--mpi: give one of them"
+        )
     if cluster is not None:
         return Cluster(cluster)
     return MpiProcesses() if mpi else LocalProcesses(workers)
@@ -74,7 +82,7 @@ def sweep_cases(
         except INTERRUPTIONS as error:
             error_console.print(
                 words("stopped: ", "bold red")
-                + words(f"{folder} has the finished cases; the same command runs the rest"),
+                + words(f"{folder} has the finished cases; the same command{_BUT[force]} runs the rest"),
                 soft_wrap=True,
             )
             number = signal.SIGTERM if isinstance(error, Terminated) else signal.SIGINT
@@ -90,6 +98,11 @@ def _run(
     path: Path, folder: Path, executors: Executors, share: str | None, *, force: bool, allow_code: bool
 ) -> SweepStatus:
     job = None if share is None else share_of(share)
+    if job is not None and force:
+        raise ArgumentError(
+            "--force deletes the results of all jobs, and --share runs one of them: delete the folder once "
+            f"({folder}), then start all jobs without --force"
+        )
     given = read_sweep_file(path)
     plan = make_plan(given.case, given.table, given.output, allow_code=allow_code)
     plan_sweep(plan, folder, force=force)
@@ -138,11 +151,7 @@ def _print(status: SweepStatus, folder: Path) -> None:
     )
     errors = status.errors
     if errors.n_estimated:
-        say(
-            f"{status.n_cases} cases, largest estimated error {errors.largest:.3g}, "
-            f"{status.n_again} run again"
-            + (f", {errors.n_above} above their accuracy" if errors.n_above else "")
-        )
+        say(errors.line(status.n_cases, status.n_again, read_plan(folder).units.length))
     for reason, number in errors.reasons.items():
         say(f"The errors of {number} cases are not estimated: {reason}")
     say(f"Results are in {folder}/")

@@ -30,6 +30,7 @@ from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 
+from supple.arguments import check_fields
 from supple.equations.configuration import AnyArray, Configuration
 from supple.equations.machine_model import Model
 from supple.errors import AccuracyError, ConvergenceError
@@ -80,7 +81,7 @@ class StaticSearch:
     residual        : unbalanced force, moment and deformation, over the largest term in balance
     largest_move    : largest motion of a point in an iteration, over the size of the system; rotations in rad
     max_iterations  : largest number of iterations of a search, before ConvergenceError
-    Raises ValueError for a number that is not positive and finite.
+    Raises ValueError for a number that is not positive and finite, ArgumentError for half an iteration.
     """
 
     residual: float = 1e-9
@@ -88,6 +89,7 @@ class StaticSearch:
     max_iterations: int = 200
 
     def __post_init__(self) -> None:
+        check_fields(self)
         for name in ("residual", "largest_move", "max_iterations"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TextIO
 
@@ -85,10 +85,10 @@ def write_static_deck(
 
     Raises
     ------
-    ModelError          another suffix; beams and pyramids; laminates given by their A-B-D matrix alone;
-                        shells with an offset or an added mass; anisotropic materials, or a separate shear
-                        modulus; loads of a wrong shape or not finite; no load; no clamped node, or one out
-                        of range
+    ModelError          another suffix; springs, ties and constraints of the model; beams and pyramids;
+                        laminates given by their A-B-D matrix alone; shells with an offset or an added
+                        mass; anisotropic materials, or a separate shear modulus; loads of a wrong shape
+                        or not finite; no load; no clamped node, or one out of range
     ResultFileError     the file cannot be written
     """
     path = Path(path)
@@ -131,6 +131,12 @@ def _check(model: FiniteElementModel, loads: NDArray[np.float64], held: IntArray
         raise ModelError("no node is loaded, so that all displacements are zero: give a load")
     if not held.size or held[0] < 0 or held[-1] >= n:
         raise ModelError(f"clamped nodes must be numbers from 0 to {n - 1}, at least one")
+    # Masses are in the loads, and dashpots have no effect at rest.
+    if beside := replace(model.attached, mass=None, damping=None).what:
+        raise ModelError(
+            f"the {beside} beside the elements cannot be written; leave them out of the model, or write the "
+            "body's matrices instead (write_dmig_punch)"
+        )
     for section in model.sections:
         if section.cell_type is CellType.LINE2:
             raise ModelError(

@@ -39,7 +39,8 @@ def static_load(
 
     Raises
     ------
-    ModelError      a load at an interface, or a force element: the mesh has no node there
+    ModelError      a load on another body; a load at an interface, or a force element: the mesh has no node
+                    there
     """
     loads = tuple(loads)
     bases = [np.asarray(load.law(time)) for load in loads if isinstance(load, BaseAcceleration)]
@@ -54,6 +55,10 @@ def static_load(
             raise ModelError(
                 f"body '{body.name}': {getattr(load, 'label', type(load).__name__)} acts at an interface, "
                 "and a mesh has no node there; give the load a node set"
+            )
+        if load.body != body.name:
+            raise ModelError(
+                f"{load.label} acts on body '{load.body}', not on '{body.name}': give the loads of one body"
             )
         forces = nodal_forces(prepared(load), jnp.asarray(body.nodes[load.nodes]), jnp.asarray(turn), time)
         np.add.at(total[:, :3], load.nodes, np.asarray(forces))

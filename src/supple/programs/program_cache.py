@@ -120,7 +120,7 @@ class CachedProgram:
                 program = lowered.compile(compiler_options=self._options)
             _write(file, program)
             _make_room(known.parents[2])
-        if file.exists():
+        if _exists(file):
             _replace(known, text.encode("ascii"))
         return program
 
@@ -149,11 +149,12 @@ def _make_room(folder: Path) -> None:
     JAX's own programs are included. Another process that needs a deleted program compiles it again.
     """
     files = []
-    for file in folder.rglob("*"):
-        with suppress(OSError):
-            status = file.stat()
-            if S_ISREG(status.st_mode):
-                files.append((max(status.st_atime, status.st_mtime), status.st_size, file))
+    with suppress(OSError):  # the folder may not be searched, or another process deletes it
+        for file in folder.rglob("*"):
+            with suppress(OSError):
+                status = file.stat()
+                if S_ISREG(status.st_mode):
+                    files.append((max(status.st_atime, status.st_mtime), status.st_size, file))
     size = sum(each for _, each, _ in files)
     for _, own, file in sorted(files):
         if size <= _MOST_KEPT:
@@ -173,7 +174,15 @@ def _named_by(known: Path) -> Path | None:
         file = _by_its_text(known, known.read_text("ascii"))
     except OSError:
         return None
-    return file if file.exists() else None
+    return file if _exists(file) else None
+
+
+def _exists(file: Path) -> bool:
+    """Whether a file exists, and its folder may be searched."""
+    try:
+        return file.exists()
+    except OSError:
+        return False
 
 
 def _folder() -> Path | None:
@@ -210,7 +219,7 @@ def _not_kept_by_jax() -> Iterator[None]:
 
 def _read(file: Path, taken: Any) -> Any:
     """A cached program for arguments of a structure, or None."""
-    if not file.exists():
+    if not _exists(file):
         return None
     try:
         found = program_of_file(file, taken)
@@ -238,7 +247,8 @@ def _replace(file: Path, content: bytes) -> None:
         temporary.write_bytes(content)
         temporary.replace(file)
     except OSError:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):  # a file system may be read-only
+            temporary.unlink(missing_ok=True)
 
 
 _NUMBER = count()

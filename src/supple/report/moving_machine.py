@@ -91,9 +91,13 @@ def moving_machine(
 ) -> MovingMachine:
     """A machine in a run; parameters as for `write_report`.
 
-    Raises ModelError for a solution with other basis columns than the bodies.
+    Raises ModelError for a solution with other basis columns than the bodies, and for meshes or elements of
+    an unknown body.
     """
     check_motions(system, solution)
+    for what, names in (("meshes", meshes), ("elements", elements or ())):
+        for name in names:
+            system.placed(name, what)  # a misspelt name is an error
     colourings = {} if elements is None else {"von Mises stress": stress_colouring(elements)}
     colourings["plastic strain"] = PLASTIC_STRAIN
     elastic = [

@@ -91,7 +91,8 @@ def chart_data(charts: Sequence[Chart], arrays: PackedArrays) -> list[dict[str, 
     for chart in charts:
         key = id(chart.abscissa)
         if key not in known:
-            known[key] = arrays.add(chart.abscissa, "f4").plain()
+            # Times long after zero differ by less than single precision resolves.
+            known[key] = arrays.add(chart.abscissa, "f8").plain()
         found.append(
             {
                 "title": chart.title,

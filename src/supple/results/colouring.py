@@ -52,12 +52,12 @@ def _plastic_strain(body: Any, motion: Motion, _deflection: Array | None) -> Arr
 def stress_colouring(elements: Mapping[str, FiniteElementModel]) -> Colouring:
     """Colouring by von Mises stress; stress below 1e-9 of Young's modulus is round-off and shown as zero.
 
-    elements : finite element models of the bodies, by name
+    elements : finite element models of the bodies, by name; other bodies have no values
     """
 
     def values(body: Any, motion: Motion, _deflection: Array | None) -> Array | None:
-        model = elements[body.name]
-        if not has_stress(model):
+        model = elements.get(body.name)
+        if model is None or not has_stress(model):
             return None
         if body.has_frame:
             stress = von_mises_by_end(body, model, motion.of_type(FramedMotion).coordinates)

@@ -172,10 +172,7 @@ class ResultFile:
         ResultFileError     times that do not follow the last ones, other bodies or joints than before, a
                             closed file, a removed file, a full disk; chunks written before stay readable
         """
-        if self._closed:
-            raise ResultFileError(
-                f"cannot append to {self.path}: it is closed; continue it with ResultFile.resume"
-            )
+        self._check_open("append to")
         arrays = to_arrays(chunk)
         self._check(arrays, chunk)
         if self._file is None or self._ledger is None:
@@ -201,14 +198,22 @@ class ResultFile:
         """The solution at the last output time; errors as for `solution`."""
         return self._content.last_instant()
 
+    def _check_open(self, what: str) -> None:
+        if self._closed:
+            raise ResultFileError(
+                f"cannot {what} {self.path}: it is closed; continue it with ResultFile.resume"
+            )
+
     @property
     def _content(self) -> ResultContent:
+        self._check_open("read the run being written in")
         if self._file is None:
             raise ResultFileError(f"{self.path} contains no output times yet; append some first")
         return ResultContent(self.path, self._file, self._file.id.get_filesize())
 
     def finish(self) -> None:
-        """Mark the run complete and close the file."""
+        """Mark the run complete and close the file; ResultFileError if it is closed already."""
+        self._check_open("finish")
         if self._file is not None and self._ledger is not None:
             self._check_in_place()
             with file_errors("write", self.path):

@@ -27,17 +27,23 @@ class ResultParts:
         for part in ResultParts("blade.h5"): ...
 
     path : path of the result file
-    rows : indices (k,) of output times, ascending; by default all
+    rows : indices (k,) of output times, ascending, each once; by default all
 
     Raises
     ------
-    ResultFileError     as for `read_solution`; an index of an output time that does not exist
+    ResultFileError     as for `read_solution`; an index of an output time that does not exist; rows that are
+                        not ascending indices
     """
 
     def __init__(self, path: Path | str, rows: ArrayLike | None = None) -> None:
         self.path = Path(path)
         times = read_times(self.path)
         self.rows: NDArray[np.int64] = np.arange(len(times)) if rows is None else np.asarray(rows)
+        if self.rows.ndim != 1 or self.rows.dtype.kind not in "iu" or (np.diff(self.rows) <= 0).any():
+            raise ResultFileError(
+                f"{self.path}: rows must be indices of output times, each once and ascending, such as "
+                "[0, 5, 10]; for a mask give np.flatnonzero(mask)"
+            )
         beyond = self.rows[(self.rows < 0) | (self.rows >= len(times))]
         if beyond.size:
             raise ResultFileError(

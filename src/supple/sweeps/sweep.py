@@ -139,7 +139,8 @@ def run_sweep(
                 elif isinstance(error, CancelledError):
                     raise SuppleError(
                         "the tasks of the sweep were cancelled, usually because the cluster lost its "
-                        f"scheduler; finished cases are in {folder}: the same command runs the missing cases"
+                        f"scheduler; finished cases are in {folder}: the same command without force runs "
+                        "the missing cases"
                     ) from error
                 else:
                     raise error

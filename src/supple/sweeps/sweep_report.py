@@ -286,10 +286,8 @@ def _lines_of_errors(columns: SweepColumns, errors: Array) -> Iterator[str]:
     allowed = columns.of_cases("allowed_error")
     found = case_errors(errors, allowed, columns.of_cases("no_estimate"))
     if found.n_estimated:
-        largest = f"{found.largest:.3g} {columns.plan.units.length or ''}".rstrip()
-        words = f"{found.n_estimated} cases, largest estimated error {largest}"
-        words += f", {int((columns.runs > 1).sum())} run again"
-        yield f"{words}, {found.n_above} above their accuracy." if found.n_above else f"{words}."
+        plan, n_again = columns.plan, int((columns.runs > 1).sum())
+        yield f"{found.line(plan.n_cases, n_again, plan.units.length)}."
     ratios = _ratios(errors, allowed)
     if len(known := ratios[~np.isnan(ratios)]):
         low, middle, high = np.quantile(known, (0.0, 0.5, 1.0))

@@ -16,6 +16,7 @@ from supple.sweeps.attempts import Attempts
 from supple.sweeps.part_file import CaseStatus, part_path
 from supple.sweeps.plan import read_plan
 from supple.sweeps.sweep_shares import sweep_shares
+from supple.units import with_unit
 
 __all__ = ["CaseErrors", "FailedCase", "SweepStatus", "case_errors", "sweep_status"]
 
@@ -47,6 +48,15 @@ class CaseErrors:
     largest: float = np.nan
     n_above: int = 0
     reasons: Mapping[str, int] = field(default_factory=dict)
+
+    def line(self, n_cases: int, n_again: int, unit: str) -> str:
+        """One line on the estimates of a sweep of `n_cases` cases; `unit` is that of length."""
+        largest = with_unit(f"{self.largest:.3g}", unit)
+        above = f", {self.n_above} above their accuracy" if self.n_above else ""
+        return (
+            f"{self.n_estimated} of {n_cases} cases have an estimate, the largest is {largest}; "
+            f"{n_again} run again{above}"
+        )
 
 
 @dataclass(frozen=True)

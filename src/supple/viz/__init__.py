@@ -3,7 +3,9 @@
 from importlib.util import find_spec
 
 if not (find_spec("matplotlib") and find_spec("PIL")):
-    raise ImportError("matplotlib and pillow draw the pictures; pip install 'supple[plot]'")
+    raise ImportError(
+        "supple.viz needs matplotlib and pillow, which are not installed: pip install 'supple[plot]'"
+    )
 
 from supple.results.camera import *
 from supple.results.film import Film as Film

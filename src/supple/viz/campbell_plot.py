@@ -91,12 +91,15 @@ def plot_campbell(path: Path | str, diagram: FollowedModes, *, units: UnitSystem
 
 
 def _draw_orders(axes: Axes, speeds: Array, orders: Array, top: float) -> None:
-    """Multiples of the speed, with their names."""
+    """Multiples of the speed, with their names, on the branch of the fastest rotation."""
+    slow, fast = np.argmin(orders), np.argmax(orders)
+    ascending = np.argsort(speeds)
     for order in range(1, N_ORDERS + 1):
         axes.plot(speeds, order * orders, color="0.7", linewidth=0.7)
         # Names side by side in the middle of the diagram; the right edge has the names of the modes.
-        place = min(0.15 * (order + 1), 0.9 * top / max(order * orders[-1], 1e-300))
-        x, y = ((1 - place) * each[0] + place * each[-1] for each in (speeds, order * orders))
+        place = min(0.15 * (order + 1), 0.9 * top / max(order * orders[fast], 1e-300))
+        x = (1 - place) * speeds[slow] + place * speeds[fast]
+        y = np.interp(x, speeds[ascending], order * orders[ascending])
         on_line = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
         axes.annotate(
             f"{order}P", (x, y), color="0.4", fontsize=7, ha="center", va="center", bbox=on_line, zorder=3.0

@@ -74,8 +74,8 @@ class Glyphs:
 
     @property
     def is_empty(self) -> bool:
-        """Whether there are neither marks nor thin lines; `glyphs_of` gives no lines without marks."""
-        return not self.marks and self.thin_lines is None
+        """Whether there are neither marks nor lines."""
+        return not self.marks and not self.lines.shape[1] and self.thin_lines is None
 
     @property
     def points(self) -> Array:

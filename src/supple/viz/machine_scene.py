@@ -143,7 +143,12 @@ def machine_scene(
 def drawn_bodies(
     system: System, meshes: Mapping[str, Look | None]
 ) -> list[tuple[BodyForm, BodySurface | None]]:
-    """Elastic bodies and their surfaces; bodies without a surface are drawn by their nodes."""
+    """Elastic bodies and their surfaces; bodies without a surface are drawn by their nodes.
+
+    Raises ModelError for a mesh of an unknown body.
+    """
+    for name in meshes:
+        system.placed(name, "meshes")  # a misspelt name is an error
     return [
         (body, None if (look := meshes[body.name]) is None else body_surface(look))
         for body in (placed.body for placed in system.bodies)

@@ -51,14 +51,14 @@ def plot_response_errors(
     """
     if not responses or not all(response.models for response in responses):
         raise ModelError(f"cannot draw {path}: give at least one response, each of at least one model")
-    times = responses[0].reference.times
-    for model in (model for response in responses for model in response.models):
+    for model, times in ((one, each.reference.times) for each in responses for one in each.models):
         if not np.array_equal(model.times, times):
             raise ModelError(f"series '{model.label}' is not at the times of the reference: no error to draw")
     with textbook_style():
         figure = new_figure(height=0.6 + 1.75 * len(responses))
         grid = figure.subplots(len(responses), 2, sharex=True, squeeze=False)
         for (left, right), response in zip(grid, responses, strict=True):
+            times = response.reference.times
             for rank, model in enumerate(response.models):
                 draw_curve(left, times, model.values, model.stroke, rank, model.label)
                 error = np.abs(model.values - response.reference.values)

@@ -56,8 +56,10 @@ def animate_run(
     progress : called with the finished share
 
     Raises ModelError for a window without output times, a rotor that does not pass its angle, an
-    enlargement of explicit elements.
+    enlargement of explicit elements, meshes or elements of an unknown body.
     """
+    for name in elements or ():
+        system.placed(name, "elements")  # a misspelt name is an error
     check_film(path, film.frames_per_second)
     rate = played_rate(path, film.frames_per_second)
     angles = None if film.at is None else _joint_angles(system, solution, film.at.joint)

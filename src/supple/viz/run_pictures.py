@@ -67,7 +67,7 @@ def draw_run(
     tracked : motions of places, by their names
     modes : modes of the unreduced bodies (`body_modes`), by name; by default modes of the bases of reduction,
         which may differ from them; the title of the picture then contains "of its basis"
-    elements : elements of all drawn bodies, by name, to draw their von Mises stress; see `von_mises_history`
+    elements : elements of bodies, by name, to draw their von Mises stress; see `von_mises_history`
     bases : reference interfaces of deflections, by body; by default the first interface of the body
     view : camera in global axes, and enlargement of the deflection of bodies
     units : of the model; no unit is written for units without names
@@ -76,6 +76,8 @@ def draw_run(
     -------
     the paths of the pictures
     """
+    for name in elements or ():
+        system.placed(name, "elements")  # a misspelt name is an error
     camera = view.camera or machine_camera(system, solution, meshes)
     seen = View(camera, view.enlargement)
     pictures: list[Path] = []
@@ -97,8 +99,9 @@ def draw_run(
         if not body.has_frame:
             continue
         pictures.append(draw_deformed(path("deformed"), drawn, system, solution, bases))
-        if elements is not None and has_stress(elements[body.name]):
-            pictures.append(draw_stress(path("stress"), drawn, elements[body.name], solution))
+        model = (elements or {}).get(body.name)
+        if model is not None and has_stress(model):
+            pictures.append(draw_stress(path("stress"), drawn, model, solution))
     if _is_machine(system, meshes):
         machine = draw_machine(folder / "machine.png", system, solution, meshes, view=seen, units=units)
         pictures += [] if machine is None else [machine]

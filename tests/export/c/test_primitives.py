@@ -67,6 +67,21 @@ def _reductions(a, t):
     )
 
 
+def _whole_and_logical(i, a):
+    low, big = jnp.arange(3) - 2**40 * i, jnp.arange(3, dtype=jnp.uint32) + i.astype(jnp.uint32)
+    return (
+        ((a > 9).max(), (a > 0).min(axis=0), jnp.max(low), jnp.min(-low), jnp.max(big), jnp.min(big)),
+        (lax.reduce_and_p.bind(low, axes=(0,)), lax.reduce_or_p.bind(low, axes=(0,)), lax.cummax(low)),
+        (
+            low**3 % 5,
+            jnp.take(low, i + 9),
+            jnp.take(big, i + 9),
+            low[lax.clamp(0, i, 1)],
+        ),
+        (i.astype(jnp.int16) * jnp.int16(3)) % jnp.int16(4),
+    )
+
+
 def _places(a, v, t, i):
     return (
         (
@@ -119,6 +134,7 @@ CASES = {
     _products: (A, B, V, T),
     _solutions: (S, V),
     _reductions: (A, T),
+    _whole_and_logical: (TWO, A),
     _places: (A, V, T, TWO),
     _loops: (A, V, TWO),
     _storage: (A, V),

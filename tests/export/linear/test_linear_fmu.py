@@ -26,7 +26,7 @@ from supple.export.fmu import prebuilt
 from supple.export.fmu.platforms import PLATFORMS
 from supple.export.fmu.write_fmu import linear_sources, write_linear_fmu
 from supple.export.linear.linear_form import linear_form
-from supple.integrate import FixedStep
+from supple.integrate import FixedStep, Run
 from supple.machine import (
     Controller,
     ForceBetween,
@@ -34,6 +34,7 @@ from supple.machine import (
     Placed,
     Prismatic,
     Revolute,
+    Sine,
     SpringDamper,
     System,
     TorqueBetween,
@@ -243,6 +244,16 @@ def test_two_machines_share_one_library_which_refuses_the_numbers_of_another(tmp
 def test_what_has_no_linear_form_is_refused_with_its_cause(machine, cause):
     with pytest.raises(ModelError, match=cause):
         formed(machine())
+
+
+def test_a_load_that_vanishes_at_even_times_is_seen_to_vary():
+    system, _, sensors, inputs = oscillator()
+    shaken = ForceBetween(
+        first="ground", second="mass.eye", axis=(1, 0, 0), force=Sine(1.0, frequency_hz=5.0)
+    )
+    system = System(system.bodies, system.joints, loads=[*system.loads, shaken], gravity=(0, 0, -9.81))
+    with pytest.raises(ModelError, match="vary with time"):
+        linear_form(system, Run(10.0, 0.1), sensors, inputs)
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ from fixtures.runs_on_disk import started
 
 from supple.body import RigidBody
 from supple.errors import ModelError, ResultFileError
-from supple.export import write_vtkhdf
+from supple.export import write_vtkhdf, write_vtu
 from supple.export.vtk import vtkhdf
 from supple.export.vtk.cells import vtk_cells
 from supple.export.vtk.pieces import pieces_of
@@ -155,6 +155,27 @@ def test_chosen_bodies_and_instants(machine, meshes, tmp_path):
     assert found["full"]["displacement"].shape == (2, len(meshes["full"].nodes), 3)
 
 
+def test_a_part_without_a_mesh_is_written_as_points_without_values_of_elements(machine, meshes, tmp_path):
+    path = write_vtkhdf(tmp_path / "a.vtkhdf", *machine, {"full": meshes["full"]})
+    found = read(path)
+    assert "vtkGhostType" not in found["finite elements"]
+    assert write_vtu(tmp_path / "a.vtu", machine[0], machine[1].at(slice(1))).is_file()
+
+
+def test_meshes_and_elements_are_of_bodies(machine, meshes, elements, tmp_path):
+    path = tmp_path / "a.vtkhdf"
+    for kwargs in ({"meshes": {"fill": meshes["full"]}}, {"elements": {"fill": elements["full"]}}):
+        with pytest.raises(ModelError, match="there is no body 'fill'; did you mean 'full'"):
+            write_vtkhdf(path, *machine, **kwargs)
+    large = block(1.0, 1.0, 1.0, 9, 9, 9, CellType.HEXA8)
+    with pytest.raises(ModelError, match="the mesh given for body 'full' has 1000 nodes and the body"):
+        write_vtkhdf(path, *machine, {"full": large})
+    few = block(1.0, 1.0, 1.0, 1, 1, 1, CellType.HEXA8)
+    with pytest.raises(ModelError, match="part 'finite elements' has 1 cells and the part 8 elements"):
+        write_vtkhdf(path, *machine, {"finite elements": few})
+    assert not path.exists()
+
+
 def test_a_body_may_be_named_as_the_joints_are(tmp_path):
     bar = RigidBody("joints", 1.0, np.ones(3), np.eye(3), {"pin": np.zeros(3)})
     system = System([Placed(bar)], [Revolute(name="pin", first=GROUND, second="joints.pin", axis=(0, 0, 1))])
@@ -189,7 +210,7 @@ import resource, signal, sys
 import numpy as np
 from fixtures.runs_on_disk import pendulum
 from supple.errors import ResultFileError
-from supple.export import write_vtkhdf
+from supple.export import write_vtkhdf, write_vtu
 from supple.integrate import FloatingMotion, Solution, Statistics
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 n = 2000

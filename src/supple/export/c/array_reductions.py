@@ -26,14 +26,22 @@ _FORMS: dict[str, tuple[Any, Callable[[str, str], str]]] = {
     "max": (float("-inf"), lambda total, term: f"larger_({total}, {term})"),
     "min": (float("inf"), lambda total, term: f"smaller_({total}, {term})"),
 }
-_WHOLE = {
-    "max": (-(2**31), lambda total, term: f"larger_int_({total}, {term})"),
-    "min": (2**31 - 1, lambda total, term: f"smaller_int_({total}, {term})"),
-}
+_LOGICAL = {"max": "or", "min": "and"}
 
 
 def _form(name: str, value: Value) -> tuple[str, Callable[[str, str], str]]:
-    first, form = (_WHOLE if value.dtype.kind == "i" else {}).get(name, _FORMS[name])
+    """The start of a reduction in C, and the form of its step, for the type of its numbers."""
+    kind = value.dtype.kind
+    first, form = _FORMS[_LOGICAL.get(name, name) if kind == "b" else name]
+    if kind in "iu":
+        limits = np.iinfo(value.dtype)
+        whole = {
+            "and": (-1 if kind == "i" else limits.max, lambda total, term: f"{total} & {term}"),
+            "or": (0, lambda total, term: f"{total} | {term}"),
+            "max": (limits.min, lambda total, term: f"larger_int_({total}, {term})"),
+            "min": (limits.max, lambda total, term: f"smaller_int_({total}, {term})"),
+        }
+        first, form = whole.get(name, (first, form))
     return literal(first, value.dtype), form
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from supple.errors import ModelError
 from supple.export.c.blocks import CodeBlock
 from supple.export.c.operations import ArrayOperation
 from supple.export.c.printer import RULES, rule
@@ -68,6 +69,11 @@ def _by_kind(name: str, **forms: Callable[..., str]) -> None:
         block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
     ) -> list[Value]:
         kind = {"f": "real", "i": "whole", "u": "whole", "b": "logical"}[inputs[0].dtype.kind]
+        if kind not in forms:
+            raise ModelError(
+                f"the machine's equations use the operation '{name}' of {inputs[0].dtype} numbers, which has "
+                "no translation to C: convert them to floats first"
+            )
         return [elementwise(block, outputs[0].shape, outputs[0].dtype, inputs, forms[kind])]
 
     RULES[name] = printed
@@ -131,7 +137,11 @@ for _name in (
 _register("rsqrt", lambda a: f"(1.0 / sqrt({a}))")
 _register("logistic", lambda a: f"(1.0 / (1.0 + exp(-{a})))")
 _register("is_finite", lambda a: f"(isfinite({a}) != 0)")
-_register("clamp", _function("clamp_"))
+_by_kind(
+    "clamp",
+    real=_function("clamp_"),
+    whole=lambda low, a, high: f"smaller_int_(larger_int_({a}, {low}), {high})",
+)
 for _name in ("copy", "copy_p", "stop_gradient", "reduce_precision"):
     _register(_name, lambda a: a)
 
@@ -156,11 +166,8 @@ def _integer_pow(
     block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
 ) -> list[Value]:
     power = int(one.params["y"])
-    return [
-        elementwise(
-            block, outputs[0].shape, outputs[0].dtype, inputs, lambda a: f"integer_pow_({a}, {power})"
-        )
-    ]
+    name = "integer_pow_" if inputs[0].dtype.kind == "f" else "whole_pow_"
+    return [elementwise(block, outputs[0].shape, outputs[0].dtype, inputs, lambda a: f"{name}({a}, {power})")]
 
 
 @rule("convert_element_type")

@@ -53,6 +53,13 @@ class _Starts:
         return " || ".join(tests)
 
 
+def _filling(dtype: np.dtype[Any]) -> Any:
+    """What JAX reads outside an array unless a value is given."""
+    if dtype.kind == "f":
+        return np.nan
+    return dtype.kind == "b" or (np.iinfo(dtype).min if dtype.kind == "i" else np.iinfo(dtype).max)
+
+
 @rule("gather")
 def _gather(
     block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
@@ -66,7 +73,7 @@ def _gather(
     windows = [axis for axis in range(len(operand.shape)) if axis not in left_out]
     batches = dict(zip(numbers.operand_batching_dims, numbers.start_indices_batching_dims, strict=True))
     filling = one.params["fill_value"]
-    filling = filling if filling is not None else (np.nan if np.dtype(dtype).kind == "f" else 0)
+    filling = filling if filling is not None else _filling(np.dtype(dtype))
     if isinstance(operand, UniformValue) and not starts.drops:
         return [UniformValue(shape, operand.dtype, operand.number)]
 

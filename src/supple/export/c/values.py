@@ -146,6 +146,9 @@ _TYPES = {
     "uint64": "uint64_t",
     "bool": "bool",
     "uint8": "uint8_t",
+    "int8": "int8_t",
+    "int16": "int16_t",
+    "uint16": "uint16_t",
 }
 
 
@@ -154,13 +157,19 @@ def c_type(dtype: Any) -> str:
     return _TYPES.get(np.dtype(dtype).name, "double")
 
 
+def _whole(number: int) -> str:
+    if number == -(2**63):  # 2^63 is no number of C, a minus sign before it is an operation
+        return f"({number + 1} - 1)"
+    return f"({number})" if number < 0 else str(number)
+
+
 def literal(number: Any, dtype: Any) -> str:
     """A number in C, with enough digits to be read back exactly."""
     kind = np.dtype(dtype).kind
     if kind == "b":
         return "1" if number else "0"
     if kind in "iu":
-        return f"({int(number)})" if number < 0 else str(int(number))
+        return _whole(int(number)) + ("u" if kind == "u" else "")
     if math.isnan(number):
         return "((double)NAN)"
     if math.isinf(number):

@@ -22,6 +22,7 @@ __all__ = ["MotionChanges", "SmallMotions", "small_motions", "varies_in_time"]
 Array = np.ndarray
 _INSTANTS = 101
 """Number of times at which loads are compared."""
+_GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 _ROUNDING = 1e-9
 """Largest change that counts as rounding, as a fraction of the largest entry of the same array."""
 
@@ -111,14 +112,15 @@ def small_motions(
 
 
 def varies_in_time(rest: CompiledStart, begin: float, end: float) -> bool:
-    """Whether forces, joints or controllers of a machine at rest differ at 101 evenly spaced times."""
+    """Whether forces, joints or controllers of a machine at rest differ at 101 unevenly spaced times."""
 
     def terms(time: Any) -> tuple[Any, ...]:
         motion = _at_rest(rest, time)
         found, after = balance(rest.model, motion), stepped(rest.model, motion)
         return found.applied + found.inertia, found.constraint_residual, () if after is None else after.rates
 
-    times = np.linspace(begin, end, _INSTANTS)
+    # Evenly spaced times may all be zeros of a sine; multiples of the golden ratio have no period.
+    times = begin + (end - begin) * (np.arange(_INSTANTS) * _GOLDEN % 1.0)
     program = jax.jit(lambda every: jax.lax.map(terms, every)).lower(times).compile(STARTING)
     every = [np.asarray(leaf) for leaf in jax.tree.leaves(program(times)) if leaf.size]
     # Without laws that depend on time, the values are equal to the last digit.

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import BodyForm
+from supple.errors import ModelError
 from supple.export.vtk.pieces import Piece
 from supple.fem import FiniteElementModel
 from supple.integrate import FramedMotion, Solution
@@ -57,10 +58,16 @@ def fields_of(
     bases: Mapping[str, At],
     units: UnitSystem,
 ) -> tuple[Field, ...]:
-    """Displacement and deflection; if available, stress, plastic strain and deleted cells."""
+    """Displacement and deflection; if available, stress, plastic strain and deleted cells.
+
+    Raises ModelError for elements of an unknown body.
+    """
+    for name in elements:
+        system.placed(name, "elements")  # a misspelt name is an error
     bodies = [piece for piece in pieces if piece.body is not None]
     framed = [piece for piece in bodies if _form(piece).has_frame]
-    deleting = [piece for piece in bodies if not _form(piece).has_frame]
+    # A part without a mesh is written as points, which have no values of elements.
+    deleting = [piece for piece in bodies if not _form(piece).has_frame and piece.mesh is not None]
     unit, factor = units.stress_shown
     fields = [
         _field(labelled("displacement", units.length), 3, {piece: _displacement(piece) for piece in pieces}),
@@ -149,7 +156,13 @@ def _hidden(piece: Piece) -> Evaluator:
 
 def _cell_order(piece: Piece) -> NDArray[np.int64]:
     """Numbers (E,) of the elements of an explicit part in the order of the cells of its piece."""
-    body, mesh = _form(piece), piece.mesh or _form(piece).mesh
+    body, mesh = _form(piece), piece.mesh
+    assert mesh is not None
     starts = dict(zip(mesh.cells, np.cumsum([0, *map(len, mesh.cells.values())]), strict=False))
-    cells = np.concatenate([starts[own.cell_type] + own.cells for own in body.model.sections])
+    cells = np.concatenate([starts.get(own.cell_type, 0) + own.cells for own in body.model.sections])
+    if len(cells) != len(piece.cells.types):
+        raise ModelError(
+            f"the mesh given for part '{piece.name}' has {len(piece.cells.types)} cells and the part "
+            f"{len(cells)} elements: give the mesh of which the part was made"
+        )
     return np.argsort(cells, kind="stable")

@@ -55,7 +55,7 @@ def pieces_of(
     of mass to its interfaces. A joint is a point at its second end, or at its first end if the second is the
     ground.
 
-    Raises ModelError for an unknown body, or no body.
+    Raises ModelError for an unknown body, no body, or a mesh of another body.
     """
     known = [placed.body.name for placed in system.bodies]
     for name in bodies or ():
@@ -63,6 +63,8 @@ def pieces_of(
             raise ModelError(
                 f"no body '{name}' to write{did_you_mean(name, known)}; there are: {', '.join(known)}"
             )
+    for name in meshes:
+        system.placed(name, "meshes")  # a misspelt name is an error
     wanted = known if bodies is None else [name for name in known if name in bodies]
     if not wanted:
         raise ModelError(
@@ -86,6 +88,11 @@ def _at_rest(placed: Placed, local: Array) -> Array:
 
 def _elastic_piece(placed: Placed, mesh: Mesh | None) -> Piece:
     body: Any = placed.body
+    if mesh is not None and mesh.n_nodes > len(body.nodes):
+        raise ModelError(
+            f"the mesh given for body '{body.name}' has {mesh.n_nodes} nodes and the body {len(body.nodes)}: "
+            "give the mesh of which the body was made"
+        )
     vertices = (VERTEX, np.arange(len(body.nodes))[:, None])
     cells = Cells.of(vertices) if mesh is None else vtk_cells(mesh)
     return Piece(

@@ -72,7 +72,8 @@ def write_vtkhdf(
 
     Raises
     ------
-    ModelError          no output time, another suffix, an unknown body; also as in `stress_modes`
+    ModelError          no output time, another suffix, an unknown body, a mesh of another body; also as in
+                        `stress_modes`
     ResultFileError     the file cannot be written (a full disk), or the result file of the run cannot be read
     """
     path = Path(path)

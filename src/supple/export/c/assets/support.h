@@ -31,6 +31,13 @@ MAYBE_UNUSED static inline double integer_pow_(double a, int power)
         if (n & 1) result *= a;
     return power < 0 ? 1.0 / result : result;
 }
+MAYBE_UNUSED static inline int64_t whole_pow_(int64_t a, int power)
+{
+    uint64_t result = 1, factor = (uint64_t)a;
+    for (; power > 0; power >>= 1, factor *= factor)
+        if (power & 1) result *= factor;
+    return (int64_t)result;
+}
 
 /* Factors P A = L U of an (n, m) matrix in place, stored by rows, with partial pivoting. */
 MAYBE_UNUSED static void lu_(double *a, int n, int m, int32_t *pivots, int32_t *order)
