@@ -188,6 +188,17 @@ def test_included_files(tmp_path):
     np.testing.assert_array_equal(read_abaqus(deck).nodes_of("edge"), [0, 1])
 
 
+def test_included_files_are_beside_the_main_file_or_the_one_that_includes_them(tmp_path):
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "mesh.inp").write_text(
+        "*INCLUDE, INPUT=parts\\Nodes.msh\n*INCLUDE, INPUT=sets.nam\n"
+    )
+    (tmp_path / "parts" / "nodes.msh").write_text(SQUARE)
+    (tmp_path / "parts" / "sets.nam").write_text("*NSET, NSET=edge\n10, 20\n")
+    (tmp_path / "deck.inp").write_text("*INCLUDE, INPUT=parts/mesh.inp\n")
+    np.testing.assert_array_equal(read_abaqus(tmp_path / "deck.inp").nodes_of("edge"), [0, 1])
+
+
 def test_a_keyword_may_run_over_several_lines(read):
     mesh = read(SQUARE + "*NSET,\nNSET=edge\n10, 20\n")
     np.testing.assert_array_equal(mesh.nodes_of("edge"), [0, 1])
