@@ -349,7 +349,10 @@ def test_a_file_that_includes_itself(read):
         ),
         (SQUARE + "*INSTANCE, NAME=a\n1.\n0., 0., 1.\n", "line 15: an instance rotates about two points"),
         (SQUARE + "*NSET, NSET=a, INSTANCE=b\n10\n", "line 13: no instance 'b'; correct its name"),
-        (SQUARE + "*SYSTEM\n0., 0., 0.\n*NODE\n5, 1.\n", "line 13: *SYSTEM: its three points lie on a line"),
+        (
+            SQUARE + "*SYSTEM\n0., 0., 0., 0., 0., 1.\n*NODE\n5, 1.\n",
+            "line 13: *SYSTEM: its points give no axes",
+        ),
     ],
 )
 def test_errors_name_file_line_and_remedy(read, text, message):
