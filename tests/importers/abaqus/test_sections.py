@@ -260,6 +260,13 @@ def test_a_density_of_the_section_is_mass_besides_that_of_the_material(deck, key
     assert made.left_out == ()
 
 
+def test_options_that_are_not_read_are_left_out(deck):
+    made = deck(SHELL + "*SHELL GENERAL SECTION, ELSET=all, MATERIAL=steel, BENDING ONLY\n0.01\n")
+    (left,) = made.left_out
+    assert left.card == "*SHELL GENERAL SECTION, BENDINGONLY"
+    assert left.meaning == "the wall has membrane stiffness as well"
+
+
 AXES = "*ORIENTATION, NAME=along\n1., 0., 0., 0., 1., 0.\n3, 0.\n"
 AXES += "*ORIENTATION, NAME=aside\n1., 1., 0., -1., 1., 0.\n3, 0.\n"
 
