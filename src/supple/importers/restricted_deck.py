@@ -19,21 +19,23 @@ Tie = TypeVar("Tie", RigidTie, WeightedMean)
 def restricted_deck(deck: Deck, own: NDArray[np.bool_]) -> Deck:
     """The deck on the nodes of the mask `own` (N,); properties and element sets are unchanged.
 
-    Cells, matrices, rows and ties with other nodes are removed, and so are other nodes of node sets.
+    Cells, matrices, rows and ties with other nodes are removed, and so are other nodes of node sets. Scalar
+    points stay.
     """
     if own.all():
         return deck
-    number = np.cumsum(own) - 1
+    points = np.append(own, np.ones(len(deck.scalar_points), dtype=bool))
+    number = np.cumsum(points) - 1
 
     def matrix(given: NodalMatrix) -> NodalMatrix | None:
-        if not len(given.freedoms) or not own[given.freedoms // 6].all():
+        if not len(given.freedoms) or not points[given.freedoms // 6].all():
             return None
         return replace(given, freedoms=_renumbered(given.freedoms, number))
 
     node_sets = {name: number[of[own[of]]] for name, of in deck.node_sets.items()}
     elements = (_elements(each, own, number) for each in deck.elements)
     return replace(
-        deck.with_actions(matrix, lambda each: _terms(each, own, number)),
+        deck.with_actions(matrix, lambda each: _terms(each, points, number)),
         node_ids=deck.node_ids[own],
         nodes=deck.nodes[own],
         elements=tuple(each for each in elements if len(each.ids)),
@@ -81,7 +83,7 @@ def kept_terms(given: ScalarTerms, own: NDArray[np.bool_]) -> ScalarTerms:
 
 
 def _terms(given: ScalarTerms, own: NDArray[np.bool_], number: IntArray) -> ScalarTerms:
-    """The rows whose freedoms all belong to nodes of the mask `own`, with node numbers `number`."""
+    """The rows whose freedoms all belong to points of the mask `own`, with point numbers `number`."""
     rows = np.ones(len(given.lines), dtype=bool)
     rows[given.rows[~own[given.freedoms // 6]]] = False
     kept = kept_terms(given, rows)

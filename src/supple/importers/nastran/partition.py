@@ -88,6 +88,8 @@ def _owners(interior: IntArray, nodes: IntArray) -> IntArray:
 
 def _part(deck: Deck, interior: IntArray, owners: list[IntArray], number: int) -> Deck:
     """One superelement: its elements, and matrices, linear combinations and ties that belong to it."""
+    # Scalar points are exterior.
+    interior = np.append(interior, np.zeros(len(deck.scalar_points), dtype=np.int64))
 
     def is_own(nodes: IntArray) -> bool:
         return int(_owners(interior, nodes[None])[0]) == number
@@ -96,9 +98,7 @@ def _part(deck: Deck, interior: IntArray, owners: list[IntArray], number: int) -
         return given if is_own(given.freedoms // 6) else None
 
     def terms(given: ScalarTerms) -> ScalarTerms:
-        nodes = given.freedoms // 6
-        placed = nodes < len(interior)
-        own = np.where(placed, interior[np.minimum(nodes, len(interior) - 1)], 0)
+        own = interior[given.freedoms // 6]
         far = np.iinfo(np.int64).max
         lowest = np.full(len(given.lines), far)
         np.minimum.at(lowest, given.rows, np.where(own > 0, own, far))
