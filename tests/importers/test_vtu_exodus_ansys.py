@@ -94,6 +94,17 @@ def test_vtu_wedges_as_vtk_turns_them(tmp_path):
     assert volume(read_mesh(tmp_path / "part.vtu")) == pytest.approx(0.5)
 
 
+def test_vtu_ids_of_pieces_with_vertices(tmp_path):
+    """A vertex has an id, though it is no cell."""
+    cells = ASCII_CELLS.replace("0 1 2 3", "0 1 0 1 2 3").replace(">4<", ">1 2 6<")
+    piece = f"<Piece><Points>{POINTS}</Points><Cells>{cells.replace('>10<', '>1 1 10<')}</Cells><CellData>"
+    piece += '<DataArray type="Int32" Name="part" format="ascii">0 0 {}</DataArray></CellData></Piece>'
+    text = vtu(POINTS, ASCII_CELLS)
+    both = piece.format(1) + piece.format(2)
+    (tmp_path / "part.vtu").write_text(re.sub("<Piece.*</Piece>", both, text, flags=re.DOTALL))
+    assert read_mesh(tmp_path / "part.vtu", only="part_2").cell_ids[CellType.TETRA4].tolist() == [6]
+
+
 def vtu(points, cells, appended=""):
     return f"""<?xml version="1.0"?>
 <VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">
@@ -230,6 +241,25 @@ def test_exodus_side_sets(tmp_path, kind):
     found = read_mesh(tmp_path / "part.e")
     np.testing.assert_array_equal(found.nodes_of("sideset_1"), np.flatnonzero(x[:, 2] == 0))
     assert list(found.cell_sets) == ["block_10"]
+
+
+@pytest.mark.parametrize(
+    ("word", "axes", "n", "side", "nodes"),
+    [
+        ("QUAD4", 3, 4, 1, [0, 1]), ("QUAD4", 2, 4, 4, [0, 3]), ("TRI3", 2, 3, 2, [1, 2]),
+        ("TRI3", 3, 3, 1, [0, 1, 2]), ("TRI3", 3, 3, 4, [1, 2]), ("SHELL4", 3, 4, 3, [0, 1]),
+        ("SHELL3", 3, 3, 5, [0, 2]), ("SHELL6", 3, 6, 5, [0, 2, 5]),
+    ],
+)  # fmt: skip
+def test_exodus_sides_of_surfaces(tmp_path, word, axes, n, side, nodes):
+    """Edges alone of QUAD and of TRI in two dimensions; else both faces come first."""
+    x = np.concatenate([CUBE[:3], (CUBE[:3] + CUBE[[1, 2, 0]]) / 2]) if n == 6 else CUBE[:n]
+    made = exodus_variables(x, [("quad", [range(n)])], sides=[([1], [side])])
+    made["connect1"] = (made["connect1"][0], word)
+    if axes == 2:
+        del made["coordz"]
+    write_exodus(tmp_path / "part.e", made, "hdf5")
+    np.testing.assert_array_equal(read_mesh(tmp_path / "part.e").nodes_of("sideset_1"), nodes)
 
 
 def test_exodus_shells_are_cut_and_sets_are_checked(tmp_path):

@@ -62,10 +62,10 @@ CONM2,11,12,,2.
 """
 
 
-@pytest.fixture(scope="module")
-def everything(tmp_path_factory):
+@pytest.fixture(scope="module", params=["9", ""], ids=["axes of the solid", "basic axes"])
+def everything(request, tmp_path_factory):
     path = tmp_path_factory.mktemp("deck") / "everything.bdf"
-    path.write_text(EVERYTHING)
+    path.write_text(EVERYTHING.replace("PSOLID,1,1,9", f"PSOLID,1,1,{request.param}"))
     deck = read_deck(path)
     assert deck.left_out == ()
     return deck

@@ -47,7 +47,8 @@ _ORDERS = {
     "hexahedron": (*range(12), *range(16, 20), *range(12, 16)),
     "wedge": (*range(9), *range(12, 15), *range(9, 12)),
 }
-# Corners of each side in the order of Exodus; the sides of a surface are its two faces, then its edges.
+# Corners of each side in the order of Exodus; the sides of a shell are its two faces, then its edges. Other
+# surfaces (QUAD, and TRI in two dimensions) have no faces among their sides.
 _SIDES = {
     "hexahedron": ((0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (0, 4, 7, 3), (0, 3, 2, 1), (4, 5, 6, 7)),
     "tetra": ((0, 1, 3), (1, 2, 3), (0, 3, 2), (0, 2, 1)),
@@ -114,6 +115,7 @@ def _text(value: Any) -> str:
 def _file_mesh(path: Path, parts: Mapping[str, tuple[Any, str]]) -> Any:
     nodes = _coordinates(parts)
     blocks, shapes = [], []
+    flat = len(parts["coord"][0]) < 3 if "coord" in parts else "coordz" not in parts
     first = 0
     n_cells = sum(len(parts[name][0]) for name in _numbered(parts, "connect"))
     ids = _values(parts, "elem_num_map", np.arange(1, n_cells + 1))
@@ -125,7 +127,10 @@ def _file_mesh(path: Path, parts: Mapping[str, tuple[Any, str]]) -> Any:
         shape = _NAMES.get(word, "")
         kind = _SIZES.get(shape, {}).get(cells.shape[1])
         own = ids[first : first + len(cells)]
-        shapes.append((kind and shape, cells))
+        # A SHELL of three nodes is a triangle.
+        side = "triangle" if kind and kind.startswith("triangle") else kind and shape
+        skipped = 2 if word == "QUAD" or (flat and side == "triangle") else 0
+        shapes.append((_SIDES.get(side or "", ())[skipped:], side, cells))
         first += len(cells)
         if word in ("SPHERE", "NODE"):
             continue
@@ -137,7 +142,7 @@ def _file_mesh(path: Path, parts: Mapping[str, tuple[Any, str]]) -> Any:
         if shape in _ORDERS:
             order = [*_ORDERS[shape], *range(len(_ORDERS[shape]), cells.shape[1])][: cells.shape[1]]
             cells = cells[:, order]
-            shapes[-1] = (shape, cells)
+            shapes[-1] = (*shapes[-1][:2], cells)
         blocks.append(CellBlock(kind, cells, own, {label: np.ones(len(cells), dtype=bool)}))
     sets = {}
     known = _names(parts, "ns", "nodeset", len(_numbered(parts, "node_ns")))
@@ -189,12 +194,19 @@ def _names(parts: Mapping[str, tuple[Any, str]], kind: str, word: str, n: int) -
     return [name if found.count(name) == 1 else f"{name}_{i + 1}" for i, name in enumerate(found)]
 
 
-def _on_sides(shapes: list[tuple[str | None, IntArray]], elements: IntArray, sides: IntArray) -> IntArray:
-    """Nodes of sides of elements, including middle nodes."""
+def _on_sides(
+    shapes: list[tuple[tuple[tuple[int, ...], ...], str | None, IntArray]],
+    elements: IntArray,
+    sides: IntArray,
+) -> IntArray:
+    """Nodes of sides of elements, including middle nodes.
+
+    shapes : for each block the corners of its sides, its shape and its cells
+    """
     found, first = [np.empty(0, dtype=np.int64)], 0
-    for shape, cells in shapes:
+    for corners_of_sides, shape, cells in shapes:
         own = (elements >= first) & (elements < first + len(cells))
-        for number, corners in enumerate(_SIDES.get(shape or "", ())):
+        for number, corners in enumerate(corners_of_sides):
             chosen = cells[elements[own & (sides == number)] - first]
             places = [*corners]
             kind = next((k for k in CellType if k.meshio_name == shape), None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
-from supple.importers.inclusion import Inclusions
+from supple.importers.inclusion import Inclusions, included_file
 from supple.importers.plain_number import is_plain, number_of_word, plain_integer
 
 
@@ -18,12 +19,23 @@ class KeywordBlock:
     """One keyword, its options, and the data lines below it; `line` is an index of `KeywordFile.lines`.
 
     Names of options have no blanks, because both programs ignore them (`REF NODE` and `REFNODE` are equal).
+
+    blank : for each blank data line, the number of data lines above it
     """
 
     name: str
     options: dict[str, str]
     line: int
     data: tuple[tuple[int, str], ...]
+    blank: tuple[int, ...] = ()
+
+    @property
+    def placed_data(self) -> list[tuple[int, str]]:
+        """The data lines with the blank ones between them, which keep the places of the lines below."""
+        made, blank = [], Counter(self.blank)
+        for i, (line, text) in enumerate(self.data):
+            made += [*blank[i] * [(line, "")], (line, text)]
+        return made
 
     @property
     def key(self) -> str:
@@ -71,14 +83,20 @@ def read_keyword_file(path: Path) -> KeywordFile:
     ImportFormatError   a file missing, or including itself; data before the first keyword
     """
     inclusions = Inclusions("export the model as text (.inp)")
-    file = KeywordFile(path, tuple(_expanded(path, inclusions.lines(path), inclusions, 0)), ())
+    lines = _expanded(path, inclusions.lines(path), inclusions, path.parent, 0)
+    file = KeywordFile(path, tuple(each for each in lines if each[2]), ())
     blocks: list[KeywordBlock] = []
-    header, line, data = "", 0, []
-    for i, (_, _, text) in enumerate(file.lines):
+    header, line, data, blank = "", 0, [], []
+    i = -1
+    for _, _, text in lines:
+        if not text:
+            blank.append(len(data))
+            continue
+        i += 1
         if text.startswith("*"):
             if header:
-                blocks.append(_block(header, line, data))
-            header, line, data = text, i, []
+                blocks.append(_block(header, line, data, blank))
+            header, line, data, blank = text, i, [], []
         elif not header and text[0] not in "+-.0123456789":
             continue  # a title
         elif not header:
@@ -88,7 +106,7 @@ def read_keyword_file(path: Path) -> KeywordFile:
         else:
             data.append((i, text))
     if header:
-        blocks.append(_block(header, line, data))
+        blocks.append(_block(header, line, data, blank))
     return KeywordFile(path, file.lines, tuple(blocks))
 
 
@@ -153,25 +171,29 @@ def _is_number(word: str, *, whole: bool) -> bool:
 
 
 def _expanded(
-    path: Path, lines: list[str], inclusions: Inclusions, depth: int
+    path: Path, lines: list[str], inclusions: Inclusions, main: Path, depth: int
 ) -> list[tuple[Path, int, str]]:
-    """Lines of a file without comments and empty data lines, with included files inserted."""
+    """Lines of a file without comments, with included files inserted; blank data lines have no text.
+
+    main : folder of the main file, where both programs search; a file beside the including one comes first
+    """
     found = []
     for number, line in enumerate(lines, start=1):
         text = line.strip()
-        if not text.strip("* ,") or text.startswith("**"):
+        if text.startswith("**") or ("*" in text and not text.strip("* ,")):
             continue
+        if not text.strip(" ,"):
+            text = ""
         if text.upper().startswith("*INCLUDE"):
-            name = text.partition("=")[2].strip().strip('"').replace("\\", "/")
-            target = path.parent / name
+            target = included_file(text.partition("=")[2].strip().strip('"'), path.parent, main)
             below = inclusions.included(path, number, target, depth + 1)
-            found += _expanded(target, below, inclusions, depth + 1)
+            found += _expanded(target, below, inclusions, main, depth + 1)
         else:
             found.append((path, number, text))
     return found
 
 
-def _block(header: str, line: int, data: list[tuple[int, str]]) -> KeywordBlock:
+def _block(header: str, line: int, data: list[tuple[int, str]], blank: list[int]) -> KeywordBlock:
     name, *options = header.split(",")
     pairs = [option.partition("=") for option in options if option.strip()]
     return KeywordBlock(
@@ -179,4 +201,5 @@ def _block(header: str, line: int, data: list[tuple[int, str]]) -> KeywordBlock:
         {"".join(key.upper().split()): value.strip().strip('"') for key, _, value in pairs},
         line,
         tuple(data),
+        tuple(blank),
     )

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from supple.importers.deck import (
+    AnisotropicMaterial,
     BeamProperty,
     BeamValues,
     Deck,
@@ -18,6 +19,7 @@ from supple.importers.deck import (
     NodalMatrix,
     Property,
     ScalarTerms,
+    SolidProperty,
     WallProperty,
     WeightedMean,
 )
@@ -38,8 +40,9 @@ def moved_deck(deck: Deck, Q: FloatArray, shift: FloatArray) -> Deck:
 
     Displacements u become Q u; rotations theta are axial vectors and become det(Q) Q theta. The node order of
     a mirrored cell is reversed, so that its normal is the mirrored normal. The second axis of a wall and of a
-    beam is then opposite to the mirrored axis, and stiffness terms that are odd in this axis change sign. A
-    weighted mean that only some components follow is left out if its axes are rotated.
+    beam is then opposite to the mirrored axis, and stiffness terms that are odd in this axis change sign.
+    Anisotropic solids in basic axes get `directions`. A weighted mean that only some components follow is
+    left out if its axes are rotated.
 
     Parameters
     ----------
@@ -57,7 +60,7 @@ def moved_deck(deck: Deck, Q: FloatArray, shift: FloatArray) -> Deck:
     return replace(
         deck.with_actions(turn.matrix, turn.terms),
         nodes=deck.nodes @ turn.Q.T + shift,
-        elements=tuple(turn.elements(each) for each in deck.elements),
+        elements=tuple(turn.elements(each, deck.properties[each.property]) for each in deck.elements),
         properties={name: turn.property(each) for name, each in deck.properties.items()},
         means=tuple(replace(mean, components=turn.components(mean)) for mean in kept),
         left_out=(*deck.left_out, *left),
@@ -122,10 +125,13 @@ class _ChangedAxes:
         own = whole[:, used].toarray()
         return NodalMatrix(used, own.T @ given.values @ own)
 
-    def elements(self, given: DeckElements) -> DeckElements:
+    def elements(self, given: DeckElements, made_of: Property) -> DeckElements:
         """Cells, their directions and offsets in the new axes."""
         directions, offsets = given.directions, given.offsets
-        if directions is not None:
+        if directions is None and isinstance(made_of, SolidProperty):
+            if isinstance(made_of.material, AnisotropicMaterial):
+                directions = np.tile(self.Q, (len(given.nodes), 1, 1))
+        elif directions is not None:
             directions = self.Q @ directions if directions.ndim == 3 else directions @ self.Q.T
         return replace(
             given,

@@ -99,7 +99,7 @@ def read_vtu(
                 inside = start + np.flatnonzero(values)
                 node_sets[name] = np.concatenate([node_sets.get(name, inside[:0]), inside])
         start += len(x)
-        first_id += sum(len(block.cells) for block in found)
+        first_id = max((int(block.ids[-1]) + 1 for block in found), default=first_id)
     if not points:
         raise file.error("no Piece with cells")
     return file_mesh(

@@ -7,6 +7,7 @@ import pytest
 from fixtures.abaqus_decks import STEEL, brick, element_rows, node_rows
 
 from supple.body import deck_frequencies
+from supple.errors import ImportFormatError
 from supple.importers import UnusedNodes, read_abaqus
 from supple.mesh import CellType
 from supple.mesh.reference_cell import reference_nodes
@@ -67,6 +68,24 @@ def test_a_quarter_turn_is_right_handed(deck):
     made = deck(assembly("0., 0., 0.\n0., 0., 0., 0., 0., 1., 90.\n", after=""))
     second = made.nodes[12:]
     np.testing.assert_allclose(second, np.column_stack([-NODES[:, 1], NODES[:, 0], NODES[:, 2]]), atol=1e-12)
+
+
+def test_an_instance_without_a_translation_turns(deck):
+    made = deck(assembly("\n0., 0., 0., 0., 0., 1., 90.\n", after=""))
+    second = made.nodes[12:]
+    np.testing.assert_allclose(second, np.column_stack([-NODES[:, 1], NODES[:, 0], NODES[:, 2]]), atol=1e-12)
+
+
+def test_a_system_of_nodes_belongs_to_its_part(deck):
+    other = "*PART, NAME=other\n*NODE\n1, 1., 0., 0.\n*END PART\n*ASSEMBLY"
+    text = assembly(after="", more="*NODE\n1, 1., 0., 0.\n").replace("*NODE", "*SYSTEM\n0., 0., 2.\n*NODE", 1)
+    text = text.replace("*ASSEMBLY", other, 1).replace(
+        "*INSTANCE, NAME=b", "*INSTANCE, NAME=c, PART=other\n*END INSTANCE\n*INSTANCE, NAME=b"
+    )
+    made = deck(text)
+    np.testing.assert_allclose(made.nodes[:12], NODES + np.array([0, 0, 2]))
+    np.testing.assert_allclose(made.nodes[12], [1, 0, 0])
+    np.testing.assert_allclose(made.nodes[-1], [1, 0, 0])
 
 
 def test_names_and_ids_of_instances(deck):
@@ -179,6 +198,9 @@ def test_generated_nodes_and_elements_are_the_written_ones(tmp_path):
         ("*NODE, SYSTEM=S\n1, 2., 90., 30.\n", [0, 3**0.5, 1]),
         ("*SYSTEM\n1., 0., 0., 1., 1., 0.\n*NODE\n1, 2., 1., 3.\n", [0, 2, 3]),
         ("*SYSTEM\n1., 0., 0., 1., 1., 0.,\n1., 0., 1.\n*NODE\n1, 2., 1., 3.\n", [4, 2, 1]),
+        ("*SYSTEM\n2., 0., 2.\n*NODE\n1, 2., 1., 3.\n", [4, 1, 5]),
+        ("*SYSTEM\n0., 0., 0.\n*NODE\n1, 2., 1., 3.\n", [2, 1, 3]),
+        ("*SYSTEM\n1., 0., 0., 1., 1., 7.\n*NODE\n1, 2., 1., 3.\n", [0, 2, 3]),
         ("*NODE\n1, 2.\n", [2, 0, 0]),
         ("*NODE\n1, 2., , 3.\n", [2, 0, 3]),
         ("*NODE\n1, 2., 1., 3., 0., 0., 1.\n", [2, 1, 3]),
@@ -187,6 +209,68 @@ def test_generated_nodes_and_elements_are_the_written_ones(tmp_path):
 def test_coordinates_of_nodes(deck, text, place):
     made = deck(text + "*ELEMENT, TYPE=MASS, ELSET=m\n1, 1\n*MASS, ELSET=m\n1.\n")
     np.testing.assert_allclose(made.nodes, [place], atol=1e-12)
+
+
+ROW = "*NODE, NSET=row\n1, 0., 0., 0.\n5, 4., 0., 0.\n*NGEN, NSET=row\n1, 5\n"
+
+
+def test_an_element_set_of_generated_elements_has_their_master(deck):
+    text = ROW + "*ELEMENT, TYPE=T3D2\n1, 1, 2\n*ELGEN, ELSET=every\n1, 4\n" + STEEL
+    made = deck(text + "*SOLID SECTION, ELSET=every, MATERIAL=steel\n1e-4\n")
+    assert made.left_out == ()
+    assert made.element_sets["every"].tolist() == [1, 2, 3, 4]
+    copy = "*NCOPY, OLD SET=row, CHANGE NUMBER=10, SHIFT\n0., 1., 0.\n"
+    copy += "*ELCOPY, OLD SET=every, ELEMENT SHIFT=10, SHIFT NODES=10, NEW SET=copies\n"
+    made = deck(text + copy + "*SOLID SECTION, ELSET=every, MATERIAL=steel\n1e-4\n")
+    assert sorted(made.element_sets["copies"].tolist()) == [11, 12, 13, 14]
+
+
+def test_generated_beams_keep_the_node_of_their_first_axis(deck):
+    text = ROW + "*NODE\n9, 0., 5., 0.\n19, 0., 0., 5.\n*ELEMENT, TYPE=B31, ELSET=all\n1, 1, 2, 9\n"
+    with pytest.raises(ImportFormatError, match="element 1, a beam with a node for its first axis"):
+        deck(text + "*ELGEN, ELSET=all\n1, 4\n")
+    text += "*NSET, NSET=old\n1, 2\n*NCOPY, OLD SET=old, CHANGE NUMBER=10, SHIFT\n0., 0., 0.\n"
+    copy = "*ELCOPY, OLD SET=all, ELEMENT SHIFT=10, SHIFT NODES=10, NEW SET=all\n"
+    section = STEEL + "*BEAM SECTION, ELSET=all, MATERIAL=steel, SECTION=CIRC\n0.1\n"
+    made = deck(text + copy + section)
+    np.testing.assert_allclose(made.elements[1].directions, [[0, 0, 1]], atol=1e-12)
+    with pytest.raises(ImportFormatError, match="makes an element with node 19"):
+        deck(text.replace("19, 0., 0., 5.\n", "") + copy + section)
+
+
+@pytest.mark.parametrize(
+    ("options", "members", "pairs"),
+    [
+        ("", "15, 12, 13, 14, 11", [(1, 11), (2, 12), (3, 13), (4, 14), (5, 15)]),
+        (", UNSORTED", "15, 12, 13, 14, 11", [(1, 15), (2, 12), (3, 13), (4, 14), (5, 11)]),
+        (", GENERATE", "11, 15", [(1, 11), (2, 12), (3, 13), (4, 14), (5, 15)]),
+    ],
+)
+def test_nodes_of_two_sets_are_paired_in_the_order_of_their_ids(deck, options, members, pairs):
+    """Unless a set is unsorted; a set of generated nodes is sorted, too."""
+    text = ROW.replace(", NSET=row\n1", "\n1", 1) + "*ELEMENT, TYPE=T3D2\n1, 1, 2\n"
+    text += "*NODE\n" + "".join(f"{11 + i}, {i}., 1., 0.\n" for i in range(5))
+    text += f"*NSET, NSET=other{options}\n{members}\n"
+    made = deck(text + "*EQUATION\n2\nrow, 1, 1., other, 1, -1.\n*MPC\nPIN, row, other\n")
+    (terms,) = made.constraints
+    found = (
+        made.node_ids[terms.freedoms[terms.factors > 0] // 6],
+        made.node_ids[terms.freedoms[terms.factors < 0] // 6],
+    )
+    assert list(zip(*(each.tolist() for each in found), strict=True)) == [
+        *pairs,
+        *(pair for pair in pairs for _ in "xyz"),
+    ]
+    assert made.node_ids[made.node_sets["row"]].tolist() == [1, 2, 3, 4, 5]
+
+
+def test_lines_between_unsorted_sets(deck):
+    text = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n21, 0., 2., 0.\n22, 1., 2., 0.\n"
+    text += "*NSET, NSET=low, UNSORTED\n2, 1\n*NSET, NSET=high, UNSORTED\n22\n*NSET, NSET=high\n21\n"
+    text += "*NFILL, NSET=every\nlow, high, 2, 10\n*ELEMENT, TYPE=T3D2\n1, 1, 2\n"
+    made = deck(text)
+    place = dict(zip(made.node_ids.tolist(), made.nodes.tolist(), strict=True))
+    assert (place[12], place[11]) == ([1, 1, 0], [0, 1, 0])
 
 
 # --- surfaces and sets
@@ -223,6 +307,35 @@ def test_a_surface_without_labels_is_the_free_faces(deck):
         + "*SURFACE, NAME=skin\nall,\n"
     )
     assert sorted(made.node_sets["skin"].tolist()) == [i for i in range(27) if i != 13]
+
+
+def test_the_free_faces_of_a_set_are_those_of_the_body(deck):
+    """Also of a set over several keywords, beside other elements, and beside a collapsed hexahedron."""
+    nodes, cells = brick((3, 1, 1), (3, 1, 1))
+    row = cells[2][[0, 1, 1, 3, 4, 5, 5, 7]]
+    text = (
+        node_rows(nodes)
+        + element_rows("C3D8", cells[:1], "first")
+        + element_rows("C3D8R", cells[1:2], "second", 2)
+    )
+    text += element_rows("C3D8", [row], "last", 3) + "*ELSET, ELSET=two\nfirst, second\n"
+    text += "*SURFACE, NAME=skin\ntwo,\n*SURFACE, NAME=middle\nsecond,\n*SURFACE, NAME=tip\nlast,\n"
+    text += "*NODE\n99, 9., 9., 9.\n"
+    made = deck(
+        text
+        + "".join(
+            f"*COUPLING, REF NODE=99, SURFACE={name}\n*DISTRIBUTING\n" for name in ("skin", "middle", "tip")
+        )
+    )
+    assert [mean.weights.sum() for mean in made.means] == pytest.approx([9, 4, 1 + 1 + np.sqrt(2)])
+
+
+@pytest.mark.parametrize(("kind", "nodes"), [("B31", [1, 2]), ("B32", [1, 2, 3]), ("T3D3", [1, 2, 3])])
+def test_the_ends_of_beams_are_surfaces(deck, kind, nodes):
+    text = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 2., 0., 0.\n"
+    text += f"*ELEMENT, TYPE={kind}, ELSET=all\n1, {', '.join(map(str, nodes))}\n"
+    made = deck(text + "*SURFACE, NAME=a\nall, END1\n*SURFACE, NAME=b\nall, END2\n*SURFACE, NAME=c\nall,\n")
+    assert [made.node_ids[made.node_sets[name]].tolist() for name in "abc"] == [[1], [nodes[-1]], nodes]
 
 
 def test_surfaces_of_shells_and_nodes(deck):

@@ -111,6 +111,20 @@ def test_axes_of_each_element(deck):
     np.testing.assert_allclose(made.elements[0].directions[1], own @ turned, atol=1e-12)
 
 
+def test_distributions_of_two_parts_may_have_one_name(deck):
+    """And those of two instances of a part, which turn with them."""
+    part = "*PART, NAME={0}\n" + TWO + AXES.replace("9,", "{1},") + "*ORIENTATION, NAME=O\nD\n"
+    part += "*SOLID SECTION, ELSET=all, MATERIAL=wood, ORIENTATION=O\n*END PART\n"
+    text = part.format("p", 9) + part.format("q", 7) + "*ASSEMBLY, NAME=m\n"
+    text += "*INSTANCE, NAME=a, PART=p\n*END INSTANCE\n*INSTANCE, NAME=b, PART=q\n*END INSTANCE\n"
+    text += "*INSTANCE, NAME=c, PART=p\n\n0., 0., 0., 0., 0., 1., 90.\n*END INSTANCE\n*END ASSEMBLY\n" + WOOD
+    made = deck(text)
+    assert made.left_out == ()
+    own, turn = np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]]), np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    expected = [[np.eye(3), own], [own, np.eye(3)], [turn, turn @ own]]
+    np.testing.assert_allclose([each.directions for each in made.elements], expected, atol=1e-12)
+
+
 def test_other_distributions_are_left_out(deck):
     text = TWO + WOOD + AXES + "*ORIENTATION, NAME=O\nD\n*DISTRIBUTION, NAME=T, LOCATION=ELEMENT\n, .1\n"
     made = deck(text + "*SOLID SECTION, ELSET=all, MATERIAL=wood, ORIENTATION=O\n")

@@ -121,6 +121,7 @@ def test_elements_without_a_section_are_left_out(deck):
     ("below", "message"),
     [
         ("*ELASTIC\n1.\n", "line 14: *ELASTIC, TYPE=ISOTROPIC has 2 constants, not 1"),
+        ("*ELASTIC, TYPE=LAMINA\n1., 1., 0., 1.\n", "*ELASTIC, TYPE=LAMINA has 6 constants, not 4"),
         ("*ELASTIC\n1., x\n", "line 15: 'X' is not a number"),
         ("*DEFORMATION PLASTICITY\n1.\n", "line 14: *DEFORMATION PLASTICITY begins with E, nu"),
     ],

@@ -96,6 +96,7 @@ TWO_BRICKS = """*NODE
         "*CONTACT PAIR, INTERACTION=I\nBOTTOM, TOP\n*SURFACE INTERACTION, NAME=I\n"
         "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED\n1e7\n",
         "*SURFACE INTERACTION, NAME=I\n*CONTACT PAIR, INTERACTION=I, TIED, ADJUST=0.1\nBOTTOM, TOP\n",
+        "*SURFACE INTERACTION, NAME=I\n*CONTACT PAIR, INTERACTION=I, TIED, ADJUST=\nBOTTOM, TOP\n",
     ],
 )
 def test_tied_contact_joins_two_bricks(deck, contact):
@@ -120,8 +121,35 @@ def test_nodes_on_an_arc_and_a_parabola(deck):
     np.testing.assert_allclose(place[12], [1, 1, 3])
 
 
+@pytest.mark.parametrize(("normal", "angle"), [("0, 0, -2", -270), ("0, 0, 1", 90)])
+def test_an_arc_turns_about_its_normal(deck, normal, angle):
+    text = f"*NODE\n1, 2, 0, 0\n5, 0, 2, 0\n*NGEN, LINE=C\n1, 5, 1, , 0, 0, 0, {normal}\n"
+    read = deck(text + "*ELEMENT, TYPE=T3D2\n1, 1, 5\n")
+    place = dict(zip(read.node_ids.tolist(), read.nodes, strict=True))
+    for k in range(1, 4):
+        phi = np.radians(angle) / 4 * k
+        np.testing.assert_allclose(place[1 + k], [2 * np.cos(phi), 2 * np.sin(phi), 0], atol=1e-14)
+    with pytest.raises(ImportFormatError, match="have the normal of its plane"):
+        deck(text.replace(normal, "1, 0, 1"))
+
+
+@pytest.mark.parametrize(
+    ("system", "option", "point"),
+    [
+        ("", ", SYSTEM=C", "1, 90, 0"),
+        ("0, 1, 0, 1, 2, 0", "", "0, 0, 0"),
+        ("0, 0, 0, 0, 1, 0", ", SYSTEM=C", "1, 0, 0"),
+    ],
+)
+def test_the_extra_point_has_the_coordinates_of_its_system(deck, system, option, point):
+    """The middle of an arc about (0, 1, 0)."""
+    text = "*NODE\n1, 1, 1, 0\n3, 0, 2, 0\n*SYSTEM\n" + (f"{system}\n" if system else "")
+    read = deck(text + f"*NGEN, LINE=C{option}\n1, 3, 1, , {point}\n*ELEMENT, TYPE=T3D2\n1, 1, 3\n")
+    np.testing.assert_allclose(read.nodes[-1], [0.5**0.5, 1 + 0.5**0.5, 0], atol=1e-14)
+
+
 def test_half_a_circle_is_refused(deck):
-    with pytest.raises(ImportFormatError, match="take two arcs"):
+    with pytest.raises(ImportFormatError, match=r"must be less than half a circle.* take two arcs"):
         deck("*NODE\n1, 1, 0, 0\n5, -1, 0, 0\n9, 0, 0, 0\n*NGEN, LINE=C\n1, 5, 1, 9\n")
 
 
@@ -130,6 +158,7 @@ def test_half_a_circle_is_refused(deck):
     [
         ("SHIFT, MULTIPLE=2\n0, 0, 1\n", {103: [0, 1, 1], 203: [0, 1, 2]}),
         ("SHIFT\n0, 0, 1\n0, 0, 0, 0, 0, 5, 90\n", {102: [0, 1, 1], 103: [-1, 0, 1]}),
+        ("SHIFT\n\n0, 0, 0, 0, 0, 5, 90\n", {102: [0, 1, 0], 103: [-1, 0, 0]}),
         ("REFLECT=MIRROR\n0, 0, 1, 1, 0, 1\n0, 1, 1\n", {101: [0, 0, 2], 103: [0, 1, 2]}),
         ("REFLECT=LINE\n0, 0, 0, 0, 0, 1\n", {102: [-1, 0, 0], 104: [0, 0, 1]}),
         ("REFLECT=POINT\n1, 0, 0\n", {102: [1, 0, 0], 103: [2, -1, 0]}),

@@ -7,7 +7,8 @@ import pytest
 from fixtures.abaqus_decks import STEEL, brick, element_rows, node_rows
 
 from supple.body import deck_frequencies, deck_models, mass_of_models
-from supple.errors import ImportFormatError
+from supple.errors import ImportFormatError, MeshError
+from supple.importers import read_abaqus
 from supple.importers.abaqus.beam_shapes import beam_shape
 from supple.importers.deck import RodProperty, ShellProperty, WallProperty
 from supple.mesh import CellType, block
@@ -105,6 +106,26 @@ def test_hexahedra_with_repeated_nodes_are_simpler_cells(deck, row, kind, volume
     made = deck(text + "*SOLID SECTION, ELSET=all, MATERIAL=steel\n")
     assert [each.kind for each in made.elements] == [kind]
     assert total(made).mass == pytest.approx(7850 * volume)
+
+
+@pytest.mark.parametrize(
+    ("name", "row"),
+    [
+        ("C3D8", [0, 1, 2, 3, 4, 5, 6, 6]), ("C3D8", [0, 1, 2, 3, 4, 4, 4, 7]),
+        ("C3D6", [0, 1, 2, 4, 5, 5]),
+    ],
+)  # fmt: skip
+def test_solids_with_repeated_nodes_that_are_no_simpler_cell_are_left_out(deck, tmp_path, name, row):
+    nodes = node_rows(reference_nodes(CellType.HEXA8))
+    good = element_rows("C3D8", [np.arange(8)], first=7)
+    text = nodes + good + element_rows(name, [row]) + STEEL + "*SOLID SECTION, ELSET=all, MATERIAL=steel\n"
+    made = deck(text)
+    (left,) = made.left_out
+    assert (left.card, left.count, left.line) == (f"*ELEMENT, TYPE={name}", 1, 13)
+    assert left.meaning.startswith("elements with repeated nodes")
+    assert [each.ids.tolist() for each in made.elements] == [[7]]
+    with pytest.raises(MeshError, match=r"line 13: element 1: .* with a repeated node"):
+        read_abaqus(tmp_path / "deck.inp")
 
 
 @pytest.mark.parametrize("name", ["T3D2", "T3D3"])
@@ -214,6 +235,77 @@ def test_plies_turn_about_the_normal(deck):
         np.testing.assert_allclose(getattr(named, part), getattr(turned, part), rtol=1e-9, atol=1e-3)
 
 
+def same_walls(first, second):
+    for part in ("membrane", "coupling", "bending", "shear", "mass_per_area", "rotary_inertia_per_area"):
+        a, b = getattr(first, part), getattr(second, part)
+        np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-9 * max(np.abs(first.membrane).max(), 1))
+
+
+def test_symmetric_plies_are_repeated_in_reverse(deck):
+    half = "0.001,, ply, 0.\n0.002,, steel, 0.\n0.001,, ply, 30.\n"
+    rest = "0.001,, ply, 30.\n0.002,, steel, 0.\n0.001,, ply, 0.\n"
+    head = SHELL + LAMINA + "*SHELL SECTION, ELSET=all, COMPOSITE"
+    wall, whole = (
+        deck(text).properties["all"] for text in (f"{head}, SYMMETRIC\n{half}", f"{head}\n{half}{rest}")
+    )
+    assert wall.thickness == pytest.approx(0.008)
+    same_walls(wall, whole)
+
+
+@pytest.mark.parametrize("section", ["MATERIAL=steel\n0.01\n", "COMPOSITE\n0.01,, steel\n"])
+@pytest.mark.parametrize("keyword", ["SHELL SECTION", "SHELL GENERAL SECTION"])
+def test_a_density_of_the_section_is_mass_besides_that_of_the_material(deck, keyword, section):
+    made = deck(SHELL + f"*{keyword}, ELSET=all, DENSITY=50., {section}")
+    assert total(made).mass == pytest.approx(2 * (78.5 + 50))
+    assert made.left_out == ()
+
+
+def test_options_that_are_not_read_are_left_out(deck):
+    made = deck(SHELL + "*SHELL GENERAL SECTION, ELSET=all, MATERIAL=steel, BENDING ONLY\n0.01\n")
+    (left,) = made.left_out
+    assert left.card == "*SHELL GENERAL SECTION, BENDINGONLY"
+    assert left.meaning == "the wall has membrane stiffness as well"
+
+
+AXES = "*ORIENTATION, NAME=along\n1., 0., 0., 0., 1., 0.\n3, 0.\n"
+AXES += "*ORIENTATION, NAME=aside\n1., 1., 0., -1., 1., 0.\n3, 0.\n"
+
+
+@pytest.mark.parametrize(
+    ("axes", "named", "angles"),
+    [
+        ("along", ["aside", "-15."], [45, -15]), ("aside", ["along", "20.", ""], [-45, 20, 0]),
+        ("aside", ["along", "aside"], [-45, 0]),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("side", [1, -1])
+def test_plies_count_from_the_axes_of_the_section(deck, axes, named, angles, side):
+    """An angle turns about the normal of the wall, also where the axes by name have the opposite normal."""
+    order = [0, 1, 2, 3] if side > 0 else [0, 3, 2, 1]
+    text = node_rows(SQUARE8[:4]) + element_rows("S4", [order]) + STEEL + LAMINA + AXES
+    text += f"*SHELL SECTION, ELSET=all, COMPOSITE, ORIENTATION={axes}\n"
+    made = deck(text + "".join(f"0.001,, ply, {each}\n" for each in named))
+    turned = [angle * (side if name.isalpha() else 1) for name, angle in zip(named, angles, strict=True)]
+    plain = deck(text + "".join(f"0.001,, ply, {angle}.\n" for angle in turned))
+    same_walls(made.properties["all"], plain.properties["all"])
+    np.testing.assert_allclose(made.elements[0].directions, plain.elements[0].directions)
+    assert made.left_out == ()
+
+
+@pytest.mark.parametrize(
+    ("plies", "meaning"),
+    [
+        ("0.001,, ply, aside\n0.001,, ply, 0.\n", "some plies have axes by name"),
+        ("0.001,, ply, aside\n0.001,, ply\n", "some plies have axes by name"),
+        ("0.001,, ply, aside\n0.001,, ply, round\n", "its plies have axes that are not rotated by one"),
+    ],
+)
+def test_plies_of_several_kinds_of_axes_are_left_out(deck, plies, meaning):
+    round_axes = "*ORIENTATION, NAME=round, SYSTEM=CYLINDRICAL\n0., 0., 0., 0., 0., 1.\n3, 0.\n"
+    made = deck(SHELL + LAMINA + AXES + round_axes + "*SHELL SECTION, ELSET=all, COMPOSITE\n" + plies)
+    assert made.left_out[0].meaning.startswith(meaning)
+
+
 @pytest.mark.parametrize(
     ("axes", "section", "direction"),
     [
@@ -226,6 +318,7 @@ def test_plies_turn_about_the_normal(deck):
             ", ORIENTATION=o",
             [0, 1, 0],
         ),
+        ("*ORIENTATION, NAME=o\n0., 0., 1., 1., 0., 0.\n, 30.\n", ", ORIENTATION=o", [3**0.5 / 2, 0.5, 0]),
     ],
 )
 def test_directions_of_plies(deck, axes, section, direction):
@@ -249,6 +342,33 @@ def test_thickness_by_nodes(deck):
     assert sorted(wall.thickness for wall in made.properties.values()) == pytest.approx([0.05 / 3, 0.07 / 3])
     assert total(made).mass == pytest.approx(7850 * 0.02 * 2)
     assert made.left_out == ()
+
+
+def test_thickness_by_nodes_applies_where_a_section_names_it(deck):
+    """Plies are scaled. If no section names it, as in CalculiX, it applies to all homogeneous walls."""
+    other = (
+        node_rows(SQUARE8[:4] + np.array([0, 0, 1]), 11)
+        + "*ELEMENT, TYPE=S4, ELSET=other\n2, 11, 12, 13, 14\n"
+    )
+    given = "*NSET, NSET=n\n1, 2, 3, 4, 11, 12, 13, 14\n*NODAL THICKNESS\nn, 0.03\n"
+    plain = "*SHELL SECTION, ELSET=other, MATERIAL=steel\n0.01\n"
+    plies = "*SHELL SECTION, ELSET=all, COMPOSITE{}\n0.002,, steel\n0.004,, steel\n"
+    made = deck(SHELL + other + given + plain + plies.format(", NODAL THICKNESS"))
+    assert made.properties["all"].mass_per_area == pytest.approx(0.03 * 7850)
+    assert made.properties["all"].bending[0, 0] == pytest.approx(2.1e11 * 0.03**3 / 12 / 0.91)
+    assert made.properties["other"].thickness == 0.01
+    assert made.notes == ()
+    made = deck(SHELL + other + given + plain + plies.format(""))
+    assert made.properties["all"].mass_per_area == pytest.approx(0.006 * 7850)
+    assert made.properties["other"].thickness == pytest.approx(0.03)
+    assert made.notes[0].startswith("*NODAL THICKNESS applies to all homogeneous walls")
+
+
+@pytest.mark.parametrize("kind", [", GENERATE\n1, 3, 2, 1", ", INPUT=other.inp"])
+def test_generated_thickness_by_nodes_is_left_out(deck, kind):
+    text = SHELL + "*SHELL SECTION, ELSET=all, MATERIAL=steel, NODAL THICKNESS\n0.01\n"
+    made = deck(text + f"*NODAL THICKNESS\n1, 0.01\n3, 0.03\n*NODAL THICKNESS{kind}\n")
+    assert [(left.card, left.line) for left in made.left_out] == [("*NODAL THICKNESS", 18)]
 
 
 def test_a_wall_by_its_stiffness(deck):
@@ -462,6 +582,37 @@ def test_errors_of_sections(deck, section, message):
     with pytest.raises(ImportFormatError) as error:
         deck(SHELL + section)
     assert message in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("kind", "dimensions"),
+    [
+        ("CIRC", [-0.01]), ("PIPE", [0.01, 0.015]), ("RECT", [-0.1, -0.2]),
+        ("BOX", [0.1, 0.1, 0.06, 0.06, 0.06, 0.06]), ("I", [0.0, 0.1, 0.1, 0.1, 0.06, 0.06, 0.01]),
+        ("L", [0.1, 0.01, 0.02, 0.01]),
+    ],
+)  # fmt: skip
+def test_shapes_that_cannot_be_are_not_read(kind, dimensions):
+    assert beam_shape(kind, dimensions) is None
+
+
+def test_a_distance_from_the_node_may_be_negative():
+    assert beam_shape("I", [-0.05, 0.1, 0.1, 0.1, 0.01, 0.01, 0.01]) is not None
+
+
+def test_tapered_beams_are_left_out(deck):
+    text = node_rows(LINE3[:2]) + element_rows("B31", [[0, 1]])
+    text += (
+        "*BEAM GENERAL SECTION, ELSET=all, SECTION=RECT, TAPER\n0.1, 0.2\n0.2, 0.2\n0., 1., 0.\n2e11, 8e10\n"
+    )
+    assert deck(text).left_out[0].card == "*BEAM GENERAL SECTION, SECTION=RECT"
+
+
+def test_a_blank_line_is_the_default_direction_of_beams(deck):
+    """Without it, the second line would be read as n1."""
+    text = node_rows(LINE3[:2]) + element_rows("B31", [[0, 1]]) + STEEL
+    made = deck(text + "*BEAM SECTION, ELSET=all, MATERIAL=steel, SECTION=RECT\n0.1, 0.2\n\n5, 5\n")
+    np.testing.assert_array_equal(made.elements[0].directions, [[0, 0, -1]])
 
 
 # --- points of stress recovery of beams

@@ -63,6 +63,7 @@ def test_single_precision_is_known_as_such(path):
         ("stiffness", None, "no dataset /stiffness/data"),
         ("stiffness/indices", K.indices + 1, "row index 3 in a matrix of 3 columns"),
         ("stiffness/indptr", [0, 1, 2], "data, indices and indptr do not fit each other"),
+        ("stiffness/indptr", np.empty(0, int), "data, indices and indptr do not fit each other"),
         (
             "stiffness/indices",
             np.array([*K.indices[:1], *K.indices[:-1]]),

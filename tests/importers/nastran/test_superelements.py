@@ -187,6 +187,21 @@ def test_interior_grids_make_a_superelement_of_what_touches_them(deck, interior)
     assert [each.values[0, 0] for each in rest.masses] == [3.0]
 
 
+def test_springs_to_a_scalar_point_belong_to_their_superelement(deck):
+    """The point has the number behind the nodes of each part."""
+    text = ROW.replace("2.,0.,0.\n", "2.,0.,0.,,,1\n").replace("2.,1.,0.\n", "2.,1.,0.,,,1\n") + "SPOINT,90\n"
+    read = deck(text + "CELAS2,9,4.,5,1,90\nCMASS2,10,2.,90\nCELAS2,11,3.,1,2,90\n")
+    own, rest = read.superelements["super_1"], read.superelements["super_0"]
+    for part, node, component, stiffness in ((own, 5, 0, 4.0), (rest, 1, 1, 3.0)):
+        (spring,) = part.springs
+        assert spring.values.tolist() == [stiffness]
+        place = 6 * part.node_ids.tolist().index(node) + component
+        assert sorted(spring.freedoms.tolist()) == [place, 6 * len(part.node_ids)]
+        assert part.scalar_points.tolist() == [90]
+    assert own.inertias == ()
+    assert rest.inertias[0].freedoms.tolist() == [6 * len(rest.node_ids)]
+
+
 def test_boundary_elements_go_where_seelt_puts_them(deck):
     read = deck(ROW + "SESET,1,5,6\nSEELT,1,1\n")
     np.testing.assert_array_equal(read.element_sets["super_1"], [1, 3, 4])

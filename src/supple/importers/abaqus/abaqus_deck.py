@@ -12,15 +12,16 @@ from supple.importers.abaqus.deck_model import AbaqusModel, read_model
 from supple.importers.abaqus.element_types import CELL_FAMILIES, Family
 from supple.importers.abaqus.freedoms import Freedoms
 from supple.importers.abaqus.instances import decks_of_instances
-from supple.importers.abaqus.keywords import LEFT_OUT, PASSED_OVER
+from supple.importers.abaqus.keywords import LEFT_OUT, LEFT_OUT_OPTIONS, PASSED_OVER
 from supple.importers.abaqus.lumped import read_masses, read_springs
 from supple.importers.abaqus.orientation import read_orientations
 from supple.importers.abaqus.public_names import public_ids, public_name, public_sets
+from supple.importers.abaqus.report import Report
 from supple.importers.abaqus.sections import read_elements
 from supple.importers.abaqus.supports import read_supports
 from supple.importers.abaqus.ties import read_ties
 from supple.importers.deck import Deck
-from supple.importers.keyword_file import read_keyword_file
+from supple.importers.keyword_file import KeywordBlock, read_keyword_file
 
 __all__ = ["read_abaqus_deck"]
 
@@ -88,7 +89,7 @@ def _account_for_the_rest(model: AbaqusModel) -> None:
         if placed.step:
             report.passed_over[block.name] += 1
         elif block.name in report.read:
-            continue
+            _leave_out_options(report, block)
         elif block.key in LEFT_OUT:
             report.leave_out_block(block, LEFT_OUT[block.key])
         elif block.key in PASSED_OVER:
@@ -103,3 +104,14 @@ def _account_for_the_rest(model: AbaqusModel) -> None:
                 report.passed_over[name] += len(block.ids)
             else:
                 report.leave_out(name, int(block.lines[0]), "a body is solid, not plane", len(block.ids))
+
+
+def _leave_out_options(report: Report, block: KeywordBlock) -> None:
+    """Record options of a keyword that was read which would change the body."""
+    if "INPUT" in block.options:
+        meaning = "its data lines are in another file, which is not read; write them into this one"
+        report.leave_out_block(block, meaning)
+    for option in block.options:
+        if (block.key, option) in LEFT_OUT_OPTIONS:
+            meaning = LEFT_OUT_OPTIONS[block.key, option]
+            report.leave_out(f"*{block.name}, {option}", block.line, meaning)

@@ -101,14 +101,16 @@ def _parts(file: KeywordFile) -> tuple[dict[str, tuple[str, list[KeywordBlock]]]
 
 def _instance(file: KeywordFile, block: KeywordBlock) -> Scope:
     """The scope of an instance: translated by data line 1, then rotated about the axis on data line 2."""
-    rows = [numbers(file, line, fields(text)) for line, text in block.data]
+    given = block.placed_data
+    rows = [numbers(file, line, fields(text)) for line, text in given]
     name = block.options.get("NAME", "")
     shift = np.array([*(rows[0] if rows else []), 0.0, 0.0, 0.0][:3])
     if len(rows) < 2:
         return Scope(name, np.eye(3), shift)
     if len(rows[1]) != 7 or rows[1][:3] == rows[1][3:6]:
         raise file.error(
-            block.data[1][0], "an instance rotates about two points (6 numbers), by an angle in degrees"
+            given[1][0],
+            "an instance rotates about two points (6 numbers), by an angle in degrees",
         )
     start, end, angle = np.array(rows[1][:3]), np.array(rows[1][3:6]), rows[1][6]
     axis = (end - start) / np.linalg.norm(end - start)

@@ -100,7 +100,8 @@ def read_beam_section(
     """
     file, block = model.file, placed.block
     kind = block.options.get("SECTION", "GENERAL" if block.key == "BEAMGENERALSECTION" else "").upper()
-    rows = [numbers(file, line, fields(text)) for line, text in block.data]
+    rows = [numbers(file, line, fields(text) if text else []) for line, text in block.placed_data]
+    rows = rows[next((i for i, row in enumerate(rows) if row), 0) :]
     if not rows:
         raise file.error(block.line, f"*{block.name} without dimensions; is the file cut short?")
     made_of = material(block.options.get("MATERIAL", ""))
@@ -113,7 +114,7 @@ def read_beam_section(
         nu = E / (2 * G) - 1
         made_of = IsotropicMaterial(E, nu, density) if nu < 0.5 else IsotropicMaterial(E, 0.3, density, G)
     shape = _by_numbers(rows[0]) if kind in ("", "GENERAL") else beam_shape(kind, rows[0])
-    if shape is None:
+    if shape is None or "TAPER" in block.options:
         model.report.leave_out(
             f"*{block.name}, SECTION={kind}", block.line, "beams of this section are missing"
         )

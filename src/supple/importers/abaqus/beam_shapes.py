@@ -51,14 +51,12 @@ def beam_shape(kind: str, dimensions: list[float]) -> BeamShape | None:
     """
     for word in ("RECT", "CIRC"):
         kind = word if kind.startswith(word) else kind
-    maker, n = _SHAPES.get(kind, (None, 0))
-    if maker is None:
+    maker, n, signed = _SHAPES.get(kind, (None, 0, -1))
+    if maker is None or any(value < 0 for i, value in enumerate(dimensions[:n]) if i != signed):
         return None
     try:
-        made: BeamShape | None = maker(*[*dimensions, *n * [0.0]][:n])
+        made = maker(*[*dimensions, *n * [0.0]][:n])
     except (OverflowError, ZeroDivisionError):  # inconsistent dimensions
-        return None
-    if made is None:
         return None
     positive = min(made.area, made.Iyy, made.Izz, made.J) > 0
     return made if positive and np.isfinite([made.area, made.Iyy, made.Izz, made.J]).all() else None
@@ -94,9 +92,9 @@ def _circle(r: float) -> BeamShape:
     )
 
 
-def _pipe(r: float, t: float) -> BeamShape | None:
+def _pipe(r: float, t: float) -> BeamShape:
     if t > r:
-        return None
+        return _NO_SHAPE
     inner = r - t
     second = np.pi * (r**4 - inner**4) / 4
     return BeamShape(
@@ -200,8 +198,9 @@ def _section(parts: list[_Rectangle], factor: float, *, size: tuple[float, float
     y0, y1, z0, z1, sign = np.array(parts).T
     area = sign * (y1 - y0) * (z1 - z0)
     total = float(area.sum())
-    if not total > 0:
-        return BeamShape(0.0, 0.0, 0.0, 0.0, 0.0, factor)
+    # Walls thicker than their section leave no inside, or a web of negative height.
+    if not total > 0 or min(*(y1 - y0), *(z1 - z0)) < -1e-9 * max(size):
+        return _NO_SHAPE
     y, z = (y0 + y1) / 2, (z0 + z1) / 2
     cy, cz = float(area @ y / total), float(area @ z / total)
     return BeamShape(
@@ -223,14 +222,16 @@ def _with(
     return replace(shape, J=J, shear_centre=shear_centre, geometry=geometry)
 
 
+_NO_SHAPE = BeamShape(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+# Maker, number of dimensions, and the index of a distance from the node, which may be negative.
 _SHAPES = {
-    "RECT": (_rectangle, 2),
-    "CIRC": (_circle, 1),
-    "PIPE": (_pipe, 2),
-    "THICK PIPE": (_pipe, 2),
-    "BOX": (_box, 6),
-    "I": (_i_section, 7),
-    "T": (_t_section, 5),
-    "L": (_l_section, 4),
-    "TRAPEZOID": (_trapezoid, 4),
+    "RECT": (_rectangle, 2, -1),
+    "CIRC": (_circle, 1, -1),
+    "PIPE": (_pipe, 2, -1),
+    "THICK PIPE": (_pipe, 2, -1),
+    "BOX": (_box, 6, -1),
+    "I": (_i_section, 7, 0),
+    "T": (_t_section, 5, 2),
+    "L": (_l_section, 4, -1),
+    "TRAPEZOID": (_trapezoid, 4, 3),
 }

@@ -23,6 +23,7 @@ IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 
 _ALL = (1, 2, 3, 4, 5, 6)
+_WHOLE = ({1, 2, 3}, {4, 5, 6}, {*_ALL})  # the same in all axes
 _MPC_NODES = {"TIE": 2, "PIN": 2, "BEAM": 2, "LINK": 2, "LINEAR": 3, "SLIDER": 3, "QUADRATIC": 4}
 
 
@@ -112,7 +113,7 @@ def _equation(
     rows: Rows,
 ) -> None:
     """Add one equation, or one equation for each node of the sets in its terms."""
-    nodes = [model.nodes_of(scope, word, line, "*EQUATION") for word, _, _ in terms]
+    nodes = [model.paired_nodes_of(scope, word, line, "*EQUATION") for word, _, _ in terms]
     count = max(len(each) for each in nodes)
     if any(len(each) not in (1, count) for each in nodes):
         model.report.leave_out("*EQUATION", line, "it names unknown nodes, or sets of different sizes")
@@ -150,7 +151,7 @@ def _mpcs(
         ):
             words += fields(data[i][1])
             i += 1
-        nodes = [model.nodes_of(placed.scope, word, line, "*MPC") for word in words[1:] if word]
+        nodes = [model.paired_nodes_of(placed.scope, word, line, "*MPC") for word in words[1:] if word]
         groups = _groups(nodes, _MPC_NODES.get(kind, 0))
         if groups is None:
             model.report.leave_out(f"*MPC, {kind}", line, "its nodes are not tied")
@@ -207,6 +208,8 @@ def _rigid_body(
     reference = _reference(model, placed)
     if reference is None:
         return
+    if "".join(block.options.get("POSITION", "").upper().split()) == "CENTEROFMASS":
+        model.report.leave_out_block(block, "its reference node stays where it is, not in the centre of mass")
     tied, pinned = [], []
     what = f"*{block.name}"
     for option in ("NSET", "TIENSET"):
@@ -224,6 +227,8 @@ def _rigid_body(
         model.report.leave_out_block(block, "its analytical surface is not tied to anything")
         return
     nodes = np.concatenate([np.empty(0, dtype=np.int64), *tied])
+    if not len(nodes) and not pinned:
+        model.report.leave_out_block(block, "it ties no node")
     _add_rigid(found, f"rigid_body_{ids.nodes[reference]}", reference, nodes, block.line, freedoms)
     for node in pinned:
         arm = model.positions[node] - model.positions[reference]
@@ -262,18 +267,25 @@ def _coupling(
         nodes, weights = nodes[near], weights[near]
     near = nodes != reference
     nodes, weights = nodes[near], weights[near]
-    if kind.block.key == "DISTRIBUTING":
+    if not len(nodes):
+        meaning = "it ties no node: its surface has none within the influence radius but the reference node"
+        model.report.leave_out_block(block, meaning)
+        return
+    distributing = kind.block.key == "DISTRIBUTING"
+    # Of a distributing coupling only rotations are released, whatever translations the file names.
+    chosen = {*components, 1, 2, 3} if distributing else {*components}
+    if "ORIENTATION" in block.options and chosen not in _WHOLE:
+        model.report.leave_out_block(block, "its freedoms are those of the global axes")
+    if distributing:
         if kind.block.options.get("WEIGHTINGMETHOD", "UNIFORM").upper() != "UNIFORM":
             model.report.note(
                 f"coupling '{name}' uses the weights of the surface only, without those by distance"
             )
-        follow = tuple(component in components or component > 3 for component in _ALL)
+        follow = tuple(component in chosen for component in _ALL)
         found.means.append(
             WeightedMean(name, reference, nodes, weights, int(freedoms.lines[block.line]), follow)
         )
         return
-    if "ORIENTATION" in block.options and set(components) != set(_ALL):
-        model.report.leave_out_block(block, "its freedoms are those of the global axes")
     _kinematic(model, name, reference, nodes, components, block.line, freedoms, found, solid_only)
 
 
@@ -342,6 +354,8 @@ def _kinematic_coupling(
         groups = [np.unique(np.concatenate(nodes)) for nodes in by_components.values()]
         if all(np.array_equal(group, groups[0]) for group in groups):
             by_components = {tuple(sorted({c for each in by_components for c in each})): [groups[0]]}
+    if "ORIENTATION" in placed.block.options and any(set(c) not in _WHOLE for c in by_components):
+        model.report.leave_out_block(placed.block, "its freedoms are those of the global axes")
     for components, nodes in by_components.items():
         _kinematic(
             model,
@@ -378,7 +392,9 @@ def _distributing_coupling(
         nodes.append(these)
         weights.append(np.full(len(these), (numbers(model.file, line, rest[:1]) or [1.0])[0] or 1.0))
     reference = int(references[0])
-    if nodes:
+    if not sum(map(len, nodes)):
+        model.report.leave_out_block(block, "it ties no node")
+    else:
         found.means.append(
             WeightedMean(
                 f"coupling_{ids.nodes[reference]}",

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
 from supple.importers.abaqus.assembly import Scope, ScopedBlock, scoped_blocks
-from supple.importers.abaqus.element_types import ElementType, Family, element_type, face_nodes, free_faces
+from supple.importers.abaqus.element_types import ElementType, Family, all_faces, element_type, face_nodes
 from supple.importers.abaqus.generated_elements import copied_elements, generated_elements
 from supple.importers.abaqus.keyword_elements import ElementBlock, Labels
-from supple.importers.abaqus.nodes import NODE_KEYWORDS, plain_ids, read_nodes
+from supple.importers.abaqus.nodes import NODE_KEYWORDS, each_once, plain_ids, read_nodes
 from supple.importers.abaqus.report import Report
 from supple.importers.keyword_file import IntegerRows, KeywordFile, fields, integers
 from supple.importers.plain_number import is_plain_digits
@@ -31,16 +31,20 @@ class DeckSurface:
 
     faces : (F, k) node numbers, corners first, one array for each k; edges have k = 2, nodes k = 1
     nodes : nodes of all faces, each once
+    of_beams : whether it has elements of beams
     """
 
     name: str
     faces: tuple[IntArray, ...]
     nodes: IntArray
+    of_beams: bool = False
 
 
 @dataclass(eq=False)
 class AbaqusModel:
     """Definitions of a file; sets and surfaces by scope and name in upper case.
+
+    unsorted : node sets whose nodes are in the order of the file when paired (UNSORTED)
 
     Ids may repeat in different scopes; `Labels` find the number of an id in its scope.
     """
@@ -56,6 +60,7 @@ class AbaqusModel:
     node_sets: dict[tuple[int, str], tuple[str, IntArray]] = field(default_factory=dict)
     element_sets: dict[tuple[int, str], tuple[str, IntArray]] = field(default_factory=dict)
     surfaces: dict[tuple[int, str], DeckSurface] = field(default_factory=dict)
+    unsorted: set[tuple[int, str]] = field(default_factory=set)
 
     def named(self, *keys: str) -> Iterator[ScopedBlock]:
         """Keywords of these names outside steps; each is counted in `report.read`."""
@@ -70,6 +75,14 @@ class AbaqusModel:
         An unknown word is recorded as a doubt and gives no node.
         """
         return self._members(scope, word, line, what, "node", self.nodes, self.node_sets)
+
+    def paired_nodes_of(self, scope: int, word: str, line: int, what: str) -> IntArray:
+        """As `nodes_of`, in the order in which Abaqus pairs the nodes of sets: by id, unless UNSORTED."""
+        found = self.nodes_of(scope, word, line, what)
+        meanings = self._meanings(scope, word.strip('"').upper())
+        if next((key for key in meanings if key in self.node_sets), None) in self.unsorted:
+            return found
+        return found[np.lexsort([self.nodes.ids[found], self.nodes.scopes[found]])]
 
     def elements_of(self, scope: int, word: str, line: int, what: str) -> IntArray:
         """Numbers of the elements that a word names, in the forms of `nodes_of`."""
@@ -171,7 +184,9 @@ def read_model(file: KeywordFile, *, elements: bool = True, strict: bool = False
         _extend(model.node_sets, scope, name, model.nodes.numbers(scope, ids)[0])
     for block in model.elements:
         if block.set_name:
-            _extend(model.element_sets, block.scope, block.set_name, block.numbers)
+            first = np.array([] if block.master is None else [block.master], dtype=np.int64)
+            members = np.concatenate([model.element_labels.numbers(block.scope, first)[0], block.numbers])
+            _extend(model.element_sets, block.scope, block.set_name, members)
     for placed in model.named("NSET", "ELSET") if elements else model.named("NSET"):
         _read_set(model, placed, with_elements=elements)
     if elements:
@@ -348,7 +363,7 @@ def _extend(
     sets: dict[tuple[int, str], tuple[str, IntArray]], scope: int, name: str, members: IntArray
 ) -> None:
     spelling, earlier = sets.get((scope, name.upper()), (name, members[:0]))
-    sets[scope, name.upper()] = spelling, _each_once(np.concatenate([earlier, members]))
+    sets[scope, name.upper()] = spelling, each_once(np.concatenate([earlier, members]))
 
 
 def _read_set(model: AbaqusModel, placed: ScopedBlock, *, with_elements: bool) -> None:
@@ -360,6 +375,9 @@ def _read_set(model: AbaqusModel, placed: ScopedBlock, *, with_elements: bool) -
     sets = model.node_sets if of_nodes else model.element_sets
     find = model.nodes_of if of_nodes else model.elements_of
     scope, what = _scope_of_members(model, placed), f"set '{name}'"
+    key = placed.scope, name.upper()
+    if of_nodes and "UNSORTED" in options and key not in sets:
+        model.unsorted.add(key)
     if of_nodes and "ELSET" in options:
         members = np.empty(0, dtype=np.int64)
         if with_elements:
@@ -426,10 +444,6 @@ def _generated_members(
     return inside
 
 
-def _each_once(numbers: IntArray) -> IntArray:
-    return numbers[np.sort(np.unique(numbers, return_index=True)[1])]
-
-
 # --- surfaces
 
 
@@ -439,6 +453,7 @@ def _read_surface(model: AbaqusModel, placed: ScopedBlock) -> None:
     kind = block.options.get("TYPE", "ELEMENT").upper()
     what = f"surface '{name}'"
     faces: dict[int, list[IntArray]] = {}
+    of_beams = False
     if kind not in ("ELEMENT", "NODE") or "COMBINE" in block.options or "CROP" in block.options:
         model.report.note(f"surface '{name}' of type {kind} is not read")
         return
@@ -448,16 +463,22 @@ def _read_surface(model: AbaqusModel, placed: ScopedBlock) -> None:
             faces.setdefault(1, []).append(model.nodes_of(scope, word, line, what)[:, None])
             continue
         members = model.elements_of(scope, word, line, what)
+        shared = None if label else _shared_faces(model, members)
         for elements, places in model.positions_of_elements(members):
+            of_beams |= elements.type.family is Family.BEAM
             for face in _faces(elements, places, label.upper()):
-                faces.setdefault(face.shape[1], []).append(face)
+                exposed = face
+                if shared is not None and elements.type.family is Family.SOLID:
+                    exposed = face[~np.isin(_face_keys(face), shared)]
+                if len(exposed):
+                    faces.setdefault(face.shape[1], []).append(exposed)
     by_size = tuple(np.concatenate(each) for each in faces.values())
     nodes = np.concatenate([np.empty(0, dtype=np.int64), *(each.ravel() for each in by_size)])
-    model.surfaces[scope, name.upper()] = DeckSurface(name, by_size, _each_once(nodes))
+    model.surfaces[scope, name.upper()] = DeckSurface(name, by_size, each_once(nodes), of_beams)
 
 
 def _faces(elements: ElementBlock, places: IntArray, label: str) -> list[IntArray]:
-    """Faces (F, k) of some elements of a block by label; without a label, unshared faces."""
+    """Faces (F, k) of some elements of a block by label; without a label, all faces."""
     nodes, kind = elements.nodes[places], elements.type
     whole_line = kind.family in (Family.BEAM, Family.ROD)
     if label or whole_line:
@@ -467,12 +488,27 @@ def _faces(elements: ElementBlock, places: IntArray, label: str) -> list[IntArra
             a, b, c = face if whole_line else (face[0], face[2], face[1])
             return [nodes[:, [a, b]], nodes[:, [b, c]]]
         return [nodes[:, face]] if face else []
-    found: dict[int, list[IntArray]] = {}
-    for face in free_faces(elements.type):
-        found.setdefault(len(face), []).append(nodes[:, face])
-    free = []
-    for each in found.values():
-        faces = np.concatenate(each)
-        _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-        free.append(faces[np.sort(first[count == 1])])
-    return free
+    return [nodes[:, face] for face in all_faces(kind)]
+
+
+def _shared_faces(model: AbaqusModel, members: IntArray) -> NDArray:
+    """Keys of the faces that two solids of the model share, among the faces on the nodes of some elements."""
+    near = np.zeros(len(model.positions), dtype=bool)
+    near[model.nodes_of_elements(members)] = True
+    keys = [_face_keys(np.empty((0, 3), dtype=np.int64))]
+    for elements in model.elements:
+        if elements.type.family is Family.SOLID:
+            faces = [elements.nodes[:, face] for face in all_faces(elements.type)]
+            keys += [_face_keys(each[near[each].all(axis=1)]) for each in faces]
+    found, count = np.unique(np.concatenate(keys), return_counts=True)
+    return found[count > 1]
+
+
+def _face_keys(faces: IntArray) -> NDArray:
+    """A key for each face (F, k) from its different nodes, in any order: equal for equal faces."""
+    keys = np.full((len(faces), 8), -1, dtype=np.int64)
+    keys[:, : faces.shape[1]] = faces
+    keys.sort(axis=1)
+    keys[:, 1:][np.diff(keys, axis=1) == 0] = -1
+    keys.sort(axis=1)
+    return keys.view([("", np.int64)] * 8).ravel()

@@ -18,10 +18,10 @@ __all__ = [
     "CELL_FAMILIES",
     "ElementType",
     "Family",
+    "all_faces",
     "cells_of",
     "element_type",
     "face_nodes",
-    "free_faces",
 ]
 
 IntArray = NDArray[np.int64]
@@ -115,8 +115,8 @@ def cells_of(
     """Cell type, cells (C, k) and element index (C,) of each cell, of elements (E, n) of one type.
 
     Shells become triangles, a quadratic beam two lines. Eight-node hexahedra with repeated nodes become
-    wedges, pyramids or tetrahedra. Other hexahedra with repeated nodes, and triangles with repeated nodes,
-    are omitted.
+    wedges, pyramids or tetrahedra, or are omitted if these have no volume; other solids keep their repeated
+    nodes, which a mesh refuses. Triangles with repeated nodes are omitted.
     """
     if kind.family is Family.SOLID and kind.n_nodes == 8:
         ordered = np.sort(nodes, axis=1)
@@ -125,29 +125,29 @@ def cells_of(
             yield CellType.HEXA8, nodes[whole], np.flatnonzero(whole)
         simpler: dict[CellType, list[tuple[IntArray, int]]] = {}
         for element in np.flatnonzero(~whole).tolist():
-            made = _collapsed_hexahedron(nodes[element], positions)
-            if made is not None:
-                simpler.setdefault(made[0], []).append((made[1], element))
+            cell, made = _collapsed_hexahedron(nodes[element], positions)
+            if len(made):
+                simpler.setdefault(cell, []).append((made, element))
         for cell, found in simpler.items():
             yield cell, np.array([row for row, _ in found]), np.array([element for _, element in found])
         return
     yield _cells_of_one_kind(kind, nodes, positions)
 
 
-def _collapsed_hexahedron(row: IntArray, positions: FloatArray) -> tuple[CellType, IntArray] | None:
-    """The cell of a hexahedron with repeated nodes; None without volume, or if it is no supported cell."""
+def _collapsed_hexahedron(row: IntArray, positions: FloatArray) -> tuple[CellType, IntArray]:
+    """The cell of a hexahedron with repeated nodes: without nodes if it has no volume, HEXA8 if none fits."""
     distinct = list(dict.fromkeys(row.tolist()))
     faces = [list(dict.fromkeys(row[list(face)].tolist())) for face in _FACES[8]]
     if len(distinct) == 6:
         triangles = [face for face in faces if len(face) == 3]
         pairs = [(a, b) for a in triangles for b in triangles if not set(a) & set(b)]
         if not pairs:
-            return None
+            return CellType.HEXA8, row
         bottom, top = pairs[0]
         edges = {frozenset((int(row[i]), int(row[j]))) for i, j in CellType.HEXA8.edges}
         top = [b for a in bottom for b in top if frozenset((a, b)) in edges]
         if len(top) != 3:
-            return None
+            return CellType.HEXA8, row
         nodes, turned, kind = [*bottom, *top], [0, 2, 1, 3, 5, 4], CellType.WEDGE6
     elif len(distinct) == 5 and any(len(face) == 4 for face in faces):
         base = next(face for face in faces if len(face) == 4)
@@ -156,11 +156,11 @@ def _collapsed_hexahedron(row: IntArray, positions: FloatArray) -> tuple[CellTyp
     elif len(distinct) == 4:
         nodes, turned, kind = distinct, [0, 2, 1, 3], CellType.TETRA4
     else:
-        return None
+        return CellType.HEXA8, row[: 8 if len(distinct) > 3 else 0]
     x = positions[nodes]
     height = np.cross(x[1] - x[0], x[2] - x[0]) @ (x[-1] - x[0])
     made = np.array(nodes)
-    return (kind, made if height > 0 else made[turned]) if height else None
+    return kind, (made if height > 0 else made[turned]) if height else made[:0]
 
 
 def _cells_of_one_kind(
@@ -187,13 +187,16 @@ def face_nodes(kind: ElementType, label: str) -> tuple[int, ...]:
     """Indices in an element of the nodes of a face: corners, then mid-edge nodes; empty for other labels.
 
     label : S1 .. S6 of solids; SPOS, SNEG, S1, S2 of shells, whose edges are E1 .. in Abaqus and S3 .. in
-            CalculiX; edges S1 .. of two-dimensional elements; any for beams and trusses: all nodes
+            CalculiX; edges S1 .. of two-dimensional elements; END1, END2 of beams and trusses: the end node;
+            any other for beams and trusses: all nodes
     """
     match = re.fullmatch(r"([SE])([1-6])", label)
     is_edge, number = (match[1] == "E", int(match[2])) if match else (False, 0)
     if kind.family is Family.SOLID:
         faces = _FACES[_solid_corners(kind)]
         return _solid_face(kind, faces[number - 1]) if 0 < number <= len(faces) and not is_edge else ()
+    if kind.family in (Family.BEAM, Family.ROD) and label in ("END1", "END2"):
+        return (0 if label == "END1" else kind.n_nodes - 1,)
     if kind.family not in _WITH_EDGES or kind.n_nodes < 3:
         return tuple(range(kind.n_nodes))
     corners = 3 if kind.n_nodes in (3, 6) else 4
@@ -217,7 +220,7 @@ def _solid_face(kind: ElementType, corners: tuple[int, ...]) -> tuple[int, ...]:
     return (*corners, *(middle[frozenset(edge)] for edge in around))
 
 
-def free_faces(kind: ElementType) -> tuple[tuple[int, ...], ...]:
+def all_faces(kind: ElementType) -> tuple[tuple[int, ...], ...]:
     """Indices as of `face_nodes` for all faces of an element, also those that another element shares."""
     n = len(_FACES[_solid_corners(kind)]) if kind.family is Family.SOLID else 1
     labels = [f"S{i + 1}" for i in range(n)] if kind.family is Family.SOLID else [""]

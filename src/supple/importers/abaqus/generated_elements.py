@@ -34,6 +34,12 @@ def generated_elements(
         source = next((b for b in earlier if b.scope == placed.scope and master in b.ids), None)
         if source is None:
             raise file.error(line, f"*ELGEN starts from element {master}, which is not above it")
+        if source.axis_nodes is not None:
+            raise file.error(
+                line,
+                f"*ELGEN starts from element {master}, a beam with a node for its first axis; write its "
+                "elements explicitly",
+            )
         nodes = node_labels.ids[source.nodes[source.ids == master]]
         ids = np.array([master])
         steps = [[*rest[i : i + 3], 1, 1][:3] for i in range(0, len(rest), 3)]
@@ -49,8 +55,8 @@ def generated_elements(
                 f"*ELGEN makes an element with node {nodes[1:][~known][0]}, which the file does not define",
             )
         lines = np.full(len(ids) - 1, line)
-        name = placed.block.options.get("ELSET")
-        found.append(ElementBlock(source.type, placed.scope, 0, ids[1:], numbers, lines, name))
+        name, scope = placed.block.options.get("ELSET"), placed.scope
+        found.append(ElementBlock(source.type, scope, 0, ids[1:], numbers, lines, name, master=master))
     return found
 
 
@@ -74,22 +80,28 @@ def copied_elements(
     if not name:
         raise file.error(block.line, "*ELCOPY takes OLD SET, ELEMENT SHIFT and SHIFT NODES; correct them")
     found = list[ElementBlock]()
+    masters = [
+        each.master
+        for each in earlier
+        if each.master is not None and (each.scope, (each.set_name or "").upper()) == (placed.scope, name)
+    ]
+    listed = np.concatenate([listed, np.array(masters, dtype=np.int64)])
     for source in (each for each in earlier if each.scope == placed.scope):
         whole = (source.set_name or "").upper() == name
         own = np.flatnonzero(np.isin(source.ids, listed) | whole)
         if not own.size:
             continue
-        ids = node_labels.ids[source.nodes[own]] + nodes_by
+        n, given = source.type.n_nodes, source.nodes[own]
+        if source.axis_nodes is not None:
+            given = np.column_stack([given, source.axis_nodes[own]])
+        ids = node_labels.ids[given] + nodes_by
         numbers, known = node_labels.numbers(placed.scope, ids)
         if not known.all():
             raise file.error(
                 block.line,
                 f"*ELCOPY makes an element with node {ids[~known][0]}, which the file does not define",
             )
-        order = _reflected(source.type) if "REFLECT" in block.options else np.arange(numbers.shape[1])
-        axis = source.axis_nodes
-        if axis is not None:
-            axis = node_labels.numbers(placed.scope, node_labels.ids[axis[own]] + nodes_by)[0]
+        order = _reflected(source.type) if "REFLECT" in block.options else np.arange(n)
         found.append(
             ElementBlock(
                 source.type,
@@ -99,7 +111,7 @@ def copied_elements(
                 numbers[:, order],
                 np.full(len(own), block.line),
                 block.options.get("NEWSET"),
-                axis,
+                None if source.axis_nodes is None else numbers[:, n],
             )
         )
     if not found:

@@ -21,6 +21,7 @@ class ElementBlock:
     first : number of its first element in the file;  ids : (E,);  nodes : (E, n) node numbers
     lines : (E,) indices of `KeywordFile.lines`;  set_name : the set of ELSET or NEW SET
     axis_nodes : (E,) for beams, a node towards which their first axis points; None if not given
+    master : id of an element above it that is in its set as well; None without one
     """
 
     type: ElementType
@@ -31,6 +32,7 @@ class ElementBlock:
     lines: IntArray
     set_name: str | None = None
     axis_nodes: IntArray | None = None
+    master: int | None = None
 
     @property
     def numbers(self) -> IntArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-__all__ = ["LEFT_OUT", "PASSED_OVER"]
+__all__ = ["LEFT_OUT", "LEFT_OUT_OPTIONS", "PASSED_OVER"]
 
 PASSED_OVER = frozenset((
     "ACOUSTICFLOWVELOCITY", "ADAPTIVEMESH", "AMPLITUDE", "ASSEMBLY", "BASELINECORRECTION",
@@ -65,3 +65,11 @@ LEFT_OUT = {
     "USERSECTION": "its elements are missing; import their matrices",
 }
 """Keywords that would change the body, and the consequence of omitting them."""
+
+LEFT_OUT_OPTIONS = {
+    ("RIGIDBODY", "DENSITY"): "mass of its rigid elements is missing",
+    ("SHELLGENERALSECTION", "BENDINGONLY"): "the wall has membrane stiffness as well",
+    ("SHELLGENERALSECTION", "MEMBRANEONLY"): "the wall has bending stiffness as well",
+    ("SHELLGENERALSECTION", "SMEARALLLAYERS"): "the plies have the order of the file",
+}
+"""Options of keywords that are read which would change the body, and the consequence of omitting them."""

@@ -19,6 +19,7 @@ from supple.importers.keyword_file import fields, numbers
 __all__ = ["read_masses", "read_springs"]
 
 IntArray = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
 
 
 def read_masses(
@@ -35,14 +36,21 @@ def read_masses(
     matrices: list[NodalMatrix] = []
     for placed in model.named("MASS"):
         values = _values(model, placed)
-        m = values[:3] if placed.block.options.get("TYPE", "").upper().startswith("ANISO") else 3 * values[:1]
+        by_axis = placed.block.options.get("TYPE", "").upper().startswith("ANISO")
+        m = values[:3] if by_axis else 3 * values[:1]
         if len(m) < 3 or min(m) < 0:
-            raise model.file.error(placed.block.line, "*MASS needs one number, not negative; correct it")
+            needed = "three numbers" if by_axis else "one number"
+            raise model.file.error(placed.block.line, f"*MASS needs {needed}, not negative; correct it")
         for block, places in _elements(model, placed, Family.MASS):
-            for node in block.nodes[places, 0].tolist():
+            nodes = block.nodes[places, 0]
+            axes = np.tile(np.eye(3), (len(nodes), 1, 1))
+            if by_axis:
+                axes = _axes(model, placed, orientations, nodes)
+            for node, own in zip(nodes.tolist(), axes, strict=True):
                 for i in range(3):
+                    terms = [(6 * node + j, float(own[j, i])) for j in range(3) if abs(own[j, i]) > 1e-14]
                     if m[i]:
-                        rows.add([(6 * node + i, 1.0)], placed.block.line, value=m[i])
+                        rows.add(terms, placed.block.line, value=m[i])
     for placed in model.named("ROTARYINERTIA"):
         v = [*_values(model, placed), *6 * [0.0]][:6]
         given = np.array([[v[0], v[3], v[4]], [v[3], v[1], v[5]], [v[4], v[5], v[2]]])
@@ -51,22 +59,27 @@ def read_masses(
                 placed.block.line,
                 "*ROTARY INERTIA: I11, I22, I33, I12, I13, I23 are not an inertia tensor; correct them",
             )
-        axes = model.scopes[placed.scope].rotation
-        name = placed.block.options.get("ORIENTATION", "").upper()
-        if name:
-            orientation = orientations.get((placed.scope, name)) or orientations.get((0, name))
-            if orientation is None or orientation.distributed:
-                model.report.leave_out_block(
-                    placed.block, f"its axes '{name}' are not read; global axes are used"
-                )
-            else:
-                axes = orientation.axes(np.zeros((1, 3)), np.array([-1]))[0]
-        turned = axes @ given @ axes.T
         for block, places in _elements(model, placed, Family.ROTARY_INERTIA):
-            matrices += [
-                NodalMatrix(6 * node + np.arange(3, 6), turned) for node in block.nodes[places, 0].tolist()
-            ]
+            nodes = block.nodes[places, 0]
+            for node, axes in zip(nodes.tolist(), _axes(model, placed, orientations, nodes), strict=True):
+                matrices.append(NodalMatrix(6 * node + np.arange(3, 6), axes @ given @ axes.T))
     return rows.terms(with_values=True), tuple(matrices)
+
+
+def _axes(
+    model: AbaqusModel,
+    placed: ScopedBlock,
+    orientations: Mapping[tuple[int, str], Orientation],
+    nodes: IntArray,
+) -> FloatArray:
+    """Axes (n, 3, 3) of a mass or inertia at nodes as columns: those of ORIENTATION, or of the instance."""
+    name = placed.block.options.get("ORIENTATION", "").upper()
+    found = orientations.get((placed.scope, name)) or orientations.get((0, name))
+    if found is not None and not found.distributed:
+        return found.axes(model.positions[nodes], np.full(len(nodes), -1))
+    if name:
+        model.report.leave_out_block(placed.block, f"its axes '{name}' are not read; global axes are used")
+    return np.tile(model.scopes[placed.scope].rotation, (len(nodes), 1, 1))
 
 
 def read_springs(

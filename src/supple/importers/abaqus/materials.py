@@ -91,8 +91,8 @@ def _elastic(model: AbaqusModel, block: KeywordBlock, material: _Material) -> De
             f"*ELASTIC, TYPE={kind}", block.line, f"material '{material.name}' is of an unsupported kind"
         )
         return None
-    if kind.startswith("LAM") and len(values) in (4, 5):
-        values = [*values, values[-1]][:6]
+    if kind.startswith("LAM") and len(values) == 5:
+        values.append(values[-1])
     if len(values) < n:
         raise model.file.error(
             block.line, f"*ELASTIC, TYPE={kind} has {n} constants, not {len(values)}; is the file cut short?"

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +15,7 @@ from supple.importers.keyword_file import KeywordBlock, KeywordFile, fields, num
 from supple.importers.numbering import positions_of_ids
 from supple.importers.plain_number import is_plain_digits
 
-__all__ = ["NODE_KEYWORDS", "NodesFound", "most_generated", "plain_ids", "read_nodes"]
+__all__ = ["NODE_KEYWORDS", "NodesFound", "each_once", "most_generated", "plain_ids", "read_nodes"]
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
@@ -22,6 +24,9 @@ NODE_KEYWORDS = ("NODE", "NGEN", "NFILL", "NCOPY", "SYSTEM")
 """Keywords that `read_nodes` reads; *NMAP raises ImportFormatError."""
 
 _MOST_GENERATED = 10**7
+_NO_IDS = np.empty(0, dtype=np.int64)
+System = tuple[FloatArray, FloatArray]
+"""Axes as columns, and origin, of the rectangular system in which nodes are given."""
 
 
 @dataclass(eq=False)
@@ -38,6 +43,31 @@ class NodesFound:
     named: list[tuple[int, str, IntArray]] = field(default_factory=list)
 
 
+class _SetsAbove:
+    """Sets above a keyword that generates nodes; these have no numbers at this stage."""
+
+    def __init__(self) -> None:
+        self._parts: dict[tuple[int, str], list[KeywordBlock | IntArray]] = {}
+        self._unsorted: set[tuple[int, str]] = set()
+
+    def add(self, scope: int, name: str, members: KeywordBlock | IntArray) -> None:
+        """Add the ids of a *NSET keyword, or those of a keyword of nodes, which sorts the set."""
+        key = scope, name.upper()
+        if not isinstance(members, KeywordBlock):
+            self._unsorted.discard(key)
+        elif "UNSORTED" in members.options and key not in self._parts:
+            self._unsorted.add(key)
+        self._parts.setdefault(key, []).append(members)
+
+    def ids(self, scope: int, name: str) -> IntArray:
+        """Ids of a set, each once: in ascending order, or in that of the file if it is unsorted."""
+        key = scope, name.upper()
+        parts = self._parts.get(key, ())
+        given = [plain_ids(each) if isinstance(each, KeywordBlock) else each for each in parts]
+        found = np.concatenate([_NO_IDS, *given])
+        return each_once(found) if key in self._unsorted else np.unique(found)
+
+
 def read_nodes(file: KeywordFile, scopes: tuple[Scope, ...], blocks: tuple[ScopedBlock, ...]) -> NodesFound:
     """All nodes of a file, in its global axes.
 
@@ -46,35 +76,35 @@ def read_nodes(file: KeywordFile, scopes: tuple[Scope, ...], blocks: tuple[Scope
     ImportFormatError   words instead of numbers; *NMAP; generation with a bias or from unknown nodes
     """
     parts: list[tuple[int, IntArray, FloatArray, IntArray]] = []
-    sets: dict[tuple[int, str], IntArray] = {}
-    listed: dict[tuple[int, str], KeywordBlock] = {}
+    sets = _SetsAbove()
     named: list[tuple[int, str, IntArray]] = []
-    system = np.eye(3), np.zeros(3)
+    systems: dict[int, System] = {}
     for placed in blocks:
         block, scope = placed.block, placed.scope
         if block.key == "NMAP":
             raise file.error(block.line, f"*{block.name} is not supported; write the data explicitly")
         if block.key == "SYSTEM":
-            system = _system(file, block)
+            systems[scope] = _system(file, block)
         elif block.key == "NSET" and not placed.step:
-            listed[scope, block.options.get("NSET", "").upper()] = block
+            sets.add(scope, block.options.get("NSET", ""), block)
         elif block.key in NODE_KEYWORDS and (block.data or block.key == "NCOPY") and not placed.step:
-            if block.key == "NODE":
-                ids, positions, lines = _written(file, block, system)
-                bounds = ids[:0]
-            else:
-                known = [part for part in parts if part[0] == scope]
-                # *NFILL uses sets before nodes are numbered.
-                ends = {name: plain_ids(each) for (at, name), each in listed.items() if at == scope}
-                ends |= {name: each for (at, name), each in sets.items() if at == scope}
-                make = _copied if block.key == "NCOPY" else _generated
-                ids, positions, lines, bounds = make(file, block, known, ends)
+            system = systems.get(scope, (np.eye(3), np.zeros(3)))
+            known = [] if block.key == "NODE" else [part for part in parts if part[0] == scope]
+            set_of = partial(sets.ids, scope)
+            match block.key:
+                case "NODE":
+                    ids, positions, lines = _written(file, block, system)
+                    bounds = ids[:0]
+                case "NCOPY":
+                    ids, positions, lines, bounds = _copied(file, block, known, set_of)
+                case _:
+                    ids, positions, lines, bounds = _generated(file, block, known, set_of, system)
             parts.append((scope, ids, positions, lines))
             if "NSET" in block.options or "NEWSET" in block.options:
                 name = block.options.get("NSET", block.options.get("NEWSET", ""))
-                members = np.concatenate([bounds, ids])
+                members = ids if block.key == "NODE" else np.union1d(bounds, ids)
                 named.append((scope, name, members))
-                sets[scope, name.upper()] = np.union1d(sets.get((scope, name.upper()), ids[:0]), members)
+                sets.add(scope, name, members)
     if not parts:
         return NodesFound()
     place = np.concatenate([np.full(len(ids), scope) for scope, ids, _, _ in parts])
@@ -95,13 +125,15 @@ def most_generated(file: KeywordFile, line: int, count: int) -> int:
     return count
 
 
-def _written(
-    file: KeywordFile, block: KeywordBlock, system: tuple[FloatArray, FloatArray]
-) -> tuple[IntArray, FloatArray, IntArray]:
+def _written(file: KeywordFile, block: KeywordBlock, system: System) -> tuple[IntArray, FloatArray, IntArray]:
     if "INPUT" in block.options:
         raise file.error(block.line, f"*{block.name}, INPUT= is not supported; write the data explicitly")
     points = numbered_points(file, block)
-    x = points.positions
+    return points.ids, _in_global_axes(block, points.positions, system), points.lines
+
+
+def _in_global_axes(block: KeywordBlock, x: FloatArray, system: System) -> FloatArray:
+    """Positions (n, 3) given in the coordinates SYSTEM of a keyword."""
     match block.options.get("SYSTEM", "R").upper()[:1]:
         case "C":
             angle = np.radians(x[:, 1])
@@ -111,21 +143,27 @@ def _written(
             flat = x[:, 0] * np.cos(phi)
             x = np.column_stack([flat * np.cos(theta), flat * np.sin(theta), x[:, 0] * np.sin(phi)])
     rotation, origin = system
-    return points.ids, x @ rotation.T + origin, points.lines
+    return x @ rotation.T + origin
 
 
-def _system(file: KeywordFile, block: KeywordBlock) -> tuple[FloatArray, FloatArray]:
-    """Axes as columns, and origin, of *SYSTEM: points at the origin, on axis 1, in the plane of axes 1, 2."""
-    values = [value for line, text in block.data for value in numbers(file, line, fields(text))]
-    if not values:
-        return np.eye(3), np.zeros(3)
-    points = np.array([*values, *9 * [0.0]][:9]).reshape(3, 3)
+def _system(file: KeywordFile, block: KeywordBlock) -> System:
+    """Axes as columns, and origin, of *SYSTEM: points at the origin, on axis 1, in the plane of axes 1, 2.
+
+    The origin alone is a translation. With two points, axis 3 is the global z axis, and the direction to the
+    second point is projected on the global xy plane.
+    """
+    rows = [numbers(file, line, fields(text)) for line, text in block.data[:2]]
+    if sum(map(len, rows)) <= 3:
+        return np.eye(3), np.array([*(rows[0] if rows else []), 0.0, 0.0, 0.0][:3])
+    points = np.array([[*row, *6 * [0.0]][:6] for row in [*rows, []][:2]]).reshape(4, 3)[:3]
     origin, first = points[0], points[1] - points[0]
-    # With two points only, the second axis is normal to the global z axis.
-    second = np.cross([0.0, 0.0, 1.0], first) if len(values) <= 6 else points[2] - origin
+    second = points[2] - origin
+    if len(rows) < 2:
+        first = first * [1.0, 1.0, 0.0]
+        second = np.cross([0.0, 0.0, 1.0], first)
     third = np.cross(first, second)
     if not np.linalg.norm(third) > 0:
-        raise file.error(block.line, "*SYSTEM: its three points lie on a line; correct them")
+        raise file.error(block.line, "*SYSTEM: its points give no axes; correct them")
     axes = [first, np.cross(third, first), third]
     return np.column_stack([axis / np.linalg.norm(axis) for axis in axes]), origin
 
@@ -134,7 +172,8 @@ def _generated(
     file: KeywordFile,
     block: KeywordBlock,
     parts: list[tuple[int, IntArray, FloatArray, IntArray]],
-    sets: dict[str, IntArray],
+    set_of: Callable[[str], IntArray],
+    system: System,
 ) -> tuple[IntArray, FloatArray, IntArray, IntArray]:
     """Nodes on a line, arc or parabola between two nodes (*NGEN), or on lines between two sets (*NFILL).
 
@@ -146,7 +185,7 @@ def _generated(
             block.line,
             f"*{block.name} of that kind or with a bias is not supported; write the data explicitly",
         )
-    ids = np.concatenate([np.empty(0, dtype=np.int64), *(part[1] for part in parts)])
+    ids = np.concatenate([_NO_IDS, *(part[1] for part in parts)])
     positions = np.concatenate([np.empty((0, 3)), *(part[2] for part in parts)])
 
     def places(line: int, wanted: IntArray) -> FloatArray:
@@ -170,7 +209,7 @@ def _generated(
             step = step if last > first else -step
         else:
             count, step = ([*plain, 1, 1][2:4]) if len(plain) > 2 else (-1, 1)
-            starts, ends = (sets.get(word.upper(), ids[:0]) for word in [*words, ""][:2])
+            starts, ends = (set_of(word) for word in [*words, ""][:2])
             if count < 1 or step < 1 or not len(starts) or len(starts) != len(ends):
                 raise file.error(
                     line,
@@ -184,11 +223,20 @@ def _generated(
         filled = ((1 - share) * x + share * y).reshape(-1, 3)
         if curve:
             given = numbers(file, line, [*words, *7 * [""]][3:10])
-            extra = places(line, np.array([int(given[0])]))[0] if given[0] else np.array(given[1:4])
-            along = _arc if curve == "C" else _parabola
-            filled = along(x[0], y[0], extra, share[:, 0])
+            if given[0]:
+                extra = places(line, np.array([int(given[0])]))[0]
+            else:
+                extra = _in_global_axes(block, np.array([given[1:4]]), system)[0]
+            if curve == "C":
+                filled = _arc(x[0], y[0], extra, system[0] @ given[4:7], share[:, 0])
+            else:
+                filled = _parabola(x[0], y[0], extra, share[:, 0])
             if not np.isfinite(filled).all():
-                raise file.error(line, "*NGEN, LINE=C makes less than half a circle; take two arcs")
+                raise file.error(
+                    line,
+                    "an arc of *NGEN, LINE=C must be less than half a circle, or have the normal of its "
+                    "plane; take two arcs",
+                )
         made.append((new, filled, np.full(len(new), line), np.concatenate([starts, ends])))
     new, filled, lines, bounds = (np.concatenate(each) for each in zip(*made, strict=True))
     return new, filled, lines, bounds
@@ -199,20 +247,34 @@ def _parabola(start: FloatArray, end: FloatArray, middle: FloatArray, t: FloatAr
     return (1 - t) * (1 - 2 * t) * start + 4 * t * (1 - t) * middle + t * (2 * t - 1) * end
 
 
-def _arc(start: FloatArray, end: FloatArray, centre: FloatArray, t: FloatArray) -> FloatArray:
-    """Positions (n, 3) at fractions t (n, 1) of the angle of an arc of less than half a circle; else nan."""
+def _arc(
+    start: FloatArray, end: FloatArray, centre: FloatArray, normal: FloatArray, t: FloatArray
+) -> FloatArray:
+    """Positions (n, 3) at fractions t (n, 1) of the angle of an arc, nan if it has no plane.
+
+    normal : the arc turns right-handed about it; of length zero: the arc is less than half a circle
+    """
     a, b = start - centre, end - centre
-    angle = np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b)
-    if not 1e-9 < angle < np.pi - 1e-6:
+    across, least = np.cross(a, b), 1e-6 * np.linalg.norm(a) * np.linalg.norm(b)
+    length = np.linalg.norm(normal)
+    if not length:
+        normal, length = across, np.linalg.norm(across)
+        if not length > least:
+            return np.full((len(t), 3), np.nan)
+    normal = normal / length
+    if not max(abs(a @ normal), abs(b @ normal)) <= 1e-3 * np.linalg.norm(a):
         return np.full((len(t), 3), np.nan)
-    return centre + (np.sin((1 - t) * angle) * a + np.sin(t * angle) * b) / np.sin(angle)
+    angle = np.arctan2(across @ normal, a @ b) % (2 * np.pi)
+    radius = (1 - t) * np.linalg.norm(a) + t * np.linalg.norm(b)
+    turned = np.cos(t * angle) * a + np.sin(t * angle) * np.cross(normal, a)
+    return centre + radius / np.linalg.norm(a) * turned
 
 
 def _copied(
     file: KeywordFile,
     block: KeywordBlock,
     parts: list[tuple[int, IntArray, FloatArray, IntArray]],
-    sets: dict[str, IntArray],
+    set_of: Callable[[str], IntArray],
 ) -> tuple[IntArray, FloatArray, IntArray, IntArray]:
     """Nodes of *NCOPY: those of a set, shifted and rotated (MULTIPLE times), or reflected.
 
@@ -220,14 +282,14 @@ def _copied(
     array.
     """
     options, line = block.options, block.line
-    old = sets.get(options.get("OLDSET", "").upper(), np.empty(0, dtype=np.int64))
-    ids = np.concatenate([np.empty(0, dtype=np.int64), *(part[1] for part in parts)])
+    old = set_of(options.get("OLDSET", ""))
+    ids = np.concatenate([_NO_IDS, *(part[1] for part in parts)])
     positions = np.concatenate([np.empty((0, 3)), *(part[2] for part in parts)])
     place, known = positions_of_ids(ids, old)
     change = options.get("CHANGENUMBER", "")
     if not len(old) or not known.all() or not is_plain_digits(change):
         raise file.error(line, "*NCOPY takes CHANGE NUMBER and an OLD SET of nodes above it; correct them")
-    values = np.array([[*numbers(file, at, fields(text)), *7 * [0.0]][:7] for at, text in block.data])
+    values = np.array([[*numbers(file, at, fields(text)), *7 * [0.0]][:7] for at, text in block.placed_data])
     values = np.vstack([values.reshape(-1, 7), np.zeros((2, 7))])
     a, b, c = values[0, :3], values[0, 3:6], values[1, :3]
     if "SHIFT" in options:
@@ -279,7 +341,10 @@ def _projector(direction: FloatArray) -> FloatArray:
 
 
 def plain_ids(block: KeywordBlock) -> IntArray:
-    """Ids that a set keyword lists or generates; names of sets are omitted; a range is cut after 10^7 ids."""
+    """Ids that a set keyword lists or generates, each once and in its order.
+
+    Names of sets are omitted; a range is cut after 10^7 ids.
+    """
     found: list[IntArray] = []
     for _, text in block.data:
         ids = [int(word) for word in fields(text) if is_plain_digits(word)]
@@ -289,4 +354,9 @@ def plain_ids(block: KeywordBlock) -> IntArray:
             found.append(first + step * np.arange(max(count, 0), dtype=np.int64))
         else:
             found.append(np.array(ids, dtype=np.int64))
-    return np.unique(np.concatenate([np.empty(0, dtype=np.int64), *found]))
+    return each_once(np.concatenate([_NO_IDS, *found]))
+
+
+def each_once(numbers: IntArray) -> IntArray:
+    """The numbers without repetition, in the order of their first places."""
+    return numbers[np.sort(np.unique(numbers, return_index=True)[1])]

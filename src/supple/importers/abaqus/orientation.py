@@ -98,11 +98,16 @@ def read_orientations(model: AbaqusModel) -> Mapping[tuple[int, str], Orientatio
     """
     found: dict[tuple[int, str], Orientation] = {}
     given = {
-        each.block.options.get("NAME", "").upper(): each
+        (each.scope, each.block.options.get("NAME", "").upper()): each
         for each in model.blocks
         if each.block.key == "DISTRIBUTION" and not each.step
     }
-    used: set[str] = set()
+    used: set[tuple[int, str]] = set()
+
+    def distribution_of(scope: int, word: str) -> tuple[int, str] | None:
+        keys = (scope, word.upper()), (0, word.upper())
+        return next((key for key in keys if key in given), None)
+
     for placed in model.named("ORIENTATION"):
         block = placed.block
         name = block.options.get("NAME", "")
@@ -113,21 +118,24 @@ def read_orientations(model: AbaqusModel) -> Mapping[tuple[int, str], Orientatio
             continue
         rows = list(block.data)
         turn = fields(rows[1][1]) if len(rows) > 1 else []
-        if len(turn) > 1 and turn[1].upper() in given:
+        if len(turn) > 1 and distribution_of(placed.scope, turn[1]) is not None:
             model.report.leave_out_block(block, f"angles of axes '{name}' follow a distribution")
             continue
         values = numbers(model.file, rows[1][0], turn) if turn else []
-        axis, angle = int(values[0]) if values else 0, np.radians([*values, 0.0, 0.0][1])
+        # Without an axis, an angle is about axis 1.
+        axis, angle = int(values[0] or 1) if values else 0, np.radians([*values, 0.0, 0.0][1])
         by_points = partial(_by_points, model, name, system, axis if 1 <= axis <= 3 else 0, angle)
         line, text = rows[0]
-        distribution = given.get(fields(text)[0].upper())
+        distribution = distribution_of(placed.scope, fields(text)[0])
         if distribution is None:
             found[placed.scope, name.upper()] = by_points(placed.scope, line, fields(text))
         else:
-            used.add(fields(text)[0].upper())
-            found[placed.scope, name.upper()] = _distributed(model, distribution, by_points)
-    for name, placed in given.items() if used else ():
-        if name in used:
+            used.add(distribution)
+            found[placed.scope, name.upper()] = _distributed(
+                model, placed.scope, given[distribution], by_points
+            )
+    for key, placed in given.items() if used else ():
+        if key in used:
             model.report.read[placed.block.name] += 1
         else:
             model.report.leave_out_block(placed.block, LEFT_OUT["DISTRIBUTION"])
@@ -135,15 +143,18 @@ def read_orientations(model: AbaqusModel) -> Mapping[tuple[int, str], Orientatio
 
 
 def _distributed(
-    model: AbaqusModel, placed: ScopedBlock, by_points: Callable[[int, int, list[str]], Orientation]
+    model: AbaqusModel,
+    scope: int,
+    placed: ScopedBlock,
+    by_points: Callable[[int, int, list[str]], Orientation],
 ) -> Orientation:
     """Axes by lines of an element or set and points; a line without elements is for all other elements."""
     whole, parts = None, []
     for line, text in placed.block.data:
         word, *rest = fields(text)
-        own = by_points(placed.scope, line, rest)
+        own = by_points(scope, line, rest)
         if word:
-            parts.append((model.elements_of(placed.scope, word, line, "*DISTRIBUTION"), own))
+            parts.append((model.elements_of(scope, word, line, "*DISTRIBUTION"), own))
         else:
             whole = own
     if whole is None:

@@ -18,7 +18,7 @@ from supple.importers.abaqus.materials import DeckMaterial, read_materials
 from supple.importers.abaqus.orientation import Orientation
 from supple.importers.abaqus.public_names import PublicIds, public_name
 from supple.importers.abaqus.releases import read_releases, released_ends
-from supple.importers.abaqus.walls import SectionOfShells, read_shell_section
+from supple.importers.abaqus.walls import SectionOfShells, read_shell_section, thickness_of_sections
 from supple.importers.deck import (
     AnisotropicMaterial,
     DeckElements,
@@ -56,10 +56,8 @@ _FITS = {
 }
 _INCOMPATIBLE = ("C3D8I", "C3D8R", "SC8R")
 """Types that become cells with incompatible modes: C3D8I, and two with reduced integration in the file."""
-_SECTIONS = (
-    "SOLIDSECTION", "SHELLSECTION", "SHELLGENERALSECTION", "MEMBRANESECTION", "MEMBRANE", "BEAMSECTION",
-    "BEAMGENERALSECTION",
-)  # fmt: skip
+_OF_WALLS = ("SHELLSECTION", "SHELLGENERALSECTION", "MEMBRANESECTION", "MEMBRANE")
+_SECTIONS = ("SOLIDSECTION", *_OF_WALLS, "BEAMSECTION", "BEAMGENERALSECTION")
 
 
 def read_elements(
@@ -78,13 +76,16 @@ def read_elements(
     n_elements = len(model.element_labels.ids)
     section_of = np.full(n_elements, -1, dtype=np.int64)
     sections: list[tuple[str, Section | None]] = []
-    for placed in model.named(*_SECTIONS):
+    placed_sections = tuple(model.named(*_SECTIONS))
+    walls = [each.block for each in placed_sections if each.block.key in _OF_WALLS]
+    thicknesses = thickness_of_sections(model, walls)
+    for placed in placed_sections:
         block = placed.block
         name = block.options.get("ELSET", "")
         members = model.elements_of(placed.scope, name, block.line, f"*{block.name}")
         section_of[members] = len(sections)
         key = public_name(model, placed.scope, name, model.element_sets)
-        sections.append((key, _section(model, placed, materials, orientations)))
+        sections.append((key, _section(model, placed, materials, orientations, thicknesses)))
     builder = _Builder(model, ids, read_releases(model))
     of_solids = np.zeros(len(model.positions), dtype=bool)
     for block in model.elements:
@@ -128,6 +129,7 @@ def _section(
     placed: ScopedBlock,
     materials: Mapping[str, DeckMaterial],
     orientations: Mapping[tuple[int, str], Orientation],
+    thicknesses: Mapping[int, FloatArray],
 ) -> Section | None:
     block, scope = placed.block, placed.scope
 
@@ -147,7 +149,7 @@ def _section(
     if block.key.startswith("BEAM"):
         return read_beam_section(model, placed, material)
     if block.key != "SOLIDSECTION":
-        return read_shell_section(model, placed, material, orientation)
+        return read_shell_section(model, placed, material, orientation, thicknesses.get(block.line))
     if "COMPOSITE" in block.options:
         model.report.leave_out_block(block, "solid elements of plies are missing")
         return None
@@ -170,7 +172,16 @@ class _Builder:
     def add(self, key: str, section: Section, block: ElementBlock, places: IntArray) -> None:
         """Add the cells of the elements with indices `places` in a block."""
         for kind, cells, owners in cells_of(block.type, block.nodes[places], self._model.positions):
-            self._add(key, section, block, kind, cells, places[owners])
+            whole = (np.diff(np.sort(cells, axis=1), axis=1) != 0).all(axis=1)
+            if not whole.all():
+                self._model.report.leave_out(
+                    f"*ELEMENT, TYPE={block.type.name}",
+                    int(block.lines[places[owners[~whole][0]]]),
+                    "elements with repeated nodes that are no simpler cell are missing",
+                    int(np.count_nonzero(~whole)),
+                )
+            if whole.any():
+                self._add(key, section, block, kind, cells[whole], places[owners[whole]])
 
     def _add(
         self,
@@ -185,11 +196,11 @@ class _Builder:
         corners, numbers = positions[cells], block.first + element
         match section:
             case SectionOfShells():
-                for name, made, mine in section.properties(key, cells, block.type):
-                    along = (
-                        section.directions(corners[mine], numbers[mine]) if section.has_directions else None
-                    )
-                    self._append(name, made, block, kind, cells[mine], element[mine], directions=along)
+                for own, side in section.sides(corners, numbers):
+                    for name, made, places in own.properties(key, cells[side], block.type):
+                        mine = side[places]
+                        along = own.directions(corners[mine], numbers[mine]) if own.has_directions else None
+                        self._append(name, made, block, kind, cells[mine], element[mine], directions=along)
             case SectionOfBeams():
                 axis_nodes = None if block.axis_nodes is None else positions[block.axis_nodes[element]]
                 along, offsets = section.directions_and_offsets(corners, axis_nodes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -27,8 +28,11 @@ _CANDIDATES = 16
 def read_ties(model: AbaqusModel, rows: Rows) -> None:
     """Rows  u_slave - sum_j N_j u_j = 0  for slave nodes within the tolerance of a master face.
 
-    A slave node is moved onto its face, the default of both programs, so that rigid motion causes no force.
-    Between nodes of shells and beams, rotations are tied as well. Cyclic and multistage ties are left out.
+    With TIED NSET, the slave nodes of this set are tied at any distance, and no others. A slave node is moved
+    onto its face, the default of both programs, so that rigid motion causes no force. Where a file says that
+    nodes stay (ADJUST=NO, also by default for surfaces of beams), and one would move, this is left out.
+    Between nodes of shells and beams, rotations are tied as well unless NO ROTATION is given. Cyclic and
+    multistage ties are left out.
 
     Raises
     ------
@@ -85,11 +89,14 @@ def _tie(
 ) -> None:
     block, x = placed.block, model.positions
     nodes = slave.nodes[~np.isin(slave.nodes, master.nodes)]
+    chosen = block.options.get("TIEDNSET")
+    if chosen is not None:
+        nodes = nodes[np.isin(nodes, model.nodes_of(placed.scope, chosen, block.line, f"*{block.name}"))]
     size = _face_size(x, master)
-    tolerance = _DEFAULT_TOLERANCE * size
+    tolerance = _DEFAULT_TOLERANCE * size if chosen is None else np.inf
     if "POSITIONTOLERANCE" in block.options:
         tolerance = numbers(model.file, block.line, [block.options["POSITIONTOLERANCE"]])[0]
-    elif block.key == "CONTACTPAIR" and block.options.get("ADJUST", "-")[0] in ".0123456789":  # no node set
+    elif block.key == "CONTACTPAIR" and re.match(r"[.\d]", block.options.get("ADJUST", "")):  # no node set
         tolerance = max(tolerance, numbers(model.file, block.line, [block.options["ADJUST"]])[0])
     best = np.full(len(nodes), np.inf)
     where: list[tuple[IntArray, FloatArray]] = [(nodes[:0], np.empty(0))] * len(nodes)
@@ -100,7 +107,9 @@ def _tie(
         best[closer], points[closer] = distances[closer], places[closer]
         for i in closer.tolist():
             where[i] = faces[found[i]], shares[i]
-    turning = _nodes_with_rotations(model)
+    turning = _nodes_of(model, Family.SHELL, Family.BEAM)
+    if "NOROTATION" in block.options:
+        turning[:] = False
     near = best <= tolerance + 1e-9 * size
     for i in np.flatnonzero(near).tolist():
         node, (face, shares) = int(nodes[i]), where[i]
@@ -108,11 +117,19 @@ def _tie(
             terms = [(6 * node + component, 1.0)]
             terms += [(6 * int(j) + component, -float(N)) for j, N in zip(face, shares, strict=True)]
             rows.add(terms, line, dependent=6 * node + component)
-    model.positions[nodes[near]] = points[near]
-    if not near.any() and len(nodes):
+    default = "NO" if slave.of_beams or master.of_beams else "YES"
+    stays = block.key == "TIE" and block.options.get("ADJUST", default).upper() == "NO"
+    if stays and best[near].max(initial=0.0) > 1e-6 * size:
         model.report.leave_out_block(
-            block, f"no node of '{slave.name}' lies within {tolerance:.3g} of '{master.name}'"
+            block,
+            f"nodes of '{slave.name}' are moved onto '{master.name}', by {best[near].max():.3g} or less",
         )
+    model.positions[nodes[near]] = points[near]
+    if not near.any() and (len(nodes) or chosen is not None):
+        meaning = f"no node of '{slave.name}' lies within {tolerance:.3g} of '{master.name}'"
+        if chosen is not None:
+            meaning = f"set '{chosen}' has no node of '{slave.name}'"
+        model.report.leave_out_block(block, meaning)
     elif not near.all():
         model.report.note(
             f"*{block.name} of '{slave.name}' to '{master.name}': {np.count_nonzero(~near)} of "
@@ -130,10 +147,11 @@ def _face_size(x: FloatArray, surface: DeckSurface) -> float:
     return float(np.concatenate(spans).mean()) if spans else 1.0
 
 
-def _nodes_with_rotations(model: AbaqusModel) -> NDArray[np.bool_]:
+def _nodes_of(model: AbaqusModel, *families: Family) -> NDArray[np.bool_]:
+    """Mask (N,) of the nodes of elements of these families."""
     found = np.zeros(len(model.positions), dtype=bool)
     for block in model.elements:
-        if block.type.family in (Family.SHELL, Family.BEAM):
+        if block.type.family in families:
             found[block.nodes] = True
     return found
 

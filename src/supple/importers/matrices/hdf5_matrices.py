@@ -90,13 +90,15 @@ def read_hdf5_matrix(path: str | Path, role: MatrixRole) -> LabelledMatrix:
     n = len(indptr) - 1
     if (
         indices.shape != data.shape
+        or indptr.ndim != 1
+        or not indptr.size
         or indptr[0] != 0
         or indptr[-1] != len(data)
         or (np.diff(indptr) < 0).any()
     ):
         raise ImportFormatError(
             f"{source}: data, indices and indptr do not fit each other ({len(data)}, {len(indices)}, last "
-            f"of indptr {indptr[-1]}); write those of a csc matrix"
+            f"of indptr {indptr[-1] if indptr.size else 'missing'}); write those of a csc matrix"
         )
     largest = int(indices.max(initial=0))
     if largest >= n or indices.min(initial=0) < 0:
