@@ -20,7 +20,8 @@ class Contact:
     obstacle : RigidPlane(..), RigidCylinder(..) or RigidSphere(..)
     stiffness : N/m per node; default `fraction * m omega_max^2`, with the mass m of the node and the highest
         frequency omega_max, rad/s, of all finite-element parts
-    fraction : in (0, 1]; the default stiffness divides the stable time step by at most sqrt(1 + fraction)
+    fraction : in (0, 1]; the default stiffness divides the stable time step by at most sqrt(1 + fraction);
+        a free obstacle lighter than its nodes divides it further: give only nodes that it can touch
     Raises ModelError for a stiffness that is not positive, or a fraction outside (0, 1].
     """
 

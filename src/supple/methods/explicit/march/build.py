@@ -13,7 +13,8 @@ from supple.errors import ModelError
 from supple.machine import At, BaseAcceleration, Contact, DeadForce, Placed, System, Tie
 from supple.machine.ties.meeting import meeting_nodes
 from supple.methods.explicit.march.build_blocks import explicit_blocks
-from supple.methods.explicit.march.build_frames import Framed, MarchNodes, build_frames, check_outside
+from supple.methods.explicit.march.build_frames import Framed, MarchNodes, build_frames
+from supple.methods.explicit.march.build_obstacles import check_outside, recoil
 from supple.methods.explicit.march.build_shells import explicit_shells
 from supple.methods.explicit.march.build_surfaces import TiedNodes, modal_skins
 from supple.methods.explicit.march.build_ties import largest_distance, met_material
@@ -88,8 +89,8 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
     ]
     _check_tied_once(tied, x)
     _check_not_held(system, tied, numbers)
-    framed = build_frames(system, method, MarchNodes(numbers, x, mass, skins, tied, short), time)
-    touching, obstacle_of, on_obstacles = _touching(system, numbers, x, mass, short)
+    touching, obstacle_of, pressed, of_obstacles = _touching(system, numbers, x, mass, short)
+    framed = build_frames(system, method, MarchNodes(numbers, x, mass, skins, tied, short, pressed), time)
     model = MarchModel(
         (*made.blocks, *shells.blocks),
         jnp.asarray(mass),
@@ -102,7 +103,7 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
         _loaded(system, numbers),
         jnp.asarray([obstacle.mass for obstacle in obstacles], dtype=float),
         jnp.asarray(system.gravity),
-        jnp.asarray(framed.contact_rate + on_obstacles),
+        jnp.asarray(max(framed.contact_rate, of_obstacles)),
         shells.spins(system.supports, numbers, system),
         tuple(load.law for load in system.loads if isinstance(load, BaseAcceleration)),
         framed.joined.machine,
@@ -181,6 +182,7 @@ def _start(
             for obstacle in methods.obstacles
         ),
         turning=turning,
+        largest=zero,
         obstacle_forces=jnp.zeros((len(methods.obstacles), 3)),
         energies=Energies(*(zero for _ in Energies._fields))._replace(internal=sum(held, framed.stored)),
         initial=zero,
@@ -271,15 +273,23 @@ def _stiffness(contact: Contact, masses: FloatArray, short: float) -> FloatArray
 
 def _touching(
     system: System, numbers: dict[str, IntArray], x: FloatArray, mass: FloatArray, short: float
-) -> tuple[tuple[NodesTouching, ...], tuple[int, ...], float]:
-    """Explicit nodes in contact, numbers of their obstacles, and largest stiffness over mass, 1/s^2."""
-    touching, obstacle_of, largest = [], [], 0.0
+) -> tuple[tuple[NodesTouching, ...], tuple[int, ...], FloatArray, float]:
+    """Explicit nodes in contact, and the effect of their contacts on the step limits with all of them closed.
+
+    Returns the nodes; the numbers of their obstacles; the stiffness at each node (N,), N/m, with the share of
+    free obstacles; and the largest squared frequency of a free obstacle, 1/s^2.
+    """
+    touching, obstacle_of, pressed, largest = [], [], np.zeros(len(x)), 0.0
     for number, contact in enumerate(system.rigid_contacts):
         if contact.nodes.body in numbers:
-            nodes = numbers[contact.nodes.body][system.node_numbers(contact.nodes)]
+            every = numbers[contact.nodes.body]
+            nodes = every[system.node_numbers(contact.nodes)]
             stiffness = _stiffness(contact, mass[nodes], short)
-            largest = max(largest, float((stiffness / mass[nodes]).max()))
-            check_outside(contact, x[nodes])
+            check_outside(contact, x[nodes], x[every])
             touching.append(NodesTouching(jnp.asarray(nodes), jnp.asarray(stiffness)))
             obstacle_of.append(number)
-    return tuple(touching), tuple(obstacle_of), largest
+            rate = float((stiffness / mass[nodes]).max())
+            with_obstacle = rate + recoil(contact.obstacle, x[nodes], stiffness)
+            np.add.at(pressed, nodes, stiffness * (with_obstacle / rate))
+            largest = max(largest, with_obstacle)
+    return tuple(touching), tuple(obstacle_of), pressed, largest

@@ -143,7 +143,11 @@ def _begun(model: MarchModel, methods: Methods, state: MarchState) -> MarchState
     turning = state.turning._replace(moments=out.moments)
     initial = kinetic(model, state) + state.energies.internal
     return state._replace(
-        forces=out.forces, obstacle_forces=out.on_obstacles, turning=turning, initial=initial
+        forces=out.forces,
+        obstacle_forces=out.on_obstacles,
+        turning=turning,
+        initial=initial,
+        largest=jnp.abs(initial),
     )
 
 
