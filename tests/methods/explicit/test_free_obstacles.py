@@ -71,7 +71,7 @@ def test_a_small_ball_touches_few_nodes():
 
 @pytest.mark.parametrize("joined", [False, True])
 def test_the_limit_of_a_modal_part_includes_the_ball(joined):
-    """Springs between nodes and ball, equal in all directions; a part on a weld moves less than a free one."""
+    """Springs between nodes and ball, equal in all directions; a weld makes no mode faster."""
     joints = [Fixed(name="weld", first="ground", second="modal.root")] if joined else []
     contact = Contact(At("modal", "z_max"), ball(1e-3))
     own = ExplicitEngine(System([modal()], joints=joints, contacts=[contact]), SPAN).built
