@@ -50,6 +50,16 @@ def test_energy_that_a_contact_creates_stops_the_run():
         run(own, SPAN.times)
 
 
+def test_a_part_that_starts_a_little_inside_has_that_energy_and_is_let_go():
+    """At rest otherwise: its contact energy returns to zero, not below."""
+    part = Placed(explicit_bar(CellType.HEXA8, counts=(2, 2, 2)), position=(1e-6, 0, 0))
+    wall = Contact(At("bar", "tip"), RigidPlane((4.0, 0, 0), (-1, 0, 0)))
+    energies = run(ExplicitEngine(System([part], contacts=[wall]), SPAN), SPAN.times).series["energies"]
+    assert energies[0, 4] > 0
+    assert energies[:, :7].sum(axis=1) == pytest.approx(energies[0, 4], rel=1e-9)
+    assert np.abs(energies[-1, 4]) < 0.1 * energies[0, 4]
+
+
 @pytest.mark.parametrize("mass", [0.01, 1.0, 100.0])
 def test_the_limit_is_below_the_true_one_with_all_contacts_closed(mass):
     """The fastest vibration of nodes and ball on the penalties alone."""

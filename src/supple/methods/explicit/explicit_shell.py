@@ -66,7 +66,7 @@ class ExplicitShell(ElementPart):
     law : J2Plasticity | None       None: elastic
     layers : int            Gauss points through the thickness; used only with a law
     deletion : float        plastic strain at which an element is deleted; infinite: never
-    damping : LinearRayleighDamping | None      alpha only: beta must be 0
+    damping : LinearRayleighDamping | None      alpha only: beta must be 0; not on nodes tied to a modal part
     """
 
     name: str

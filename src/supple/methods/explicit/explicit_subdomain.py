@@ -42,7 +42,8 @@ class ExplicitSubdomain(ElementPart):
     law : Law
     hourglass : float       stiffness of an hourglass mode of hexahedra relative to that of stretching
     deletion : float        plastic strain at which an element is deleted; infinite: never
-    damping : LinearRayleighDamping | None      beta acts on the rate of the Green-Lagrange strain
+    damping : LinearRayleighDamping | None      beta acts on the rate of the Green-Lagrange strain; alpha not
+        on nodes tied to a modal part
     bulk_viscosity : BulkViscosity      spreads shock fronts over a few elements; BulkViscosity(0, 0): none
     """
 
