@@ -260,3 +260,6 @@ def test_a_shell_yields_by_its_law_and_has_no_key_without_effect(bar, tmp_path):
             read_case(path)
     with pytest.raises(CaseError, match="layers are for shells"):
         read_case(bar(("modulus = 300e6 }", "modulus = 300e6 }, layers = 3")))
+    elastic = ('law = { kind = "j2", yield_stress = 100e6, modulus = 300e6 }', "deletion = 0.2")
+    with pytest.raises(CaseError, match="an elastic part has no deletion"):
+        read_case(bar(elastic))

@@ -148,6 +148,9 @@ def _keys_have_an_effect(path: KeyPath, body: Raw) -> Mistakes:
                 (*path, "explicit", "layers"),
                 "layers are for shells with plasticity; a solid has none: remove the key",
             )
+        if "deletion" in given and kind != "j2":
+            message = 'an elastic part has no deletion; give it a law of kind "j2"'
+            yield (*path, "explicit", "deletion"), message
         return
     if "hourglass" in given:
         yield (

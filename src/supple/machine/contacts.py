@@ -17,10 +17,12 @@ class Contact:
     """Penalty contact of nodes with a rigid obstacle: force = stiffness * depth at each node.
 
     nodes : At(part, node set)
-    obstacle : RigidPlane(..), RigidCylinder(..) or RigidSphere(..)
+    obstacle : RigidPlane(..), RigidCylinder(..) or RigidSphere(..); each contact has its own: one that is
+        free to move must not be given to two contacts, as it would move as two
     stiffness : N/m per node; default `fraction * m omega_max^2`, with the mass m of the node and the highest
         frequency omega_max, rad/s, of all finite-element parts
-    fraction : in (0, 1]; the default stiffness divides the stable time step by at most sqrt(1 + fraction)
+    fraction : in (0, 1]; the default stiffness divides the stable time step by at most sqrt(1 + fraction);
+        a free obstacle lighter than its nodes divides it further: give only nodes that it can touch
     Raises ModelError for a stiffness that is not positive, or a fraction outside (0, 1].
     """
 

@@ -129,6 +129,22 @@ def test_a_step_above_the_limit_is_refused():
         marched(System([part]), 1.0, step=1.1 * part.step_limit)
 
 
+def test_stiffness_damping_shortens_the_step_of_its_own_part_once():
+    def step(*betas):
+        parts = [
+            explicit_subdomain(bar(CellType.HEXA8), name=f"bar {i}", damping=LinearRayleighDamping(0.0, beta))
+            for i, beta in enumerate(betas)
+        ]
+        own = ExplicitEngine(System(parts), Run(100.0, 100.0))
+        assert own.march(own.start(0.0), own._run.times[:1]).states.ratio == 1
+        return own.steps()[0]
+
+    beta = explicit_bar(CellType.HEXA8).step_limit
+    assert step(beta) < 0.5 * step(0.0)
+    assert step(*5 * [beta]) == pytest.approx(step(beta))
+    assert step(beta, 0.0, 0.1 * beta) == pytest.approx(step(beta))
+
+
 @pytest.mark.slow
 def test_energy_from_nothing_stops_the_run():
     """A neo-Hookean bar that is crushed, and that nothing damps, hardens beyond what a fixed step allows."""

@@ -39,6 +39,9 @@ from supple.methods.explicit import (
     BulkViscosity,
     Explicit,
     ExplicitEngine,
+    J2Plasticity,
+    LinearHardening,
+    NeoHookean,
     PublishedScheme,
     explicit_shell,
     explicit_subdomain,
@@ -289,6 +292,35 @@ def test_walls_and_materials_beyond_the_explicit_elements_are_refused():
     wall = shell_model(strip(1.0, 0.2, 4, 2), HomogeneousSection(STEEL, 0.01, offset=0.1))
     with pytest.raises(ModelError, match="its section has an offset, an added mass or a shear factor"):
         explicit_shell(wall)
+
+
+def test_materials_and_laws_that_cannot_march_are_refused():
+    mesh, plate = MODEL.mesh, strip(1.0, 0.2, 4, 2)
     own_shear = replace(STEEL, stated_shear_modulus=1e10)
-    with pytest.raises(ModelError, match="its material states a shear modulus; leave it out"):
-        explicit_subdomain(solid_model(MODEL.mesh, own_shear))
+    metal = J2Plasticity(own_shear, LinearHardening(1e8))
+    wall = shell_model(plate, HomogeneousSection(own_shear, 0.01))
+    for make in (
+        lambda: explicit_subdomain(solid_model(mesh, own_shear)),
+        lambda: explicit_subdomain(solid_model(mesh, STEEL), metal, name="explicit"),
+        lambda: explicit_shell(wall, law=metal, name="explicit"),
+    ):
+        with pytest.raises(ModelError, match="explicit': its material states a shear modulus; leave it out"):
+            make()
+    rounded = replace(STEEL, stated_shear_modulus=8.08e10)
+    explicit_subdomain(solid_model(mesh, STEEL), J2Plasticity(rounded, LinearHardening(1e8)))
+    explicit_shell(wall)  # elastic: its stiffness is that of the section
+    none = replace(STEEL, density=0.0)
+    for make in (
+        lambda: explicit_subdomain(solid_model(mesh, none)),
+        lambda: explicit_subdomain(solid_model(mesh, none), NeoHookean(STEEL)),
+        lambda: explicit_subdomain(solid_model(mesh, STEEL), NeoHookean(none)),
+        lambda: explicit_shell(shell_model(plate, HomogeneousSection(none, 0.01))),
+    ):
+        with pytest.raises(ModelError, match="an explicit part needs mass, and its density is 0"):
+            make()
+    for make in (
+        lambda: explicit_subdomain(MODEL, NeoHookean(SOFT), deletion=0.2),
+        lambda: explicit_shell(shell_model(plate, HomogeneousSection(STEEL, 0.01)), deletion=0.2),
+    ):
+        with pytest.raises(ModelError, match=r"no plastic strain, so deletion = 0\.2 has no effect"):
+            make()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from fixtures.explicit_bars import stepped
 from scipy.linalg import eigh
+from scipy.spatial.transform import Rotation
 
 from supple.body import LinearRayleighDamping
 from supple.errors import ModelError
@@ -63,12 +64,13 @@ def test_a_turned_plate_has_no_forces_and_a_turned_deformed_one_turned_forces():
     flat, turned = (
         ExplicitEngine(System([Placed(body, rotation=r)]), Run(1.0, 1.0)).built for r in (np.zeros(3), angle)
     )
-    ((block, *_),) = turned.model.blocks
-    rest = shell_force(block, turned.start.x, turned.start.turning.triads)
-    R = np.asarray(turned.start.turning.triads)[:, :, 0]
+    ((block, *_),) = flat.model.blocks
+    R, triads = Rotation.from_rotvec(angle).as_matrix(), np.asarray(flat.start.turning.triads)
+    spun_triads = jnp.einsum("ij,jkr->ikr", R, triads)
+    rest = shell_force(block, turned.start.x, spun_triads)
     moved = 0.01 * np.random.default_rng(4).standard_normal(flat.start.x.shape)
-    plain = shell_force(block, flat.start.x + moved, flat.start.turning.triads)
-    spun = shell_force(block, turned.start.x + R @ moved, turned.start.turning.triads)
+    plain = shell_force(block, flat.start.x + moved, triads)
+    spun = shell_force(block, turned.start.x + R @ moved, spun_triads)
     scale = np.abs(np.asarray(plain.force)).max()
     assert np.abs(np.asarray(rest.force)).max() < 1e-11 * scale
     np.testing.assert_allclose(spun.force, R @ np.asarray(plain.force), atol=1e-11 * scale)

@@ -2,6 +2,7 @@
 
 import re
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -112,3 +113,7 @@ def test_a_bar_that_bends_far_is_said():
 def test_a_yield_stress_is_positive():
     with pytest.raises(ModelError, match="yield stress of part 'rotor' must be positive"):
         spinning(yield_stress=0.0)
+    part = spinning().body
+    matrices = replace(part.body, model=None)
+    with pytest.raises(ModelError, match="'rotor' has no elements, only matrices, so its stress is unknown"):
+        replace(part, body=matrices, yield_stress=1.0)

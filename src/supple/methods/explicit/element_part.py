@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import cached_property
 from typing import Literal
@@ -18,18 +19,50 @@ from supple.fem import FiniteElementModel, node_masses, refuse_attached
 from supple.integrate import FramedMotion
 from supple.integrate.motion import Motion
 from supple.mesh import Mesh
+from supple.methods.explicit.materials import Law
 from supple.methods.explicit.motions import NodalMotion
 from supple.methods.explicit.node_set import NodeSet, node_sets
 
-__all__ = ["ElementPart", "refuse_beside_elements"]
+__all__ = ["ElementPart", "check_law", "refuse_beside_elements"]
 
 FloatArray = NDArray[np.float64]
+
+SHEAR = 0.01
+"""Largest relative difference of a stated shear modulus from E / (2 (1 + nu)), as of rounded constants."""
 
 
 def refuse_beside_elements(what: str, model: FiniteElementModel) -> None:
     """Raise ModelError unless all attachments of the model are masses without inertia at nodes."""
     refuse_attached(replace(model.attached, mass=None), what)
     node_masses(model)
+
+
+def check_law(what: str, law: Law | None, densities: Iterable[float], deletion: float) -> None:
+    """Raise ModelError for a law, densities, or a plastic strain of deletion that cannot be right.
+
+    law : None: elastic
+    """
+    if not deletion > 0:
+        raise ModelError(f"{what}: the plastic strain of deletion must be positive, got {deletion}")
+    if np.isfinite(deletion) and (law is None or law.plastic_strain(law.initial((1, 1))) is None):
+        raise ModelError(
+            f"{what}: its law has no plastic strain, so deletion = {deletion:g} has no effect; give "
+            "J2Plasticity(..), or leave deletion out"
+        )
+    if min(densities, default=1.0) <= 0:
+        raise ModelError(
+            f"{what}: an explicit part needs mass, and its density is 0; give its materials, and the "
+            "material of its law, a density"
+        )
+    if law is None:
+        return
+    own = law.elastic
+    implied = own.youngs_modulus / (2 * (1 + own.poissons_ratio))
+    if abs(own.shear_modulus - implied) > SHEAR * implied:
+        raise ModelError(
+            f"{what}: its material states a shear modulus; leave it out, because laws are isotropic: it "
+            f"is {own.shear_modulus:.4g}, E / (2 (1 + nu)) = {implied:.4g}"
+        )
 
 
 class ElementPart(FormDefaults):

@@ -217,6 +217,7 @@ class ExplicitEngine:
         """Message with the cause of a stopped run and its remedies."""
         when = f"t = {float(row.time):.6g}, step {int(row.steps)}"
         e = dict(zip(Energies._fields, np.asarray(row.energies), strict=True))
+        shorter = "a smaller safety" if self._fixed is None else "a shorter FixedStep"
         match int(row.trouble):
             case 1:
                 return (
@@ -226,7 +227,7 @@ class ExplicitEngine:
             case 2:
                 return (
                     f"the motion is not finite at {when}: the step is too long for the "
-                    f"deformed mesh; take a smaller safety, or a shorter FixedStep"
+                    f"deformed mesh; take {shorter}"
                 )
             case 3:
                 drift = sum(e.values()) - 2 * e["external"] - initial
@@ -243,10 +244,15 @@ class ExplicitEngine:
                     f"with different steps until {when}, more than 1 %; take a smaller largest_ratio"
                 )
             case _:
-                worst = min(("internal", "hourglass"), key=lambda name: e[name])
+                worst = min(("internal", "hourglass", "contact"), key=lambda name: e[name])
+                why = (
+                    "the contact opens within a step; take a smaller fraction or stiffness of the contact, or"
+                    if worst == "contact"
+                    else "the step is above the stability limit; take"
+                )
                 return (
                     f"the {worst} energy is negative ({e[worst]:.3g} J) at {when}: spurious energy, because "
-                    "the step is above the stability limit; take a smaller safety"
+                    f"{why} {shorter}"
                 )
 
 

@@ -23,7 +23,7 @@ from supple.fem.shell_triangle import (
     resultant_strains,
 )
 from supple.mesh import CellType
-from supple.methods.explicit.element_part import ElementPart, refuse_beside_elements
+from supple.methods.explicit.element_part import ElementPart, check_law, refuse_beside_elements
 from supple.methods.explicit.materials import J2Plasticity
 
 __all__ = ["ExplicitShell", "explicit_shell"]
@@ -65,8 +65,8 @@ class ExplicitShell(ElementPart):
     model : FiniteElementModel      of TRIANGLE3 cells with homogeneous sections
     law : J2Plasticity | None       None: elastic
     layers : int            Gauss points through the thickness; used only with a law
-    deletion : float        plastic strain at which an element is deleted; infinite, or no law: never
-    damping : LinearRayleighDamping | None      alpha only: beta must be 0
+    deletion : float        plastic strain at which an element is deleted; infinite: never
+    damping : LinearRayleighDamping | None      alpha only: beta must be 0; not on nodes tied to a modal part
     """
 
     name: str
@@ -104,8 +104,8 @@ class ExplicitShell(ElementPart):
                 f"explicit shell '{self.name}': {self.layers} layers have no bending stiffness; give at "
                 "least 2"
             )
-        if not self.deletion > 0:
-            raise ModelError(f"the plastic strain of deletion must be positive, got {self.deletion}")
+        masses = [section.property.mass_per_area for section in self.model.sections]  # ty: ignore[missing-union-attribute] - of shells
+        check_law(f"explicit shell '{self.name}'", self.law, masses, self.deletion)
         if self.damping is not None and self.damping.beta:
             raise ModelError(
                 f"explicit shell '{self.name}': strain-rate damping is available for solids only; give beta "
@@ -192,6 +192,7 @@ def explicit_shell(
     model : model of TRIANGLE3 cells with HomogeneousSection(..)
     name, law, layers, deletion, damping : see `ExplicitShell`
     Raises ModelError for other cells and sections, a law whose constants differ from those of the sections,
-    fewer than 2 layers, a deletion strain that is not positive, and strain-rate damping.
+    fewer than 2 layers, a deletion strain that is not positive or without a law, a density of 0, and
+    strain-rate damping.
     """
     return ExplicitShell(name, model, law, layers, deletion, damping)

@@ -16,7 +16,7 @@ from supple.fem import FiniteElementModel, Isotropic, lumped_mass, node_masses
 from supple.fem.mass import CellMass
 from supple.fem.model import SOLID_ELEMENTS
 from supple.fem.solid_element import solid_mass
-from supple.methods.explicit.element_part import ElementPart, refuse_beside_elements
+from supple.methods.explicit.element_part import ElementPart, check_law, refuse_beside_elements
 from supple.methods.explicit.elements import (
     BulkArrays,
     BulkViscosity,
@@ -41,8 +41,9 @@ class ExplicitSubdomain(ElementPart):
     model : FiniteElementModel      of solids
     law : Law
     hourglass : float       stiffness of an hourglass mode of hexahedra relative to that of stretching
-    deletion : float        plastic strain at which an element is deleted; infinite, or an elastic law: never
-    damping : LinearRayleighDamping | None      beta acts on the rate of the Green-Lagrange strain
+    deletion : float        plastic strain at which an element is deleted; infinite: never
+    damping : LinearRayleighDamping | None      beta acts on the rate of the Green-Lagrange strain; alpha not
+        on nodes tied to a modal part
     bulk_viscosity : BulkViscosity      spreads shock fronts over a few elements; BulkViscosity(0, 0): none
     """
 
@@ -64,9 +65,12 @@ class ExplicitSubdomain(ElementPart):
                 "use explicit_shell"
             )
         if not 0 <= self.hourglass <= 1:
-            raise ModelError(f"the hourglass stiffness is a fraction, 0 to 1, got {self.hourglass}")
-        if not self.deletion > 0:
-            raise ModelError(f"the plastic strain of deletion must be positive, got {self.deletion}")
+            raise ModelError(
+                f"explicit sub-domain '{self.name}': the hourglass stiffness is a fraction, 0 to 1, got "
+                f"{self.hourglass}"
+            )
+        densities = (self.law.elastic.density, self._density)
+        check_law(f"explicit sub-domain '{self.name}'", self.law, densities, self.deletion)
 
     @cached_property
     def masses(self) -> FloatArray:
@@ -140,24 +144,21 @@ def explicit_subdomain(
         constants of the model
     name, hourglass, deletion, damping : see `ExplicitSubdomain`
     bulk_viscosity : BulkViscosity      default BulkViscosity(); BulkViscosity(0, 0): none
-    Raises ModelError for shells, a model of several materials and values outside their ranges; without a
-    `material` also for constants that are not Isotropic or state a shear modulus. Cells of other types raise
-    ModelError later, when a run is prepared.
+    Raises ModelError for shells, a model of several materials, values outside their ranges, a density of 0, a
+    deletion strain with an elastic law, a stated shear modulus that differs from E / (2 (1 + nu)), and,
+    without a `material`, constants that are not Isotropic. Cells of other types raise ModelError later, when
+    a run is prepared.
     """
     own = {section.property for section in model.sections}
     if len(own) != 1:
         raise ModelError(
-            f"explicit sub-domain '{name}' has {len(own)} materials; make one sub-domain for each: they are "
-            "tied where they share nodes"
+            f"explicit sub-domain '{name}' has {len(own)} materials; make one sub-domain for each, and "
+            "join them by Tie(..)"
         )
     (constants,) = own
     if material is None:
         if not isinstance(constants, Isotropic):
             raise ModelError(f"explicit sub-domain '{name}' needs a solid of an Isotropic material")
-        if constants.stated_shear_modulus is not None:
-            raise ModelError(
-                f"explicit sub-domain '{name}': its material states a shear modulus; leave it out"
-            )
         material = StVenantKirchhoff(constants)
     viscosity = BulkViscosity() if bulk_viscosity is None else bulk_viscosity
     return ExplicitSubdomain(name, model, material, hourglass, deletion, damping, viscosity)

@@ -46,7 +46,7 @@ class ModalSubdomain(FloatingForm):
     yield_stress : stress, Pa, above which a run warns; None: the lowest yield stress of explicit parts of its
         material, if any
     Raises ModelError for vectors that contain rigid motion, because the step limit would be wrong, and for a
-        yield stress that is not positive.
+        yield stress that is not positive, or of a body of matrices.
     """
 
     body: FlexibleBody
@@ -68,6 +68,11 @@ class ModalSubdomain(FloatingForm):
         if self.yield_stress is not None and not self.yield_stress > 0:
             raise ModelError(
                 f"the yield stress of part '{self.name}' must be positive, got {self.yield_stress}"
+            )
+        if self.yield_stress is not None and self.body.model is None:
+            raise ModelError(
+                f"part '{self.name}' has no elements, only matrices, so its stress is unknown: leave its "
+                "yield stress out"
             )
         R, M = self.body.rigid_modes, self.body.mass
         shared = self.vectors.T @ (M @ R) / np.sqrt(np.einsum("ij,ij->j", R, M @ R))

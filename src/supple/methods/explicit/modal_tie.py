@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 from jax import Array
 
@@ -19,7 +20,7 @@ from supple.methods.explicit.frame_model import FrameState, Generalized
 from supple.methods.explicit.frame_moments import arms
 from supple.methods.explicit.frame_points import CORNERS
 
-__all__ = ["ModalTie", "TiedSide", "tied_gap", "tied_rows"]
+__all__ = ["ModalTie", "TiedSide", "tied_gap", "tied_rates", "tied_rows"]
 
 
 class TiedSide(NamedTuple):
@@ -45,6 +46,17 @@ def tied_gap(tie: ModalTie, first: FrameState, second: FrameState) -> Array:
     """Residual g (r,), m."""
     apart = _combined(tie.first, first) - _combined(tie.second, second)
     return tie.per_arm * jnp.einsum("ji,rij->r", arms(second.p), apart)
+
+
+def tied_rates(tie: ModalTie, first: FrameState, second: FrameState) -> tuple[Array, Array]:
+    """Rates of both sides along the combinations of a tie, (r,), m/s; equal if the tie stays closed."""
+    P = tie.per_arm * arms(second.p)
+
+    def along(side: TiedSide, at: FrameState) -> Array:
+        rates = FrameState(at.vp, at.vy, jnp.zeros_like(at.vp), jnp.zeros_like(at.vy))
+        return jnp.einsum("ji,rij->r", P, jax.jvp(lambda now: _combined(side, now), (at,), (rates,))[1])
+
+    return along(tie.first, first), along(tie.second, second)
 
 
 def tied_rows(tie: ModalTie, first: FrameState, second: FrameState) -> tuple[Generalized, Generalized]:

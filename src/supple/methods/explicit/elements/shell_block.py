@@ -68,7 +68,7 @@ class ShellBlock(NamedTuple):
 
     nodes, spins : (3, E)       numbers of nodes and of triads
     rest : (3, 3, E)            corners about their centre (component, corner);   axes : (3, 3, E) A_0 in rows
-    stiffness : (18, 18, E)     ux uy uz rx ry rz of each node, axes of the mesh
+    stiffness : (18, 18, E)     ux uy uz rx ry rz of each node, axes of space at rest
     to_stress : (l, 6, 18, E)   stress in l layers from d, Pa
     node_table, spin_table      element corners at each node and triad, see `incidence`
     layers : LayerArrays        None for a block that does not yield
@@ -208,7 +208,7 @@ def _axes(corners: Array) -> Array:
 
 
 def _deformation(block: ShellBlock, corners: Array, turned: Array) -> Array:
-    """Displacements and rotations (18, E) relative to the element's frame, in the axes of the mesh."""
+    """Displacements and rotations (18, E) relative to the element's frame, in the axes of space at rest."""
     back = jnp.einsum("rie,rje->ije", block.axes, _axes(corners))
     moved = jnp.einsum("ije,jke->ike", back, corners - corners.mean(axis=1, keepdims=True)) - block.rest
     turn = jnp.einsum("ije,jmke->imke", back, turned)

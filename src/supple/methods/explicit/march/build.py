@@ -8,16 +8,25 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
 
 from supple.errors import ModelError
 from supple.machine import At, BaseAcceleration, Contact, DeadForce, Placed, System, Tie
 from supple.machine.ties.meeting import meeting_nodes
 from supple.methods.explicit.march.build_blocks import explicit_blocks
-from supple.methods.explicit.march.build_frames import Framed, MarchNodes, build_frames, check_outside
+from supple.methods.explicit.march.build_frames import Framed, MarchNodes, build_frames
+from supple.methods.explicit.march.build_obstacles import check_outside, recoil
 from supple.methods.explicit.march.build_shells import explicit_shells
 from supple.methods.explicit.march.build_surfaces import TiedNodes, modal_skins
-from supple.methods.explicit.march.build_ties import largest_distance, met_material
-from supple.methods.explicit.march.frame_step import tied_positions
+from supple.methods.explicit.march.build_ties import (
+    ROUNDED,
+    check_positions,
+    check_velocities,
+    largest_distance,
+    met_material,
+)
+from supple.methods.explicit.march.frame_step import tied_positions, tied_velocities
 from supple.methods.explicit.march.march_model import (
     Energies,
     MarchModel,
@@ -63,8 +72,8 @@ class Built:
 def built(system: System, method: Explicit, time: float = 0.0) -> Built:
     """Prepare a system for time integration from a time.
 
-    Raises ModelError for ties whose nodes do not match, nodes tied to two modal parts, supports of nodes tied
-    to one, nodes that start inside an obstacle or a surface, and open joints.
+    Raises ModelError for ties whose nodes do not match or start at other velocities, nodes tied to two modal
+    parts, supports of nodes tied to one, nodes that start inside an obstacle or a surface, and open joints.
     """
     explicit = [placed for placed in system.bodies if placed.body.kind == "explicit"]
     numbers, x, v = _numbered(system, explicit)
@@ -81,15 +90,16 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
     short = min(made.step_limit, shells.step_limit)
     movable = _movable(system, numbers, v)
     obstacles = tuple(contact.obstacle for contact in system.rigid_contacts)
-    tied = [tied_here for tie in system.ties if (tied_here := _tied(system, tie, numbers, x)) is not None]
+    ties = [tie for tie in system.ties if tie.nodes.body in numbers and tie.on not in numbers]
+    tied = [_tied(system, tie, numbers, x) for tie in ties]
     tied += [
         TiedNodes(skin.part, skin.nodes, skin.corners[:, None], np.ones((len(skin.nodes), 1)))
         for skin in skins
     ]
     _check_tied_once(tied, x)
     _check_not_held(system, tied, numbers)
-    framed = build_frames(system, method, MarchNodes(numbers, x, mass, skins, tied, short), time)
-    touching, obstacle_of, on_obstacles = _touching(system, numbers, x, mass, short)
+    touching, obstacle_of, pressed, of_obstacles = _touching(system, numbers, x, mass, short)
+    framed = build_frames(system, method, MarchNodes(numbers, x, mass, skins, tied, short, pressed), time)
     model = MarchModel(
         (*made.blocks, *shells.blocks),
         jnp.asarray(mass),
@@ -102,7 +112,7 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
         _loaded(system, numbers),
         jnp.asarray([obstacle.mass for obstacle in obstacles], dtype=float),
         jnp.asarray(system.gravity),
-        jnp.asarray(framed.contact_rate + on_obstacles),
+        jnp.asarray(max(framed.contact_rate, of_obstacles)),
         shells.spins(system.supports, numbers, system),
         tuple(load.law for load in system.loads if isinstance(load, BaseAcceleration)),
         framed.joined.machine,
@@ -118,9 +128,18 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
         framed.stores,
         method,
     )
+    led, rates = x.copy(), v.copy()
     for arrays, state in zip(framed.arrays, framed.states, strict=True):
-        if state.y.any() or system.joints:  # deformed, or moved by joints, at the start
-            x[np.asarray(arrays.nodes)] = tied_positions(arrays, state).T
+        led[np.asarray(arrays.nodes)] = tied_positions(arrays, state).T
+        rates[np.asarray(arrays.nodes)] = tied_velocities(arrays, state).T
+    for tie, own in zip(ties, tied, strict=False):
+        apart = np.linalg.norm(led[own.nodes] - x[own.nodes], axis=1).max()
+        check_positions(tie, float(apart), largest_distance(system, tie))
+        check_velocities(tie, v[own.nodes], rates[own.nodes], ROUNDED)
+    for arrays, state in zip(framed.arrays, framed.states, strict=True):
+        if state.y.any() or state.vy.any() or system.joints:  # deformed, or moved by joints, at the start
+            own = np.asarray(arrays.nodes)
+            x[own], v[own] = led[own], rates[own]
     start = _start(model, methods, x, v, framed, shells.start())
     start = begun(model, methods, start._replace(time=jnp.asarray(time)))
     first = len(made.blocks)
@@ -181,6 +200,7 @@ def _start(
             for obstacle in methods.obstacles
         ),
         turning=turning,
+        largest=zero,
         obstacle_forces=jnp.zeros((len(methods.obstacles), 3)),
         energies=Energies(*(zero for _ in Energies._fields))._replace(internal=sum(held, framed.stored)),
         initial=zero,
@@ -195,44 +215,46 @@ def _start(
 
 def _numbered(system: System, explicit: list[Placed]) -> tuple[dict[str, IntArray], FloatArray, FloatArray]:
     """Node numbers of each explicit part, shared by tied nodes; positions and velocities of all nodes."""
-    numbers: dict[str, IntArray] = {}
-    x, v = np.empty((0, 3)), np.empty((0, 3))
-    for part in explicit:
-        name, nodes = part.body.name, undeformed(part)
-        own = np.full(len(nodes), -1)
-        for tie in system.ties:
-            if tie.nodes.body == name and tie.on in numbers:
-                shared = system.node_numbers(tie.nodes)
-                other = numbers[tie.on]
-                own[shared] = _met(tie, nodes[shared], x[other], other)
-            elif tie.on == name and tie.nodes.body in numbers:
-                shared = numbers[tie.nodes.body][system.node_numbers(tie.nodes)]
-                met = _met(tie, x[shared], nodes, np.arange(len(nodes)))
-                own[met] = shared
-        fresh = own < 0
-        own[fresh] = len(x) + np.arange(fresh.sum())
-        numbers[name] = own
-        x = np.vstack([x, nodes[fresh]])
-        rates = part.body.expand(part.coordinate_rates) @ part.rotation.T
-        v = np.vstack([v, (rigid_velocities(part, nodes) + rates)[fresh]])
-    return numbers, x, v
+    nodes = {part.body.name: undeformed(part) for part in explicit}
+    rates = {
+        part.body.name: rigid_velocities(part, nodes[part.body.name])
+        + part.body.expand(part.coordinate_rates) @ part.rotation.T
+        for part in explicit
+    }
+    first = dict(zip(nodes, np.cumsum([0, *map(len, nodes.values())]), strict=False))
+    joined = [np.empty((2, 0), dtype=np.int64)]
+    for tie in system.ties:
+        if tie.nodes.body in nodes and tie.on in nodes:
+            own = system.node_numbers(tie.nodes)
+            met = _met(system, tie, nodes[tie.nodes.body][own], nodes[tie.on])
+            check_velocities(tie, rates[tie.nodes.body][own], rates[tie.on][met], ROUNDED)
+            joined.append(np.array([first[tie.nodes.body] + own, first[tie.on] + met]))
+    x, v = (np.concatenate([np.empty((0, 3)), *each.values()]) for each in (nodes, rates))
+    one, two = np.concatenate(joined, axis=1)
+    links = sparse.coo_array((np.ones(len(one)), (one, two)), shape=(len(x), len(x)))
+    group = connected_components(links, directed=False)[1] if len(one) else np.arange(len(x))
+    # Numbers in the order of the parts: a joined node is that of its first part.
+    _, lowest, place = np.unique(group, return_index=True, return_inverse=True)
+    order = np.argsort(lowest)
+    of_node = np.argsort(order)[place]
+    numbers = {name: of_node[first[name] : first[name] + len(own)] for name, own in nodes.items()}
+    return numbers, x[lowest[order]], v[lowest[order]]
 
 
-def _met(tie: Tie, points: FloatArray, nodes: FloatArray, numbers: IntArray) -> IntArray:
-    found = meeting_nodes(points, nodes, largest_distance(tie, points))
+def _met(system: System, tie: Tie, points: FloatArray, nodes: FloatArray) -> IntArray:
+    """Numbers of the nodes of the other part at points (n, 3); ModelError where there is none."""
+    found = meeting_nodes(points, nodes, largest_distance(system, tie))
     if (found < 0).any():
         lost = points[found < 0][0]
         raise ModelError(
             f"tie of '{tie.nodes}' on '{tie.on}': the node at {np.array2string(lost, precision=6)} matches "
             "no node of the other part; explicit parts are tied node to node: use matching meshes there"
         )
-    return numbers[found]
+    return found
 
 
-def _tied(system: System, tie: Tie, numbers: dict[str, IntArray], x: FloatArray) -> TiedNodes | None:
-    """The explicit nodes of a tie to a modal part; None for other ties."""
-    if tie.on in numbers or tie.nodes.body not in numbers:
-        return None
+def _tied(system: System, tie: Tie, numbers: dict[str, IntArray], x: FloatArray) -> TiedNodes:
+    """The explicit nodes of a tie to a modal part."""
     nodes = numbers[tie.nodes.body][system.node_numbers(tie.nodes)]
     corners, weights = met_material(system, tie, x[nodes])
     return TiedNodes(tie.on, nodes, corners, weights)
@@ -271,15 +293,23 @@ def _stiffness(contact: Contact, masses: FloatArray, short: float) -> FloatArray
 
 def _touching(
     system: System, numbers: dict[str, IntArray], x: FloatArray, mass: FloatArray, short: float
-) -> tuple[tuple[NodesTouching, ...], tuple[int, ...], float]:
-    """Explicit nodes in contact, numbers of their obstacles, and largest stiffness over mass, 1/s^2."""
-    touching, obstacle_of, largest = [], [], 0.0
+) -> tuple[tuple[NodesTouching, ...], tuple[int, ...], FloatArray, float]:
+    """Explicit nodes in contact, and the effect of their contacts on the step limits with all of them closed.
+
+    Returns the nodes; the numbers of their obstacles; the stiffness at each node (N,), N/m, with the share of
+    free obstacles; and the largest squared frequency of a free obstacle, 1/s^2.
+    """
+    touching, obstacle_of, pressed, largest = [], [], np.zeros(len(x)), 0.0
     for number, contact in enumerate(system.rigid_contacts):
         if contact.nodes.body in numbers:
-            nodes = numbers[contact.nodes.body][system.node_numbers(contact.nodes)]
+            every = numbers[contact.nodes.body]
+            nodes = every[system.node_numbers(contact.nodes)]
             stiffness = _stiffness(contact, mass[nodes], short)
-            largest = max(largest, float((stiffness / mass[nodes]).max()))
-            check_outside(contact, x[nodes])
+            check_outside(contact, x[nodes], x[every])
             touching.append(NodesTouching(jnp.asarray(nodes), jnp.asarray(stiffness)))
             obstacle_of.append(number)
-    return tuple(touching), tuple(obstacle_of), largest
+            rate = float((stiffness / mass[nodes]).max())
+            with_obstacle = rate + recoil(contact.obstacle, x[nodes], stiffness)
+            np.add.at(pressed, nodes, stiffness * (with_obstacle / rate))
+            largest = max(largest, with_obstacle)
+    return tuple(touching), tuple(obstacle_of), pressed, largest

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from numpy.typing import NDArray
+from scipy import linalg
 
 from supple.body import RigidBody
 from supple.equations.build_model import build_model
@@ -20,11 +21,11 @@ from supple.equations.consistent_start import consistent_start
 from supple.equations.control_start import first_control
 from supple.equations.machine_model import Model
 from supple.equations.start_change import StartChange
-from supple.errors import ModelError
 from supple.machine import Contact, ForceElement, Placed, System
 from supple.methods.explicit.frame_chart import frame_chart, placed_state
 from supple.methods.explicit.frame_model import FrameModel, FrameState
 from supple.methods.explicit.march.build_joined import JoinedFrames, joined_frames
+from supple.methods.explicit.march.build_obstacles import check_outside, recoil
 from supple.methods.explicit.march.build_surfaces import ModalSkin, TiedNodes, touching_surfaces
 from supple.methods.explicit.march.frame_forces import frame_states, stored_energy, storing_elements
 from supple.methods.explicit.march.march_model import FrameArrays, NodesTouching
@@ -34,7 +35,7 @@ from supple.methods.explicit.modal_frame import ModalFrame, modal_frame
 from supple.methods.explicit.rigid_frame import RigidFrame
 from supple.methods.explicit.start_motion import undeformed
 
-__all__ = ["Framed", "MarchNodes", "build_frames", "check_outside"]
+__all__ = ["Framed", "MarchNodes", "build_frames"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -46,7 +47,7 @@ class MarchNodes:
 
     numbers : node numbers of each explicit part;   x : (N, 3) at the start;   mass : (N,) kg
     skins : points of modal parts in contact;   tied : nodes tied to frames
-    short : step limit of the explicit nodes, s
+    short : step limit of the explicit nodes, s;   pressed : (N,) stiffness of obstacles at each, N/m
     """
 
     numbers: Mapping[str, IntArray]
@@ -55,6 +56,7 @@ class MarchNodes:
     skins: Sequence[ModalSkin]
     tied: Sequence[TiedNodes]
     short: float
+    pressed: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +65,8 @@ class Framed:
 
     frames : parts and bodies in the order of the model, with their integrated modes
     arrays, states : arrays and initial state of each frame;   obstacles : numbers of its obstacles
-    surfaces : contacts between parts;   contact_rate : their largest stiffness over nodal mass, 1/s^2
+    surfaces : contacts between parts;   contact_rate : largest stiffness of contacts over the mass of a node
+        without a tie, 1/s^2
     joined : ties, joints and step limits
     machine : the frames as a system of floating bodies with their joints and forces, or None
     change : correction of the initial state by joints; None without joints
@@ -87,18 +90,26 @@ class Framed:
 
 def build_frames(system: System, method: Explicit, nodes: MarchNodes, time: float) -> Framed:
     """Frames of a model that starts at a time."""
-    frames, arrays, states, obstacles, penalties = {}, [], [], [], {}
+    frames, arrays, states, obstacles, penalties, recoils = {}, [], [], [], {}, {}
     for part in (placed for placed in system.bodies if placed.body.has_frame):
         name = part.body.name
         own = [each for each in nodes.tied if each.part == name]
-        frames[name], own_arrays, state, touched, penalties[name] = _frame(
+        frames[name], own_arrays, state, touched, penalties[name], recoils[name] = _frame(
             system, part, own, nodes.mass, nodes.x
         )
         arrays.append(own_arrays)
         states.append(state)
         obstacles.append(touched)
     surfaces, contact_rate, between = touching_surfaces(
-        system, nodes.numbers, nodes.skins, nodes.tied, frames, nodes.mass, nodes.x, nodes.short
+        system,
+        nodes.numbers,
+        nodes.skins,
+        nodes.tied,
+        frames,
+        nodes.mass,
+        nodes.x,
+        nodes.short,
+        nodes.pressed,
     )
     pressed = {}
     for place, (name, frame) in enumerate(frames.items()):
@@ -113,7 +124,9 @@ def build_frames(system: System, method: Explicit, nodes: MarchNodes, time: floa
         system, method.scheme, frames, tuple(arrays), tuple(states), pressed, machine, time
     )
     for place in joined.limited:
-        arrays[place] = arrays[place]._replace(step_limit=jnp.asarray(joined.step_limit))
+        of_obstacle = 2 / np.sqrt(recoils[list(frames)[place]] or 1e-300)
+        limit = jnp.asarray(min(joined.step_limit, of_obstacle))
+        arrays[place] = arrays[place]._replace(step_limit=limit)
     stores, stored, control = (), jnp.zeros(()), None
     if floating is not None and joined.machine is not None:
         elements = [load for load in system.loads if isinstance(load, ForceElement)]
@@ -186,7 +199,8 @@ def _places(model: Model, where: Configuration) -> Iterator[tuple[FloatArray, Fl
 
 def _frame(
     system: System, part: Placed, tied: list[TiedNodes], mass: FloatArray, x: FloatArray
-) -> tuple[ModalFrame, FrameArrays, FrameState, tuple[int, ...], FloatArray | None]:
+) -> tuple[ModalFrame, FrameArrays, FrameState, tuple[int, ...], FloatArray | None, float]:
+    """Frame, its arrays, state, obstacles, their penalties, and squared frequency of a free obstacle."""
     body: Any = RigidFrame(part.body) if isinstance(part.body, RigidBody) else part.body
     nodes = np.concatenate([each.nodes for each in tied] or [np.empty(0, dtype=np.int64)])
     local = (x[nodes] - part.position) @ part.rotation
@@ -195,12 +209,13 @@ def _frame(
         or [np.empty((0, 3, body.n_modes))]
     )
     frame = modal_frame(body, local, shapes, mass[nodes])
-    touching, touched, stiffest = [], [], None
+    touching, touched, stiffest, largest = [], [], None, 0.0
     for number, contact in enumerate(system.rigid_contacts):
         if contact.nodes.body == body.name:
             own = system.node_numbers(contact.nodes)
             stiffness = _modal_stiffness(contact, frame, own)
-            check_outside(contact, undeformed(part)[own])
+            nodes_at = undeformed(part)
+            check_outside(contact, nodes_at[own], nodes_at)
             touching.append(
                 NodesTouching(
                     jnp.asarray(own),
@@ -211,6 +226,10 @@ def _frame(
             )
             touched.append(number)
             added = frame.penalty_stiffness(own, stiffness)
+            if (back := recoil(contact.obstacle, nodes_at[own], stiffness)) > 0:
+                alone = float(linalg.eigh(added, frame.pencil()[0], eigvals_only=True)[-1])
+                added = added * (1 + back / alone)
+                largest = max(largest, alone + back)
             stiffest = added if stiffest is None else stiffest + added
     points = body.points
     model: FrameModel = frame.model
@@ -226,22 +245,10 @@ def _frame(
     )
     rates = np.concatenate([part.twist, part.coordinate_rates])
     start = placed_state(frame, part.position, part.rotation, part.coordinates, rates)
-    return frame, arrays, start, tuple(touched), stiffest
+    return frame, arrays, start, tuple(touched), stiffest, largest
 
 
 def _modal_stiffness(contact: Contact, frame: ModalFrame, nodes: IntArray) -> FloatArray:
     if contact.stiffness is not None:
         return np.full(len(nodes), contact.stiffness)
     return frame.stiffness_at(nodes, contact.fraction)
-
-
-def check_outside(contact: Contact, points: FloatArray) -> None:
-    """Raise ModelError if one of the points (n, 3) in space starts inside the obstacle of a contact."""
-    gap = np.asarray(contact.obstacle.gap(jnp.asarray(points.T))[0])
-    size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    if gap.min() < -1e-6 * size:
-        worst = int(gap.argmin())
-        raise ModelError(
-            f"contact of '{contact.nodes}': the node at {np.array2string(points[worst], precision=6)} begins "
-            f"{-gap[worst]:.3g} inside the {type(contact.obstacle).__name__}; move the parts apart"
-        )

@@ -22,7 +22,7 @@ from supple.integrate import StepFactors
 from supple.machine import System
 from supple.methods.explicit.frame_chart import configuration
 from supple.methods.explicit.frame_model import FrameState, Generalized
-from supple.methods.explicit.march.build_ties import modal_ties
+from supple.methods.explicit.march.build_ties import check_modal_ties, modal_ties
 from supple.methods.explicit.march.frame_forces import joint_rows
 from supple.methods.explicit.march.march_model import FrameArrays
 from supple.methods.explicit.modal_frame import ModalFrame
@@ -74,7 +74,8 @@ def joined_frames(
     """Ties, joints and forces between the frames of a system.
 
     states : initial states of the frames;   penalties : contact stiffness (6 + k, 6 + k) of each, or None
-    Raises ModelError for a scheme other than ProjectedDifference, and for parts that do not match.
+    Raises ModelError for a scheme other than ProjectedDifference, and for parts that do not match or start
+    apart.
     """
     ties, pairs = modal_ties(system, frames)
     if machine is None or not (ties or machine.active or machine.forces):
@@ -84,6 +85,7 @@ def joined_frames(
             "parts that are tied or joined to each other need ProjectedDifference(), not "
             f"{type(scheme).__name__}"
         )
+    check_modal_ties(system, ties, pairs, frames, states)
     order, now = list(frames), jnp.asarray(time)
     joined = {number for pair in pairs for number in pair} | _touched(machine.joints)
     limited = sorted(joined | _touched(machine.forces))

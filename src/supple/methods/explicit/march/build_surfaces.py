@@ -72,12 +72,14 @@ def touching_surfaces(
     mass: FloatArray,
     x: FloatArray,
     short: float,
+    pressed: FloatArray,
 ) -> tuple[tuple[TouchingSurface, ...], float, dict[str, FloatArray]]:
     """Contacts between parts, and their effect on the step limits with all of them closed.
 
     numbers : node numbers of each explicit part;   short : step limit of the explicit nodes, s
-    Returns the surfaces; the largest stiffness over mass of explicit nodes without ties, 1/s^2; and for each
-    frame the stiffness (6 + k, 6 + k) of its penalties.
+    pressed : (N,) stiffness of obstacles at explicit nodes, N/m
+    Returns the surfaces; the largest stiffness of surfaces plus that of obstacles over mass of explicit nodes
+    without ties, 1/s^2; and for each frame the stiffness (6 + k, 6 + k) of the penalties on nodes tied to it.
     """
     place = {part: np.full(len(system.placed(part).body.nodes), -1) for part in (skin.part for skin in skins)}
     for skin in skins:
@@ -110,12 +112,14 @@ def touching_surfaces(
         tied_here[each.nodes] = True
         # (sum w u)^2 <= sum |w| sum |w| u^2; weights of a mortar have both signs.
         shares = np.abs(each.weights)
-        spread = (on_nodes[each.nodes][:, None] * shares.sum(axis=1, keepdims=True) * shares).ravel()
+        spread = (
+            (on_nodes + pressed)[each.nodes][:, None] * shares.sum(axis=1, keepdims=True) * shares
+        ).ravel()
         if spread.any():
             own = frames[each.part].penalty_stiffness(each.corners.ravel(), spread)
             penalties[each.part] = penalties[each.part] + own if each.part in penalties else own
     free = ~tied_here & (mass > 0)
-    rate = float((on_nodes[free] / mass[free]).max(initial=0.0))
+    rate = sum(float((each[free] / mass[free]).max(initial=0.0)) for each in (on_nodes, pressed))
     return tuple(surfaces), rate, penalties
 
 
@@ -151,6 +155,6 @@ def _check_outside(contact: SurfaceContact, surface: TouchingSurface, x: FloatAr
         worst = int(np.where(inside, gap, 0.0).argmin())
         point = np.array2string(x[np.asarray(surface.nodes)[worst]], precision=6)
         raise ModelError(
-            f"contact of '{contact.nodes}' with '{contact.surface}': the node at {point} begins "
-            f"{-gap[worst]:.3g} inside the surface; move the parts apart"
+            f"contact of '{contact.nodes}' with '{contact.surface}': the node at {point} starts "
+            f"{-gap[worst]:.3g} m inside the surface; move the parts apart"
         )

@@ -1,29 +1,70 @@
-"""Arrays of ties: matching points of nodes on a modal part, and ties between two modal parts."""
+"""Arrays of ties: matching points of nodes on a modal part, ties between two modal parts, and their start."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
+from supple.errors import ModelError
 from supple.machine import System, Tie
 from supple.mesh.outer_faces import outer_triangles
+from supple.methods.explicit.frame_model import FrameState
 from supple.methods.explicit.modal_frame import ModalFrame
-from supple.methods.explicit.modal_tie import ModalTie, TiedSide
+from supple.methods.explicit.modal_tie import ModalTie, TiedSide, tied_gap, tied_rates
 from supple.methods.explicit.start_motion import undeformed
 
-__all__ = ["largest_distance", "met_material", "modal_ties"]
+__all__ = [
+    "ROUNDED",
+    "check_modal_ties",
+    "check_positions",
+    "check_velocities",
+    "largest_distance",
+    "met_material",
+    "modal_ties",
+]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-def largest_distance(tie: Tie, points: FloatArray) -> float:
-    """Largest allowed distance between the two sides of a tie, m."""
-    return tie.within * max(float(np.linalg.norm(np.ptp(points, axis=0))), 1e-300)
+APART = 1e-9
+"""Largest initial velocity difference of the nodes of a tie between modal parts, over their largest speed;
+a larger difference is an error."""
+ROUNDED = 1e-6
+"""As `APART`, for ties of nodes of explicit parts."""
+
+
+def largest_distance(system: System, tie: Tie) -> float:
+    """Largest allowed distance between the two sides of a tie, m, with round-off of a single node."""
+    every = system.placed(tie.nodes.body).body.nodes
+    own = every[system.node_numbers(tie.nodes)]
+    set_size, part_size = (float(np.linalg.norm(np.ptp(each, axis=0))) for each in (own, every))
+    return tie.within * set_size + 1e-12 * part_size
+
+
+def check_velocities(tie: Tie, one: FloatArray, two: FloatArray, rounding: float) -> None:
+    """Raise ModelError if the velocities (n, 3) of both sides of a tie differ at the start."""
+    sides = [np.linalg.norm(each, axis=-1).max(initial=0.0) for each in (one, two, one - two)]
+    if sides[2] > rounding * max(sides[:2]):
+        raise ModelError(
+            f"tie of '{tie.nodes}' on '{tie.on}': the initial velocities of the two sides differ by "
+            f"{sides[2]:.3g} m/s; give both the velocity and angular velocity of one rigid motion, that of "
+            "their joints if these move a part from the start"
+        )
+
+
+def check_positions(tie: Tie, apart: float, allowed: float) -> None:
+    """Raise ModelError if a side of a tie starts deformed, or joints moved it from the other side."""
+    if apart > allowed:
+        raise ModelError(
+            f"tie of '{tie.nodes}' on '{tie.on}': the two sides start {apart:.3g} m apart, as a modal "
+            "part has coordinates or was moved to close its joints; leave out its coordinates, and place it "
+            "so that joints are closed"
+        )
 
 
 def met_material(system: System, tie: Tie, x: FloatArray) -> tuple[IntArray, FloatArray]:
@@ -35,7 +76,7 @@ def met_material(system: System, tie: Tie, x: FloatArray) -> tuple[IntArray, Flo
     place[nodes] = np.arange(len(nodes))
     faces = place[outer_triangles(tied, nodes)]
     what = f"tie of '{tie.nodes}' on '{tie.on}'"
-    return tie.transfer.weights(local, faces, system.mesh_of(tie.on), largest_distance(tie, local), what)
+    return tie.transfer.weights(local, faces, system.mesh_of(tie.on), largest_distance(system, tie), what)
 
 
 def modal_ties(
@@ -48,6 +89,25 @@ def modal_ties(
         tuple(_tie(system, tie, frames) for tie in between),
         tuple((order.index(tie.nodes.body), order.index(tie.on)) for tie in between),
     )
+
+
+def check_modal_ties(
+    system: System,
+    ties: tuple[ModalTie, ...],
+    pairs: tuple[tuple[int, int], ...],
+    frames: Mapping[str, ModalFrame],
+    states: Sequence[FrameState],
+) -> None:
+    """Raise ModelError for ties of `modal_ties` that are open at the start, or open at once."""
+    between = [tie for tie in system.ties if tie.nodes.body in frames]
+    for tie, own, pair in zip(between, ties, pairs, strict=True):
+        sides = [states[number] for number in pair]
+        # Combinations of n nodes have unit norm: sqrt(n) times a displacement of all.
+        share = 1 / np.sqrt(len(system.node_numbers(tie.nodes)))
+        gap = np.abs(np.asarray(tied_gap(own, *sides))).max()
+        check_positions(tie, float(share * gap / own.per_arm), largest_distance(system, tie))
+        one, two = (share * np.asarray(each) for each in tied_rates(own, *sides))
+        check_velocities(tie, one, two, APART)
 
 
 def _tie(system: System, tie: Tie, frames: Mapping[str, ModalFrame]) -> ModalTie:

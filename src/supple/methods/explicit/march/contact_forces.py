@@ -1,6 +1,8 @@
-"""Force of each contact on its nodes at one instant: the sum of its penalties, and its point of action."""
+"""Forces of contacts at one instant, their points of action, and the energy stored in penalties."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import jax.numpy as jnp
 from jax import Array
@@ -10,7 +12,7 @@ from supple.methods.explicit.march.march_model import MarchModel, MarchState, Me
 from supple.methods.explicit.march.nodal_forces import penalty
 from supple.methods.explicit.march.touching_surface import projected, pushes
 
-__all__ = ["march_contact_forces"]
+__all__ = ["contact_energy", "march_contact_forces"]
 
 
 def march_contact_forces(model: MarchModel, methods: Methods, state: MarchState) -> Array:
@@ -20,24 +22,37 @@ def march_contact_forces(model: MarchModel, methods: Methods, state: MarchState)
     position is the mean of the nodes.
     """
     found: dict[int, Array] = {}
-
-    def add(number: int, push: Array, x: Array) -> None:
+    for number, push, x, _ in _pushes(model, methods, state):
         size = jnp.sqrt((push * push).sum(axis=0))
         share = jnp.where(size.sum() > 0, size, 1.0)
         place = (share * x).sum(axis=1) / share.sum()
         found[number] = jnp.concatenate([push.sum(axis=1), place])
+    if not found:
+        return jnp.zeros((0, 6))
+    return jnp.stack([found[number] for number in range(len(found))])
 
+
+def contact_energy(model: MarchModel, methods: Methods, state: MarchState) -> Array:
+    """Energy stored in all penalties at an instant, J."""
+    own = (0.5 * jnp.sum(push * push / k) for _, push, _, k in _pushes(model, methods, state))
+    return sum(own, jnp.zeros(()))
+
+
+def _pushes(
+    model: MarchModel, methods: Methods, state: MarchState
+) -> Iterator[tuple[int, Array, Array, Array]]:
+    """Number of each contact, forces (3, n) on its nodes, their positions (3, n) and stiffness (n,)."""
     for touching, number in zip(model.touching, methods.obstacle_of, strict=True):
         x = state.x[:, touching.nodes]
-        add(number, penalty(methods.obstacles[number], state.obstacles[number], touching, x), x)
+        push = penalty(methods.obstacles[number], state.obstacles[number], touching, x)
+        yield number, push, x, touching.stiffness
     for arrays, own, numbers in zip(model.frames, state.frames, methods.frame_obstacles, strict=True):
         for touching, number in zip(arrays.touching, numbers, strict=True):
             assert touching.weights is not None
             assert touching.shapes is not None
             x = material_points(touching.weights, touching.shapes, own.p, own.y).T
-            add(number, penalty(methods.obstacles[number], state.obstacles[number], touching, x), x)
+            push = penalty(methods.obstacles[number], state.obstacles[number], touching, x)
+            yield number, push, x, touching.stiffness
     for number, surface in enumerate(model.surfaces, len(methods.obstacles)):
-        add(number, pushes(surface, projected(surface, state.x)), state.x[:, surface.nodes])
-    if not found:
-        return jnp.zeros((0, 6))
-    return jnp.stack([found[number] for number in range(len(found))])
+        push = pushes(surface, projected(surface, state.x))
+        yield number, push, state.x[:, surface.nodes], surface.stiffness

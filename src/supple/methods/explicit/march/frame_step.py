@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple, TypeVar
 
+import jax
 import jax.numpy as jnp
 from jax import Array
 
@@ -27,7 +28,7 @@ from supple.methods.explicit.projected_difference import ProjectedDifference
 
 T = TypeVar("T")
 
-__all__ = ["FrameStep", "frame_step", "joining_rows", "tied_positions"]
+__all__ = ["FrameStep", "frame_step", "joining_rows", "tied_positions", "tied_velocities"]
 
 
 class FrameStep(NamedTuple):
@@ -163,6 +164,13 @@ def _gaps(
 def tied_positions(arrays: FrameArrays, frame: FrameState) -> Array:
     """Positions (3, n) of the explicit nodes tied to a frame."""
     return material_points(arrays.weights, arrays.shapes, frame.p, frame.y).T
+
+
+def tied_velocities(arrays: FrameArrays, frame: FrameState) -> Array:
+    """Velocities (3, n) of the explicit nodes tied to a frame."""
+    by_rates = jnp.zeros_like(frame.vp), jnp.zeros_like(frame.vy)
+    rates = FrameState(frame.vp, frame.vy, *by_rates)
+    return jax.jvp(lambda at: tied_positions(arrays, at), (frame,), (rates,))[1]
 
 
 def _works(

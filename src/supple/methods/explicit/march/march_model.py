@@ -154,7 +154,8 @@ class MarchState(NamedTuple):
     x, v : (3, N);   forces : (4, 3, N) internal, hourglass, contact, external, at t_n
     blocks : state of each block
     smallest : smallest det F of remaining elements since the start
-    obstacle_forces : (o, 3) forces of explicit nodes on obstacles at t_n;   initial : energy at the start, J
+    obstacle_forces : (o, 3) forces of explicit nodes on obstacles at t_n
+    initial : energy at the start, J;   largest : energy of the run, the largest at an output time so far, J
     ratio_bound : largest number of element steps in one frame step, limited by the interface loss
     control : state of the controllers; None without controllers
     ratio_wait : output times before a larger ratio is tried;   ratio_patience : wait after a repetition
@@ -173,6 +174,7 @@ class MarchState(NamedTuple):
     obstacle_forces: Array
     energies: Energies
     initial: Array
+    largest: Array
     ratio_bound: Array
     ratio_wait: Array
     ratio_patience: Array

@@ -14,6 +14,7 @@ from jax import Array, lax
 from supple.equations.compiler_options import STARTING
 from supple.equations.control_force import stepped
 from supple.methods.explicit.frame_invariants import step_kinetic_energy
+from supple.methods.explicit.march.contact_forces import contact_energy
 from supple.methods.explicit.march.element_block import ElementInstant
 from supple.methods.explicit.march.frame_forces import frame_states, gravity_at
 from supple.methods.explicit.march.frame_step import frame_step, tied_positions
@@ -141,9 +142,15 @@ def _begun(model: MarchModel, methods: Methods, state: MarchState) -> MarchState
     at = ElementInstant(state.x, jnp.zeros_like(state.x), jnp.ones(()), state.turning.triads)
     out = explicit_forces(model, methods, state.time, at, state.blocks, state.obstacles)
     turning = state.turning._replace(moments=out.moments)
-    initial = kinetic(model, state) + state.energies.internal
+    pressed = contact_energy(model, methods, state)
+    initial = kinetic(model, state) + state.energies.internal + pressed
     return state._replace(
-        forces=out.forces, obstacle_forces=out.on_obstacles, turning=turning, initial=initial
+        forces=out.forces,
+        obstacle_forces=out.on_obstacles,
+        turning=turning,
+        energies=state.energies._replace(contact=pressed),
+        initial=initial,
+        largest=jnp.abs(initial),
     )
 
 

@@ -24,7 +24,7 @@ class Spins(NamedTuple):
 class TriadState(NamedTuple):
     """State of r triads.
 
-    triads : (3, 3, r) rotations from the mesh to space, at t_n
+    triads : (3, 3, r) rotations since the start, at t_n
     rates : (3, r) angular velocities in space over the step before, rad/s;   moments : (3, r) at t_n, N m
     """
 
