@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import jax
 import numpy as np
 import pytest
 from fixtures.beam_lines import beam_line, straight
@@ -20,6 +21,7 @@ from supple.integrate import (
 )
 from supple.machine import (
     Ball,
+    Bushing,
     ConstantRate,
     DeadForce,
     DeadTorque,
@@ -30,6 +32,7 @@ from supple.machine import (
     PrescribedRotation,
     Revolute,
     System,
+    TorsionSpringDamper,
     Universal,
 )
 from supple.methods.intrinsic import (
@@ -42,6 +45,7 @@ from supple.methods.intrinsic import (
 )
 from supple.methods.intrinsic.chosen_step import with_chosen_step
 from supple.methods.intrinsic.expansion import expansion_of_stations
+from supple.methods.intrinsic.machine_loads import machine_loads
 from supple.simulation import equilibrium, simulate
 
 SOFT = {"EA": 1e4, "EI": 1.0, "GJ": 1.0, "mass_per_length": 1.0, "radius": 0.05}
@@ -429,3 +433,20 @@ def test_residual_modes_are_found_where_few_of_many_are_kept():
     kept, all_modes = (body.positions(simulate(system, run).bodies["beam"])[-1] for run in runs)
     assert np.abs(all_modes - body.nodes).max() > 0.4
     assert np.abs(kept - all_modes).max() < 0.02
+
+
+def test_loads_on_a_body_that_has_moved_are_those_of_its_assembly():
+    """After an equilibrium, or at a later start, springs do not relax and forces do not turn back."""
+    placed = Placed(beam(FREE, n=4, n_modes=4), position=[1.0, 0, 0])
+    turned = Rotation.from_euler("y", 0.4).as_matrix()
+    loads = [
+        FollowerForce(first="beam.tip", force=(0, 0, 1.0)),
+        TorsionSpringDamper(first="ground", second="beam.root", axis=(0, 1, 0), stiffness=1.0),
+        Bushing(first="beam.tip", second="ground", stiffness=np.eye(6)),
+    ]
+    before, after = (
+        jax.tree.leaves(machine_loads(System([each], loads=loads)))
+        for each in (placed, placed.moved_to(np.array([3.0, 0, 1.0]), turned))
+    )
+    for one, other in zip(before, after, strict=True):
+        assert other == pytest.approx(one, abs=1e-12)
