@@ -12,7 +12,11 @@ from supple.integrate import Solution
 from supple.machine import System
 from supple.methods.intrinsic.complete_motion import intrinsic_of, with_modes
 from supple.methods.intrinsic.intrinsic_body import body_of
-from supple.methods.intrinsic.truncation_error import TruncationError, truncation_error
+from supple.methods.intrinsic.truncation_error import (
+    TruncationError,
+    check_without_controllers,
+    truncation_error,
+)
 
 __all__ = ["enough_modes"]
 
@@ -59,6 +63,7 @@ def enough_modes(
         raise ModelError(f"a truncation tolerance must be between 0 and 1, not {tolerance}")
     if first < 1:
         raise ModelError(f"a search for the number of modes starts at 1 or more, not {first}")
+    check_without_controllers(system)
     names = [placed.body.name for placed in intrinsic_of(system)] if bodies is None else bodies
 
     def of(number: int | None) -> System:

@@ -87,9 +87,11 @@ def truncation_error(
     system, solution : a machine with intrinsic bodies, and its run
     whole : bodies with more modes, matched by name; needed for bodies without `complete`
 
-    Raises ModelError where no intrinsic body has more modes than are retained.
+    Raises ModelError where no intrinsic body has more modes than are retained, and for machines with
+    controllers.
     Source: [Wang2015] (37), as an error estimate.
     """
+    check_without_controllers(system)
     by_name = {body.name: body for body in whole}
     lines = intrinsic_of(system)
     bodies = {p.body.name: _with_whole(body_of(p), by_name.get(p.body.name)) for p in lines}
@@ -125,6 +127,16 @@ def truncation_error(
             length=float(np.linalg.norm(np.ptp(body.line.tree.points, axis=0))),
         )
     return found
+
+
+def check_without_controllers(system: System) -> None:
+    """Raise ModelError for a machine with controllers: their forces during a run are not stored."""
+    if system.controllers:
+        raise ModelError(
+            f"controller '{system.controllers[0].name}': the truncation error of machines with controllers "
+            "cannot be estimated, because the forces of controllers are not stored: compare with a run with "
+            "more modes"
+        )
 
 
 def _with_whole(own: IntrinsicBody, given: IntrinsicBody | None) -> IntrinsicBody:
