@@ -314,6 +314,8 @@ def test_what_intrinsic_bodies_cannot_do_is_refused_with_the_remedy():
         System([Placed(body, velocity=[1.0, 0, 0])], [CLAMP]), "initial velocity that its root cannot have"
     )
     refused(alone, "of them rigid|unstable", method=ResidualRungeKutta4(6), step=FixedStep(0.1))
+    free = System([beam(FREE, n_modes=6)])
+    refused(free, "3 modes kept, 6 of them rigid", method=ResidualRungeKutta4(3), step=None)
 
 
 def test_bodies_in_floating_frames_refuse_rules_of_first_order():

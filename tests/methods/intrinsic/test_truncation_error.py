@@ -127,7 +127,7 @@ def test_the_drift_of_a_free_body_is_that_of_its_centre_of_mass():
 
 def line_on(name, make):
     line = beam_line(straight(1.0, 4), name=name, EA=1e4, EI=1.0, GJ=1.0, mass_per_length=1.0, radius=0.05)
-    return released(make(intrinsic_body(line, CLAMPED, damping=ModalDamping(0.5))))
+    return released(make(intrinsic_body(line, CLAMPED, damping=ModalDamping(0.1))))
 
 
 def on_a_hub(make):
