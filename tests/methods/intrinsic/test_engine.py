@@ -30,6 +30,7 @@ from supple.machine import (
     FollowerTorque,
     Placed,
     PrescribedRotation,
+    PrescribedTranslation,
     Revolute,
     System,
     TorsionSpringDamper,
@@ -46,6 +47,7 @@ from supple.methods.intrinsic import (
 from supple.methods.intrinsic.chosen_step import with_chosen_step
 from supple.methods.intrinsic.expansion import expansion_of_stations
 from supple.methods.intrinsic.machine_loads import machine_loads
+from supple.methods.intrinsic.machine_of_lines import machine_of_lines
 from supple.simulation import equilibrium, simulate
 
 SOFT = {"EA": 1e4, "EI": 1.0, "GJ": 1.0, "mass_per_length": 1.0, "radius": 0.05}
@@ -452,3 +454,21 @@ def test_loads_on_a_body_that_has_moved_are_those_of_its_assembly():
     )
     for one, other in zip(before, after, strict=True):
         assert other == pytest.approx(one, abs=1e-12)
+
+
+def test_the_moment_of_a_joint_on_the_ground_is_about_the_point_of_the_ground():
+    """A beam carried 1 m along a slide, at rest: its weight of 1 N acts at 1.5 m from there."""
+    body = beam(CLAMPED, n=4, n_modes=None)
+    slide = PrescribedTranslation(
+        first="beam.root", second="ground", axis=(1, 0, 0), displacement=-1.0, name="slide"
+    )
+    machine = machine_of_lines(System([body], [slide]), 0.0)
+    own = np.array([[[0, 0, 1.0, 0, -0.5, 0]]])  # on the root
+    moved = machine.motions(
+        np.zeros(1), tuple(jax.tree.map(lambda leaf: np.asarray(leaf)[None], machine.start))
+    )
+    assert moved["beam"].position[0] == pytest.approx([1.0, 0, 0])
+    found = machine.joint_forces(own, moved)["slide"][0]
+    at = slide.initial_axes
+    assert at @ found[:3] == pytest.approx([0, 0, -1.0])
+    assert at @ found[3:] == pytest.approx([0, 1.5, 0])
