@@ -358,6 +358,8 @@ def test_supports_say_what_is_wrong_with_them():
         RootSupport(np.ones((6, 2)))
     with pytest.raises(ModelError, match=r"array \(6, k\)"):
         RootSupport(np.ones((3, 2)))
+    with pytest.raises(ModelError, match="must be finite"):
+        RootSupport(np.full((6, 1), np.nan))
     with pytest.raises(ModelError, match="three finite numbers"):
         sliding((0, 0, 0))
     with pytest.raises(ModelError, match="interface 'middle' is at station 99"):

@@ -178,8 +178,8 @@ class IntrinsicBody(FormDefaults, Summarized):
         whole = self.complete or self
         if not 0 < n_modes <= whole.n_coordinates:
             raise ModelError(
-                f"body '{self.name}': {n_modes} elastic modes requested; it has only "
-                f"{whole.n_coordinates} with mass"
+                f"body '{self.name}': {n_modes} elastic modes requested: request 1 to "
+                f"{whole.n_coordinates}, the number of its modes with mass"
             )
         shapes = second_order_shapes(whole.modes, n_modes)
         if shapes.shape[1] == whole.n_coordinates:

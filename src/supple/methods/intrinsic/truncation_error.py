@@ -27,6 +27,9 @@ INSTANTS = 8
 STIFF = 1e-3
 """Smallest deflection by which the drift is divided, relative to the length."""
 
+ROUNDING = 1e-9
+"""Smallest deflection by which changes of places are divided, relative to the length; less is round-off."""
+
 
 @dataclass(frozen=True, eq=False)
 class TruncationError:
@@ -55,9 +58,12 @@ class TruncationError:
 
     @property
     def largest(self) -> float:
-        """Larger of `places` / deflection (0 for none) and `drift` / max(deflection, `STIFF` * length)."""
+        """Larger of `places` and `drift`, relative to the deflection.
+
+        The deflection is at least `ROUNDING` * length for `places`, and `STIFF` * length for `drift`.
+        """
         size = float(self.places.max(initial=0.0))
-        of_places = size / self.deflection if self.deflection else 0.0
+        of_places = size / max(self.deflection, ROUNDING * self.length)
         return max(of_places, self.drift / max(self.deflection, STIFF * self.length))
 
 
