@@ -331,6 +331,7 @@ def _joint_groups(system: System, places: _BodyPlaces) -> tuple[JointGroup, ...]
             JointGroup(
                 constraint=type(joint).constraint,
                 rows=Places(tuple(row for _, row, _, _ in group), joint.n_constraints),
+                of_positions=tuple(row.startswith("position") for row in joint.rows),
                 law=_stacked_laws([own.law for own, _, _, _ in group]),
                 first=_ends(places, [first for _, _, first, _ in group]),
                 second=_ends(places, [second for _, _, _, second in group]),
