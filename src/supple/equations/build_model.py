@@ -47,6 +47,7 @@ from supple.reduction.condensed_inertia import condensed_gram
 
 __all__ = [
     "build_model",
+    "check_apart",
     "force_group_of",
     "initial_points",
     "is_on_full_nodes",
@@ -344,7 +345,7 @@ def _force_groups(
     system: System, loads: Sequence[ForceElement], places: _BodyPlaces
 ) -> tuple[ForceGroup, ...]:
     for load in loads:
-        _check_apart(system, load)
+        check_apart(system, load)
     assembled = [load.assembled(*initial_points(system, load)) for load in loads]
     found = [(load, *_both_ends(system, load)) for load in assembled]
 
@@ -422,7 +423,8 @@ def force_group_of(system: System, element: ForceElement) -> ForceGroup:
     return group
 
 
-def _check_apart(system: System, load: ForceElement) -> None:
+def check_apart(system: System, load: ForceElement) -> None:
+    """Raise ModelError for a force element along a line whose ends coincide at assembly."""
     first, second = initial_points(system, load)
     if load.acts_along_line and np.array_equal(first, second):
         raise ModelError(

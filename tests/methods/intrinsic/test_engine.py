@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from fixtures.beam_lines import beam_line, straight
@@ -32,6 +33,7 @@ from supple.machine import (
     PrescribedRotation,
     PrescribedTranslation,
     Revolute,
+    SpringDamper,
     System,
     TorsionSpringDamper,
     Universal,
@@ -308,6 +310,10 @@ def test_what_intrinsic_bodies_cannot_do_is_refused_with_the_remedy():
         System([body], [tip]), r"acts on station 8 .*place released\(body\), which supports joints at any"
     )
     refused(System([body], [CLAMP, tip]), r"has 2 joints.*place released\(body\)")
+    sprung = SpringDamper(first="ground", second="beam.tip", anchor=(1.0, 0, 0), stiffness=1.0)
+    refused(System([body], [CLAMP], [sprung]), "both ends start at")
+    driven = PrescribedRotation(first="ground", second="beam.root", axis=(0, 0, 1), angle=jnp.sqrt)
+    refused(System([body], [driven]), "law of the joint at its root has no finite value or rate")
     universal = Universal(first="ground", second="beam.root", first_axis=(1, 0, 0), second_axis=(0, 1, 0))
     refused(System([body], [universal]), "Universal joint has free directions")
     hub = RigidBody("hub", 1.0, np.zeros(3), np.eye(3), {"centre": np.zeros(3)})

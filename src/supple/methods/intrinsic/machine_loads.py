@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from supple.equations.build_model import initial_points
+from supple.equations.build_model import check_apart, initial_points
 from supple.errors import ModelError
 from supple.machine import (
     GROUND,
@@ -34,7 +34,10 @@ __all__ = ["machine_loads"]
 
 
 def machine_loads(system: System) -> tuple[StationLoad, ...]:
-    """The loads, and gravity, of a machine of intrinsic bodies; ModelError for two base accelerations."""
+    """The loads, and gravity, of a machine of intrinsic bodies.
+
+    Raises ModelError for two base accelerations, and for a force along a line whose ends coincide.
+    """
     numbers = {placed.body.name: number for number, placed in enumerate(system.bodies)}
     bases = [load.law for load in system.loads if isinstance(load, BaseAcceleration)]
     if len(bases) > 1:
@@ -80,6 +83,7 @@ def _follower(
 
 
 def _element(system: System, numbers: Mapping[str, int], load: ForceElement) -> StationElement:
+    check_apart(system, load)
     points = initial_points(system, load)
     element = load.assembled(*points)
 

@@ -133,6 +133,11 @@ def line_start(placed: Placed, drive: RootDrive | None, time: float) -> LineStat
     body = body_of(placed)
     q2 = np.asarray(body.forces_of(placed.coordinates))
     driven = np.zeros(6) if drive is None else np.asarray(drive.twist(time).twist)
+    if not np.isfinite(driven).all():
+        raise ModelError(
+            f"body '{body.name}': the law of the joint at its root has no finite value or rate at the start: "
+            "write it without a division by zero there"
+        )
     own = rigid_motion(body, q2) @ _root_twist(placed, driven) - body.line.twists @ driven
     q1 = amplitudes_of(body, own)
     q1[body.modes.n_rigid :] += placed.coordinate_rates
