@@ -8,7 +8,15 @@ from fixtures.beam_lines import beam_line, straight
 from supple.body import FullBody, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
 from supple.equations import joint_residuals
 from supple.fem import BeamSection, Isotropic, shell_model
-from supple.integrate import AdaptiveStep, FixedStep, GeneralizedAlpha, Run
+from supple.integrate import (
+    AdaptiveStep,
+    FixedStep,
+    FloatingMotion,
+    GeneralizedAlpha,
+    Run,
+    Solution,
+    Statistics,
+)
 from supple.linearization import linearize, machine_modes
 from supple.machine import (
     Controller,
@@ -24,6 +32,8 @@ from supple.machine import (
 )
 from supple.mesh import CellType, Mesh
 from supple.methods.intrinsic import CLAMPED, intrinsic_body, released
+from supple.methods.intrinsic.complete_motion import joined_instants
+from supple.methods.intrinsic.joined_machine import joined_machine
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 from supple.simulation import assemble, equilibrium, simulate
 
@@ -111,6 +121,31 @@ def test_it_rests_and_vibrates_as_with_a_reduced_body_in_the_place_of_the_full_o
     assert np.linalg.norm(found.joint_forces["pin"][:3]) == pytest.approx(weight, rel=1e-9)
     modes = [machine_modes(linearize(machine, fulls=()), 8).frequencies for machine in (mixed, other)]
     assert modes[0] == pytest.approx(modes[1], rel=1e-7)
+
+
+def test_the_truncation_error_sees_a_full_body_by_the_motions_of_its_interfaces():
+    """They are its coordinates in the model of joints, also before those of the bodies after it."""
+    system = pendulum(full=True)
+    rng = np.random.default_rng(0)
+    bodies = {}
+    for placed in system.bodies[1:]:
+        vectors, turns, own = (
+            np.zeros((1, 3)),
+            np.eye(3)[None],
+            rng.normal(size=(1, placed.body.n_coordinates)),
+        )
+        bodies[placed.body.name] = FloatingMotion(
+            vectors, turns, own, vectors, vectors, 2 * own, *[vectors] * 3
+        )
+    forces = {joint.name: np.zeros((1, joint.n_constraints)) for joint in system.joints}
+    solution = Solution(np.zeros(1), bodies, {}, Statistics(), multipliers=forces)
+    machine = joined_machine(system, 0.0)
+    now, _ = joined_instants(machine, solution, np.zeros(1), ())
+    arm, left = system.bodies[2].body, bodies["left"].coordinates
+    ends = [bodies["arm"].coordinates @ end.motion.T for end in arm.interfaces]
+    assert now.floating.coordinates == pytest.approx(np.hstack([*ends, left]))
+    assert now.velocity.shape[1] == machine.arrays.n_floating
+    assert now.velocity[:, -left.size :] == pytest.approx(2 * left)
 
 
 @pytest.mark.slow

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
+from supple.body import RigidBody
 from supple.equations import joint_closure
 from supple.equations.consistent_start import independent_constraints
 from supple.errors import ConvergenceError, ModelError, RedundantConstraintWarning, StartWarning
@@ -23,6 +26,7 @@ from supple.machine import (
     System,
 )
 from supple.methods.floating.compiled.engine import initial_state
+from supple.simulation import assemble
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +54,41 @@ def test_small_gaps_are_closed(chain):
         _, state = initial_state(moved(chain, 1, position=[1.5001, 0, 0]), 0.0, 1e-3)
     origins = np.asarray(state.configuration.origins)
     np.testing.assert_allclose(origins, [[0.5, 0, 0], [1.5, 0, 0]], atol=1e-12)
+
+
+def test_joints_of_a_machine_of_a_tenth_of_a_millimetre_are_closed():
+    """Its lengths round off at 1e-20, but its angles at 1e-16."""
+    size, turn = 1e-4, Rotation.random(rng=np.random.default_rng(1)).as_matrix()
+    ends = {"left": [-size, 0, 0], "right": [size, 0, 0]}
+    bodies = [
+        Placed(
+            RigidBody(name, 1.0, np.zeros(3), size**2 * np.diag([1, 1.2, 1.3]), ends),
+            position=turn @ [shift, 0, 0],
+            rotation=turn,
+        )
+        for name, shift in (("a", 0.0), ("b", 2 * size))
+    ]
+    hinge = Revolute(first="ground", second="a.left", axis=tuple(turn[:, 2]), name="hinge")
+    weld = Fixed(first="a.right", second="b.left", name="weld")
+    model, state = initial_state(System(bodies, [hinge, weld]), 0.0, 1e-3)
+    assert len(model.active) == 11
+    assert np.asarray(state.configuration.origins) == pytest.approx(
+        np.array([placed.position for placed in bodies]), abs=1e-15
+    )
+    size = model.length
+    lengths = model.as_lengths(np.ones(11))
+    assert lengths == pytest.approx([1, 1, 1, size, size, 1, 1, 1, size, size, size])
+
+
+@pytest.mark.parametrize(("law", "what"), [(lambda t: jnp.sin(t) / t, "value"), (jnp.sqrt, "rate")])
+def test_a_law_that_is_not_finite_at_the_start_is_refused(rod, law, what):
+    hub = PrescribedRotation(first="ground", second="a.left", axis=(0, 0, 1), angle=law, name="hub")
+    system = System([Placed(rod("a", 1.0), position=[0.5, 0, 0])], [hub])
+    with pytest.raises(ModelError, match=f"joint 'hub': its law has no finite {what} at the start"):
+        initial_state(system, 0.0, 1e-3)
+    if what == "value":
+        with pytest.raises(ModelError, match="joint 'hub': its law has no finite value"):
+            assemble(system)
 
 
 def test_velocities_are_made_to_fit(chain):

@@ -48,6 +48,7 @@ from supple.value_content import UserFunction
 
 __all__ = [
     "build_model",
+    "check_apart",
     "force_group_of",
     "initial_points",
     "is_on_full_nodes",
@@ -332,6 +333,7 @@ def _joint_groups(system: System, places: _BodyPlaces) -> tuple[JointGroup, ...]
             JointGroup(
                 constraint=type(joint).constraint,
                 rows=Places(tuple(row for _, row, _, _ in group), joint.n_constraints),
+                of_positions=tuple(row.startswith("position") for row in joint.rows),
                 law=_stacked_laws([own.law for own, _, _, _ in group]),
                 first=_ends(places, [first for _, _, first, _ in group]),
                 second=_ends(places, [second for _, _, _, second in group]),
@@ -344,7 +346,7 @@ def _force_groups(
     system: System, loads: Sequence[ForceElement], places: _BodyPlaces
 ) -> tuple[ForceGroup, ...]:
     for load in loads:
-        _check_apart(system, load)
+        check_apart(system, load)
     assembled = [load.assembled(*initial_points(system, load)) for load in loads]
     found = [(load, *_both_ends(system, load)) for load in assembled]
 
@@ -423,7 +425,8 @@ def force_group_of(system: System, element: ForceElement) -> ForceGroup:
     return group
 
 
-def _check_apart(system: System, load: ForceElement) -> None:
+def check_apart(system: System, load: ForceElement) -> None:
+    """Raise ModelError for a force element along a line whose ends coincide at assembly."""
     first, second = initial_points(system, load)
     if load.acts_along_line and np.array_equal(first, second):
         raise ModelError(

@@ -17,7 +17,7 @@ import scipy.linalg
 
 from supple.equations.build_model import row_scales
 from supple.equations.configuration import Configuration
-from supple.equations.joint_closure import joints_closed, row_labels
+from supple.equations.joint_closure import check_joints_finite, joints_closed, row_labels
 from supple.equations.machine_model import Model
 from supple.equations.singular_start import check_redundant_nearby, neighbours
 from supple.equations.start_change import StartChange, StartEnergies
@@ -53,9 +53,10 @@ def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
 
     Raises
     ------
-    ModelError          a constraint residual above a thousandth (of the size, or in rad); joints that
-                        contradict each other; a mechanism at a singular position (dead point); friction that
-                        depends on the multiplier of a redundant equation
+    ModelError          a law of a joint without a finite value at the start; a constraint residual above a
+                        thousandth (of the size, or in rad); joints that contradict each other; a mechanism at
+                        a singular position (dead point); friction that depends on the multiplier of a
+                        redundant equation
     ConvergenceError    joints that cannot be closed
 
     Warns
@@ -65,6 +66,7 @@ def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
     every, system = machine, machine.system
     configuration, velocity = placed_configuration(system), placed_velocity(system)
     terms = machine.joint_terms(time, configuration, velocity)
+    check_joints_finite(system, terms.residual, terms.rate)
     _check_joints_closed(system, machine.model, terms.residual)
     gaps = terms.residual
     active = independent_constraints(system, terms.jacobian, machine.metric(configuration))

@@ -8,10 +8,10 @@ from supple.equations.build_model import row_scales
 from supple.equations.configuration import Configuration
 from supple.equations.starting_machine import JointTerms, StartingMachine
 from supple.equations.step_size import position_rounding
-from supple.errors import ConvergenceError
+from supple.errors import ConvergenceError, ModelError
 from supple.machine import System
 
-__all__ = ["joints_assembled", "joints_closed", "row_labels"]
+__all__ = ["check_joints_finite", "joints_assembled", "joints_closed", "row_labels"]
 
 _LARGEST_TURN = 0.3
 """Largest component of a body's rotation (rad), and of its translation over the machine's size, in an
@@ -32,7 +32,8 @@ def joints_closed(
     largest, before = 0.0, np.inf
     for _ in range(20):
         terms = machine.joint_terms(time, configuration, velocity)
-        largest = float(np.max(abs(terms.residual), initial=0.0))
+        gaps = machine.model.as_lengths(np.asarray(terms.residual))
+        largest = float(np.max(abs(gaps), initial=0.0))
         rounding = machine.model.length * float(
             position_rounding(machine.model.length, configuration.origins)
         )
@@ -89,6 +90,7 @@ def joints_assembled(machine: StartingMachine, time: float, configuration: Confi
 
     Raises
     ------
+    ModelError          a law without a finite value at this time
     ConvergenceError    joints cannot be closed; the message names the worst one and its residual
     """
     system, length = machine.system, float(machine.model.length)
@@ -97,6 +99,7 @@ def joints_assembled(machine: StartingMachine, time: float, configuration: Confi
     left = np.array([np.inf])
     for _ in range(_MOST_ITERATIONS):
         terms = machine.joint_terms(time, configuration, still)
+        check_joints_finite(system, terms.residual, terms.rate)
         before, left = np.max(abs(left), initial=0.0), np.asarray(terms.residual) / scales
         largest = np.max(abs(left), initial=0.0)
         if (largest <= _UNCLOSED and largest > 0.1 * before) or not largest:
@@ -111,6 +114,18 @@ def joints_assembled(machine: StartingMachine, time: float, configuration: Confi
         f"{abs(left[worst]) * scales[worst]:.3g} after {_MOST_ITERATIONS} iterations. Correct lengths and "
         "positions of the bodies; a law must begin with a value that they can reach"
     )
+
+
+def check_joints_finite(system: System, residuals: np.ndarray, rates: np.ndarray) -> None:
+    """Raise ModelError for a law of a joint whose value or rate is not finite, such as sin(t) / t at 0."""
+    for joint in (each for each in system.joints if each.law is not None):
+        rows = system.constraint_slices[joint.name]
+        for what, values in (("value", residuals[rows]), ("rate", rates[rows])):
+            if not np.isfinite(values).all():
+                raise ModelError(
+                    f"joint '{joint.name}': its law has no finite {what} at the start: write it without a "
+                    "division by zero there, for example jnp.sinc(t / jnp.pi) instead of jnp.sin(t) / t"
+                )
 
 
 def row_labels(system: System) -> list[str]:

@@ -110,6 +110,8 @@ class JointGroup:
     constraint: Callable[..., Any] = field(metadata=STATIC)
     rows: Places = field(metadata=STATIC)
     """Numbers of the constraint equations, with the redundant ones"""
+    of_positions: tuple[bool, ...] = field(metadata=STATIC)
+    """Whether each equation of a joint is a length; the others are angles"""
     law: Any
     """Law with a leading axis on all its numbers, or None"""
     first: Ends
@@ -240,6 +242,17 @@ class Model:
     def n_velocities(self) -> int:
         """Length of the common velocity vector."""
         return sum(6 + r for r in self.sizes)
+
+    def as_lengths(self, residual: Any) -> Any:
+        """Residuals (m,) of the equations in use as lengths: in small machines, angles times the length.
+
+        In a machine smaller than the unit of length, the rounding error of an angle exceeds that of a length.
+        """
+        angles = np.zeros(self.n_equations, dtype=bool)
+        for group in self.joints:
+            angles[group.rows.index] = ~np.array(group.of_positions, dtype=bool)
+        of: Any = np if isinstance(residual, np.ndarray) else jnp
+        return residual * of.where(angles[list(self.active)], of.minimum(self.length, 1.0), 1.0)
 
     @property
     def reads_reactions(self) -> bool:

@@ -13,7 +13,7 @@ from supple.methods.explicit.method import explicit_method
 from supple.methods.intrinsic import IntrinsicBody
 from supple.reduction import ReducedBody
 from supple.simulation.engines import is_explicit
-from supple.storage.run_inputs import Inputs
+from supple.storage.run_inputs import ORDER_OF_CONTROLLERS, Inputs
 from supple.storage.value_bytes import bytes_of, digest_of_parts
 
 __all__ = ["description", "inputs_of"]
@@ -44,6 +44,8 @@ def inputs_of(system: System, run: Run, case: str) -> Inputs:
         f"load {i + 1}, {load.label}": digest_of_parts(bytes_of(load)) for i, load in enumerate(system.loads)
     }
     found |= {f"controller '{own.name}'": digest_of_parts(bytes_of(own)) for own in system.controllers}
+    if len(system.controllers) > 1:  # stored states are numbered
+        found[ORDER_OF_CONTROLLERS] = ", ".join(own.name for own in system.controllers)
     for item in ("ties", "contacts", "supports"):
         found |= {
             f"{item[:-1]} {number} of '{each.nodes}'": digest_of_parts(bytes_of(each))

@@ -10,6 +10,8 @@ from collections.abc import Mapping
 
 Inputs = Mapping[str, str]
 
+ORDER_OF_CONTROLLERS = "the order of the controllers"
+"""Name of an input that older files lack."""
 _DIGEST = "sha256:"
 _MOST_NAMED = 5
 
@@ -31,7 +33,7 @@ def _change(name: str, there: str | None, here: str | None) -> str:
     if there == here:
         return ""
     if there is None:
-        return f"{name} is new"
+        return "" if name == ORDER_OF_CONTROLLERS else f"{name} is new"
     if here is None:
         return f"{name} is missing now"
     if there.startswith(_DIGEST) or here.startswith(_DIGEST):

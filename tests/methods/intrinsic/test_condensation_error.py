@@ -11,6 +11,7 @@ from supple.methods.intrinsic import (
     CLAMPED,
     FREE,
     LoadPath,
+    NodeSetPath,
     accurate_condensation,
     condensation_error,
     condense,
@@ -48,3 +49,18 @@ def test_what_no_mesh_carries_is_an_error_with_what_was_reached(shells):
     body = condense(shells, LoadPath("root", "tip", 7), n_modes=4)
     with pytest.raises(ModelError, match="has 4 elastic modes"):
         condensation_error(shells, body, 5)
+
+
+def test_stations_enough_for_many_frequencies_are_taken(shells):
+    """7 stations have 36 modes only."""
+    found = accurate_condensation(shells, "root", "tip", tolerance=0.9, n_frequencies=40)
+    assert found.body.line.n == 13
+    assert len(found.error.exact) == 40
+
+
+def test_the_root_must_be_an_interface(shells):
+    along = shells.nodes[:, 0]
+    sets = [np.flatnonzero(np.abs(along - x) < 0.06) for x in (0.0, 0.5)]
+    body = condense(shells, NodeSetPath([*sets, "tip"]))
+    with pytest.raises(ModelError, match="first station is not an interface of the body"):
+        condensation_error(shells, body, 3)

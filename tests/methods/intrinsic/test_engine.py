@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from fixtures.beam_lines import beam_line, straight
@@ -20,6 +22,7 @@ from supple.integrate import (
 )
 from supple.machine import (
     Ball,
+    Bushing,
     ConstantRate,
     DeadForce,
     DeadTorque,
@@ -28,8 +31,11 @@ from supple.machine import (
     FollowerTorque,
     Placed,
     PrescribedRotation,
+    PrescribedTranslation,
     Revolute,
+    SpringDamper,
     System,
+    TorsionSpringDamper,
     Universal,
 )
 from supple.methods.intrinsic import (
@@ -42,6 +48,8 @@ from supple.methods.intrinsic import (
 )
 from supple.methods.intrinsic.chosen_step import with_chosen_step
 from supple.methods.intrinsic.expansion import expansion_of_stations
+from supple.methods.intrinsic.machine_loads import machine_loads
+from supple.methods.intrinsic.machine_of_lines import machine_of_lines
 from supple.simulation import equilibrium, simulate
 
 SOFT = {"EA": 1e4, "EI": 1.0, "GJ": 1.0, "mass_per_length": 1.0, "radius": 0.05}
@@ -302,6 +310,10 @@ def test_what_intrinsic_bodies_cannot_do_is_refused_with_the_remedy():
         System([body], [tip]), r"acts on station 8 .*place released\(body\), which supports joints at any"
     )
     refused(System([body], [CLAMP, tip]), r"has 2 joints.*place released\(body\)")
+    sprung = SpringDamper(first="ground", second="beam.tip", anchor=(1.0, 0, 0), stiffness=1.0)
+    refused(System([body], [CLAMP], [sprung]), "both ends start at")
+    driven = PrescribedRotation(first="ground", second="beam.root", axis=(0, 0, 1), angle=jnp.sqrt)
+    refused(System([body], [driven]), "law of the joint at its root has no finite value or rate")
     universal = Universal(first="ground", second="beam.root", first_axis=(1, 0, 0), second_axis=(0, 1, 0))
     refused(System([body], [universal]), "Universal joint has free directions")
     hub = RigidBody("hub", 1.0, np.zeros(3), np.eye(3), {"centre": np.zeros(3)})
@@ -310,6 +322,8 @@ def test_what_intrinsic_bodies_cannot_do_is_refused_with_the_remedy():
         System([Placed(body, velocity=[1.0, 0, 0])], [CLAMP]), "initial velocity that its root cannot have"
     )
     refused(alone, "of them rigid|unstable", method=ResidualRungeKutta4(6), step=FixedStep(0.1))
+    free = System([beam(FREE, n_modes=6)])
+    refused(free, "3 modes kept, 6 of them rigid", method=ResidualRungeKutta4(3), step=None)
 
 
 def test_bodies_in_floating_frames_refuse_rules_of_first_order():
@@ -350,6 +364,8 @@ def test_supports_say_what_is_wrong_with_them():
         RootSupport(np.ones((6, 2)))
     with pytest.raises(ModelError, match=r"array \(6, k\)"):
         RootSupport(np.ones((3, 2)))
+    with pytest.raises(ModelError, match="must be finite"):
+        RootSupport(np.full((6, 1), np.nan))
     with pytest.raises(ModelError, match="three finite numbers"):
         sliding((0, 0, 0))
     with pytest.raises(ModelError, match="interface 'middle' is at station 99"):
@@ -429,3 +445,38 @@ def test_residual_modes_are_found_where_few_of_many_are_kept():
     kept, all_modes = (body.positions(simulate(system, run).bodies["beam"])[-1] for run in runs)
     assert np.abs(all_modes - body.nodes).max() > 0.4
     assert np.abs(kept - all_modes).max() < 0.02
+
+
+def test_loads_on_a_body_that_has_moved_are_those_of_its_assembly():
+    """After an equilibrium, or at a later start, springs do not relax and forces do not turn back."""
+    placed = Placed(beam(FREE, n=4, n_modes=4), position=[1.0, 0, 0])
+    turned = Rotation.from_euler("y", 0.4).as_matrix()
+    loads = [
+        FollowerForce(first="beam.tip", force=(0, 0, 1.0)),
+        TorsionSpringDamper(first="ground", second="beam.root", axis=(0, 1, 0), stiffness=1.0),
+        Bushing(first="beam.tip", second="ground", stiffness=np.eye(6)),
+    ]
+    before, after = (
+        jax.tree.leaves(machine_loads(System([each], loads=loads)))
+        for each in (placed, placed.moved_to(np.array([3.0, 0, 1.0]), turned))
+    )
+    for one, other in zip(before, after, strict=True):
+        assert other == pytest.approx(one, abs=1e-12)
+
+
+def test_the_moment_of_a_joint_on_the_ground_is_about_the_point_of_the_ground():
+    """A beam carried 1 m along a slide, at rest: its weight of 1 N acts at 1.5 m from there."""
+    body = beam(CLAMPED, n=4, n_modes=None)
+    slide = PrescribedTranslation(
+        first="beam.root", second="ground", axis=(1, 0, 0), displacement=-1.0, name="slide"
+    )
+    machine = machine_of_lines(System([body], [slide]), 0.0)
+    own = np.array([[[0, 0, 1.0, 0, -0.5, 0]]])  # on the root
+    moved = machine.motions(
+        np.zeros(1), tuple(jax.tree.map(lambda leaf: np.asarray(leaf)[None], machine.start))
+    )
+    assert moved["beam"].position[0] == pytest.approx([1.0, 0, 0])
+    found = machine.joint_forces(own, moved)["slide"][0]
+    at = slide.initial_axes
+    assert at @ found[:3] == pytest.approx([0, 0, -1.0])
+    assert at @ found[3:] == pytest.approx([0, 1.5, 0])

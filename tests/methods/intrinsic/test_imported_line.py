@@ -113,6 +113,7 @@ def test_grids_hang_on_one_another_in_the_order_of_the_file_unless_paths_are_giv
         ([[40, 10, 20, 30], [77, 5]], "begins at grid 77, which is on no earlier path"),
         ([[40, 10, 20, 30, 10], [20, 5]], "grid 10 occurs twice"),
         ([[40]], "at least two grids"),
+        ([], "no load path is given"),
     ],
 )
 def test_paths_that_do_not_fit_are_named(tmp_path, tree, paths, message):

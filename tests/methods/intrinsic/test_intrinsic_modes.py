@@ -151,6 +151,15 @@ def test_a_station_that_hangs_loose_is_refused():
         intrinsic_modes(condensed_line("loose", line.tree.points, loose, line.mass), CLAMPED)
 
 
+def test_stations_that_rotate_freely_are_refused():
+    """Without any torsional stiffness a diagonal of the stiffness is zero."""
+    line = beam_line(straight(2.0, 4), **SECTION)
+    free = line.stiffness.copy()
+    free[3::6], free[:, 3::6] = 0, 0
+    with pytest.raises(ModelError, match="have no stiffness"):
+        intrinsic_modes(condensed_line("free", line.tree.points, free, line.mass), CLAMPED)
+
+
 @pytest.mark.parametrize("broken", ["velocities", "strains"])
 def test_modes_that_are_not_orthonormal_are_refused(broken):
     modes = intrinsic_modes(tree_line(), CLAMPED, 4)

@@ -7,7 +7,7 @@ from fixtures.beam_lines import beam_line, straight
 
 from supple.body import RigidBody
 from supple.errors import ModelError
-from supple.integrate import FixedStep, GeneralizedAlpha, Run
+from supple.integrate import FixedStep, GeneralizedAlpha, Run, Solution, Statistics
 from supple.machine import (
     Controller,
     EndReading,
@@ -20,7 +20,8 @@ from supple.machine import (
     System,
     TorqueBetween,
 )
-from supple.methods.intrinsic import CLAMPED, intrinsic_body, released
+from supple.methods.intrinsic import CLAMPED, enough_modes, intrinsic_body, released, truncation_error
+from supple.methods.intrinsic.report_truncation import report_truncation
 from supple.simulation import equilibrium, simulate
 
 HINGE = Revolute(first="ground", second="beam.root", axis=(0, 1, 0), name="hinge")
@@ -115,6 +116,21 @@ def test_controllers_ask_for_released_bodies():
         simulate(machine, RUN)
     with pytest.raises(ModelError, match=r"its modes belong to a supported root.*place released\(body\)"):
         equilibrium(machine)
+
+
+def test_a_controlled_run_with_few_modes_has_no_truncation_error():
+    """Forces of controllers during the run are unknown; the run itself is complete."""
+    few = released(intrinsic_body(beam_line(straight(1.0, 4), **STIFF), CLAMPED, 2))
+    own = SampledController(
+        reads={}, drives={"motor": MOTOR}, law=lambda *_: ({"motor": 0.1}, {}), every=0.05, name="servo"
+    )
+    machine = System([few], [HINGE], controllers=[own])
+    solution = Solution(np.zeros(1), {}, {}, Statistics(), multipliers={"hinge": np.zeros((1, 5))})
+    assert not report_truncation(machine, RUN, solution).truncation
+    with pytest.raises(ModelError, match=r"controller 'servo'.*forces of controllers are not stored"):
+        truncation_error(machine, solution)
+    with pytest.raises(ModelError, match="forces of controllers are not stored"):
+        enough_modes(machine, lambda _: solution, tolerance=1e-2)
 
 
 @pytest.mark.slow

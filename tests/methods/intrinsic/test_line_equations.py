@@ -14,11 +14,14 @@ from supple.methods.intrinsic import (
     CLAMPED,
     FREE,
     condensed_line,
+    intrinsic_body,
     intrinsic_modes,
     line_equations,
+    released,
     strain_integration,
 )
 from supple.methods.intrinsic.line_model import line_model
+from supple.methods.intrinsic.runge_kutta import linear_eigenvalues
 from supple.methods.intrinsic.strain_integration import rotation_of
 from supple_benchmarks.intrinsic import dense_couplings as dense
 
@@ -112,6 +115,25 @@ def test_modes_of_a_line_beyond_those_that_are_damped_are_not():
     d1, d2 = line_rates(line_model(modes, ModalDamping(0.02, n_modes=3)), q1, q2)
     expected = -(0.04 / modes.omega[6:9]) @ d2[:3] ** 2
     assert q1 @ d1 + q2 @ d2 == pytest.approx(float(expected), rel=1e-11)
+
+
+def test_modal_ratios_of_a_released_body_belong_to_the_modes_on_its_support():
+    """Equal velocities lose equal power."""
+    body = intrinsic_body(LINES[0](), CLAMPED, damping=ModalDamping([0.02, 0.05]))
+    free = released(body)
+    held = np.random.default_rng(2).standard_normal(body.modes.n_modes)
+    fields = [each.modes.velocities.reshape(6 * body.line.n, -1) for each in (body, free)]
+    moving = np.linalg.lstsq(fields[1], fields[0] @ held, rcond=None)[0]
+    powers = []
+    for model, q1 in ((body.model, held), (free.model, moving)):
+        d1, _ = line_rates(model, q1, np.zeros(body.n_coordinates))
+        powers.append(float(q1 @ d1))
+    assert powers[1] == pytest.approx(powers[0], rel=1e-9)
+    # A diagonal matrix of retardation times has the eigenvalues of its diagonal.
+    omega, decay = body.modes.omega, np.asarray(body.model.decay)
+    own = linear_eigenvalues(omega, decay, body.model.retardation)
+    as_matrix = linear_eigenvalues(omega, decay, np.diag(body.model.retardation))
+    assert np.sort_complex(as_matrix) == pytest.approx(np.sort_complex(own), rel=1e-9)
 
 
 def test_a_rigid_turn_of_a_bent_line_changes_no_strain_to_the_order_of_the_grid():

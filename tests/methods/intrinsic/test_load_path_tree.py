@@ -37,6 +37,7 @@ def test_ancestors_double_their_distance_until_all_have_reached_the_root():
         (POINTS, [0, 0, 1, 1, 3, 2], "must be its root"),
         (POINTS, [-1, 0], "6 stations needs 6"),
         (POINTS[:, :2], None, "points \\(n, 3\\)"),
+        (np.where(POINTS == POINTS[2], np.nan, POINTS), None, "station 0 .* is at .*nan.* finite numbers"),
         (POINTS[[0, 1, 1]], None, "between stations 1 and 2 has length 0"),
     ],
 )

@@ -99,7 +99,8 @@ def _carried_by(
         centre = (own[:, None] * positions + jnp.einsum("nij,nj->ni", rotations, beside)).sum(axis=0)
         x1 = station_velocities(model, state.q1)
         momentum = jnp.einsum("nij,nj->i", rotations, momenta(model, x1, state.q1, None)[:, :3])
-        wrench = system_wrenches(system, now, time, (None,) * len(now))[number]
+        roots = tuple(None if drive is None else drive.twist(time) for drive in system.drives)
+        wrench = system_wrenches(system, now, time, roots)[number]
         loads = jnp.zeros((len(own), 3)) if wrench is None else wrench[:, :3]
         return centre / own.sum(), momentum / own.sum(), jnp.einsum("nij,nj->i", rotations, loads)
 

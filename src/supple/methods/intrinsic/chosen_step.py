@@ -9,7 +9,7 @@ import numpy as np
 from supple.integrate import FixedStep, GeneralizedAlpha, ResidualRungeKutta4, Run
 from supple.machine import System
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody
-from supple.methods.intrinsic.stable_step import largest_stable_step
+from supple.methods.intrinsic.stable_step import largest_stable_step, linear_modes
 
 __all__ = ["with_chosen_step"]
 
@@ -41,10 +41,5 @@ def _longest(body: IntrinsicBody, run: Run) -> float:
     accurate = 2 * np.pi / resolved / STEPS_A_PERIOD if resolved > 0 else np.inf
     if isinstance(run.method, GeneralizedAlpha):
         return float(accurate)
-    k, model = body.modes.n_rigid, body.model
-    n = body.modes.n_modes
-    if isinstance(run.method, ResidualRungeKutta4):
-        n = min(n, run.method.n_kept)
-    omega = np.asarray(model.omega)[: n - k]
-    decay, retardation = np.asarray(model.decay)[k:n], np.asarray(model.retardation)[: n - k]
-    return float(min(accurate, OF_STABLE * largest_stable_step(omega, decay, retardation)))
+    n = run.method.n_kept if isinstance(run.method, ResidualRungeKutta4) else body.modes.n_modes
+    return float(min(accurate, OF_STABLE * largest_stable_step(*linear_modes(body.model, n))))

@@ -13,6 +13,7 @@ from jax.flatten_util import ravel_pytree
 from numpy.typing import NDArray
 
 from supple.algebra.rotation import euler_parameters
+from supple.equations.build_model import seen_coordinates
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import Configuration
 from supple.integrate import FloatingMotion, Motion, Solution
@@ -31,7 +32,7 @@ from supple.methods.intrinsic.root_drive import RootDrive
 from supple.methods.intrinsic.supported_root import is_joined
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["CompleteMotion", "complete_motion", "intrinsic_of", "states_of", "with_modes"]
+__all__ = ["CompleteMotion", "complete_motion", "intrinsic_of", "joined_instants", "states_of", "with_modes"]
 
 Array = NDArray[np.float64]
 
@@ -92,7 +93,7 @@ def complete_motion(system: System, solution: Solution, rows: NDArray[np.intp]) 
     if is_joined(system):
         machine = joined_machine(system, time)
         kept, whole = machine.arrays, joined_machine(whole_system, time).arrays
-        wrenches = _wrenches(kept, *_instants(machine, chosen, times, states))
+        wrenches = _wrenches(kept, *joined_instants(machine, chosen, times, states))
         lines = _Lines(kept.line_system, kept), _Lines(whole.line_system, whole)
     else:
         wrenches = None
@@ -124,29 +125,30 @@ def states_of(body: IntrinsicBody, motion: Motion) -> LineState:
     )
 
 
-def _instants(
+def joined_instants(
     machine: JoinedMachine, solution: Solution, times: jax.Array, states: States
 ) -> tuple[JoinedInstant, Array]:
     """Instants of a run (leading axis: time), and the multipliers (t, m) of all joint equations."""
-    motions = [
-        solution.motion(placed.body.name, FloatingMotion)
-        for placed in machine.system.bodies
-        if placed not in machine.lines
-    ]
+    others = [placed for placed in machine.system.bodies if placed not in machine.lines]
+    motions = [solution.motion(placed.body.name, FloatingMotion) for placed in others]
     n = len(times)
 
     def together(parts: Sequence[Array], *shape: int) -> Array:
         return np.concatenate([np.zeros((n, *shape)), *parts], axis=1)
 
+    def seen(values: Sequence[Array]) -> list[Array]:
+        return [seen_coordinates(placed.body, own) for placed, own in zip(others, values, strict=True)]
+
     floating = Configuration(
         together([motion.position[:, None] for motion in motions], 0, 3),
         together([motion.rotation[:, None] for motion in motions], 0, 3, 3),
-        together([motion.coordinates for motion in motions], 0),
+        together(seen([motion.coordinates for motion in motions]), 0),
     )
+    rates = seen([motion.coordinate_rates for motion in motions])
     velocities = [
         part
-        for motion in motions
-        for part in (motion.velocity, motion.angular_velocity, motion.coordinate_rates)
+        for motion, rate in zip(motions, rates, strict=True)
+        for part in (motion.velocity, motion.angular_velocity, rate)
     ]
     multipliers = [solution.multipliers[joint.name] for joint in machine.system.joints]
     return JoinedInstant(times, states, floating, together(velocities, 0)), together(multipliers, 0)

@@ -62,7 +62,7 @@ def condensation_error(body: FlexibleBody, condensed: IntrinsicBody, n_frequenci
     n_frequencies : number of frequencies, at most that of the elastic modes of `condensed`, without
         second-order modes
 
-    Raises ModelError for more frequencies than there are modes.
+    Raises ModelError for more frequencies than there are modes, and for a root that is not an interface.
     """
     known = condensed.modes.frequencies
     if not 1 <= n_frequencies <= len(known):
@@ -87,7 +87,8 @@ def accurate_condensation(
 ) -> AccurateBody:
     """A condensed body with enough stations for a tolerance of its lowest frequencies, and its error.
 
-    The number of segments starts at 6 and doubles until the errors are within the tolerance.
+    The number of segments starts at 6, or 12, 24, .. if the modes need more, and doubles until the errors are
+    within the tolerance.
 
     Parameters
     ----------
@@ -99,13 +100,15 @@ def accurate_condensation(
     Raises
     ------
     AccuracyError   the mesh allows no more stations; the message states the error reached
-    ModelError      a tolerance that is not between 0 and 1; more frequencies or modes than a body with 7
-                    stations has; and as `condense`
+    ModelError      a tolerance that is not between 0 and 1; and as `condense`, also for more frequencies or
+                    modes than the mesh allows
     """
     if not 0 < tolerance < 1:
         raise ModelError(f"a tolerance of frequencies must be between 0 and 1, not {tolerance}")
     reached: tuple[int, float] | None = None
     segments = FEWEST_SEGMENTS
+    while 6 * segments < max(n_frequencies, n_modes or 0):  # elastic modes of the line
+        segments *= 2
     while True:
         try:
             found = condense(
@@ -132,7 +135,12 @@ def accurate_condensation(
 
 def _exact(body: FlexibleBody, condensed: IntrinsicBody, number: int) -> Array:
     """Elastic frequencies of the elements, with the root supported as in the condensed body."""
-    root = next(i for i in body.interfaces if condensed.stations.get(i.name) == 0)
+    root = next((each for each in body.interfaces if condensed.stations.get(each.name) == 0), None)
+    if root is None:
+        raise ModelError(
+            f"body '{body.name}': its frequencies are compared on the support of the root, but the first "
+            "station is not an interface of the body: define an interface there, and give its name"
+        )
     free = condensed.support.free
     held = null_space(free.T).T if free.shape[1] else np.eye(6)
     k = free.shape[1]

@@ -12,7 +12,11 @@ from supple.integrate import Solution
 from supple.machine import System
 from supple.methods.intrinsic.complete_motion import intrinsic_of, with_modes
 from supple.methods.intrinsic.intrinsic_body import body_of
-from supple.methods.intrinsic.truncation_error import TruncationError, truncation_error
+from supple.methods.intrinsic.truncation_error import (
+    TruncationError,
+    check_without_controllers,
+    truncation_error,
+)
 
 __all__ = ["enough_modes"]
 
@@ -53,13 +57,22 @@ def enough_modes(
     first : initial number of elastic modes
     bodies : names of the bodies in the search; default all
 
-    Raises ModelError as `truncation_error`, and for an invalid tolerance or number.
+    Raises ModelError as `truncation_error`, for an invalid tolerance or number, and for a released body whose
+    root has no mass, which cannot retain all modes.
     """
     if not 0 < tolerance < 1:
         raise ModelError(f"a truncation tolerance must be between 0 and 1, not {tolerance}")
     if first < 1:
         raise ModelError(f"a search for the number of modes starts at 1 or more, not {first}")
+    check_without_controllers(system)
     names = [placed.body.name for placed in intrinsic_of(system)] if bodies is None else bodies
+
+    for body in (body_of(placed) for placed in intrinsic_of(system) if placed.body.name in names):
+        if body.supported is not None and body.supported.complete is not None and body.complete is None:
+            raise ModelError(
+                f"body '{body.name}': its number of modes is not determined: a released body with all modes "
+                "needs a root with mass. Give its root station a mass (root_mass), or choose n_modes"
+            )
 
     def of(number: int | None) -> System:
         return replace(

@@ -110,6 +110,11 @@ def _check_freedoms(name: str, stiffness: LabelledMatrix, mass: LabelledMatrix) 
 
 def _tree(name: str, paths: Sequence[Sequence[int]]) -> tuple[IntArray, IntArray]:
     """Grid ids of the stations, the root first, and the number of each station's parent."""
+    if not len(paths):
+        raise ModelError(
+            f"line '{name}': no load path is given: list the grids of each path, or leave out paths for one "
+            "chain of all grids"
+        )
     number: dict[int, int] = {}
     parents: list[int] = []
     for rank, path in enumerate(paths):

@@ -71,7 +71,8 @@ class IntrinsicBody(FormDefaults, Summarized):
     modes : IntrinsicModes          on the support of its root
     expansion : Expansion           map from stations to nodes
     stations : name -> number       interfaces
-    damping : Damping | None        ModalDamping or RayleighDamping
+    damping : Damping | None        ModalDamping or RayleighDamping; the ratios of ModalDamping belong to
+        the modes on its root support, also for a released body
     complete : IntrinsicBody | None     the same body with all its modes; None if this body has all
     supported : IntrinsicBody | None    for a released body: the body before release, on its root support
     """
@@ -151,7 +152,7 @@ class IntrinsicBody(FormDefaults, Summarized):
     @cached_property
     def model(self) -> LineModel:
         """Arrays of its equations of motion."""
-        return line_model(self.modes, self.damping)
+        return line_model(self.modes, self.damping, None if self.supported is None else self.supported.modes)
 
     @property
     def dofs_per_node(self) -> int:
@@ -177,8 +178,8 @@ class IntrinsicBody(FormDefaults, Summarized):
         whole = self.complete or self
         if not 0 < n_modes <= whole.n_coordinates:
             raise ModelError(
-                f"body '{self.name}': {n_modes} elastic modes requested; it has only "
-                f"{whole.n_coordinates} with mass"
+                f"body '{self.name}': {n_modes} elastic modes requested: request 1 to "
+                f"{whole.n_coordinates}, the number of its modes with mass"
             )
         shapes = second_order_shapes(whole.modes, n_modes)
         if shapes.shape[1] == whole.n_coordinates:

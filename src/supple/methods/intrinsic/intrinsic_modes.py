@@ -96,6 +96,7 @@ class IntrinsicModes:
                 f"{self.n_rigid} are rigid and must be retained"
             )
         e = n_modes - self.n_rigid
+        n_lowest = self.n_elastic - self.n_second_order
         return IntrinsicModes(
             self.line,
             self.support,
@@ -104,6 +105,7 @@ class IntrinsicModes:
             self.momenta[..., :n_modes],
             self.forces[..., :e],
             self.strains[..., :e],
+            max(e - n_lowest, 0),
         )
 
 
@@ -190,7 +192,8 @@ def _normal_modes(line: CondensedLine, support: RootSupport) -> tuple[Array, Arr
     square = np.sum(momentum**2, axis=0)
     shift = np.trace(K) / max(len(K), 1) / np.where(square > 0, square, 1.0)
     K_held = K + (momentum * shift) @ momentum.T
-    D = 1 / np.sqrt(np.diag(K_held))
+    diagonal = np.diag(K_held)
+    D = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
     try:
         factor = linalg.cho_factor(K_held * np.outer(D, D), lower=True)
     except linalg.LinAlgError as error:

@@ -21,6 +21,7 @@ from supple.equations.consistent_start import (
     placed_velocity,
 )
 from supple.equations.inertia import mass_matrix
+from supple.equations.joint_closure import check_joints_finite
 from supple.equations.joint_force import constraints
 from supple.equations.start_change import StartChange, StartEnergies
 from supple.equations.start_velocity import given_parts, levels_of_body, rigid_fit
@@ -67,8 +68,8 @@ class JoinedStart(NamedTuple):
 def joined_start(machine: JoinedMachine, time: float) -> JoinedStart:
     """Consistent start; velocities are corrected as for floating bodies (`start_velocity`).
 
-    Raises ModelError for an open joint. Warns RedundantConstraintWarning about joints with redundant
-    equations.
+    Raises ModelError for an open joint, or a law without a finite value. Warns RedundantConstraintWarning
+    about joints with redundant equations.
     """
     closed = closed_machine(machine, time)
     now, change = _on_joints(machine, closed)
@@ -108,6 +109,7 @@ def closed_machine(
     )
     now, *found = _BEGUN(arrays, given)
     gaps, rows, rates, metric = map(np.asarray, found)
+    check_joints_finite(machine.system, gaps, rates)
     _check_closed(machine, gaps)
     active = np.array(independent_constraints(seen, rows, metric) if known is None else known, dtype=int)
     if len(active) < len(gaps):

@@ -4,9 +4,10 @@
     q_2' = -w q_1 + Phi_2^T L_1(x_1)^T e,                 e = C x_2
 
 with x_1 = Phi_1 q_1, x_2 = Phi_2 q_2, frequencies w, retardation times beta, decay d, and loads f. e are the
-strains, and C is the compliance. A tensor form would store N^3 coupling terms for N modes. Here the couplings
-are evaluated at stations and segments, by vector products and a few products of a matrix and a vector. The
-result equals that of the tensors for any choice of modes, and the power of the couplings is exactly zero.
+strains, and C is the compliance. For a released body with modal damping, beta is a matrix. A tensor form
+would store N^3 coupling terms for N modes. Here the couplings are evaluated at stations and segments, by
+vector products and a few products of a matrix and a vector. The result equals that of the tensors for any
+choice of modes, and the power of the couplings is exactly zero.
 
 Amplitudes, and all results from them, may have a last axis of cases. The products are then of two matrices,
 and one instruction computes several cases, which are adjacent in memory.
@@ -35,6 +36,7 @@ __all__ = [
     "section_strains",
     "station_velocities",
     "turning_forces",
+    "viscous_forces",
 ]
 
 
@@ -79,7 +81,7 @@ def line_rates(
     x1 = station_velocities(model, q1, root)
     e = section_strains(model, q2)
     d2 = force_rates(model, x1, q1, e)
-    stress = q2 + _along(model.retardation, d2) * d2
+    stress = q2 + viscous_forces(model, d2)
     inertial = on_stations(model, x1, q1, stress, e, root)
     if wrenches is not None:
         inertial = inertial - wrenches
@@ -97,6 +99,13 @@ def force_rates(model: LineModel, x1: jax.Array, q1: jax.Array, e: jax.Array) ->
     strain_power = _along(model.lengths, e) * l1_transposed(middle, e)
     elastic = q1[model.n_rigid :]
     return _in_modes(model.forces, strain_power) - _along(model.omega, elastic) * elastic
+
+
+def viscous_forces(model: LineModel, d2: jax.Array) -> jax.Array:
+    """Viscous part of the amplitudes of the forces, beta q_2' (e,), at rates q_2'."""
+    if model.retardation.ndim == 2:
+        return model.retardation @ d2
+    return _along(model.retardation, d2) * d2
 
 
 def on_stations(

@@ -53,7 +53,8 @@ class LineModel:
     decay: Any
     """(m,) alpha of Rayleigh damping on velocities, 1/s"""
     retardation: Any
-    """(e,) retardation times, s: viscous force = this time multiplied by the elastic force of strain rates"""
+    """(e,) or (e, e) retardation times, s: viscous force = these times multiplied by the elastic force of
+    strain rates"""
     is_chain: bool = field(metadata={"static": True})
 
     @property
@@ -84,18 +85,21 @@ class LineState:
     position: Any
 
 
-def line_model(modes: IntrinsicModes, damping: Damping | None = None) -> LineModel:
+def line_model(
+    modes: IntrinsicModes, damping: Damping | None = None, damped: IntrinsicModes | None = None
+) -> LineModel:
     """Arrays of the equations of motion for some modes of a line.
 
     damping : None, ModalDamping of the elastic modes, or RayleighDamping. Modal ratios and beta act on strain
         rates, at any rotation. Alpha acts on the velocities of the elastic modes.
+    damped : the modes to which ratios of ModalDamping belong; default `modes`
     Raises ModelError for damping defined in a floating frame, or relative to an interface (`held`).
     """
     line, m = modes.line, modes.n_modes
     tree = line.tree
     masses = line.station_masses
     twists = line.twists
-    decay, retardation = _damping(damping, modes)
+    decay, retardation = _damping(damping, modes, modes if damped is None else damped)
     return LineModel(
         omega=modes.omega[modes.n_rigid :],
         velocities=modes.velocities.reshape(-1, m),
@@ -121,7 +125,9 @@ def rest_state(model: LineModel) -> LineState:
     return LineState(jnp.zeros(m), jnp.zeros(e), jnp.array([1.0, 0, 0, 0]), jnp.zeros(3))
 
 
-def _damping(damping: Damping | None, modes: IntrinsicModes) -> tuple[np.ndarray, np.ndarray]:
+def _damping(
+    damping: Damping | None, modes: IntrinsicModes, damped: IntrinsicModes
+) -> tuple[np.ndarray, np.ndarray]:
     decay, retardation = np.zeros(modes.n_modes), np.zeros(modes.n_elastic)
     elastic = slice(modes.n_rigid, None)
     refuse_relative_damping(damping, f"line '{modes.line.name}'")
@@ -130,10 +136,13 @@ def _damping(damping: Damping | None, modes: IntrinsicModes) -> tuple[np.ndarray
             pass
         case ModalDamping():
             given = np.asarray(damping.ratios)
-            ratios = given[np.minimum(np.arange(modes.n_elastic), given.size - 1)]
-            ratios[modes.n_elastic if damping.n_modes is None else damping.n_modes :] = 0.0
+            ratios = given[np.minimum(np.arange(damped.n_elastic), given.size - 1)]
+            ratios[damped.n_elastic if damping.n_modes is None else damping.n_modes :] = 0.0
             # On strain rates: damping of velocities would also resist motion without strain.
-            retardation[:] = 2 * ratios / modes.omega[elastic]
+            retardation = 2 * ratios / damped.omega[damped.n_rigid :]
+            if damped is not modes:
+                shares = _shares(modes, damped)
+                retardation = shares.T @ (retardation[:, None] * shares)
         case RayleighDamping():
             decay[elastic] = damping.alpha
             retardation[:] = damping.beta
@@ -144,3 +153,10 @@ def _damping(damping: Damping | None, modes: IntrinsicModes) -> tuple[np.ndarray
                 "ModalDamping"
             )
     return decay, retardation
+
+
+def _shares(modes: IntrinsicModes, damped: IntrinsicModes) -> np.ndarray:
+    """Force amplitudes (e', e) in the damped modes, of unit amplitudes in the modes."""
+    lengths = modes.line.tree.lengths[:, None, None]
+    forces = modes.forces.reshape(-1, modes.n_elastic)
+    return (lengths * damped.strains).reshape(-1, damped.n_elastic).T @ forces

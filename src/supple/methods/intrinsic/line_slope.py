@@ -25,6 +25,7 @@ from supple.methods.intrinsic.line_equations import (
     on_ends,
     section_strains,
     station_velocities,
+    viscous_forces,
 )
 from supple.methods.intrinsic.line_model import LineModel
 from supple.methods.intrinsic.line_system import LineSystem, States, root_rates, system_wrenches
@@ -40,9 +41,9 @@ def line_slope(model: LineModel, q1: jax.Array, q2: jax.Array, root: RootTwist |
     C = model.strains.reshape(-1, 6, e)
     by_q1 = force_rates(model, Phi, jnp.eye(m), strains[..., None])
     by_q2 = force_rates(model, x1[..., None], jnp.zeros((m, e)), C)
-    stress = q2 + model.retardation * force_rates(model, x1, q1, strains)
-    stress_by_q1 = model.retardation[:, None] * by_q1
-    stress_by_q2 = jnp.eye(e) + model.retardation[:, None] * by_q2
+    stress = q2 + viscous_forces(model, force_rates(model, x1, q1, strains))
+    stress_by_q1 = viscous_forces(model, by_q1)
+    stress_by_q2 = jnp.eye(e) + viscous_forces(model, by_q2)
 
     p = momenta(model, x1, q1, root)
     turning = l1(Phi, p[..., None]) + l1(x1[..., None], momenta(model, Phi, jnp.eye(m), None))

@@ -102,9 +102,13 @@ def load_path_tree(points: ArrayLike, parents: ArrayLike | None = None) -> LoadP
     """
     check_numbers("load path, points", points)
     places = read_only(points)
-    if places.ndim != 2 or places.shape[1] != 3 or len(places) == 0 or not np.isfinite(places).all():
+    if places.ndim != 2 or places.shape[1] != 3 or len(places) == 0:
+        raise ModelError(f"a load path needs points (n, 3), not an array of shape {places.shape}")
+    strange = np.flatnonzero(~np.isfinite(places).all(axis=1))
+    if strange.size:
         raise ModelError(
-            f"a load path needs points (n, 3) of finite numbers, not an array of shape {places.shape}"
+            f"station {strange[0]} of the load path is at {places[strange[0]].tolist()}: its position must "
+            "be three finite numbers"
         )
     n = len(places)
     given = np.arange(-1, n - 1) if parents is None else np.asarray(parents)

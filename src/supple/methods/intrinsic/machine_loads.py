@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from supple.equations.build_model import initial_points
+from supple.equations.build_model import check_apart, initial_points
 from supple.errors import ModelError
 from supple.machine import (
     GROUND,
@@ -34,7 +34,10 @@ __all__ = ["machine_loads"]
 
 
 def machine_loads(system: System) -> tuple[StationLoad, ...]:
-    """The loads, and gravity, of a machine of intrinsic bodies; ModelError for two base accelerations."""
+    """The loads, and gravity, of a machine of intrinsic bodies.
+
+    Raises ModelError for two base accelerations, and for a force along a line whose ends coincide.
+    """
     numbers = {placed.body.name: number for number, placed in enumerate(system.bodies)}
     bases = [load.law for load in system.loads if isinstance(load, BaseAcceleration)]
     if len(bases) > 1:
@@ -55,7 +58,7 @@ def machine_loads(system: System) -> tuple[StationLoad, ...]:
             case FollowerForce() | FollowerTorque() if GROUND == load.second:
                 found.append(_follower(system.bodies, numbers, load))
             case ForceElement():
-                found.append(_element(system.bodies, numbers, load.assembled(*initial_points(system, load))))
+                found.append(_element(system, numbers, load))
     return tuple(found)
 
 
@@ -75,24 +78,25 @@ def _follower(
     placed = bodies[line]
     axes = np.zeros((6, 3))
     rows = slice(0, 3) if isinstance(load, FollowerForce) else slice(3, 6)
-    axes[rows] = placed.rotation.T @ load.initial_axes
+    axes[rows] = placed.assembly.rotation.T @ load.initial_axes
     return Follower(axes, load.law, body_of(placed).interface(load.first.interface).number, line)
 
 
-def _element(bodies: Sequence[Placed], numbers: Mapping[str, int], load: ForceElement) -> StationElement:
-    def end(own: At, other: At) -> End:
-        if own == GROUND:
-            placed = bodies[numbers[other.body]]
-            start = placed.position + placed.rotation @ placed.body.interface(other.interface).position
-            point = start if load.ground_point is None else np.asarray(load.ground_point, dtype=float)
-            return End(load.initial_axes, point, 0, -1)
-        line = numbers[own.body]
-        placed = bodies[line]
-        station = body_of(placed).interface(own.interface).number
-        return End(placed.rotation.T @ load.initial_axes, np.zeros(3), station, line)
+def _element(system: System, numbers: Mapping[str, int], load: ForceElement) -> StationElement:
+    check_apart(system, load)
+    points = initial_points(system, load)
+    element = load.assembled(*points)
 
-    ends = end(load.first, load.second), end(load.second, load.first)
-    return StationElement(ends, load.law, load.parameters, type(load).wrenches)
+    def end(own: At, point: np.ndarray) -> End:
+        if own == GROUND:
+            return End(element.initial_axes, point, 0, -1)
+        line = numbers[own.body]
+        placed = system.bodies[line]
+        station = body_of(placed).interface(own.interface).number
+        return End(placed.assembly.rotation.T @ element.initial_axes, np.zeros(3), station, line)
+
+    ends = end(element.first, points[0]), end(element.second, points[1])
+    return StationElement(ends, element.law, element.parameters, type(element).wrenches)
 
 
 def _spread(bodies: Sequence[Placed], line: int, load: NodalLoad) -> SpreadLoad:

@@ -72,10 +72,11 @@ class MachineOfLines:
         }
 
     def joint_forces(self, reactions: Array, motions: Mapping[str, IntrinsicMotion]) -> Mapping[str, Array]:
-        """Force and moment (t, 6) of each joint on its second end, along the joint axes at its first end.
+        """Force and moment (t, 6) of each joint on its second end, at that end's point, as `joint_wrenches`.
 
-        The moment is about the root. Components along free directions are set to zero; the balance has only
-        discretisation errors there.
+        reactions : (t, b, 6)   forces and moments on the roots, along their own axes
+
+        Components along free directions are set to zero; the balance has only discretisation errors there.
         """
         found = {}
         for number, (placed, root) in enumerate(zip(self.system.bodies, self.roots, strict=True)):
@@ -84,11 +85,15 @@ class MachineOfLines:
             free = body_of(placed).support.free
             held = np.eye(6) - free @ np.linalg.pinv(free)
             own = (reactions[:, number] @ held).reshape(-1, 2, 3)
-            axes = root.joint.initial_axes
+            axes, motion = root.joint.initial_axes, motions[placed.body.name]
             if root.joint.second.body == placed.body.name:
-                space = np.einsum("tij,twj->twi", motions[placed.body.name].rotation, own)
+                space = np.einsum("tij,twj->twi", motion.rotation, own)
                 found[root.joint.name] = (space @ axes).reshape(-1, 6)
             else:
+                # The second end is where the root was at assembly.
+                (position, rotation), point = placed.assembly, body_of(placed).line.tree.points[0]
+                there = motion.position + motion.rotation @ point - position - rotation @ point
+                own[:, 1] += np.cross(np.einsum("tij,ti->tj", motion.rotation, there), own[:, 0])
                 found[root.joint.name] = -(own @ (placed.assembly.rotation.T @ axes)).reshape(-1, 6)
         return found
 
@@ -128,6 +133,11 @@ def line_start(placed: Placed, drive: RootDrive | None, time: float) -> LineStat
     body = body_of(placed)
     q2 = np.asarray(body.forces_of(placed.coordinates))
     driven = np.zeros(6) if drive is None else np.asarray(drive.twist(time).twist)
+    if not np.isfinite(driven).all():
+        raise ModelError(
+            f"body '{body.name}': the law of the joint at its root has no finite value or rate at the start: "
+            "write it without a division by zero there"
+        )
     own = rigid_motion(body, q2) @ _root_twist(placed, driven) - body.line.twists @ driven
     q1 = amplitudes_of(body, own)
     q1[body.modes.n_rigid :] += placed.coordinate_rates

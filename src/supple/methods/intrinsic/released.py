@@ -31,6 +31,8 @@ def released(body: IntrinsicBody) -> IntrinsicBody:
         V^T M V = L L^T,     L^-1 [0; w] = U S W^T,
         w <- S,     Phi_1 <- V L^-T U,     Phi_2 <- Phi_2 W,     C Phi_2 <- C Phi_2 W
 
+    Ratios of ModalDamping remain those of the modes on the support.
+
     Raises ModelError if the elastic modes already include rigid motion; AccuracyError as `intrinsic_modes`.
     Source: [CraigBampton1968] for the choice of modes.
     """

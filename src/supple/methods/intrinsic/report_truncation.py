@@ -67,10 +67,11 @@ def _strain(system: System, solution: Solution, name: str) -> float:
 
 
 def _errors(system: System, solution: Solution) -> dict[str, TruncationError]:
-    """`truncation_error` of the bodies with omitted modes."""
+    """`truncation_error` of the bodies with omitted modes; none for machines with controllers."""
     few = any(body_of(placed).complete is not None for placed in intrinsic_of(system))
     known = not is_joined(system) or all(joint.name in solution.multipliers for joint in system.joints)
-    return truncation_error(system, solution) if few and known and solution.stopped is None else {}
+    estimated = few and known and not system.controllers and solution.stopped is None
+    return truncation_error(system, solution) if estimated else {}
 
 
 def _warn(system: System, run: Run, name: str, error: TruncationError, where: str = "") -> None:

@@ -27,8 +27,10 @@ class RootSupport:
 
     def __post_init__(self) -> None:
         free = read_only(self.free)
-        if free.ndim != 2 or free.shape[0] != 6 or not np.isfinite(free).all():
+        if free.ndim != 2 or free.shape[0] != 6:
             raise ModelError(f"the free twists of a support must be an array (6, k), not {free.shape}")
+        if not np.isfinite(free).all():
+            raise ModelError(f"the free twists of a support must be finite, not {free.T.tolist()}")
         if free.shape[1] and np.linalg.matrix_rank(free) < free.shape[1]:
             raise ModelError("the free twists of a support are linearly dependent: leave one out")
         object.__setattr__(self, "free", free)

@@ -8,7 +8,7 @@ from typing import Any
 import jax
 import numpy as np
 
-__all__ = ["growth", "runge_kutta_step"]
+__all__ = ["growth", "linear_eigenvalues", "runge_kutta_step"]
 
 Rates = Callable[[Any, Any], Any]
 """Function of time and state that returns the rates."""
@@ -27,13 +27,24 @@ def runge_kutta_step(rates: Rates, time: Any, state: Any, h: Any) -> Any:
     return jax.tree.map(lambda y, a, b, c, d: y + h / 6 * (a + 2 * (b + c) + d), state, k1, k2, k3, k4)
 
 
-def growth(omega: np.ndarray, decay: np.ndarray, retardation: np.ndarray, h: float) -> np.ndarray:
-    """Factor by which a step multiplies each linear mode, at most 1 for a stable step.
+def linear_eigenvalues(omega: np.ndarray, decay: np.ndarray, retardation: np.ndarray) -> np.ndarray:
+    """Eigenvalues s (2 e,) of the linear modes, s^2 + (d + w beta w) s + w^2 = 0.
 
-    |1 + z + z^2/2 + z^3/6 + z^4/24| for z = h times the eigenvalues of the mode,
-    s^2 + (d + beta w^2) s + w^2 = 0. Without damping the factor exceeds 1 where w h > 2 sqrt 2.
+    retardation : (e,) or (e, e)    beta
     """
-    half = 0.5 * (decay + retardation * omega**2)
-    root = np.sqrt((half**2 - omega**2).astype(complex))
-    z = h * np.stack([-half + root, -half - root])
-    return np.abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24).max(axis=0)
+    if retardation.ndim == 1:
+        half = 0.5 * (decay + retardation * omega**2)
+        root = np.sqrt((half**2 - omega**2).astype(complex))
+        return np.concatenate([-half + root, -half - root])
+    damping = np.diag(decay) + omega[:, None] * retardation * omega
+    elastic = np.diag(omega)
+    return np.linalg.eigvals(np.block([[-damping, elastic], [-elastic, np.zeros_like(elastic)]]))
+
+
+def growth(eigenvalues: np.ndarray, h: float) -> float:
+    """Largest factor by which a step multiplies a linear mode, at most 1 for a stable step.
+
+    |1 + z + z^2/2 + z^3/6 + z^4/24|, z = h s. Without damping the factor exceeds 1 where w h > 2 sqrt 2.
+    """
+    z = h * eigenvalues
+    return float(np.abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24).max(initial=0.0))

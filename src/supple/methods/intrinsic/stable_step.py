@@ -7,23 +7,33 @@ import numpy as np
 from supple.errors import ModelError
 from supple.integrate import GeneralizedAlpha, ResidualRungeKutta4
 from supple.methods.intrinsic.line_march import LineRule
+from supple.methods.intrinsic.line_model import LineModel
 from supple.methods.intrinsic.machine_of_lines import MachineOfLines
-from supple.methods.intrinsic.runge_kutta import growth
+from supple.methods.intrinsic.runge_kutta import growth, linear_eigenvalues
 
-__all__ = ["check_stable", "largest_stable_step"]
+__all__ = ["check_stable", "largest_stable_step", "linear_modes"]
 
 ROUNDING = 1e-9
 """Largest growth of a mode per step that is round-off, not instability."""
+
+
+def linear_modes(model: LineModel, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Frequencies, decay and retardation times of the elastic modes among the n lowest modes."""
+    k = model.n_rigid
+    e = max(n - k, 0)
+    retardation = np.asarray(model.retardation)[(slice(e),) * model.retardation.ndim]
+    return np.asarray(model.omega)[:e], np.asarray(model.decay)[k : k + e], retardation
 
 
 def largest_stable_step(omega: np.ndarray, decay: np.ndarray, retardation: np.ndarray) -> float:
     """The longest step for which no linear mode grows: 2 sqrt 2 / w undamped, infinite without modes."""
     if not omega.size or not omega.max() > 0:
         return np.inf
+    eigenvalues = linear_eigenvalues(omega, decay, retardation)
     low, high = 0.0, 3.0 / float(omega.max())
     for _ in range(60):
         middle = 0.5 * (low + high)
-        stable = growth(omega, decay, retardation, middle).max() <= 1 + ROUNDING
+        stable = growth(eigenvalues, middle) <= 1 + ROUNDING
         low, high = (middle, high) if stable else (low, middle)
     return low
 
@@ -39,12 +49,10 @@ def check_stable(machine: MachineOfLines, rule: LineRule, step: float) -> None:
                 f"body '{placed.body.name}': {n} modes kept, {model.n_rigid} of them rigid: keep elastic "
                 "modes too"
             )
-        omega = np.asarray(model.omega)[: n - model.n_rigid]
-        decay = np.asarray(model.decay)[model.n_rigid : n]
-        retardation = np.asarray(model.retardation)[: omega.size]
-        if not omega.size or growth(omega, decay, retardation, step).max() <= 1 + ROUNDING:
+        modes = linear_modes(model, n)
+        if growth(linear_eigenvalues(*modes), step) <= 1 + ROUNDING:
             continue
-        longest = largest_stable_step(omega, decay, retardation)
+        omega, longest = modes[0], largest_stable_step(*modes)
         raise ModelError(
             f"body '{placed.body.name}': a step of {step:.4g} is unstable with a highest frequency of "
             f"{omega.max():.4g} rad/s (step times frequency {step * omega.max():.3g}; at most 2.83, less "

@@ -27,6 +27,9 @@ INSTANTS = 8
 STIFF = 1e-3
 """Smallest deflection by which the drift is divided, relative to the length."""
 
+ROUNDING = 1e-9
+"""Smallest deflection by which changes of places are divided, relative to the length; less is round-off."""
+
 
 @dataclass(frozen=True, eq=False)
 class TruncationError:
@@ -55,9 +58,12 @@ class TruncationError:
 
     @property
     def largest(self) -> float:
-        """Larger of `places` / deflection (0 for none) and `drift` / max(deflection, `STIFF` * length)."""
+        """Larger of `places` and `drift`, relative to the deflection.
+
+        The deflection is at least `ROUNDING` * length for `places`, and `STIFF` * length for `drift`.
+        """
         size = float(self.places.max(initial=0.0))
-        of_places = size / self.deflection if self.deflection else 0.0
+        of_places = size / max(self.deflection, ROUNDING * self.length)
         return max(of_places, self.drift / max(self.deflection, STIFF * self.length))
 
 
@@ -87,9 +93,11 @@ def truncation_error(
     system, solution : a machine with intrinsic bodies, and its run
     whole : bodies with more modes, matched by name; needed for bodies without `complete`
 
-    Raises ModelError where no intrinsic body has more modes than are retained.
+    Raises ModelError where no intrinsic body has more modes than are retained, and for machines with
+    controllers.
     Source: [Wang2015] (37), as an error estimate.
     """
+    check_without_controllers(system)
     by_name = {body.name: body for body in whole}
     lines = intrinsic_of(system)
     bodies = {p.body.name: _with_whole(body_of(p), by_name.get(p.body.name)) for p in lines}
@@ -125,6 +133,16 @@ def truncation_error(
             length=float(np.linalg.norm(np.ptp(body.line.tree.points, axis=0))),
         )
     return found
+
+
+def check_without_controllers(system: System) -> None:
+    """Raise ModelError for a machine with controllers: their forces during a run are not stored."""
+    if system.controllers:
+        raise ModelError(
+            f"controller '{system.controllers[0].name}': the truncation error of machines with controllers "
+            "cannot be estimated, because the forces of controllers are not stored: compare with a run with "
+            "more modes"
+        )
 
 
 def _with_whole(own: IntrinsicBody, given: IntrinsicBody | None) -> IntrinsicBody:

@@ -54,7 +54,7 @@ def _relative_residual(
     norms = jnp.sqrt(kinds_of_rows(model) @ jnp.stack(columns, axis=1) ** 2)
     forces = _relative(norms[:, 0], jnp.max(norms[:, 1:], axis=1))
     accelerations = model.length * jnp.max(jnp.abs(trial / position_scale(model)), initial=0.0)
-    largest_gap = jnp.max(jnp.abs(terms.constraint_residual), initial=0.0)
+    largest_gap = jnp.max(jnp.abs(model.as_lengths(terms.constraint_residual)), initial=0.0)
     floor = rounding * model.length
     constraint = jnp.where(
         largest_gap <= floor, 0.0, _relative(largest_gap / position, accelerations + floor / position)

@@ -289,7 +289,7 @@ def _closed(
     """Newton's method on `g(q, t) = 0` to rounding error: configuration, residual, number of iterations."""
 
     def gap_of(configuration: Configuration) -> jax.Array:
-        return jnp.max(jnp.abs(constraints(model, time, configuration)), initial=0.0)
+        return jnp.max(jnp.abs(model.as_lengths(constraints(model, time, configuration))), initial=0.0)
 
     def unfinished(at: tuple[Configuration, jax.Array, jax.Array, jax.Array]) -> jax.Array:
         configuration, gap, before, iterations = at

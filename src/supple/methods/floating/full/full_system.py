@@ -276,7 +276,9 @@ class FullSystem:
         scale = np.sqrt(squares.max(axis=0))
         relative = np.sqrt(unbalanced) / np.where(scale > 0, scale, 1.0)
         of_joints = terms.constraint_residual
-        constraint = self._relative_constraint(state, np.concatenate([of_joints, *gaps]), by_position)
+        constraint = self._relative_constraint(
+            state, np.concatenate([self.model.as_lengths(of_joints), *gaps]), by_position
+        )
         return Evaluation(
             motion,
             terms,

@@ -148,7 +148,7 @@ class FullKinematicEngine:
         machine, none, before = self._machine, np.zeros(self._machine.n), np.inf
         for iteration in range(MOST_ITERATIONS + 1):
             terms = machine.joint_terms(time, configuration, none)
-            gap = float(np.max(abs(terms.residual)))
+            gap = float(np.max(abs(machine.model.as_lengths(np.asarray(terms.residual)))))
             length = float(machine.model.length)
             rounding = length * float(position_rounding(length, configuration.origins))
             if gap <= 0.01 * rounding or (gap <= rounding and gap > 0.1 * before):
