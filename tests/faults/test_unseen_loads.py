@@ -57,6 +57,13 @@ def test_straight_lines_miss_a_sine_by_the_square_of_its_step(steps):
     assert missed.share == pytest.approx((2 * np.pi / steps) ** 2 / 8, rel=0.3)
 
 
+def test_a_motion_whose_acceleration_is_zero_at_even_times_is_named_too():
+    """Of 128 Hz, over a second: zero at all multiples of 1/256 s."""
+    run = Run(1.0, 0.1, step=FixedStep(0.01), validity=Validity(strict=True))
+    with pytest.raises(ValidityError, match="the acceleration of its prescribed motion"):
+        simulate(moved(Sine(1e-3, 128.0)), run)
+
+
 def test_a_sine_of_500_hz_on_steps_of_2_ms_is_named():
     """Seen at the ends of steps it is zero."""
     words = r"'ball': within a step of 0\.002, .* shortest time is 0\.002: .*Take a step of 0\.0002,"

@@ -59,6 +59,24 @@ def test_a_sobol_sequence_integrates_better_than_its_number_of_random_points():
 
 
 @pytest.mark.parametrize(
+    ("made", "message"),
+    [
+        (lambda: Normal(1.0, 0.0), "the deviation positive, got 1.0 and 0.0"),
+        (lambda: Uniform(0.0, float("inf")), "low and high must be finite"),
+        (lambda: LatinHypercube(0), "LatinHypercube: number must be at least 1"),
+        (lambda: Sobol(0), "Sobol: number must be at least 1"),
+    ],
+)
+def test_distributions_and_samplings_without_meaning(made, message):
+    with pytest.raises(CaseError, match=message):
+        made()
+
+
+def test_a_whole_number_of_points_may_be_written_as_a_float():
+    assert LatinHypercube(8.0).points(2).shape == Sobol(8.0).points(2).shape == (8, 2)
+
+
+@pytest.mark.parametrize(
     ("distribution", "mean", "deviation"),
     [
         (Normal(3.0, 0.5), 3.0, 0.5),

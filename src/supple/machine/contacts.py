@@ -17,8 +17,8 @@ class Contact:
     """Penalty contact of nodes with a rigid obstacle: force = stiffness * depth at each node.
 
     nodes : At(part, node set)
-    obstacle : RigidPlane(..), RigidCylinder(..) or RigidSphere(..); each contact has its own: one that is
-        free to move must not be given to two contacts, as it would move as two
+    obstacle : RigidPlane(..), RigidCylinder(..) or RigidSphere(..); one that is free to
+        move (with a mass) belongs to one contact
     stiffness : N/m per node; default `fraction * m omega_max^2`, with the mass m of the node and the highest
         frequency omega_max, rad/s, of all finite-element parts
     fraction : in (0, 1]; the default stiffness divides the stable time step by at most sqrt(1 + fraction);

@@ -284,6 +284,14 @@ class System(Summarized):
                 if isinstance(each, Tie):
                     self.body_index(each.on, what)
 
+        free = [contact.obstacle for contact in self.rigid_contacts if np.isfinite(contact.obstacle.mass)]
+        for number, obstacle in enumerate(free):
+            if any(obstacle is other for other in free[:number]):
+                raise ModelError(
+                    f"a free {type(obstacle).__name__} is the obstacle of two contacts, which would move it "
+                    "independently: give one contact the nodes of both, or each contact its own obstacle"
+                )
+
     def check_has_frames(self) -> None:
         """Raise ModelError for explicit finite elements, which only explicit runs support."""
         for body in (placed.body for placed in self.bodies):

@@ -11,6 +11,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from supple.arguments import check_fields
 from supple.errors import CaseError
 from supple.fatigue import Weibull
 
@@ -67,10 +68,15 @@ class Distribution(Protocol):
 
 @dataclass(frozen=True)
 class Uniform:
-    """Uniform distribution between two values."""
+    """Uniform distribution between two values; raises CaseError unless both are finite."""
 
     low: float
     high: float
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if not np.isfinite([self.low, self.high]).all():
+            raise CaseError(f"Uniform: low and high must be finite, got {self.low} and {self.high}")
 
     def quantiles(self, shares: Array) -> Array:
         """Values x = low + (high - low) p at probabilities p."""
@@ -79,10 +85,21 @@ class Uniform:
 
 @dataclass(frozen=True)
 class Normal:
-    """Normal distribution with a mean and a standard deviation."""
+    """Normal distribution with a mean and a standard deviation.
+
+    Raises CaseError unless both are finite and the deviation is positive.
+    """
 
     mean: float
     deviation: float
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if not (np.isfinite([self.mean, self.deviation]).all() and self.deviation > 0):
+            raise CaseError(
+                f"Normal: mean and deviation must be finite, and the deviation positive, got {self.mean} and "
+                f"{self.deviation}"
+            )
 
     def quantiles(self, shares: Array) -> Array:
         """Values x = mean + deviation Phi^-1(p) at probabilities p."""
@@ -99,10 +116,16 @@ class Sampling(Protocol):
 
 @dataclass(frozen=True)
 class LatinHypercube:
-    """Latin hypercube: one point in each of `number` intervals of every parameter (`scipy.stats.qmc`)."""
+    """Latin hypercube: one point in each of `number` intervals of every parameter (`scipy.stats.qmc`).
+
+    Raises CaseError for a number below one.
+    """
 
     number: int
     seed: int = 0
+
+    def __post_init__(self) -> None:
+        _check_sampling(self)
 
     def points(self, dimensions: int) -> Array:
         """Points (number, dimensions)."""
@@ -111,10 +134,16 @@ class LatinHypercube:
 
 @dataclass(frozen=True)
 class Sobol:
-    """Scrambled Sobol sequence (`scipy.stats.qmc.Sobol`) of 2^m points, for which it is balanced."""
+    """Scrambled Sobol sequence (`scipy.stats.qmc.Sobol`) of 2^m points, for which it is balanced.
+
+    Raises CaseError for a number below one.
+    """
 
     number: int
     seed: int = 0
+
+    def __post_init__(self) -> None:
+        _check_sampling(self)
 
     def points(self, dimensions: int) -> Array:
         """Points (number, dimensions); CaseError for a number that is no power of two."""
@@ -124,6 +153,12 @@ class Sobol:
                 f"{2 ** (self.number.bit_length() - 1)} or {2 ** self.number.bit_length()}, not {self.number}"
             )
         return scipy.stats.qmc.Sobol(dimensions, rng=self.seed).random(self.number)
+
+
+def _check_sampling(sampling: LatinHypercube | Sobol) -> None:
+    check_fields(sampling)
+    if sampling.number < 1:
+        raise CaseError(f"{type(sampling).__name__}: number must be at least 1, got {sampling.number}")
 
 
 def full_factorial(values: Mapping[str, Sequence[Any]]) -> CaseTable:

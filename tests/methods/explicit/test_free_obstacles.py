@@ -9,7 +9,7 @@ from fixtures.explicit_bars import SOFT, bar, explicit_bar
 from scipy import linalg
 
 from supple.body import flexible_body
-from supple.errors import ConvergenceError
+from supple.errors import ConvergenceError, ModelError
 from supple.fem import solid_model
 from supple.integrate import Run, run
 from supple.machine import At, Contact, Fixed, Placed, RigidPlane, RigidSphere, System, Tie
@@ -38,6 +38,17 @@ def test_a_light_ball_leaves_at_the_speed_at_which_it_came():
     """The node that it meets weighs 250 times as much."""
     solution = run(struck(1e-3), SPAN.times)
     assert solution.series["obstacles"][-1, 5] == pytest.approx(0.5, rel=0.1)
+
+
+def test_a_free_obstacle_belongs_to_one_contact():
+    """Two contacts would move it as two; one that keeps its velocity may have several."""
+    part = explicit_bar(CellType.HEXA8, counts=(2, 2, 2))
+    own = ball(1e-3)
+    with pytest.raises(ModelError, match="a free RigidSphere is the obstacle of two contacts"):
+        System([part], contacts=[Contact(At("bar", face), own) for face in ("z_max", "tip")])
+    driven = ball(float("inf"))
+    System([part], contacts=[Contact(At("bar", face), driven) for face in ("z_max", "tip")])
+    System([part], contacts=[Contact(At("bar", face), ball(1e-3)) for face in ("z_max", "tip")])
 
 
 def test_energy_that_a_contact_creates_stops_the_run():
