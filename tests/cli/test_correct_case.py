@@ -147,4 +147,4 @@ def test_loads_beyond_the_modes_of_a_fixed_size_are_named(case):
     case.write_text(text.replace("output_step = 0.02", "output_step = 0.001"))
     output = call("run", case, "-o", case.parent / "out")
     assert "reach 100 Hz: of the 3 modes of body 'strip' up to there, 2 are missing" in output
-    assert "Ask for at least 3 modes" in output
+    assert "Take at least 3 modes" in output

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from supple.blas_threads import one_blas_thread
 from supple.cases import read_case
 from supple.cases.outputs import check_not_an_input
 from supple.errors import CaseError
@@ -24,7 +25,8 @@ def reduce_case(path: Path, folder: Path) -> None:
     ResultFileError     a file that cannot be written
     SuppleError         errors of building and reducing
     """
-    with shown_step("reducing") as notify:
+    # As in a run: signs and last digits of modes depend on the number of threads.
+    with shown_step("reducing") as notify, one_blas_thread():
         case = read_case(path, notify)
         check_not_an_input(case, [stored_path(folder, name) for name in case.made_here])
         bodies = reduced_bodies(case.system, case.made_here)
