@@ -62,7 +62,7 @@ def _rigid_change(
 def _least_rigid_change(
     machine: StartingMachine, configuration: Configuration, terms: JointTerms
 ) -> tuple[np.ndarray, float]:
-    """The least rigid motion (nb, 6) in the mass norm that best closes the joints, and what remains open.
+    """The least rigid motion (nb, 6) in the mass norm that best closes the joints, and the remaining gaps.
 
     The second result is the norm of the remaining residual, to first order.
     """

@@ -117,10 +117,10 @@ def sampling_of(system: System, run: Run) -> ControllerSampling | None:
             instants = times[0] + controller.every * np.arange(count)
             nearest = times[np.clip(np.searchsorted(times, instants), 1, len(times) - 1)]
             before = times[np.clip(np.searchsorted(times, instants) - 1, 0, len(times) - 1)]
+            rounding[number] = _SAME * controller.every
             for output in (before, nearest):
-                same = abs(instants - output) <= _SAME * controller.every
-                instants = np.where(same, output, instants)
-            found[number], rounding[number] = instants, _SAME * controller.every
+                instants = np.where(abs(instants - output) <= rounding[number], output, instants)
+            found[number] = instants
     return ControllerSampling(system, found, rounding) if found else None
 
 

@@ -21,7 +21,7 @@ from supple.equations.checks.strictness import warn_or_raise
 from supple.errors import ResolutionWarning
 from supple.integrate import FixedStep, Run
 from supple.machine import Constant, System, TimeLaw
-from supple.machine.laws.instants import instants_of_law, shortest_scale_of
+from supple.machine.laws.instants import instants_of_law, shortest_scale_of, uneven_times
 from supple.machine.laws.sampled_law import MOST_NUMBERS, law_samples
 
 __all__ = ["UnresolvedShare", "fixed_step", "jumps_in_steps", "missed_between_steps", "warn_of_missed_loads"]
@@ -157,7 +157,6 @@ def _warn(what: str, law: Any, run: Run, *, of_motion: bool) -> None:
 
 def _hardly_accelerated(law: Any, begin: float, end: float, step: float) -> bool:
     """Whether the change of a motion's speed within a step is at most rounding."""
-    # Multiples of the golden ratio: evenly spaced times may all be zeros of a sine.
-    times = begin + (end - begin) * (np.arange(257) * 0.6180339887498949 % 1.0)
+    times = uneven_times(begin, end, 257)
     _, fastest, hardest = (np.abs(each).max() for each in law_samples(law, times, order=2))
     return bool(hardest * step <= 1e-9 * fastest)

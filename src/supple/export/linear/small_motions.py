@@ -14,6 +14,7 @@ from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import ControlStep, SystemMotion, advance
 from supple.equations.control_force import stepped
 from supple.equations.steady_motion import in_turning_axes
+from supple.machine.laws.instants import uneven_times
 from supple.stepping.external_inputs import ExternalInputs
 from supple.stepping.sensed_outputs import SensedOutputs
 
@@ -22,7 +23,6 @@ __all__ = ["MotionChanges", "SmallMotions", "small_motions", "varies_in_time"]
 Array = np.ndarray
 _INSTANTS = 101
 """Number of times at which loads are compared."""
-_GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 _ROUNDING = 1e-9
 """Largest change that counts as rounding, as a fraction of the largest entry of the same array."""
 
@@ -119,8 +119,7 @@ def varies_in_time(rest: CompiledStart, begin: float, end: float) -> bool:
         found, after = balance(rest.model, motion), stepped(rest.model, motion)
         return found.applied + found.inertia, found.constraint_residual, () if after is None else after.rates
 
-    # Evenly spaced times may all be zeros of a sine; multiples of the golden ratio have no period.
-    times = begin + (end - begin) * (np.arange(_INSTANTS) * _GOLDEN % 1.0)
+    times = uneven_times(begin, end, _INSTANTS)
     program = jax.jit(lambda every: jax.lax.map(terms, every)).lower(times).compile(STARTING)
     every = [np.asarray(leaf) for leaf in jax.tree.leaves(program(times)) if leaf.size]
     # Without laws that depend on time, the values are equal to the last digit.

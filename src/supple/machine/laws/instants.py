@@ -10,7 +10,14 @@ import numpy as np
 from supple.machine.laws.sampled_law import sampled_instants
 from supple.machine.laws.time_law import TimeLaw
 
-__all__ = ["KnownLaw", "instants_of_law", "rows_that_bend", "shortest_scale_of", "times_within"]
+__all__ = [
+    "KnownLaw",
+    "instants_of_law",
+    "rows_that_bend",
+    "shortest_scale_of",
+    "times_within",
+    "uneven_times",
+]
 
 BENDS = 1e-6
 """Smallest jump of the derivative of order n, times spacing^n, that is a kink; relative to the range."""
@@ -34,6 +41,17 @@ def instants_of_law(law: TimeLaw, begin: float, end: float) -> np.ndarray:
     if isinstance(law, KnownLaw):
         return law.instants(begin, end)
     return sampled_instants(law, begin, end)
+
+
+_GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+
+
+def uneven_times(begin: float, end: float, number: int) -> np.ndarray:
+    """Times (number,) in [begin, end), not ascending, at fractions k phi mod 1 with the golden ratio phi.
+
+    Evenly spaced times may all be zeros of a sine; these have no period.
+    """
+    return begin + (end - begin) * (np.arange(number) * _GOLDEN % 1.0)
 
 
 def shortest_scale_of(law: TimeLaw, begin: float, end: float) -> float:
