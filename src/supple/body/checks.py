@@ -26,7 +26,7 @@ FREEDOM_NAMES = ("ux", "uy", "uz", "rx", "ry", "rz")
 def checked_nodal_matrix(
     body: str, what: str, matrix: Any, nodes: NDArray[np.float64], dofs_per_node: int, n_modal: int = 0
 ) -> sparse.csc_array:
-    """The nodal matrix as csc; ModelError for a wrong shape, infinite entries or asymmetry.
+    """The nodal matrix as csc; ModelError for a wrong shape, NaN or infinite entries, or asymmetry.
 
     Entries a_ij and a_ji may differ by SYMMETRY times the largest entry.
     """
@@ -79,9 +79,9 @@ def check_moves_rigidly(
     dofs_per_node: int,
     tolerance: float,
 ) -> None:
-    """Raise ModelError unless K R = 0 (or C R = 0 for damping), relative to the forces that cancel.
+    """Raise ModelError unless K R = 0 within a tolerance; for damping C R = 0.
 
-    matrix, rigid_modes : of nodal freedoms, then modal coordinates
+    matrix, rigid_modes : rows of the nodal freedoms, then of the modal coordinates
     tolerance : largest accepted `rigid_force_ratios`
     """
     ratio = rigid_force_ratios(matrix, rigid_modes)
@@ -99,7 +99,8 @@ def check_moves_rigidly(
 def rigid_force_ratios(stiffness: sparse.csc_array, rigid_modes: NDArray[np.float64]) -> NDArray[np.float64]:
     """|K R| (n, 6), relative to a bound on the sum of the forces that cancel in each row.
 
-    The bound is sum_j sqrt(K_ii K_jj) |R_j| over the nonzero K_ij, as |K_ij| <= sqrt(K_ii K_jj).
+    The bound is sum_j sqrt(K_ii K_jj) |R_j| over the nonzero K_ij, as |K_ij| <= sqrt(K_ii K_jj) if K is
+    positive semidefinite. The ratio is 0 where the bound is 0.
     """
     force = np.abs(stiffness @ rigid_modes)
     root = np.sqrt(np.maximum(stiffness.diagonal(), 0))[:, None]
@@ -111,9 +112,9 @@ def rigid_force_ratios(stiffness: sparse.csc_array, rigid_modes: NDArray[np.floa
 def checked_grounded_stiffness(
     body: str, stiffness: sparse.csc_array, rigid_modes: NDArray[np.float64]
 ) -> GroundedFactor:
-    """The grounded factor of K; ModelError for a mechanism, or for negative strain energy.
+    """The factor of K on springs (`grounded_factor`); ModelError for a mechanism or negative strain energy.
 
-    A mechanism is a motion without strain energy in addition to the six rigid motions.
+    A mechanism is a motion without strain energy that is not one of the six rigid motions.
     """
     try:
         grounded = grounded_factor(stiffness, rigid_modes)

@@ -1,7 +1,7 @@
 """`supple benchmark`: the benchmarks of installed packages, each loaded on first use.
 
-A package registers a benchmark by an entry point of the group `supple.benchmarks`: the command's name, and
-the function from which Typer creates the command.
+A package registers a benchmark by an entry point of the group `supple.benchmarks`. Its name is the name of
+the command; its object is the function from which Typer creates the command.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ GROUP = "supple.benchmarks"
 
 
 class BenchmarkGroup(TyperGroup):
-    """Group of commands, one per entry point; their names are listed without loading them."""
+    """Group of commands, one per entry point; listing their names loads no benchmark."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
@@ -31,7 +31,7 @@ class BenchmarkGroup(TyperGroup):
         return list(self.commands)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002  (Typer's signature)
-        """The command of a benchmark, whose module is loaded here; None for an unknown name."""
+        """The command of a benchmark, after its module is loaded; None for an unknown name."""
         offered = cast(Any, self.commands.get(cmd_name))
         if offered is None:
             return None

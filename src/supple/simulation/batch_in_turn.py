@@ -1,4 +1,4 @@
-"""Load cases that cannot run together in one program, each run separately."""
+"""Load cases that cannot run together in one compiled program: each is simulated separately."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["batch_in_turn"]
 
 
 def batch_in_turn(cases: Sequence[System], run: Run, progress: Progress | None) -> BatchSolution:
-    """Simulate each case separately, as by `simulate(check=False)`, on all cores where that is worthwhile.
+    """Simulate each case separately, as by `simulate(check=False)`, on all cores if that is faster.
 
     Raises ModelError for cases with other bodies, joints or kinds of loads than the first case.
     """
@@ -36,7 +36,7 @@ def batch_in_turn(cases: Sequence[System], run: Run, progress: Progress | None) 
     solutions = [found[number] for number in range(len(cases))]
     failures = {number: own.stopped for number, own in enumerate(solutions) if own.stopped is not None}
     passed = clock.perf_counter() - began
-    # For parallel cases the sum exceeds the elapsed time.
+    # The run times exclude compilation. The sum for parallel cases can exceed the elapsed time.
     seconds = min(passed, sum(own.statistics.seconds for own in solutions))
     return BatchSolution(tuple(solutions), failures, seconds, passed - seconds)
 

@@ -1,4 +1,4 @@
-"""The equations of a machine at rest, by the method for the form of its bodies."""
+"""Static equations of a machine, at rest or in steady rotation, by the method for its bodies."""
 
 from __future__ import annotations
 
@@ -18,12 +18,13 @@ __all__ = ["equations_of"]
 def equations_of(
     system: System, turning: SteadyRotation | None, time: float, known: tuple[int, ...] | None = None
 ) -> Equations:
-    """Equations of a machine, with its bodies as placed, for statics and modes.
+    """Equations of a machine for statics and modes; without `known`, its joints are closed first.
 
     turning : steady rotation, with one angular velocity per body; None at rest
+    time : time at which laws of time are evaluated
     known : numbers of the independent joint equations, if the bodies are placed with closed joints
-    Raises ModelError for rotation of modal parts with a centrifugal stiffness, and for joints as at the start
-    of a run.
+    Raises ModelError for a rotation with modal parts that have a centrifugal stiffness, and for joints that
+    the start of a run rejects.
     """
     if turning is not None and np.any(turning.angular_velocities):
         check_spin_stiffness(system)

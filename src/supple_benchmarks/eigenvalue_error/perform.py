@@ -22,7 +22,7 @@ __all__ = ["perform"]
 
 
 def perform(quick: bool, json: Path | None, folder: Path) -> None:
-    """Run the benchmark; the report is rewritten after every body, so that an interruption loses none."""
+    """Run the benchmark; the report is rewritten after every body, so that finished bodies are not lost."""
     problem = EigenvalueErrors.quick() if quick else EigenvalueErrors()
     target = json or folder / "eigenvalue-error.json"
     target.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,7 @@
-"""Two halves of a box, one modal, coupled by multipliers or by elimination, with one or two time steps."""
+"""A box of two coupled halves: multipliers compared with elimination, two time steps compared with one.
+
+The first half is modal, the second consists of elements.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,7 @@ from supple_benchmarks.explicit.dual_coupling import (
 __all__ = ["dual_against_primal", "multi_time_steps"]
 
 LIMIT = 0.5
-"""A time step below the step limit of the elements, s."""
+"""Time step, s, below the stability limit 2 / omega_max of the elements; the runs use fractions of it."""
 
 
 class _Halves(NamedTuple):
@@ -39,7 +42,12 @@ class _Halves(NamedTuple):
 
 @cache
 def _halves() -> _Halves:
-    """First half clamped, in 27 constraint and 12 fixed-interface modes; second half in elements."""
+    """Both halves, with the first clamped at its root, and the equations with the interface eliminated.
+
+    The first half has 27 constraint modes and 12 fixed-interface modes, the second is a mesh of elements.
+    L maps the coordinates without the interface to all modes and element freedoms; K and M belong to the
+    coordinates without the interface.
+    """
     mesh = block(4, 2, 2, 4, 2, 2, CellType.TETRA4)
     model = solid_model(mesh, Isotropic(1.0, 0.3, 1.0))
     K, m = model.stiffness.toarray(), lumped_mass(model)
@@ -100,7 +108,10 @@ def _marched(case: str, scheme: MultiTimeStep, h: float, n: int) -> CoupledMotio
 
 
 def dual_against_primal(_quick: bool) -> float:
-    """Largest difference of displacements over the largest displacement."""
+    """Difference between the final displacements by multipliers and by elimination, for equal steps.
+
+    The largest difference on the element side is divided by the largest displacement there.
+    """
     h, n = 0.4 * LIMIT, 400
     own = _halves()
     dual = _marched("smooth", GravouilCombescure(1), h, n)
@@ -116,7 +127,14 @@ def dual_against_primal(_quick: bool) -> float:
 
 
 def multi_time_steps(quick: bool) -> list[dict[str, Any]]:
-    """Displacement error over amplitude, relative change of energy, difference of interface velocities."""
+    """Two time steps compared with one: one row for each motion, scheme and ratio of the steps.
+
+    error : largest difference of the final displacements of the elements from those with one time step, over
+        the largest displacement with one time step at any output
+    energy : relative change of the total energy between the first output, after a tenth of the run, and the
+        last output
+    gap : largest difference of the interface velocities, `CoupledMotion.gap`
+    """
     rows = []
     n = 4000 if quick else 12000
     for case in ("smooth", "pulse"):

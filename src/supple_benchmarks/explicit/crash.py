@@ -1,4 +1,4 @@
-"""A bar whose nose is crushed on a wall; the rest, which vibrates, is modelled by elements or by modes."""
+"""A bar hits a wall and its nose is crushed; the rest vibrates, modelled by elements or by modes."""
 
 from __future__ import annotations
 
@@ -39,7 +39,10 @@ _NOSE, _REST = "nose", "rest"
 
 
 def _models(n: int, long: int) -> tuple[FiniteElementModel, FiniteElementModel]:
-    """The rest, 1 m of tetrahedra, and the nose, 0.2 m of hexahedra, with the same grid of the section."""
+    """The models of the rest, 1 m of tetrahedra, and of the nose, 0.2 m of hexahedra.
+
+    Both have the same grid in the cross-section: n x n cells.
+    """
     rest = block(1.0, 0.1, 0.1, long, n, n, CellType.TETRA4)
     nose = block(0.2, 0.1, 0.1, max(n, 2), n, n, CellType.HEXA8)
     moved = Mesh(nose.nodes + np.array([1.0, 0.0, 0.0]), nose.cells, nose.node_sets)
@@ -50,13 +53,16 @@ _REPETITIONS = 3
 
 
 def _size(engine: ExplicitEngine) -> float:
-    """Bytes of the arrays of an explicit run."""
+    """Bytes of the arrays of an engine: its model and its initial state."""
     leaves = jax.tree.leaves((engine.built.model, engine.built.start))
     return sum(np.asarray(leaf).nbytes for leaf in leaves)
 
 
 def _seconds(engines: Sequence[ExplicitEngine], span: Run) -> list[float]:
-    """Processor seconds of each engine, after compilation: the minimum of several alternating runs."""
+    """Processor seconds of a run of each engine, without compilation.
+
+    The engines run in turn, `_REPETITIONS` times; the smallest time of each engine is returned.
+    """
     seconds = []
     for _ in range(_REPETITIONS):
         seconds.append([])
@@ -68,13 +74,18 @@ def _seconds(engines: Sequence[ExplicitEngine], span: Run) -> list[float]:
 
 
 def crash(quick: bool) -> dict[str, float]:
-    """Processor seconds of both models, largest difference over largest displacement, memory ratio."""
+    """Cost and error of the bar with a modal rest, compared with the bar of elements.
+
+    full_s, modal_s : processor seconds with all elements, and with the modal rest; speedup : their ratio
+    error : largest distance between equal nodes of the two models, over the largest displacement
+    memory_ratio : bytes with all elements over bytes with the modal rest
+    """
     n, long = (4, 40) if quick else (8, 80)
     rest, nose = _models(n, long)
     law = J2Plasticity(ALUMINIUM, LinearHardening(100e6, 300e6))
     crushing = Placed(explicit_subdomain(nose, law, name=_NOSE), velocity=SPEED)
-    # Six columns give the static response to forces and moments at the joint: they halve the error for equal
-    # numbers of modes.
+    # Rubin adds six columns to the 24 modes: the static responses to forces and moments at the joint. For an
+    # equal number of modes they halve the error.
     body = flexible_body(_REST, rest, [AveragingInterface("tip", "tip")])
     modal = modal_subdomain(body, Rubin(24))
     common: dict[str, Any] = {

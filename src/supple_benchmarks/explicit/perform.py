@@ -12,6 +12,6 @@ __all__ = ["perform"]
 
 
 def perform(quick: bool, json: Path | None, folder: Path) -> None:
-    """Run the benchmark; write the report to the folder unless a file is given."""
+    """Run the benchmark, print its tables; write the report to `json`, or to explicit.json in `folder`."""
     target = json or folder / "explicit.json"
     keep_report(target, lambda started: run_explicit(quick, started), tables)

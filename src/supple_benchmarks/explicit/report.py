@@ -20,7 +20,7 @@ _TITLES = {
 
 
 def tables(report: Mapping[str, Any]) -> list[Table]:
-    """One table per study."""
+    """One table for each study in `_TITLES` that the report contains."""
     found = []
     for key, title in _TITLES.items():
         if key in report:

@@ -1,4 +1,4 @@
-"""One slender strip by four methods, in equilibrium under a dead tip force, at large tip rotation."""
+"""Large tip rotation of a slender strip, in equilibrium under a dead force at its tip, by four methods."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ N_LENGTH = 24
 
 
 def agreement_rows(quick: bool) -> Iterator[dict[str, Any]]:
-    """Rows of the strip, with the error of the tip over its deflection (elastica), and rows of the blade."""
-    for method in METHODS:  # compile the programs before measuring time
+    """Rows of the strip compared with the elastica, one per method and rotation, then rows of the blade."""
+    for method in METHODS:  # compiles the programs before times are measured
         tip_by(method, 0.05)
     for rotation in (0.29, 0.87) if quick else (0.01, 0.03, 0.1, 0.29, 0.57, 0.87, 1.2, 1.5):
         for method in METHODS:
@@ -41,9 +41,10 @@ def agreement_rows(quick: bool) -> Iterator[dict[str, Any]]:
 
 
 def tip_by(method: str, rotation: float) -> dict[str, Any]:
-    """A row of the report: the tip of the strip by a method, at a rotation of the tip, rad.
+    """A row of the report: the strip by one method, under the force that rotates the tip by `rotation`, rad.
 
-    The error is None if the method finds no equilibrium, as with one floating frame at too large rotations.
+    The force is that of the elastica. The error is the distance of the tip from that of the elastica, over
+    the deflection. It is None if the method finds no equilibrium, as one floating frame at large rotations.
     """
     force, exact = _force_that_turns(rotation)
     began = process_time()

@@ -16,11 +16,11 @@ from supple_benchmarks.references.elastica import elastica
 __all__ = ["bend_of_45_degrees", "elastica_rows", "order_of"]
 
 LOAD = 10.0
-"""P L^2 / E I"""
+"""Load factor P L^2 / (E I) of the elastica."""
 
 
 def elastica_rows(quick: bool) -> Iterator[dict[str, Any]]:
-    """Error of the tip over the length under a transverse dead force, by the number of segments."""
+    """Distance of the tip from that of the elastica, over the length, by the number of segments (`nodes`)."""
     along, across, _ = elastica(1.0, 1.0, LOAD)
     for n in (10, 20, 40) if quick else (10, 20, 40, 80):
         points = np.linspace(0, 1, n + 1)[:, None] * np.eye(3)[0]
@@ -36,7 +36,10 @@ def order_of(rows: list[dict[str, Any]]) -> float:
 
 
 def bend_of_45_degrees() -> dict[str, Any]:
-    """Tip of an arc of radius 100, unit square section, E = 1e7, dead force of 600 out of its plane."""
+    """Tip of an arc of 45 degrees and radius 100 under a dead force of 600 normal to its plane.
+
+    The section is a unit square, E = 1e7.
+    """
     angles = np.linspace(0, np.pi / 4, 17)
     points = 100 * np.column_stack([1 - np.cos(angles), np.sin(angles), 0 * angles])
     stiffness = 1e7 / 12

@@ -1,4 +1,4 @@
-"""Lines of beams: exact stiffness between stations, mass lumped at the stations."""
+"""Condensed lines of beam elements: exact stiffness between stations, mass lumped at the stations."""
 
 from __future__ import annotations
 
@@ -25,9 +25,10 @@ def beam_line(
     mass: float,
     radius: float,
 ) -> CondensedLine:
-    """A line through points (n, 3) with uniform E A, E I (both directions), G J and mass per length.
+    """A uniform line of beam elements through points (n, 3), without shear deformation.
 
-    radius : radius of gyration of its sections, for the inertia of the stations
+    axial, bending, torsion : E A, E I (in both planes), G J;   mass : per length
+    radius : radius of gyration of the inertia of the stations, about all three axes
     """
     E = 1.0e6
     material = Isotropic(E, 0.0, mass * E / axial)

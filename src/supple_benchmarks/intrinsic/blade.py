@@ -1,8 +1,9 @@
 """The 61.5 m blade in equilibrium under one to three times its mean wind load, by seven methods.
 
-The load is dead, on the nodes of the leading edge; the root is clamped. The error is the distance of the tip
-from that of the full model in mean axes, over the deflection. At the rated load CalculiX, which uses no
-floating frame, agrees with that model to 0.15 % (docs/blade_benchmark.md).
+The load is dead, on the nodes of the leading edge; the root is clamped. The error is the distance between the
+tip displacements of a method and of the full model in mean axes, over the displacement of the full model. At
+the mean wind load CalculiX, which uses no floating frame, differs from the full model by 0.15 %
+(docs/blade_benchmark.md).
 """
 
 from __future__ import annotations
@@ -58,7 +59,11 @@ REFERENCE = "full, mean-axis"
 
 
 class ClampedBlade(NamedTuple):
-    """The blade clamped at its root, and a load on nodes."""
+    """The blade clamped at its root, and a load on its nodes.
+
+    nodes : (k,) loaded nodes;   tip : nodes of the tip
+    forces : (k, 3) N, `factor` times the mean wind load
+    """
 
     model: FiniteElementModel
     body: FlexibleBody
@@ -68,19 +73,22 @@ class ClampedBlade(NamedTuple):
     tip: NDArray[np.int64]
 
     def system(self, form: Any, share: float = 1.0) -> System:
-        """The system with the body in one form, under a fraction of the load."""
+        """The system with the blade as `form`, under the fraction `share` of the load."""
         return System([form], [CLAMP], [DeadForce(body=BODY, at=self.nodes, force=share * self.forces)])
 
     @property
     def nodal(self) -> Array:
-        """The load as a vector (n_nodal,)."""
+        """The load as a vector (n_nodal,) of nodal freedoms."""
         vector = np.zeros((len(self.body.nodes), self.body.dofs_per_node))
         vector[self.nodes, :3] = self.forces
         return vector.ravel()
 
 
 def blade_rows(quick: bool) -> Iterator[dict[str, Any]]:
-    """One row per method and load; the error is None if the method or the full model has no equilibrium."""
+    """One row per load and method.
+
+    The error is None if the method or the full model in mean axes finds no equilibrium.
+    """
     blade = Blade(COARSE_GRID) if quick else Blade()
     n_stations, n_modes = (13, 60) if quick else (31, 80)
     model = shell_model(blade.mesh, SECTION, kinematics=GREEN_LAGRANGE)
@@ -107,7 +115,7 @@ def blade_rows(quick: bool) -> Iterator[dict[str, Any]]:
             with suppress(ConvergenceError):
                 at = places(clamped)
                 moved = (at - body.nodes[tip]).mean(axis=0)
-                rotation = rotation or _turn(body.nodes[tip], at)  # of the first method with an equilibrium
+                rotation = rotation or _turn(body.nodes[tip], at)  # by the first method with an equilibrium
                 if method == REFERENCE:
                     exact = moved
                 if exact is not None:
@@ -125,7 +133,7 @@ def blade_rows(quick: bool) -> Iterator[dict[str, Any]]:
 
 
 def _turn(rest: Array, moved: Array) -> float:
-    """Rotation angle of the nodes of a section, rad."""
+    """Rotation angle of the nodes of a section, rad, by least squares."""
     found = Rotation.align_vectors(moved - moved.mean(axis=0), rest - rest.mean(axis=0))[0]
     return float(found.magnitude())
 
@@ -150,7 +158,7 @@ def _reduced(body: FlexibleBody, nodal: Array, frame: Frame) -> ReducedBody:
 
 
 def _rested(clamped: ClampedBlade, form: Any) -> Array:
-    """The tip of the body in equilibrium; the load is increased in steps."""
+    """Positions of the tip nodes in equilibrium; the load is increased in steps."""
     placed = Placed(form)
     for share in _shares(clamped):
         (placed,) = equilibrium(clamped.system(placed, share), search=SEARCH, fulls=()).system.bodies
@@ -158,7 +166,10 @@ def _rested(clamped: ClampedBlade, form: Any) -> Array:
 
 
 def _split(clamped: ClampedBlade, form: Callable[[FlexibleBody, Array, Frame], Any]) -> Array:
-    """The tip of a chain of four bodies with frames at their inner ends; the load is increased in steps."""
+    """Positions of the tip nodes of four bodies in a chain; the load is increased in steps.
+
+    The frame of each body is fixed to its inner end.
+    """
     split = split_body(BODY, clamped.model, AlongAxis(N_PARTS, (0, 0, 1)), ENDS)
     bodies, loads = [], []
     carried = np.zeros(len(clamped.nodes), dtype=bool)
@@ -180,7 +191,7 @@ def _split(clamped: ClampedBlade, form: Callable[[FlexibleBody, Array, Frame], A
 
 
 def _shares(clamped: ClampedBlade) -> Array:
-    """Increasing fractions of the load, in steps of at most the mean wind load."""
+    """Increasing fractions of the load, up to 1, in equal steps of at most the mean wind load."""
     n = int(np.ceil(clamped.factor))
     return np.arange(1, n + 1) / n
 

@@ -1,6 +1,6 @@
-"""The box beam of [Wang2015] 5.1: a shell model on stations, its frequencies and a large free vibration.
+"""The box beam of [Wang2015] 5.1: a shell model condensed on stations, its frequencies, a large vibration.
 
-The first axial frequency of the shells lies among those of wall modes; it is searched separately.
+The first axial frequency of the shells lies among those of wall modes; a separate search finds it.
 """
 
 from __future__ import annotations
@@ -35,15 +35,20 @@ __all__ = ["box_beam"]
 
 N_FREQUENCIES = 10
 SPEED = 3.0
-"""Initial velocity of the tip, equal in both directions across the beam: a large vibration."""
+"""Initial velocity of the tip along y, and also along z; it causes a large vibration."""
 N_AMPLITUDES = 6
 N_OUTPUTS = 100
 NEAR = 8
-"""Number of frequencies searched around the axial one."""
+"""Number of shell frequencies computed near the first axial frequency on stations."""
 
 
 def box_beam(quick: bool) -> dict[str, Any]:
-    """Frequencies of stations, shells and slender beams, rad/s, with their kind; free vibrations."""
+    """Results of the box beam.
+
+    frequencies : by kind, rad/s: on stations, of the shells, of a slender beam; error : stations / shells - 1
+    modes : `box_modes`;   tip, amplitudes : `large_vibration`;   against_shells : `box_against_shells`
+    small_from_linear : `_from_linear`
+    """
     coarse, tip_nodes = meshed(40, 1)
     shells = coarse if quick else meshed(120, 2)[0]
     held = shells.interface("root").motion
@@ -77,7 +82,7 @@ def box_beam(quick: bool) -> dict[str, Any]:
 
 
 def meshed(n_along: int, n_high: int) -> tuple[FlexibleBody, np.ndarray]:
-    """The shell model of the box, and the nodes of its tip."""
+    """The shell model of the box, and the node numbers of its tip."""
     mesh = box_mesh(LENGTH, WIDTH, HEIGHT, n_along, 4, n_high)
     model = shell_model(mesh, HomogeneousSection(Isotropic(E, NU, DENSITY), WALL))
     ends = [RigidInterface("root", "root"), AveragingInterface("tip", "tip")]
@@ -85,12 +90,12 @@ def meshed(n_along: int, n_high: int) -> tuple[FlexibleBody, np.ndarray]:
 
 
 def box_on_stations(shells: FlexibleBody, quick: bool) -> IntrinsicBody:
-    """The box on its stations, clamped."""
+    """The box condensed on its stations, clamped at its root."""
     return condense(shells, LoadPath("root", "tip", 21 if quick else 41), n_modes=35 if quick else 60)
 
 
 def large_vibration(body: IntrinsicBody, quick: bool) -> dict[str, Any]:
-    """Displacement of the tip over time, and amplitudes q_2 over time of the modes with the largest q_2."""
+    """Displacement of the tip, and amplitudes q_2 of the modes with the largest q_2, over time."""
     vibration = _vibration(body, SPEED, 0.5 if quick else 2.5)
     q2 = body.forces_of(vibration.coordinates)
     highest = np.sort(np.argsort(-np.abs(q2).max(axis=0))[:N_AMPLITUDES])
@@ -101,8 +106,12 @@ def large_vibration(body: IntrinsicBody, quick: bool) -> dict[str, Any]:
 
 
 def _axial(shells: FlexibleBody, stations: float) -> tuple[str, float, float]:
-    """First axial frequency on stations, and the nearby one of the shells with the largest axial motion."""
-    held = shells.interface("root").motion.tocsr().indices  # the six degrees of freedom of the tie
+    """Kind, first axial frequency on stations, and that of the shells, rad/s.
+
+    Of the `NEAR` shell modes next to the frequency on stations, the mode with the largest axial motion of the
+    tip is taken.
+    """
+    held = shells.interface("root").motion.tocsr().indices  # the six degrees of freedom of the root
     free = np.setdiff1d(np.arange(shells.n), held)
     K, M = (matrix.tocsc()[free][:, free] for matrix in (shells.stiffness, shells.mass))
     values, shapes = eigsh(K, NEAR, M, sigma=stations**2)
@@ -111,7 +120,10 @@ def _axial(shells: FlexibleBody, stations: float) -> tuple[str, float, float]:
 
 
 def _from_linear(body: IntrinsicBody, duration: float) -> float:
-    """Difference of a vibration with 1e-3 of the initial velocity from the linear one, over the maximum."""
+    """Largest difference between a small vibration and the linear one, over the largest linear displacement.
+
+    The initial velocity is 1e-3 of `SPEED`.
+    """
     speed = 1e-3 * SPEED
     vibration, omega = _vibration(body, speed, duration), body.modes.omega
     amplitudes = parabolic_velocity(body, speed) / omega * np.sin(np.outer(vibration.times, omega))
@@ -120,7 +132,7 @@ def _from_linear(body: IntrinsicBody, duration: float) -> float:
 
 
 class Vibration(NamedTuple):
-    """Times (t,), displacement of the tip (t, 3), amplitudes of the modes (t, e)."""
+    """Times (t,), displacement of the tip (t, 3), elastic amplitudes (t, e)."""
 
     times: np.ndarray
     tip: np.ndarray
@@ -128,7 +140,7 @@ class Vibration(NamedTuple):
 
 
 def _vibration(body: IntrinsicBody, speed: float, duration: float) -> Vibration:
-    """Free vibration from the velocity (0, 1, 1) speed (s / L)^2."""
+    """Free vibration after the initial velocity (0, 1, 1) speed (s / L)^2."""
     rates = parabolic_velocity(body, speed)
     system = System([Placed(body, coordinate_rates=rates)], [Fixed(first="ground", second="box.root")])
     step = min(2.0 / body.modes.omega.max(), 0.01)

@@ -1,4 +1,4 @@
-"""Figures of the box beam: modes along it, and a large vibration. [Wang2015] Figs. 3-5, 7 and 8"""
+"""Figures of the box beam: modes along its length, and a large vibration; [Wang2015] Figs. 3-5, 7 and 8."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _DASHED = Stroke(colour=REFERENCE.colour, dashes=REFERENCE.dashes, width=0.8)
 
 
 def draw_box(report: Mapping[str, Any], folder: Path) -> list[Path]:
-    """Both figures; their paths."""
+    """Draw both figures; return their paths."""
     with textbook_style():
         return [
             _draw_modes(report["modes"], folder / "figure_3_to_5_box_modes.png"),
@@ -37,7 +37,7 @@ def draw_box(report: Mapping[str, Any], folder: Path) -> list[Path]:
 
 
 def _draw_modes(study: Mapping[str, Any], path: Path) -> Path:
-    """One row per kind of mode: velocity, moment and curvature; those of the slender beam dashed."""
+    """One row of panels per kind of mode: velocity, moment, curvature; dashed: modes of the slender beam."""
     figure = new_figure(4.3)
     grid = figure.subplots(2, 3, sharex=True)
     stations = np.array(study["s"])
@@ -64,7 +64,7 @@ def _draw_modes(study: Mapping[str, Any], path: Path) -> Path:
 
 
 def _draw_vibration(report: Mapping[str, Any], path: Path) -> Path:
-    """The tip in the upper panel, the largest modal amplitudes in the lower one."""
+    """Displacement of the tip in the upper panel, the largest modal amplitudes in the lower one."""
     figure = new_figure(4.6)
     upper, lower = figure.subplots(2, 1, sharex=True)
     times, tip = np.array(report["tip"]["t"]), np.array(report["tip"]["u"])

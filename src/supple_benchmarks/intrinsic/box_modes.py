@@ -12,21 +12,25 @@ __all__ = ["KINDS", "box_modes", "kinds_of"]
 
 KINDS = ("axial", "chordwise", "flapwise", "torsion")
 SHOWN = {"flapwise": (3, 2, 4), "torsion": (2, 3, 3)}
-"""Per kind: number of modes, and component of the velocity and of the moment."""
+"""Per kind: number of modes, component (0 to 5) of the velocity, component of moment and curvature."""
 DIGITS = 6
 
 
 def kinds_of(body: IntrinsicBody) -> list[str]:
-    """Kind of each mode, from its largest motion at the tip."""
+    """Kind of each mode: its largest motion at the tip, of displacements x, y, z and rotation about x."""
     return [KINDS[int(np.argmax(column))] for column in np.abs(body.modes.velocities[-1, :4]).T]
 
 
 def box_modes(body: IntrinsicBody) -> dict[str, Any]:
-    """Velocity at stations, moment and curvature at the middles of segments, of flapwise and torsional modes.
+    """Flapwise and torsional modes along the box: velocity, moment, curvature.
 
-    Modes have unit modal mass; their tips move in positive direction.
+    Velocities belong to stations, moments and curvatures to the middles of segments. Modes have unit modal
+    mass; their sign is such that the velocity of the tip is positive.
 
-    s : positions of the stations over the length;   modes : kind, rank, velocity, moment, curvature
+    Returns
+    -------
+    s : positions of the stations over the length
+    modes : kind, rank from 0 within the kind, velocity, moment and curvature of each mode
     """
     modes, kinds = body.modes, np.array(kinds_of(body))
     rows = []

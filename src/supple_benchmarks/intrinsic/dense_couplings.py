@@ -14,14 +14,16 @@ __all__ = ["DenseCouplings", "dense_couplings", "dense_rates"]
 
 
 class DenseCouplings(NamedTuple):
-    """Gamma_1 (m, m, m) and Gamma_2 (m, e, e): 2 m^3 numbers, and as many products per evaluation."""
+    """Gamma_1 (m, m, m) and Gamma_2 (m, e, e), for m modes of which e are elastic."""
 
     first: jax.Array
     second: jax.Array
 
 
 def dense_couplings(model: LineModel) -> DenseCouplings:
-    """Gamma_1jkl = <Phi_1j, L_1(Phi_1k) M Phi_1l>,   Gamma_2jkl = <Phi_1j, L_2(Phi_2k) C Phi_2l>.
+    """The coupling tensors of a line.
+
+        Gamma_1jkl = <Phi_1j, L_1(Phi_1k) M Phi_1l>,   Gamma_2jkl = <Phi_1j, L_2(Phi_2k) C Phi_2l>
 
     Source: [Wang2015] (15).
     """
@@ -41,7 +43,7 @@ def dense_couplings(model: LineModel) -> DenseCouplings:
 def dense_rates(
     model: LineModel, couplings: DenseCouplings, q1: jax.Array, q2: jax.Array
 ) -> tuple[jax.Array, jax.Array]:
-    """Rates (m,) and (e,) of an unloaded, undamped line, equal to those of `line_rates`.
+    """Rates q_1' (m,) and q_2' (e,) of an unloaded, undamped line, equal to those of `line_rates`.
 
     Source: [Wang2015] (12)-(14).
     """

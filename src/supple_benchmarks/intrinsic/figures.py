@@ -1,4 +1,4 @@
-"""The figures of the intrinsic benchmark: which method when, the box beam and the U of [Wang2015]."""
+"""Figures of the intrinsic benchmark: comparison of four methods, box beam and U of [Wang2015]."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _POINTS = Stroke(marker="o")
 
 
 def draw_figures(report: Mapping[str, Any], folder: Path) -> list[Path]:
-    """All figures; their paths."""
+    """Draw all figures; return their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     return [
         _which_method_when(report, folder),
@@ -29,7 +29,7 @@ def draw_figures(report: Mapping[str, Any], folder: Path) -> list[Path]:
 
 
 def _which_method_when(report: Mapping[str, Any], folder: Path) -> Path:
-    """Error and cost of a strip against the rotation of its tip."""
+    """Error and processor time of the strip by four methods, against the rotation of its tip."""
     rows = [row for row in report["agreement"] if row["body"] == "strip"]
     with textbook_style():
         figure = new_figure(2.6)

@@ -1,7 +1,8 @@
-"""A flexible U in free flight: its centre of mass, truncated and residual modes, snapshots.
+"""A flexible U in free flight: path of its centre of mass, truncated and residual modes, snapshots.
 
 The load history of [Wang2015] 5.2 is missing in our copy of the text. The load chosen here is a dead force on
-one tip, 60 along z and 30 along x at its peak, a triangle in time over 4 s, in consistent units.
+one tip that increases linearly for 2 s and decreases linearly to zero in another 2 s. Its largest value is 60
+along z and 30 along x, in consistent units.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ N_OUTPUTS, N_SNAPSHOTS = 20, 5
 
 
 def pushed(body: IntrinsicBody) -> System:
-    """The U under its triangular load."""
+    """The system of the U under the force on its tip."""
     return System([body], loads=[DeadForce(at="u.tip", force=_load)])
 
 
@@ -37,9 +38,13 @@ def _load(time: Any) -> Any:
 
 
 def flying_u(quick: bool) -> dict[str, Any]:
-    """Error of the centre of mass by the number of stations; truncated and residual modes; snapshots.
+    """Results of the U, by number of stations where it varies.
 
-    Also: stiffness and eigenvalues compared with those of the solid and of beam elements.
+    com_error : `_centre_error`, m;   order : its order of convergence with the number of segments
+    residualised : `_residual_rows`;   stable_steps : `_stable_steps`
+    stiffness : `stiffness_pattern` of the line with the most stations, and of beam elements
+    eigenvalues : `eigenvalue_differences`
+    flight : `_shown` for the line with the most stations, and for beam elements
     """
     n_leg = 8 if quick else 12
     solid = solid_u(n_leg)
@@ -67,7 +72,7 @@ def flying_u(quick: bool) -> dict[str, Any]:
 
 
 def _shown(flight: tuple[np.ndarray, Any]) -> dict[str, Any]:
-    """Positions of the pushed tip (t, 3), and snapshots of all stations: times (k,), positions (k, n, 3)."""
+    """Positions of the loaded tip (t, 3), and of all stations (k, n, 3) at the k times of the snapshots."""
     times, (_, places) = flight
     shown = slice(None, None, N_OUTPUTS // N_SNAPSHOTS)
     return {
@@ -79,7 +84,7 @@ def _shown(flight: tuple[np.ndarray, Any]) -> dict[str, Any]:
 
 
 def _stable_steps(body: IntrinsicBody) -> list[dict[str, float]]:
-    """Longest stable Runge-Kutta step by the number of retained modes, truncated or residual, s."""
+    """Longest stable Runge-Kutta step, s, by the number of retained modes, rigid ones included."""
     return [
         {"kept": kept, "dt_max": _longest_step(body, kept)}
         for kept in range(12, len(body.modes.omega) + 1, 6)
@@ -87,13 +92,13 @@ def _stable_steps(body: IntrinsicBody) -> list[dict[str, float]]:
 
 
 def _longest_step(body: IntrinsicBody, kept: int | None = None) -> float:
-    """Longest stable step, without damping, with a given number of lowest modes."""
+    """Longest stable step, s, without damping, for the given number of lowest modes; None: all modes."""
     omega = body.modes.omega[:kept]
     return largest_stable_step(omega, 0 * omega, 0 * omega)
 
 
 def _centre_error(body: IntrinsicBody, flight: tuple[np.ndarray, Any]) -> float:
-    """Root-mean-square distance over time, m, of the centre of mass from its exact path under the force."""
+    """Distance of the centre of mass from its exact path under the force: root mean square over time, m."""
     times, (rotations, places) = flight
     masses = body.line.station_masses
     assert masses is not None
@@ -106,7 +111,7 @@ def _centre_error(body: IntrinsicBody, flight: tuple[np.ndarray, Any]) -> float:
 
 
 def _distance(times: np.ndarray) -> np.ndarray:
-    """Triangle of unit height, integrated twice."""
+    """Unit triangle of the load, integrated twice over time, s^2."""
     half = DURATION / 2
     early = times**3 / (6 * half)
     t = times - half
@@ -122,7 +127,7 @@ def _flown(body: IntrinsicBody, rule: Any, *, kept: int | None = None) -> tuple[
 
 
 def _lowest_alone(body: IntrinsicBody, kept: int) -> IntrinsicBody:
-    """The body with the lowest modes only, without modes of second order, as in the paper."""
+    """The body with its lowest modes, rigid ones included, without second-order modes, as in the paper."""
     e = kept - body.modes.n_rigid
     own = body.expansion
     expansion = replace(own, modes=own.modes[..., :e], warping=own.warping[..., :e])
@@ -130,9 +135,9 @@ def _lowest_alone(body: IntrinsicBody, kept: int) -> IntrinsicBody:
 
 
 def _residual_rows(body: IntrinsicBody, flight: tuple[np.ndarray, Any], quick: bool) -> list[dict[str, Any]]:
-    """RMS errors of the positions of all stations with truncated and with residual modes, m.
+    """Errors of the positions of all stations with truncated and with residual modes: root mean squares, m.
 
-    flight : the reference, with all modes
+    flight : result of `_flown` with all modes, the reference
     """
     _, (_, whole) = flight
     rows = []
@@ -155,7 +160,7 @@ def _rms(difference: np.ndarray) -> float:
 
 
 def energy_drift(quick: bool) -> float:
-    """Largest relative change of the energy of an unloaded, vibrating and rotating U, by Runge-Kutta."""
+    """Largest relative change of the energy of an unloaded U that vibrates and rotates, by Runge-Kutta."""
     body = on_stations(solid_u(6), 7, 24)
     rates = np.zeros(body.n_coordinates)
     rates[:4] = 20.0

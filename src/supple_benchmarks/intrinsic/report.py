@@ -11,7 +11,7 @@ __all__ = ["tables"]
 
 
 def tables(report: Mapping[str, Any]) -> list[Table]:
-    """One table per study."""
+    """The tables of the complete report: single numbers in the first, then one table per study."""
     flying = report["u_beam"]
     numbers = {
         "Phi_1": report["orthonormality"]["phi1"],

@@ -32,7 +32,7 @@ _STUDIES: Mapping[str, tuple[str, Callable[[bool], Any]]] = {
 
 
 def run_intrinsic(quick: bool, announce: Announce) -> Iterator[dict[str, Any]]:
-    """The report, ready for JSON, after every study; its keys must not change."""
+    """Yield the report, ready for JSON, after each study. Tests read its keys, so they must not change."""
     report: dict[str, Any] = {"quick": quick, "machine": describe_computer()}
     for key, (label, study) in _STUDIES.items():
         progress = announce(label)
@@ -45,7 +45,7 @@ def run_intrinsic(quick: bool, announce: Announce) -> Iterator[dict[str, Any]]:
 
 
 def _orthonormality(n: int) -> dict[str, float]:
-    """Deviation of the Gram matrices of Phi_1 and Phi_2 from identity, for all modes of a cantilever."""
+    """Largest deviation of the Gram matrices of Phi_1 and Phi_2 from the unit matrix, for a cantilever."""
     points = np.linspace(0, 2, n + 1)[:, None] * np.eye(3)[0]
     line = beam_line("beam", points, axial=1e5, bending=10.0, torsion=8.0, mass=1.3, radius=0.02)
     first, second = intrinsic_modes(line, CLAMPED).orthonormality

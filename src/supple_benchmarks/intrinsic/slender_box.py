@@ -16,20 +16,20 @@ Array = NDArray[np.float64]
 LENGTH, WIDTH, HEIGHT, WALL = 20.0, 1.0, 0.1, 0.01
 E, NU, DENSITY = 1e6, 0.3, 1.0
 CANTILEVER = (1.8751040687, 4.6940911330, 7.8547574382, 10.9955407349)
-"""Roots of cos x cosh x = -1; the next are close to odd multiples of pi / 2."""
+"""Lowest roots of cos x cosh x = -1; higher roots are close to odd multiples of pi / 2."""
 
 AREA = 2 * (WIDTH + HEIGHT) * WALL
 FLAP = WALL * (WIDTH * HEIGHT**2 / 2 + HEIGHT**3 / 6)
 CHORD = WALL * (HEIGHT * WIDTH**2 / 2 + WIDTH**3 / 6)
 POLAR = FLAP + CHORD
 TORSION = 2 * (WIDTH * HEIGHT) ** 2 * WALL / (WIDTH + HEIGHT) * E / (2 * (1 + NU))
-"""Bredt's torsional stiffness."""
+"""Torsional stiffness G J by Bredt's formula."""
 
 
 def slender_frequency(kind: str, rank: int) -> float:
-    """A frequency of the clamped beam, rad/s: Euler-Bernoulli in bending, Bredt in torsion.
+    """A frequency of the clamped slender beam, rad/s: Euler-Bernoulli in bending, Bredt in torsion.
 
-    kind : "axial", "chordwise", "flapwise" or "torsion";   rank : from 0 on
+    kind : "axial", "chordwise", "flapwise" or "torsion";   rank : number within the kind, from 0
     """
     if kind in ("axial", "torsion"):
         square = E / DENSITY if kind == "axial" else TORSION / (DENSITY * POLAR)
@@ -39,9 +39,10 @@ def slender_frequency(kind: str, rank: int) -> float:
 
 
 def slender_mode(kind: str, rank: int, s: Array) -> tuple[Array, Array, Array]:
-    """Velocity, moment and curvature (k,) at places s (k,) of a mode of unit modal mass.
+    """Velocity, moment and curvature (k,) at positions s (k,) along the beam, for a mode of unit modal mass.
 
-    kind : "flapwise", with velocity along z and moment about y, or "torsion", both about x
+    kind : "flapwise", with velocity along z and moment about y, or "torsion", with both about x
+    rank : number within the kind, from 0
     Source: [Wang2015] (38)-(41).
     """
     if kind == "torsion":

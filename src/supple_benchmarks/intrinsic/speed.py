@@ -1,4 +1,4 @@
-"""Cost of a Runge-Kutta step: factorised equations compared with dense tensors."""
+"""Processor time of a Runge-Kutta step: factorised equations compared with dense tensors."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from supple_benchmarks.intrinsic.dense_couplings import dense_couplings, dense_r
 __all__ = ["speed_rows"]
 
 SIZES = ((24, 50), (24, 100), (24, 138), (48, 100))
-"""Stations and modes."""
+"""Pairs: number of stations, number of modes."""
 
 
 def speed_rows(quick: bool) -> Iterator[dict[str, Any]]:
-    """Processor time per step in microseconds, the smallest of five measurements."""
+    """Processor time per step, microseconds, for each pair in `SIZES`: the smallest of five measurements."""
     for nodes, m in SIZES[: 1 if quick else None]:
         points = np.linspace(0, 1, nodes)[:, None] * np.eye(3)[0]
         line = beam_line("beam", points, axial=1e5, bending=1.0, torsion=1.0, mass=1.0, radius=0.03)

@@ -1,7 +1,7 @@
-"""The U-beam of [Wang2015] 5.2: three legs of 5 m with a solid section, free.
+"""The U-beam of [Wang2015] 5.2: three legs of about 5 m with a solid section, free.
 
-Values chosen here: width and height of the legs of one cell of the mesh, E = 3e5, density 10, in consistent
-units.
+Values chosen here: a square section of one mesh cell, whose side is 5 m over the number of cells per leg;
+E = 3e5, Poisson's ratio 0.3, density 10, in consistent units.
 """
 
 from __future__ import annotations
@@ -28,11 +28,15 @@ __all__ = ["of_beam_elements", "on_stations", "solid_u"]
 
 LEG, MODULUS, NU, DENSITY = 5.0, 3e5, 0.3, 10.0
 SQUARE_TORSION = 0.1406
-"""Torsion constant of a square over the fourth power of its side (Saint-Venant)."""
+"""Torsion constant of a square over the fourth power of its side; Saint-Venant."""
 
 
 def solid_u(n_leg: int) -> FlexibleBody:
-    """Three legs in the x-y plane: along x, along y, and back; n_leg 20-node cells per leg."""
+    """The U in the x-y plane: a leg along x, a leg along y, and a leg back along x.
+
+    n_leg : cells per leg, 20-node hexahedra with edges of 5 m / n_leg. With the corners there are 3 n_leg + 1
+        cells: the axes of the legs along x are half a cell longer than 5 m, up to the centre of the corner.
+    """
     h = LEG / n_leg
     # The cells of the U, selected from a grid of square cells.
     cells = [(i, 0) for i in range(n_leg + 1)]
@@ -58,7 +62,7 @@ def _ends(nodes: np.ndarray, h: float, n_leg: int) -> list[AveragingInterface]:
 
 
 def on_stations(body: FlexibleBody, n_stations: int, n_modes: int | None = None) -> IntrinsicBody:
-    """A free line with m segments on each leg; n_stations = 3 m + 1."""
+    """A free line with m segments on each leg, m = (n_stations - 1) // 3, so 3 m + 1 stations."""
     k = (n_stations - 1) // 3 + 1
     names = ("tip", "corner", "other corner", "other tip")
     legs = [LoadPath(a, b, k) for a, b in pairwise(names)]
@@ -66,9 +70,9 @@ def on_stations(body: FlexibleBody, n_stations: int, n_modes: int | None = None)
 
 
 def of_beam_elements(line: CondensedLine, n_leg: int) -> IntrinsicBody:
-    """A free line of beam elements between the stations of a line; mass lumped at the stations.
+    """A free line of beam elements between the stations of `line`, with mass lumped at the stations.
 
-    n_leg : as for `solid_u`, determines the width of the section
+    n_leg : cells per leg of `solid_u`; determines the side of the square section
     """
     side = LEG / n_leg
     beams = beam_line(

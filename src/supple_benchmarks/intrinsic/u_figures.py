@@ -1,4 +1,4 @@
-"""Figures of the U: stiffness pattern, eigenvalues, errors and steps, flight. [Wang2015] Figs. 12-17"""
+"""Figures of the U: stiffness, eigenvalues, errors and steps, flight; [Wang2015] Figs. 12-17."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _CAMERA = Camera.looking(along=(-0.5, 1.0, -0.45), up=(0.0, 0.0, 1.0))
 
 
 def draw_u(report: Mapping[str, Any], folder: Path) -> list[Path]:
-    """All four figures; their paths."""
+    """Draw all four figures; return their paths."""
     with textbook_style():
         return [
             _draw_pattern(report["stiffness"], folder / "figure_12_u_stiffness.png"),
@@ -44,7 +44,7 @@ def draw_u(report: Mapping[str, Any], folder: Path) -> list[Path]:
 
 
 def _draw_pattern(patterns: Mapping[str, Any], path: Path) -> Path:
-    """Largest entries between each two stations: of beam elements, and condensed from the solid."""
+    """Largest stiffness entry of each pair of stations: left beam elements, right the condensed solid."""
     figure = new_figure(3.1)
     grid = figure.subplots(1, 2, sharey=True)
     image = None
@@ -64,7 +64,11 @@ def _draw_pattern(patterns: Mapping[str, Any], path: Path) -> Path:
 
 
 def _draw_eigenvalues(differences: Mapping[str, Any], path: Path) -> Path:
-    """Differences from the solid by the number of stations, and of the finest line from beam elements."""
+    """Relative differences of eigenvalues.
+
+    Left: each line of stations compared with the solid. Right: the line with the most stations compared with
+    beam elements, and beam elements compared with the solid.
+    """
     figure = new_figure(3.2)
     left, right = figure.subplots(1, 2, sharey=True)
     for rank, (n, values) in enumerate(differences["stations"].items()):
@@ -87,7 +91,7 @@ def _draw_differences(axes: Axes, values: list[float], rank: int, label: str) ->
 
 
 def _draw_errors(report: Mapping[str, Any], path: Path) -> Path:
-    """Centre of mass over stations; truncated and residual modes; the longest stable step."""
+    """Error of the centre of mass by segments; errors by retained modes; longest stable step."""
     figure = new_figure(2.7)
     first, second, third = figure.subplots(1, 3)
     errors = report["com_error"]
@@ -122,7 +126,7 @@ def _draw_errors(report: Mapping[str, Any], path: Path) -> Path:
 
 
 def _draw_flight(flight: Mapping[str, Any], path: Path) -> Path:
-    """Snapshots to scale, and the displacement of the pushed tip over time; beam elements dashed."""
+    """Snapshots to scale, and the displacement of the loaded tip over time; dashed: beam elements."""
     figure = new_figure(3.6)
     left, right = figure.subplots(1, 2, width_ratios=(1.35, 1.0))
     own, beams = flight["stations"], flight["beam_elements"]
@@ -135,7 +139,7 @@ def _draw_flight(flight: Mapping[str, Any], path: Path) -> Path:
         draw_curve(left, plane[:, 0], plane[:, 1], _DASHED, 0, "")
     left.set_aspect("equal")
     low, high = left.get_ylim()
-    left.set_ylim(low - 0.3 * (high - low), high)  # room for the cross
+    left.set_ylim(low - 0.3 * (high - low), high)  # room for the cross of axes
     left.set_axis_off()
     left.legend(loc="upper left", fontsize=7.0)
     draw_cross(left, _CAMERA)

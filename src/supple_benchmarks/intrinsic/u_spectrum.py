@@ -15,19 +15,24 @@ __all__ = ["eigenvalue_differences", "stiffness_pattern"]
 N_EIGENVALUES = 40
 N_RIGID = 6
 ZERO = 1e-10
-"""Entries below this fraction of the largest entry are round-off."""
+"""Ratio of an entry to the largest entry; entries up to it are round-off."""
 
 
 def eigenvalue_differences(
     solid: FlexibleBody, bodies: Mapping[int, IntrinsicBody], beams: IntrinsicBody
 ) -> dict[str, Any]:
-    """Relative differences of the elastic eigenvalues of the free U, each set in ascending order.
+    """Relative differences of the elastic eigenvalues of the free U; every set is in ascending order.
 
-    bodies : number of stations -> line;   beams : of beam elements between the stations of the last line
+    bodies : number of stations -> condensed body, the largest number last
+    beams : beam elements between the stations of the last condensed body
+
+    Returns
+    -------
     solid : lowest elastic eigenvalues of the solid elements, rad^2/s^2
-    stations : by the number of stations, lambda / lambda of the solid - 1
-    beam_elements : the same for the beam elements
-    beside_beam_elements : of the last condensed body compared with the beam elements, as in the paper
+    stations : number of stations -> eigenvalues of the condensed body / those of the solid - 1
+    beam_elements : eigenvalues of the beam elements / those of the solid - 1
+    beside_beam_elements : eigenvalues of the last condensed body / those of the beam elements - 1, as in the
+        paper
     """
     solid_ones = solid.lowest_modes(N_EIGENVALUES + N_RIGID).values[N_RIGID:]
     own = {str(n): _elastic(body) for n, body in bodies.items()}
@@ -42,9 +47,10 @@ def eigenvalue_differences(
 
 
 def stiffness_pattern(line: CondensedLine) -> list[list[float | None]]:
-    """Log10 of the largest entry between each two stations, over the largest of all; None for round-off.
+    """Log10 of the largest stiffness entry of each pair of stations, over the largest entry of all.
 
-    Rotations are scaled by the mean length of a segment, so that all entries have the same unit.
+    None for entries that are round-off. Rotations are scaled by the mean length of a segment, so that all
+    entries have the same unit.
     """
     scale = np.tile(np.repeat([1.0, 1.0 / line.tree.lengths.mean()], 3), line.n)
     scaled = np.abs(line.stiffness * np.outer(scale, scale)).reshape(line.n, 6, line.n, 6)

@@ -1,4 +1,4 @@
-"""The 61.5 m blade at rest under the mean wind load of its benchmark, in both frames."""
+"""The 61.5 m blade in equilibrium under the mean wind load of its benchmark, in each of two frames."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ RESIDUAL = 1e-7
 
 
 class Rest(NamedTuple):
-    """Displacement of the tip section of the clamped blade, m, in the axes of the mesh; iterations."""
+    """Mean displacement of the tip nodes of the clamped blade, m, in mesh axes; number of iterations."""
 
     tip: list[float]
     iterations: int
 
 
 def blade_at_rest(blade: Blade, progress: Callable[[float], None] = lambda _: None) -> dict[str, Rest]:
-    """The blade at rest in each frame, by its name."""
+    """Equilibrium of the full blade in each frame, by the name of the frame."""
     body = blade.body()
     wind = blade.steady_load(body, RATED)[:, 0].reshape(len(body.nodes), -1)[blade.leading_edge, :3]
     clamp = Fixed(first=GROUND, second=At(BODY, ROOT), name="clamp")

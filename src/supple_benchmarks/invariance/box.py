@@ -1,4 +1,4 @@
-"""A slender box in slow bending: walls of shells, and beams of the same section."""
+"""A slender thin-walled box: a shell model, and a beam model of the same section."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ MATERIAL = Isotropic(5.5e9, 0.3, 2700.0)
 
 
 def _thin(width: float, height: float) -> tuple[float, float]:
-    """Area, and moment of inertia about the axis along the width, of a closed rectangle of walls."""
+    """Area, and second moment of area about the axis along the width, of a thin-walled rectangular tube."""
     return 2 * WALL * (width + height), 2 * WALL * (width * height**2 / 4 + height**3 / 12)
 
 
 AREA, WEAK = _thin(WIDTH, HEIGHT)
 _, STRONG = _thin(HEIGHT, WIDTH)
 TWIST = 2 * WALL * (WIDTH * HEIGHT) ** 2 / (WIDTH + HEIGHT)
-"""Bredt: 4 A^2 t / circumference"""
+"""Torsion constant by Bredt's formula, 4 A^2 t / circumference, with the enclosed area A, m4."""
 SHEAR_FACTOR = 0.5
 SECTION = BeamSection(MATERIAL, AREA, STRONG, WEAK, TWIST, SHEAR_FACTOR, SHEAR_FACTOR, orientation=(0, 1, 0))
 
 
 def weak_bending() -> float:
-    """E I about y, N m2."""
+    """Bending stiffness E I about y, N m2."""
     return MATERIAL.youngs_modulus * WEAK
 
 
 def beam_stiffness() -> np.ndarray:
-    """E A, G A k (both directions), G J, E I about y (weak) and z (strong), for the reference beam."""
+    """Stiffness (6,) of the reference beam: E A, G A k along y and z, G J, E I about y (weak), z (strong)."""
     E, G = MATERIAL.youngs_modulus, MATERIAL.shear_modulus
     shear = G * AREA * SHEAR_FACTOR
     return np.array([E * AREA, shear, shear, G * TWIST, E * WEAK, E * STRONG])
 
 
 def box_of_beams(n_length: int) -> FiniteElementModel:
-    """The box as beams along x; node sets root and tip."""
+    """The box as beam elements along x; node sets root and tip are the end nodes."""
     nodes = np.linspace(0, BOX_LENGTH, n_length + 1)[:, None] * np.eye(3)[0]
     cells = np.column_stack([np.arange(n_length), np.arange(1, n_length + 1)])
     sets = {"root": np.array([0]), "tip": np.array([n_length])}
@@ -47,6 +47,6 @@ def box_of_beams(n_length: int) -> FiniteElementModel:
 
 
 def box_of_walls(n_length: int = 16) -> FiniteElementModel:
-    """The box as shells; node sets root and tip are rings."""
+    """The box as shells; node sets root and tip are the rings of nodes at its ends."""
     mesh = box_beam(length=BOX_LENGTH, width=WIDTH, height=HEIGHT, n_length=n_length, n_width=2, n_height=2)
     return shell_model(mesh, HomogeneousSection(MATERIAL, WALL))

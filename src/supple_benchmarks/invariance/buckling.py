@@ -1,4 +1,4 @@
-"""Lateral buckling of a narrow cantilever: the load at which the bent state has no lateral stiffness."""
+"""Lateral buckling of a narrow cantilever: load at which its bent state has a singular tangent stiffness."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ __all__ = ["lateral_buckling"]
 
 
 def lateral_buckling(quick: bool) -> dict[str, float]:
-    """Critical load over theory: shells, warping fixed (Vlasov); beams, without warping (Timoshenko)."""
+    """Critical load over theory: shells over Vlasov (warping prevented at the root), beams over Timoshenko.
+
+    Timoshenko's load and the beams are without warping stiffness.
+    """
     beams = beam_model(10 if quick else 40)
     held = warped_buckling_load(BENDING, TORSION, WARPING, LENGTH)
     free = lateral_buckling_load(BENDING, 400 * BENDING, TORSION, LENGTH)
@@ -26,7 +29,12 @@ def lateral_buckling(quick: bool) -> dict[str, float]:
 
 
 def critical_load(model: FiniteElementModel, weights: NDArray[np.float64], expected: float) -> float:
-    """Dead force along y on the tip's nodes for which the tangent of the bent state is singular."""
+    """Dead force along y, N, at which the tangent stiffness of the bent state is singular.
+
+    weights : share of the force on each node of the tip
+    expected : estimate of the force; the search is from 0.7 to 1.2 times this value
+    Raises ConvergenceError without equilibrium under a force of this range; ValueError without a solution.
+    """
     assembly = assemble(model)
     free = np.ones((model.mesh.n_nodes, 6), dtype=bool)
     free[model.mesh.nodes_of("root")] = False

@@ -1,4 +1,4 @@
-"""Clamped bodies in equilibrium under a dead force across their tip: full and reduced, in any frame."""
+"""Equilibrium of clamped bodies, full or reduced, in any frame, under dead forces on the last body."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Form = TypeVar("Form", FullBody, ReducedBody)
 
 
 def clamped_body(name: str, model: FiniteElementModel) -> FlexibleBody:
-    """A body with its root as a rigid interface."""
+    """A body of the model, with the node set root as a rigid interface."""
     return flexible_body(name, model, (RigidInterface("root", "root"),))
 
 
@@ -42,12 +42,13 @@ def resting_tip(
     *,
     joints: Sequence[Fixed] = (),
 ) -> NDArray[np.float64]:
-    """Mean position (3,) of the nodes `watched` of the last body, in equilibrium under dead forces on it.
+    """Mean position (3,) of the nodes `watched` in equilibrium under dead forces; all nodes of the last body.
 
     Parameters
     ----------
-    bodies : from the clamped one to the loaded one
-    nodes, forces : (k,), (k, 3)    of the last body
+    bodies : chain from the clamped body to the loaded body
+    nodes, forces : (k,), (k, 3)    loaded nodes, and the force on each, N
+    watched : nodes of the mean
     joints : between the bodies
     """
     first, last = bodies[0], bodies[-1]

@@ -1,4 +1,4 @@
-"""Large bending in a frame on the root, and the same bending in rotated frames."""
+"""Large bending of a strip in a frame on its root, and in frames rotated relative to the root."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from supple_benchmarks.invariance.strip import (
 __all__ = ["bent_strips", "turned_strips"]
 
 ROTATIONS = (0.291, 0.573, 0.874)
-"""rad, of the tip"""
+"""Rotations of the tip, rad."""
 TURN = 0.2
-"""rad, of the frame relative to the root"""
+"""Rotation of the frame relative to the root, rad."""
 
 
 def bent_strips(quick: bool) -> Iterator[dict[str, Any]]:
-    """Error of the tip against the elastica, frame on the root, as a share of the deflection."""
+    """Distance of the tip from that of the elastica, over the deflection; the frame is on the root."""
     models = {"shell": (strip_model(20), np.array([0.25, 0.5, 0.25])), "beam": (beam_model(40), np.ones(1))}
     for rotation in ROTATIONS[: 1 if quick else None]:
         force, (along, across) = force_for_rotation(BENDING, LENGTH, rotation)
@@ -41,9 +41,11 @@ def bent_strips(quick: bool) -> Iterator[dict[str, Any]]:
 
 
 def turned_strips(quick: bool) -> Iterator[dict[str, Any]]:
-    """Energy of the bent or twisted strip in a frame rotated about an axis, over that in its root's frame.
+    """The strip under bending and under torsion, in frames rotated about x, y and z.
 
-    `tip_moved` is the change of the tip position under the same load, over the deflection.
+    energy_ratio : strain energy of the same deformation with the frame rotated, over that without rotation
+    tip_moved : change of the tip position under the same load; bent: over the deflection; twisted: over
+        the length times the rotation of the tip
     """
     strip = ClampedStrip(10 if quick else 20)
     tip = strip.mesh.nodes_of("tip_centre")[0]

@@ -16,11 +16,15 @@ from supple_benchmarks.invariance.vibration import pushed, swinging_tip
 __all__ = ["damped_boxes"]
 
 BETA = 0.0145
-"""s: 2 % of critical at the first frequency"""
+"""Factor of the stiffness, s: a damping ratio of 2 % at the first frequency."""
 
 
 def damped_boxes(quick: bool) -> Iterator[dict[str, Any]]:
-    """Largest distance between the tips in the two frames, over the largest deflection."""
+    """Largest distance between the tip in the two frames, over the largest deflection, for three dampings.
+
+    frames_apart : strain-rate damping;   frames_apart_linear : damping with the stiffness of the undeformed
+    body;   undamped_apart : without damping
+    """
     body = clamped_body("box", box_of_beams(10 if quick else 20))
     apart = {
         "frames_apart": _apart(body, RayleighDamping(0.0, BETA), quick),

@@ -1,4 +1,4 @@
-"""The figure of the invariance benchmark: error against rotation, for one body and for several."""
+"""Figure of the invariance benchmark: error against the rotation of the tip, for one and several bodies."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _POINTS = Stroke(marker="o")
 
 
 def draw_figures(report: Mapping[str, Any], folder: Path) -> list[Path]:
-    """Draw the error of the split strips against the rotation of the tip; the path of the picture."""
+    """Draw the error of the split strips against the rotation of the tip; return the path in a list."""
     folder.mkdir(parents=True, exist_ok=True)
     with textbook_style():
         figure = new_figure(2.6)

@@ -1,4 +1,4 @@
-"""Bodies in equilibrium with a basis of fixed size: error by locking, and the locking indicator."""
+"""Bodies on a basis of fixed size in equilibrium: errors due to locking, and the locking indicator."""
 
 from __future__ import annotations
 
@@ -28,19 +28,22 @@ from supple_benchmarks.invariance.strip import BENDING, LENGTH, TORSION, WIDTH, 
 __all__ = ["locked_bodies"]
 
 ROTATION = 0.08
-"""rad, of the tip in linear theory"""
+"""Rotation of the tip in linear theory, rad."""
 SMALL = 1e-3
-"""Fraction of the load: so small that the error is that of the columns in linear theory, without locking"""
+"""Fraction of the load at which locking is negligible: the error is that of the columns in linear theory."""
 RECIPES = {"nodal-fixed": CraigBampton(10), "mean-axis": Rubin(10)}
 
 
 def locked_bodies(quick: bool) -> Iterator[dict[str, Any]]:
-    """Error of the tip's motion against the full body in the same frame: plain tensors, and the default.
+    """Errors of the tip displacement of reduced bodies, relative to the full body in the same frame.
 
-    `indicator` is that of the plain tensors for the load most similar to the load of the case. `error_linear`
-    is the error under a thousandth of the load, due to motion outside the linear columns. A couple of two
-    forces at the corners of the tip is applied twice: with the default basis, and with its static response
-    among the columns.
+    error_before : error with plain tensors;   error : error with the default tensors
+    error_linear : error with the default tensors under a thousandth of the load, due to motion outside the
+        linear columns
+    indicator : locking indicator of the plain tensors, for the load most similar to the load of the case
+
+    The couple, two forces at the corners of the tip, is applied twice: with the default basis, and with the
+    static response to the couple as an additional column.
     """
     bodies = [clamped_body("strip", strip_model(20))]
     if not quick:
@@ -55,13 +58,13 @@ def locked_bodies(quick: bool) -> Iterator[dict[str, Any]]:
 
 
 def _loads(body: FlexibleBody) -> dict[str, np.ndarray]:
-    """Dead forces (N, 3): distributed along the body; for the strip also a couple at the tip."""
+    """Dead forces (N, 3) by case: equal forces on all nodes; for the strip also a couple at the tip."""
     x = body.nodes[:, 0]
     length, bending, torsion, width = (
         (LENGTH, BENDING, TORSION, WIDTH) if body.name == "strip" else (BOX_LENGTH, weak_bending(), None, 1.0)
     )
     spread = np.zeros((len(x), 3))
-    # w' at the tip is p L^3 / 6 E I.
+    # Under a uniform load p per length, the slope at the tip is p L^3 / (6 E I).
     spread[:, 2] = 6 * bending * ROTATION / length**2 / len(x)
     loads = {"uniform": spread}
     if torsion is not None:
@@ -74,7 +77,7 @@ def _loads(body: FlexibleBody) -> dict[str, np.ndarray]:
 
 
 def _nodal(body: FlexibleBody, forces: np.ndarray) -> np.ndarray:
-    """Forces (N, 3) as a load (n_nodal, 1)."""
+    """Nodal forces (N, 3) as a load vector (n_nodal, 1)."""
     load = np.zeros((len(body.nodes), body.dofs_per_node))
     load[:, :3] = forces
     return load.reshape(-1, 1)
@@ -99,7 +102,7 @@ def _row(
 
     columns = reduction_basis(body, FRAMES[frame], recipe, derivatives=CompressedDerivatives(10))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", LockingWarning)  # locking is what is measured
+        warnings.simplefilter("ignore", LockingWarning)  # the study measures locking
         plain = project(body, columns, quartic=PlainQuartic())
     form = project(body, columns)
     locking = form.report.locking

@@ -13,7 +13,10 @@ __all__ = ["perform"]
 
 
 def perform(quick: bool, json: Path | None, folder: Path) -> None:
-    """Run the benchmark; write the report to the folder unless a file is given."""
+    """Run the benchmark, print its tables, draw its figure into `folder`.
+
+    The report is written to `json`, or to invariance.json in `folder`.
+    """
     target = json or folder / "invariance.json"
     keep_report(
         target,

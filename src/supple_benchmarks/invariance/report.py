@@ -22,7 +22,7 @@ _TITLES = {
 
 
 def tables(report: Mapping[str, Any]) -> list[Table]:
-    """One table per study."""
+    """One table for each study of the complete report."""
     found = [_rows(title, report[key]) for key, title in _TITLES.items() if key in report]
     found.append(_rows("Lateral buckling, load over theory", [report["lateral_buckling"]]))
     found.append(_rows("A swinging box, against a geometrically exact beam", [report["box_vibration"]]))

@@ -34,7 +34,7 @@ _NUMBERS: Mapping[str, tuple[str, Callable[[bool], dict[str, Any]]]] = {
 
 
 def run_invariance(quick: bool, announce: Announce) -> Iterator[dict[str, Any]]:
-    """The report, ready for JSON, after every study; its keys must not change."""
+    """Yield the report, ready for JSON, after each study. Tests read its keys, so they must not change."""
     report: dict[str, Any] = {"quick": quick, "machine": describe_computer()}
     for key, (label, study) in _ROWS.items():
         progress = announce(label)

@@ -1,4 +1,4 @@
-"""A strip in large bending, as one body and split into several with a frame each."""
+"""A strip in large bending, as one body and split into several bodies, each with its own frame."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["split_strips"]
 
 
 def split_strips(quick: bool) -> Iterator[dict[str, Any]]:
-    """Error of the tip against the elastica, over the deflection."""
+    """Distance of the tip from that of the elastica, over the deflection, by frame and number of bodies k."""
     model = strip_model(24)
     tip = model.mesh.nodes_of("tip")
     weights = np.array([0.25, 0.5, 0.25])
@@ -33,7 +33,7 @@ def split_strips(quick: bool) -> Iterator[dict[str, Any]]:
 
 
 def _parts(model, frame: str, k: int):
-    """Bodies from the root to the tip, their joints, and the nodes of the tip in the last body."""
+    """Bodies from the root to the tip, their joints, and the tip nodes of the last body (None if k = 1)."""
     if k == 1:
         return [FullBody(clamped_body("strip", model), FRAMES[frame])], (), None
     split = split_body("strip", model, AlongAxis(k, (1, 0, 0)), (RigidInterface("root", "root"),))

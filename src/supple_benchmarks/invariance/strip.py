@@ -1,4 +1,4 @@
-"""The strip of the invariance benchmark: thin steel without lateral contraction, clamped at one end."""
+"""The strip of the invariance benchmark: thin steel with Poisson's ratio 0, clamped at one end."""
 
 from __future__ import annotations
 
@@ -38,11 +38,11 @@ Array = NDArray[np.float64]
 
 LENGTH, WIDTH, THICKNESS, MODULUS = 1.0, 0.1, 0.005, 2.1e11
 BENDING = MODULUS * WIDTH * THICKNESS**3 / 12
-"""E I, N m2"""
+"""Bending stiffness E I, N m2."""
 TORSION = MODULUS / 2 * WIDTH * THICKNESS**3 / 3
-"""G J, N m2"""
+"""Torsional stiffness G J, N m2."""
 WARPING = MODULUS * WIDTH**3 * THICKNESS**3 / 144
-"""E Gamma of a thin rectangle, N m4"""
+"""Warping stiffness E Gamma of a thin rectangle, N m4."""
 WALL = HomogeneousSection(Isotropic(MODULUS, 0.0, 7800.0), THICKNESS)
 
 
@@ -52,12 +52,12 @@ def strip_mesh(n_length: int = 20) -> Mesh:
 
 
 def strip_model(n_length: int = 20) -> FiniteElementModel:
-    """The strip as shells."""
+    """The strip as shell elements."""
     return shell_model(strip_mesh(n_length), WALL)
 
 
 def beam_model(n_length: int) -> FiniteElementModel:
-    """The strip as beams, high along y, so that z is the weak direction."""
+    """The strip as beam elements along x, whose section is wide along y and thin along z."""
     nodes = np.linspace(0, LENGTH, n_length + 1)[:, None] * np.eye(3)[0]
     cells = np.column_stack([np.arange(n_length), np.arange(1, n_length + 1)])
     sets = {"root": np.array([0]), "tip": np.array([n_length])}
@@ -75,7 +75,7 @@ def beam_model(n_length: int) -> FiniteElementModel:
 
 
 def force_for_rotation(bending: float, length: float, rotation: float) -> tuple[float, Array]:
-    """Dead tip force for a given tip rotation of an elastica, N; position of the tip, along and across."""
+    """Dead force, N, that rotates the tip of an elastica by `rotation`, rad; tip position (along, across)."""
 
     def missing(force: float) -> float:
         _, _, turned = elastica(bending, length, force)
@@ -88,13 +88,13 @@ def force_for_rotation(bending: float, length: float, rotation: float) -> tuple[
 
 
 def rotated_rigidly(mesh: Mesh, motion: Array, around: Rotation) -> Array:
-    """Nodal degrees of freedom (N, 6) of a motion followed by a rotation about the origin."""
+    """Nodal freedoms (N, 6) of the motion followed by a rigid rotation about the origin."""
     moved = around.apply(mesh.nodes + motion[:, :3]) - mesh.nodes
     return np.column_stack([moved, (around * Rotation.from_rotvec(motion[:, 3:])).as_rotvec()])
 
 
 class ClampedStrip:
-    """The strip with an exactly prescribed root, which may be rotated relative to the frame."""
+    """The strip with prescribed motion of its root nodes; the root may be rotated relative to the frame."""
 
     def __init__(self, n_length: int = 20, wall: ShellSection = WALL) -> None:
         self.mesh = strip_mesh(n_length)
@@ -105,34 +105,38 @@ class ClampedStrip:
         self.free = np.flatnonzero(free)
 
     def tip_force(self, force: ArrayLike) -> Array:
-        """A dead force (3,) as (N, 6), distributed over the tip's nodes."""
+        """Load (N, 6) of a dead force (3,), distributed over the tip nodes."""
         load = np.zeros((self.mesh.n_nodes, 6))
         load[self.mesh.nodes_of("tip"), :3] = np.outer([0.25, 0.5, 0.25], np.asarray(force))
         return load
 
     def tip_couple(self, torque: float) -> Array:
-        """Two dead forces at the edges of the tip."""
+        """Load (N, 6) of a torque about x, N m: opposite dead forces along z at the two edges of the tip."""
         load = np.zeros((self.mesh.n_nodes, 6))
         load[self.mesh.nodes_of("tip")[[0, -1]], 2] = -torque / WIDTH, torque / WIDTH
         return load
 
     def tangent(self, motion: Array) -> csc_array:
-        """Tangent of the degrees of freedom that are not prescribed."""
+        """Tangent stiffness of the freedoms that are not prescribed."""
         return self.assembly.tangent(motion.ravel())[self.free][:, self.free]
 
     def bent(self, load: Array, steps: int = 3) -> Array:
-        """Nodal degrees of freedom (N, 6) in equilibrium, with the root aligned to the frame."""
+        """Nodal freedoms (N, 6) in equilibrium, with the root not rotated relative to the frame."""
         return self._resting(load, np.zeros((self.mesh.n_nodes, 6)), steps)
 
     def seen_from(self, turn: ArrayLike, load: Array, motion: Array) -> Array:
-        """The same equilibrium in a frame rotated relative to all bodies, in the axes of the root."""
+        """Nodal freedoms (N, 6), in the axes of the root, of the equilibrium computed in a rotated frame.
+
+        turn : rotation vector of the strip and its load relative to the frame
+        motion : equilibrium without this rotation; the start of the iteration
+        """
         around = Rotation.from_rotvec(turn)
         turned_load = around.apply(load.reshape(-1, 3)).reshape(-1, 6)
         found = self._resting(turned_load, rotated_rigidly(self.mesh, motion, around), 1)
         return rotated_rigidly(self.mesh, found, around.inv())
 
     def energy(self, turn: Array, motion: Array) -> float:
-        """Strain energy of a motion followed by a rotation, J."""
+        """Strain energy, J, of the motion followed by a rigid rotation, with rotation vector `turn`."""
         turned = rotated_rigidly(self.mesh, motion, Rotation.from_rotvec(turn))
         return float(self.assembly.energy(turned.ravel()))
 

@@ -1,4 +1,4 @@
-"""A body whose rigid root rotates relative to its frame: spurious strain energy due to the tie."""
+"""A body whose rigid root is rotated relative to its frame: false strain energy due to the tie."""
 
 from __future__ import annotations
 
@@ -19,13 +19,15 @@ __all__ = ["tied_boxes"]
 
 TURNS = (0.03, 0.06, 0.12)
 DEFLECTION = 0.09
-"""Deflection of the loaded box over its length"""
+"""Deflection of the loaded box over its length, in linear theory."""
 
 
 def tied_boxes(quick: bool) -> Iterator[dict[str, Any]]:
-    """Energy of the unloaded box with rotated root; difference between the frames under load.
+    """Strain energy of the unloaded box with rotated root, whose exact value is 0; effect of the frame.
 
-    `mean_axis_against_nodal_fixed` is the difference of the tip positions over the deflection, under load.
+    energy_linear, energy : J, with the root tied to first and to second order in its rotation
+    mean_axis_against_nodal_fixed : distance between the tips of the loaded box in the two frames, over the
+        deflection
     """
     body = clamped_body("box", box_of_walls(8 if quick else 16))
     apart = _frames_apart(body)
@@ -41,13 +43,17 @@ def tied_boxes(quick: bool) -> Iterator[dict[str, Any]]:
 
 
 def linearly_tied(body: FlexibleBody) -> FlexibleBody:
-    """The same body with interfaces tied to first order in their rotation."""
+    """The body with interfaces tied to first order in their rotation."""
     assert body.model is not None
     return replace(body, force=QuadraticStrainForce(body.model, body.expansion))
 
 
 def turned_energy(body: FlexibleBody, turn: np.ndarray) -> float:
-    """Energy (J) of the unloaded body whose first interface is rotated by a rotation vector."""
+    """Strain energy, J, of the unloaded body in equilibrium with its first interface rotated.
+
+    turn : rotation vector (3,), rad
+    Raises ConvergenceError without equilibrium.
+    """
     root = body.interfaces[0]
     arms = body.nodes - root.position
     exact = np.zeros((len(body.nodes), body.dofs_per_node))

@@ -1,4 +1,7 @@
-"""A slender box of beams, swinging freely by a quarter of its length, against a geometrically exact beam."""
+"""Large free vibration of a slender box of beams, compared with a geometrically exact beam.
+
+The deflection is about a quarter of the length.
+"""
 
 from __future__ import annotations
 
@@ -20,12 +23,15 @@ __all__ = ["box_vibration", "pushed", "swinging_tip"]
 
 STEP = 0.01
 PUSH = 1.0
-"""Duration of the push at the tip, s"""
+"""Duration of the force at the tip, s."""
 RHO_INF = 0.9
 
 
 def pushed(duration: float, deflection: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times and tip forces (t, 3) of a smooth push upwards and sideways, after which the box is free."""
+    """Times (t,) and tip forces (t, 3) of a smooth push along z and half of it along y, then without force.
+
+    deflection : static deflection along z under the largest force, over the length
+    """
     times = STEP * np.arange(round(duration / STEP) + 1)
     size = 3 * weak_bending() * deflection / BOX_LENGTH**2
     pulse = np.where(times < PUSH, np.sin(np.pi * times / PUSH) ** 2, 0.0)
@@ -33,7 +39,11 @@ def pushed(duration: float, deflection: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def box_vibration(quick: bool) -> dict[str, Any]:
-    """Largest distance of the tip from that of the exact beam, over its largest deflection."""
+    """Error of the box of beams over time.
+
+    error : largest distance of the tip from that of the exact beam, over the largest deflection of the latter
+    swing : largest deflection of the exact beam, over the length;   t : duration, s
+    """
     n, duration = (10, 1.5) if quick else (40, 5.0)
     times, forces = pushed(duration, 0.22)
     E = SECTION
@@ -54,7 +64,7 @@ def box_vibration(quick: bool) -> dict[str, Any]:
 
 
 def swinging_tip(form: FullBody | ReducedBody, times: np.ndarray, forces: np.ndarray) -> np.ndarray:
-    """Positions (t, 3) of the tip node of a clamped box under tip forces."""
+    """Positions (t, 3) of the tip node of the clamped box under forces (t, 3) on this node."""
     clamp = Fixed(first=GROUND, second=At(form.name, "root"), name="clamp")
     tip = [int(np.argmax(form.nodes[:, 0]))]
     load = DeadForce(body=form.name, at=np.array(tip), force=Table(times, forces[:, None, :]))

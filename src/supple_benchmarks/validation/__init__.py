@@ -1,4 +1,4 @@
-"""`supple benchmark validation`: basic cases of all four methods against independent references.
+"""`supple benchmark validation`: basic cases of all four methods, compared with independent references.
 
-A file holds the cases of one topic and ends in `CASES`; `every_case.py` lists the topics.
+Each file of a topic contains its cases and ends in `CASES`; `every_case.py` lists the topics.
 """

@@ -18,14 +18,14 @@ __all__ = ["BeamChain", "beam_chain", "line_mesh", "rectangle"]
 def rectangle(
     material: Isotropic, y: float, z: float, torsion: float, orientation: ArrayLike = (0, 1, 0)
 ) -> BeamSection:
-    """A rectangular section of size y by z; `torsion` is the constant J, `orientation` the y axis."""
+    """A rectangular section, y by z, m; `torsion`: torsion constant, m^4; `orientation`: direction of y."""
     return BeamSection(
         material, y * z, z * y**3 / 12, y * z**3 / 12, torsion, 5 / 6, 5 / 6, orientation=orientation
     )
 
 
 def line_mesh(nodes: ArrayLike) -> Mesh:
-    """Line elements between consecutive nodes, with the two ends as node sets."""
+    """Line elements between consecutive nodes (N, 3); node sets "root" (first node) and "tip" (last node)."""
     places = np.asarray(nodes, dtype=float)
     n = len(places) - 1
     cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
@@ -34,19 +34,22 @@ def line_mesh(nodes: ArrayLike) -> Mesh:
 
 @dataclass(frozen=True, eq=False)
 class BeamChain:
-    """Bodies from the root to the tip, and the joints between them and at the root."""
+    """Bodies from the root to the tip; joints between them and, for a clamped beam, at the root."""
 
     bodies: tuple[Placed, ...]
     joints: tuple[Joint, ...]
 
     @property
     def tip(self) -> At:
-        """The free end."""
+        """The interface "tip" of the last body."""
         return At(self.bodies[-1].body.name, "tip")
 
 
 def beam_chain(nodes: ArrayLike, section: BeamSection, n_bodies: int, *, clamped: bool = True) -> BeamChain:
-    """A beam along nodes (N, 3) as bodies fixed to each other and, if `clamped`, to the ground."""
+    """A beam along nodes (N, 3) as bodies fixed to each other and, if `clamped`, to the ground.
+
+    n_bodies : at most N - 1, the number of elements
+    """
     places = np.asarray(nodes, dtype=float)
     parts: list[NDArray[np.float64]] = [
         places[part[0] : part[-1] + 2] for part in np.array_split(np.arange(len(places) - 1), n_bodies)

@@ -1,4 +1,4 @@
-"""Equilibria of beams with large bending: each is a chain of eight full bodies with floating frames."""
+"""Equilibria of beams with large bending: each beam is a chain of eight full bodies with floating frames."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ NONE = (0.0, 0.0, 0.0)
 def _loads(
     chain: BeamChain, force: ArrayLike = NONE, torque: ArrayLike = NONE, following: ArrayLike = NONE
 ) -> Sequence[Load]:
-    """All three kinds of loads in every case, so that one compiled program serves all."""
+    """Tip loads of all three kinds in every case, zero by default: one compiled program serves all cases."""
     return (
         DeadForce(body=chain.tip.body, at="tip", force=force),
         DeadTorque(first=chain.tip, torque=torque),
@@ -47,7 +47,7 @@ def _along_x(length: float, n: int) -> Array:
 
 
 def bend_of_45_degrees() -> Sequence[Comparison]:
-    """An eighth of a circle of radius 100, of square section 1 x 1, under a force of 600 out of its plane."""
+    """A clamped 45 degree arc of radius 100, section 1 x 1, under a tip force of 600 normal to its plane."""
     radius, force = 100.0, np.array([0.0, 0.0, 600.0])
     arc = np.linspace(0, np.pi / 4, 17)
     nodes = radius * np.column_stack([np.sin(arc), 1 - np.cos(arc), 0 * arc])
@@ -114,9 +114,13 @@ def elastica() -> Sequence[Comparison]:
 
 
 def buckled_column() -> Sequence[Comparison]:
-    """A clamped column under 1.152 times Euler's load, initially bent: its tip rotates by 60 degrees.
+    """A clamped column under P = 1.152 times Euler's load P_E: its tip rotates by 60 degrees.
+
+    A lateral tip force bends the column before it buckles, and is then removed.
 
     P / P_E = (2 K / pi)^2,  x / L = 2 E / K - 1,  z / L = 2 k / K,  k = sin(30 degrees)
+
+    x, z : position of the tip;  K, E : complete elliptic integrals of modulus k
     """
     k = np.sin(np.pi / 6)
     K, E = ellipk(k**2), ellipe(k**2)
@@ -133,7 +137,7 @@ def buckled_column() -> Sequence[Comparison]:
 
 
 def follower_force() -> Sequence[Comparison]:
-    """A cantilever under a force that stays normal to its tip, P L^2 / E I = 8."""
+    """A cantilever under a tip force that stays normal to the beam's axis, P L^2 / E I = 8."""
     force = 8 * BENDING / LENGTH**2
     tip = _rested_tip(_along_x(LENGTH, 24), _strip(), following=(0, 0, force))
     shear = 5e6 * 0.1 * 5 / 6
@@ -153,7 +157,7 @@ def follower_force() -> Sequence[Comparison]:
 
 
 def princeton() -> Sequence[Comparison]:
-    """The Princeton beam: aluminium, 20 inches long, 3 lb at its tip, at 45 degrees about its axis."""
+    """The Princeton beam: aluminium, 20 inches long, with a tip force of 3 lb at 45 degrees to y and z."""
     length, height, thickness = 0.508, 12.377e-3, 3.2024e-3
     material = Isotropic(71.7e9, 0.31, 2810.0)
     shear = material.youngs_modulus / 2 / (1 + 0.31)

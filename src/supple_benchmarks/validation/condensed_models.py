@@ -1,4 +1,4 @@
-"""A beam condensed by NumPy alone and imported as matrices of boundary and modal coordinates."""
+"""A beam condensed by NumPy and SciPy to boundary and modal coordinates, and imported as matrices."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ __all__ = ["CASES"]
 STEEL = Isotropic(2.1e11, 0.0, 7800.0)
 LENGTH, WIDTH, HEIGHT = 1.0, 0.01, 0.03
 BENDING_ROOTS = (1.8751040687, 4.6940911330, 7.8547574382)
-"""b L of a cantilever: roots of cos(b L) cosh(b L) = -1"""
+"""Wave number times length, b L, of a cantilever's bending modes: roots of cos(b L) cosh(b L) = -1"""
 RAYLEIGH = "Euler-Bernoulli beam: Lord Rayleigh, Theory of Sound, chapter VIII"
 
 
 def condensed_cantilever() -> Sequence[Comparison]:
-    """Two grids and fourteen modal coordinates: mass, centre, and frequencies of the clamped beam."""
+    """Two nodes and fourteen modal coordinates: mass, centre of mass, and frequencies of the clamped beam."""
     nodes = np.linspace(0, LENGTH, 33)[:, None] * np.eye(3)[0]
     I1, I2 = WIDTH**3 * HEIGHT / 12, HEIGHT**3 * WIDTH / 12
     section = BeamSection(STEEL, WIDTH * HEIGHT, I2, I1, I1 + I2, orientation=(0.0, 1.0, 0.0))

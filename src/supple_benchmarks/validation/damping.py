@@ -1,7 +1,7 @@
-"""Damping ratios of the modes of a strip clamped at its root, in mean axes: from eigenvalues and resonance.
+"""Damping ratios of a strip with a mean-axis frame and a clamped root, from eigenvalues and from resonance.
 
-At its natural frequency a mode with damping ratio zeta has 1 / (2 zeta) times the amplitude of the static
-response to the same force.
+The largest amplitude of a mode with damping ratio zeta under a harmonic force is
+1 / (2 zeta sqrt(1 - zeta^2)) times its static response to a constant force of equal size.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ SOURCE = "closed form: the prescribed ratio of the two modes"
 
 
 def strip_body() -> FlexibleBody:
-    """A strip of steel, 1 x 0.1 m and 5 mm thick, along x."""
+    """A strip of steel, 1 x 0.1 m and 5 mm thick, along x, with the interfaces "root" and "tip"."""
     model = shell_model(strip(1.0, 0.1, 8, 2), HomogeneousSection(Isotropic(2.1e11, 0.3, 7850.0), 5e-3))
     return flexible_body("strip", model, [RigidInterface("root", "root"), RigidInterface("tip", "tip")])
 
 
 def held_strip(damping: RayleighDamping | ModalDamping, *, full: bool = False) -> System:
-    """The strip in mean axes, with its root fixed in space."""
+    """The strip with a mean-axis frame and its root fixed in space; `full`: with all its coordinates."""
     body, frame = strip_body(), MeanAxisFrame()
     form = (
         FullBody(body, frame, damping)
@@ -66,7 +66,7 @@ def _rayleigh() -> RayleighDamping:
 
 
 def _decay() -> list[Comparison]:
-    """Ratios of the first two modes of the machine."""
+    """Damping ratios of the first two modes, from the eigenvalues of the machine."""
     comparisons = []
     for name, damping, full in (
         ("rayleigh", _rayleigh(), False),
@@ -80,7 +80,7 @@ def _decay() -> list[Comparison]:
 
 
 def _resonance() -> list[Comparison]:
-    """Largest response of the tip to a force near the first frequency, and its closed form."""
+    """Largest amplitude of the tip, under a harmonic tip force near the first frequency, and closed form."""
     machine = linearize(held_strip(_rayleigh()), fulls=())
     assert isinstance(machine, LinearMachine)
     undamped = replace(machine, damping=np.zeros_like(machine.damping))
@@ -91,7 +91,7 @@ def _resonance() -> list[Comparison]:
     still = state_space(undamped, inputs=[port], outputs=[port])
     near = first * (1 + np.linspace(-0.01, 0.01, 201))
     largest = float(abs(frequency_response(space, near).transfer[:, 0, 0]).max())
-    # Contribution of the first mode alone: near its frequency residue / (w1^2 - w^2) exceeds all other terms.
+    # Residue of the first mode: so near w1, residue / (w1^2 - w^2) exceeds the terms of all other modes.
     close = first * (1 - 1e-4)
     residue = float(frequency_response(still, [close]).transfer[0, 0, 0].real) * (first**2 - close**2)
     expected = residue / first**2 / (2 * RATIO * np.sqrt(1 - RATIO**2))

@@ -1,4 +1,4 @@
-"""Bodies of decks with masses, springs and ties, against closed forms."""
+"""Models of decks (input files of other programs) with masses, springs and ties, against closed forms."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ SHARE = 0.7
 def _beam(
     n: int, masses: Sequence[NodalMatrix], held: Sequence[ScalarTerms], springs: Sequence[ScalarTerms] = ()
 ) -> Deck:
-    """A beam along x with n elements."""
+    """A deck with a beam along x of n elements, with masses, supports (`held`) and springs."""
     nodes = np.column_stack([np.linspace(0, LENGTH, n + 1), np.zeros((n + 1, 2))])
     numbers = np.arange(n)
     cells = DeckElements(
@@ -83,7 +83,10 @@ def _tip_mass() -> tuple[Comparison, ...]:
 
 
 def _spring_at_the_tip() -> tuple[Comparison, ...]:
-    """Spring from the tip to a support: omega^2 = (3 E I / L^3 + k) / (m + 33/140 of the beam's mass)."""
+    """A cantilever with a tip mass m and a transverse spring k from the tip to the ground.
+
+    omega^2 = (3 E I / L^3 + k) / (m + 33/140 of the beam's mass)
+    """
     n, stiffness, mass = 20, 500.0, 10.0
     tip = NodalMatrix(6 * n + np.arange(3), mass * np.eye(3))
     spring = ScalarTerms(
@@ -100,7 +103,12 @@ def _spring_at_the_tip() -> tuple[Comparison, ...]:
 
 
 def _turned(body: FlexibleBody, nodes: NDArray[np.float64], tied: NDArray[np.int64], phi: float) -> float:
-    """Strain energy under a rotation by phi about x, with the tie in equilibrium with its elements."""
+    """Strain energy, J, after a rotation of all untied nodes by phi about x, and of the tie by tan(phi).
+
+    With tan(phi) as rotation coordinate of the tie, this energy is least (`second_order_tie`).
+
+    tied : numbers of the tied nodes; the last is the reference node of the tie
+    """
     turn = Rotation.from_rotvec([phi, 0.0, 0.0]).as_matrix() - np.eye(3)
     free = np.setdiff1d(np.arange(len(nodes)), tied)
     place = turn @ nodes[tied[-1]]

@@ -1,4 +1,4 @@
-"""Driven bodies: the initial velocity is that of the drive, so that the start is without an impact.
+"""Driven bodies: without a given initial velocity, a body starts with the velocity of its drive.
 
 A beam of 1 m whose root is driven by a motor at a constant rate, or by a shaker; a satellite bus with given
 spin and attached panels; a crank driven by a motor, with a flexible rod.
@@ -49,14 +49,14 @@ MATERIAL = Isotropic(2e9, 0.0, 1000.0)
 Y, Z = 0.03, 0.01
 MASS = MATERIAL.density * Y * Z
 FLEXIBILITY = np.sqrt(MATERIAL.youngs_modulus * Y * Z**3 / 12 / MASS)
-"""sqrt(E I / m) of bending along z."""
+"""sqrt(E I / m) of bending along z, m^2/s, with the mass per length m."""
 SPIN = 2.0
 SIDE = (0.0, 1.0, 0.0)
 X, UP = np.eye(3)[[0, 2]]
 
 
 def _beam(name: str = "beam") -> FlexibleBody:
-    """A beam along x; its soft bending direction is z."""
+    """A beam of 1 m along x; its soft bending direction is z."""
     nodes = np.linspace(0, 1, 13)[:, None] * np.eye(3)[0]
     model = shell_model(line_mesh(nodes), rectangle(MATERIAL, Y, Z, Y * Z**3 / 4))
     return flexible_body(name, model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
@@ -72,11 +72,14 @@ FORMS: Mapping[str, Callable[[FlexibleBody], Any]] = MappingProxyType(
         "intrinsic": lambda body: released(condense(body, LoadPath("root", "tip", n_stations=13))),
     }
 )
-"""Forms of the driven beam."""
+"""Forms of the driven beam: functions of the flexible body, by name."""
 
 
 def _deflection(form: Any, solution: Solution, root: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """Deflection of the tip relative to the driven beam (`root`: rotation about y, shift along z), (t,)."""
+    """Deflection (t,) of the tip along the z axis of the driven root, m.
+
+    root : function of the times (t,); returns the rotation of the root about y, rad, and its shift along z, m
+    """
     motion = solution.bodies["beam"]
     tip = form.positions(motion, [len(form.nodes) - 1])[:, 0]
     angle, shift = root(solution.times)
@@ -84,7 +87,10 @@ def _deflection(form: Any, solution: Solution, root: Callable[[np.ndarray], np.n
 
 
 def turned(*names: str) -> Sequence[Comparison]:
-    """The root rotates at a constant rate about the axis of soft bending."""
+    """Beams whose root rotates at a constant rate about y, the axis of soft bending.
+
+    names : keys of `FORMS`
+    """
     drive = PrescribedRotation(
         name="drive", first=GROUND, second=At("beam", "root"), axis=SIDE, angle=lambda t: SPIN * t
     )
@@ -108,9 +114,11 @@ def turned(*names: str) -> Sequence[Comparison]:
 
 
 def shaken(*names: str) -> Sequence[Comparison]:
-    """The root moves by a sin(w t) across the beam; the velocity at the start is that of the drive.
+    """Beams whose root moves by a sin(w t) along z; initially all points have the velocity a w of the drive.
 
-    Mode by mode, with participation g:  q'' + w_n^2 q = g a w^2 sin(w t), q = q' = 0 at the start.
+    Mode by mode, with participation factor g:  q'' + w_n^2 q = g a w^2 sin(w t), q = q' = 0 at the start.
+
+    names : keys of `FORMS`
     """
     size, rate = 0.002, 5.0
     table = PrescribedTranslation(
@@ -140,11 +148,11 @@ def shaken(*names: str) -> Sequence[Comparison]:
 
 
 def _modal_responses(times: np.ndarray, size: float, rate: float) -> list[np.ndarray]:
-    """Deflections of the tip in the first modes, (t,) each."""
+    """Deflections (t,) of the tip relative to the root, m, in each of the first three modes."""
     responses = []
     for number, root in enumerate((1.8751040687, 4.6940911330, 7.8547574382)):
         ratio = (np.cosh(root) + np.cos(root)) / (np.sinh(root) + np.sin(root))
-        at_tip = 2 * (-1) ** number * 2 * ratio / root  # mode at the tip times its participation
+        at_tip = 2 * (-1) ** number * 2 * ratio / root  # mode shape at the tip times participation factor
         own = root**2 * FLEXIBILITY
         amplitude = size * rate**2 / (own**2 - rate**2)
         responses.append(at_tip * amplitude * (np.sin(rate * times) - rate / own * np.sin(own * times)))
@@ -152,7 +160,10 @@ def _modal_responses(times: np.ndarray, size: float, rate: float) -> list[np.nda
 
 
 def bus_and_panels() -> Sequence[Comparison]:
-    """Only the spin of the bus is given; the centres of both panels rotate with it at r = 0.2 + 0.5 m."""
+    """A satellite bus of given spin; the centres of its two panels rotate with it at r = 0.2 + 0.5 m.
+
+    The panels have no given velocity.
+    """
     spin, offset = 0.1, 0.2
     bus = RigidBody("bus", 5.0, np.zeros(3), np.eye(3), {"right": offset * X, "left": -offset * X})
     panels = [
@@ -189,7 +200,7 @@ def bus_and_panels() -> Sequence[Comparison]:
 
 
 def slider_crank() -> Sequence[Comparison]:
-    """The crank is upright and driven by a motor; no initial velocity is given."""
+    """A slider-crank with an upright crank and a motor: no initial velocity is given."""
     radius = 0.2
     pins = {"hub": np.zeros(3), "pin": radius * UP}
     crank = RigidBody("crank", 1.0, radius / 2 * UP, 0.1 * np.eye(3), pins)

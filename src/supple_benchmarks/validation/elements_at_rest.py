@@ -31,7 +31,11 @@ def _displacements(
     torque: ArrayLike = (0, 0, 0),
     gravity: ArrayLike = (0, 0, 0),
 ) -> Array:
-    """Displacements (N, 3) of a body with clamped root and a load on its rigid tip."""
+    """Nodal displacements (N, 3) of a body with a clamped root and a load on its rigid tip or its mass.
+
+    root, tip : node sets, each moving as one rigid body
+    force, torque : (3,) on the tip, of constant direction;  gravity : (3,)
+    """
     ends = (RigidInterface("root", root), RigidInterface("tip", tip))
     body = FullBody(flexible_body("body", model, ends), NodalFixedFrame("root"))
     wall = Fixed(name="wall", first=GROUND, second=At("body", "root"))
@@ -52,14 +56,14 @@ def _mean_at(mesh: Mesh, moved: Array, where: str = "tip") -> Array:
 
 
 def _turn(mesh: Mesh, moved: Array, x: float) -> float:
-    """Rotation about the x axis of the section at x, by least squares."""
+    """Rotation about x, rad, of the section at x: least-squares fit to the nodal displacements."""
     section = np.abs(mesh.nodes[:, 0] - x) < 1e-9
     y, z = mesh.nodes[section, 1], mesh.nodes[section, 2]
     return float((y * moved[section, 2] - z * moved[section, 1]).sum() / (y**2 + z**2).sum())
 
 
 def twisted_beam() -> Sequence[Comparison]:
-    """A strip twisted by a right angle, under a unit tip force in and out of the plane of its tip."""
+    """A clamped strip twisted by 90 degrees: unit tip force in, or normal to, the plane of its tip."""
     length, width = 12.0, 1.1
     flat = strip(length, width, 24, 4)
     angle = np.pi / 2 * flat.nodes[:, 0] / length
@@ -77,7 +81,7 @@ def twisted_beam() -> Sequence[Comparison]:
 
 
 def curved_beam() -> Sequence[Comparison]:
-    """A clamped quarter of a ring of shells, under a small force in its plane towards the centre."""
+    """A clamped quarter of a ring of shells, under a small tip force in its plane towards the centre."""
     middle, width, wall, force = 4.22, 0.2, 0.1, 0.01
     flat = strip(1.0, width, 48, 4)
     radius, angle = middle - flat.nodes[:, 1], np.pi / 2 * flat.nodes[:, 0]

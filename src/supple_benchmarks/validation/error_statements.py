@@ -1,7 +1,7 @@
-"""Estimated and true errors: small reduced runs and their estimates, compared with full runs.
+"""Estimated errors of small reduced runs, compared with their true errors.
 
-The reference for the basis part is the distance to a run of all coordinates with the same steps by another
-engine (sparse Newton of the whole system). The reference for the step part is a closed form.
+The true basis error is the difference from a run of all coordinates with equal steps, by another engine
+(sparse Newton iteration of the whole system). The true step error follows from a closed form.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from supple_benchmarks.validation.validation_case import Comparison, ValidationC
 __all__ = ["CASES"]
 
 BAND = 0.4
-"""Allowed deviation of an estimated error from the true one: the order of magnitude must be right."""
+"""Allowed |estimated - true error| over the true error: the order of magnitude must be right."""
 FULL_RUN = "run of all coordinates with the same steps"
 
 _MODEL = shell_model(strip(1.0, 0.1, 4, 2), HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01))
@@ -48,7 +48,10 @@ def _pushed(body: FullBody, force: tuple[float, float, float], rise: float) -> S
 def _corrected(
     system: System, run: Run, start: ReductionStart, quantities: tuple[QuantityOfInterest, ...]
 ) -> list[Comparison]:
-    """Basis errors of an accepted run and the differences from the full run."""
+    """Estimated basis errors of the accepted run, compared with its differences from the full run.
+
+    A quantity without an estimate gets no row.
+    """
     study = ErrorStudy(integration=False, model=False, quantities=quantities)
     corrected = self_correct(system, run, start, study=study)
     reference = simulate(system, run)
@@ -66,7 +69,7 @@ def _corrected(
 
 
 def _bent_far() -> list[Comparison]:
-    """A strip bent by a tip force to 0.3 rad: whole body, tip, stress in the middle, force at the clamp."""
+    """A strip bent to 0.3 rad by a tip force: errors of the whole body, tip, middle stress, clamp force."""
     middle = np.flatnonzero(_MODEL.mesh.nodes[:, 0] == 0.5)
     quantities = (
         PositionSensor("strip.tip", "strip.tip"),
@@ -81,14 +84,17 @@ def _bent_far() -> list[Comparison]:
 
 
 def _tips_sideways() -> list[Comparison]:
-    """A strip buckles sideways: the first round locks, and its estimate is 3 % of its error."""
+    """Lateral buckling of a strip: error of the accepted run.
+
+    The basis of the first run locks, and its estimated error is 3 % of its true error.
+    """
     run = Run(1.2, 0.02, step=FixedStep(0.02), tolerances=Tolerances(1e-9))
     system = _pushed(_strip(RayleighDamping(2.0, 1e-3)), (0.0, 50.0, 0.05), 1.0)
     return _corrected(system, run, ReductionStart(SelfCorrection(relative=0.06)), ())
 
 
 def _jumps() -> list[Comparison]:
-    """A slider of 2 kg on which 3 N act from 0.1 s on: x = F (t - 0.1)^2 / 2 m."""
+    """A slider of m = 2 kg with a force F = 3 N from t = 0.1 s on: x = F (t - 0.1)^2 / (2 m)."""
     block = RigidBody("block", 2.0, np.zeros(3), np.eye(3), {"end": np.zeros(3)})
     guide = Prismatic(name="guide", first=GROUND, second=At("block", "end"), axis=(1, 0, 0))
     push = ForceBetween(
@@ -100,7 +106,7 @@ def _jumps() -> list[Comparison]:
     system = System((Placed(block),), (guide,), (push,))
     run = Run(0.4, 0.02, step=FixedStep(0.02), tolerances=Tolerances(1e-10))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SuppleWarning)  # of the jump, which is intended
+        warnings.simplefilter("ignore", SuppleWarning)  # the warning of the intended jump of the force
         solution = simulate(system, run)
         study = ErrorStudy(quantities=(WholeBody("block"),))
         stated = state_errors(system, run, solution, study).errors["block"]

@@ -1,4 +1,4 @@
-"""Explicit machines with joints and springs: pendulums, an oscillator, a clamped bar."""
+"""Explicit integration of pendulums and of an oscillator; first frequency of a modal part on a joint."""
 
 from __future__ import annotations
 
@@ -36,13 +36,16 @@ def _rod(name: str, mass: float = 2.0, length: float = 1.0) -> RigidBody:
 
 
 def _angles(solution, name: str) -> FloatArray:
-    """Rotation of the x axis of a body below the horizontal, (t,)."""
+    """Angle (t,) of the x axis of a body below the horizontal, rad, without jumps of 2 pi."""
     x = solution.bodies[name].rotation[:, :, 0]
     return np.unwrap(np.arctan2(-x[:, 2], x[:, 0]))
 
 
 def _pendulum() -> Sequence[Comparison]:
-    """A rod released from the horizontal is vertical after K(1/sqrt 2) sqrt(2 L / 3 g)."""
+    """A rod released from the horizontal is vertical after K(1 / sqrt 2) sqrt(2 L / (3 g)).
+
+    K : complete elliptic integral of the first kind, as a function of the modulus
+    """
     quarter = float(ellipk(0.5) * np.sqrt(2 / 3 / G))
     system = System(
         [_rod("rod")],
@@ -88,7 +91,10 @@ def _double_pendulum() -> Sequence[Comparison]:
 
 
 def _oscillator() -> Sequence[Comparison]:
-    """A mass on a spring and damper from a stretched start; damper forces are half a step late."""
+    """A mass on a spring and a damper, released with the spring stretched.
+
+    The damper force is that of the velocity half a step earlier.
+    """
     mass, k, c, z0 = 2.0, 800.0, 4.0, 0.1
     ball = RigidBody("ball", mass, np.zeros(3), 0.01 * np.eye(3), {"eye": np.zeros(3)})
     spring = SpringDamper(
@@ -104,7 +110,7 @@ def _oscillator() -> Sequence[Comparison]:
 
 
 def _clamped_bar() -> Sequence[Comparison]:
-    """First bending frequency of a modal part, 20 times as long as thick, clamped by a fixed joint."""
+    """First bending frequency of a modal part clamped by a fixed joint; length / thickness is 20."""
     E, rho, length, side = 2e11, 7850.0, 1.0, 0.05
     model = solid_model(block(length, side, side, 10, 1, 1, CellType.TETRA10), Isotropic(E, 0.0, rho))
     ends = [RigidInterface("root", "root"), RigidInterface("tip", "tip")]

@@ -52,9 +52,9 @@ def _beam(length: float, n: int, section: BeamSection) -> FlexibleBody:
 
 
 def spun_up() -> Sequence[Comparison]:
-    """The beam of Simo and Vu-Quoc spun up to 6 rad/s in 15 s: largest lag and steady extension.
+    """The beam of Simo and Vu-Quoc, spun up to 6 rad/s in 15 s: largest lag and steady extension of its tip.
 
-    extension = m w^2 L^3 / (3 E A)
+    extension = m w^2 L^3 / (3 E A), with the mass per length m; lag : deflection against the rotation
     """
     length, stretching, mass = 10.0, 2.8e7, 1.2
     thickness = np.sqrt(12 * 1.4e4 / stretching)
@@ -88,11 +88,11 @@ def spun_up() -> Sequence[Comparison]:
 
 
 def travelling_load() -> Sequence[Comparison]:
-    """A constant force crosses a simply supported beam in half of its lowest period.
+    """A constant force P crosses a simply supported beam, at speed v, in one period of its lowest frequency.
 
-        w(L/2) = 2 P L^3 / (pi^4 E I) sum sin(n pi / 2) / (n^2 (n^2 - a^2)) (sin(n w t) - a/n sin(w_n t))
+        u(L/2) = 2 P L^3 / (pi^4 E I) sum sin(n pi / 2) / (n^2 (n^2 - a^2)) (sin(n w t) - a/n sin(w_n t))
 
-    with w = pi v / L, w_n = n^2 w_1 and a = w / w_1.
+    with w = pi v / L, a = w / w_1 = 1/2, the natural frequencies w_n = n^2 w_1, and the sum over n = 1, 2, ..
     """
     length, n, force = 2.0, 24, 50.0
     material = Isotropic(2.1e11, 0.0, 7800.0)
@@ -127,11 +127,12 @@ def travelling_load() -> Sequence[Comparison]:
 
 
 def harmonic_force() -> Sequence[Comparison]:
-    """A damped cantilever with a harmonic tip force below, at and above its first two resonances.
+    """A damped cantilever with a harmonic tip force: below, at and above its first resonance, at its second.
 
-        w / P = (sin s cosh s - cos s sinh s) / (E I* s^3 / L^3 (1 + cos s cosh s)),  s^4 = w^2 m* L^4 / E I*
+        u / P = (sin s cosh s - cos s sinh s) / (E I* s^3 / L^3 (1 + cos s cosh s)),  s^4 = w^2 m* L^4 / E I*
 
-    with E I* = E I (1 + i w b) and m* = m (1 - i a / w).
+    with E I* = E I (1 + i w b), m* = m (1 - i a / w), tip deflection u, mass per length m, and Rayleigh's
+    damping factors a (mass) and b (stiffness).
     """
     length, y, z = 1.0, 0.03, 0.01
     material, damping = Isotropic(2.1e11, 0.0, 7800.0), RayleighDamping(alpha=2.0, beta=1e-4)

@@ -1,4 +1,4 @@
-"""Intrinsic lines with few or all modes, against closed forms: bending, roll-up, rotation, free flight."""
+"""Intrinsic lines with few or all modes: bending, roll-up, steady rotation, free flight."""
 
 from __future__ import annotations
 
@@ -43,11 +43,14 @@ Array = NDArray[np.float64]
 CLAMP = Fixed(first="ground", second="beam.root", name="clamp")
 WRIGHT = "A. D. Wright et al., J. Appl. Mech. 49 (1982) 197-202, table 1: uniform cantilever, no hub"
 FLAP = {6.0: 7.3604, 12.0: 13.1702}
-"""First flapping frequency by angular velocity, both over sqrt(EI / m L^4)."""
+"""First flapping frequency by angular velocity, both over sqrt(EI / (m L^4))."""
 
 
 def slender_beam(n: int, support: RootSupport, n_modes: int | None = None) -> IntrinsicBody:
-    """A line of n segments, L = EI = GJ = 1, 1 kg/m, nearly inextensible and with little rotary inertia."""
+    """A line of n segments, L = EI = GJ = 1, 1 kg/m, nearly inextensible and with little rotary inertia.
+
+    n_modes : number of modes; None: all
+    """
     points = np.linspace(0, 1, n + 1)[:, None] * np.array([1.0, 0, 0])
     cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
     section = BeamSection(Isotropic(1e6, 0.0, 1.0), 1.0, 1e-6, 1e-6, 2e-6, 0.0, 0.0, orientation=(0, 0, 1.0))
@@ -59,7 +62,7 @@ def slender_beam(n: int, support: RootSupport, n_modes: int | None = None) -> In
 
 
 def spinning_frequencies(body: IntrinsicBody, speed: float) -> Array:
-    """Frequencies (m,) of a clamped body about its equilibrium in axes that rotate about z, rad/s."""
+    """Frequencies (m,), rad/s, about equilibrium; the root of the body rotates about z at `speed`, rad/s."""
     drive = PrescribedRotation(first="ground", second="beam.root", axis=(0, 0, 1), angle=0.0)
     return machine_modes(linearize(System([body], [drive]), spin=Spin(speed))).frequencies
 

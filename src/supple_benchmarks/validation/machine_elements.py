@@ -1,4 +1,4 @@
-"""Elements of machines against closed forms: friction, stops, servos, gears, screws, controllers.
+"""Machine elements against closed forms: friction, stops, servos, gears, screws, controllers.
 
 All elements are in one machine, which is compiled and run once.
 """
@@ -51,7 +51,7 @@ MASS, INERTIA = 2.0, 0.5
 SPEED, GRIP = 2.0, 0.3
 """Initial speed of the sledge, m/s, and its coefficient of friction"""
 BRAKE = 1.5
-"""Moment that stops a disc rotating at 2 rad/s, N m"""
+"""Friction moment that stops a disc with an initial angular velocity of 2 rad/s, N m"""
 APPROACH, GAP, STIFFNESS, DISSIPATION = 1.0, 0.1, 8e3, 0.3
 SERVO, SERVO_DAMPING, TARGET = 200.0, 4.0, 0.4
 TORQUE, TEETH, PITCH = 3.0, (20, 50), 0.5
@@ -64,7 +64,7 @@ def _body(name: str) -> RigidBody:
 
 @cache
 def _workshop() -> dict[str, Array]:
-    """Angle, rate, displacement and speed (t, 4) of each joint over one second, and the times."""
+    """Angle, rate, slide and its speed (t, 4) of each joint over one second; key "times": (t,)."""
     along = np.array(X)
     placed: dict[str, Any] = {
         "sledge": {"velocity": SPEED * along},
@@ -148,7 +148,7 @@ def brake() -> Sequence[Comparison]:
 
 
 def stop() -> Sequence[Comparison]:
-    """A mass hits an elastic stop, and a stop with Hunt-Crossley dissipation."""
+    """A mass hits an elastic stop; an equal mass hits a stop with Hunt-Crossley dissipation."""
     v, a = APPROACH, DISSIPATION
     hard, soft = _workshop()["buffer"], _workshop()["soft buffer"]
     back = brentq(lambda w: v / a - np.log(1 + a * v) / a**2 + w / a + np.log(1 - a * w) / a**2, 0.5 * v, v)
@@ -174,7 +174,7 @@ def stop() -> Sequence[Comparison]:
 
 
 def servo() -> Sequence[Comparison]:
-    """A servo whose target jumps: damped vibration about the target."""
+    """A servo moves an arm from rest at 0 to a constant target angle: damped vibration about the target."""
     read = _workshop()
     w, decay = np.sqrt(SERVO / INERTIA), SERVO_DAMPING / (2 * INERTIA)
     fast, t = np.sqrt(w**2 - decay**2), read["times"]
@@ -185,7 +185,7 @@ def servo() -> Sequence[Comparison]:
 
 
 def gear() -> Sequence[Comparison]:
-    """A torque on a pinion with 20 teeth that drives a wheel with 50."""
+    """A pinion with 20 teeth, under a torque, drives a wheel with 50 teeth."""
     read = _workshop()
     ratio = TEETH[0] / TEETH[1]
     rate = TORQUE / (INERTIA * (1 + ratio**2))
@@ -223,7 +223,7 @@ def speed_control() -> Sequence[Comparison]:
     read = _workshop()
     matrix = np.array([[-PROPORTIONAL / INERTIA, INTEGRAL / INERTIA], [-1.0, 0.0]])
     start = np.array([-WANTED, 0.0])
-    # State (rate - target, integral of target - rate), without input.
+    # State: rate - target, and the integral of (target - rate). There is no input.
     exact = WANTED + np.array([(expm(matrix * t) @ start)[0] for t in read["times"]])
     return (
         largest_difference(

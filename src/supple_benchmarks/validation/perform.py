@@ -18,11 +18,14 @@ __all__ = ["perform", "run_cases"]
 
 
 def perform(quick: bool, json: Path | None, folder: Path) -> None:
-    """Compute the quick cases or all; write the report to the folder unless a file is given.
+    """Compute the cases, print their table, and write the report after each case.
 
-    Raises AccuracyError that names the cases with errors above the allowed ones, and the failed cases.
+    quick : leave out the cases with quick=False
+    json : path of the report; None: validation.json in `folder`
+
+    Raises AccuracyError that names the rows with errors above the allowed ones, and the failed cases.
     """
-    # Imported here, so that the commands load without the topics.
+    # Imported here, so that the commands load without the modules of the topics.
     from supple_benchmarks.validation.every_case import CASES
 
     cases = [case for case in CASES if case.quick or not quick]
@@ -36,10 +39,11 @@ def perform(quick: bool, json: Path | None, folder: Path) -> None:
 
 
 def run_cases(cases: Iterable[ValidationCase], quick: bool, announce: Announce) -> Iterator[dict[str, Any]]:
-    """The report, ready for JSON, after every case; the keys of its rows must not change.
+    """Yield the whole report, ready for JSON, after each case; the keys of its rows must not change.
 
-    A case that raises an exception becomes a row without numbers, with its `failure`; the next cases
-    continue.
+    announce : called with the name of the next case; returns the callback for its progress
+    A case that raises an exception gets one row with its `failure` and without numbers; the next cases are
+    still computed.
     """
     report: dict[str, Any] = {"quick": quick, "machine": describe_computer(), "cases": [], "seconds": {}}
     for case in cases:

@@ -1,4 +1,4 @@
-"""Validation of sensors, of splitting bodies, and of imported masses and curved cells."""
+"""Sensors, split bodies, masses of curved cells, and a bar with an imported singular mass matrix."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ from supple_benchmarks.validation.validation_case import Comparison, ValidationC
 
 __all__ = ["CASES"]
 
-# Without lateral contraction a strip is a beam, with ends clamped across their whole width.
+# Poisson's ratio zero: a strip with an end clamped across its whole width deforms as a beam.
 STEEL = Isotropic(2.1e11, 0.0, 7850.0)
 
 
 def stress_over_a_set() -> Sequence[Comparison]:
-    """A cantilever under its own weight; the node set has nodes at a quarter and at three quarters."""
+    """Stress of a cantilever strip under its own weight, at nodes at 1/4 and 3/4 of its length."""
     length, height, gravity = 1.0, 0.01, 9.81
     model = shell_model(strip(length, 0.1, 24, 2), HomogeneousSection(STEEL, height))
     body = flexible_body("strip", model, (RigidInterface("root", "root"),))
@@ -84,7 +84,7 @@ def stress_over_a_set() -> Sequence[Comparison]:
 
 
 def accelerometer_on_a_shaken_base() -> Sequence[Comparison]:
-    """A mass on a spring on a table that is shaken from rest."""
+    """Acceleration in space of a mass on a spring, whose base is shaken harmonically from rest."""
     mass, stiffness, size, rate = 2.0, 800.0, 3.0, 13.0
     block_ = RigidBody("block", mass, np.zeros(3), np.eye(3), {"eye": np.zeros(3)})
     spring = SpringDamper(
@@ -106,7 +106,7 @@ def accelerometer_on_a_shaken_base() -> Sequence[Comparison]:
 
 
 def split_strip() -> Sequence[Comparison]:
-    """Fifteen rows of cells in two and in four parts: no section of nodes is at equal lengths."""
+    """A strip of 15 rows of cells in two and in four parts: no row of nodes lies at an exact cut."""
     length, height = 1.0, 5e-3
     model = shell_model(strip(length, 0.05, 15, 2), HomogeneousSection(STEEL, height))
     speed = np.sqrt(STEEL.youngs_modulus * height**2 / 12 / STEEL.density)
@@ -125,7 +125,7 @@ def split_strip() -> Sequence[Comparison]:
 
 
 def curved_cells() -> Sequence[Comparison]:
-    """A cylinder of eight quadratic cells around its axis, and a quarter of a ring of four."""
+    """Masses of a cylinder (8 hexahedra around) and a quarter of a ring (4), of ten-node tetrahedra."""
     radius, length = 0.5, 2.0
     bar = mesh_mass_properties(solid_model(cylinder(radius, length, 2, 1, 4, CellType.TETRA10), STEEL))
     mass = STEEL.density * np.pi * radius**2 * length
@@ -149,7 +149,7 @@ def curved_cells() -> Sequence[Comparison]:
 
 
 def singular_mass() -> Sequence[Comparison]:
-    """Ten-node tetrahedra with a mass matrix integrated at four points, as in CalculiX: it is singular."""
+    """A free bar of ten-node tetrahedra; the mass matrix of four points, as in CalculiX, is singular."""
     length = 1.0
     mesh = block(length, 0.1, 0.1, 4, 1, 1, CellType.TETRA10)
     cells = mesh.cells[CellType.TETRA10]
@@ -170,7 +170,7 @@ def singular_mass() -> Sequence[Comparison]:
 
 
 def _quarter_of_a_ring(inner: float, outer: float, height: float) -> Mesh:
-    """Four cells around the z axis."""
+    """A quarter of a ring about z: 2 x 4 x 1 hexahedra (radial, around, axial), each of six tetrahedra."""
     straight = block(outer - inner, 1.0, height, 2, 4, 1, CellType.TETRA10)
     x, y, z = (straight.nodes - straight.nodes.min(axis=0)).T
     angle = 0.5 * np.pi * y

@@ -20,7 +20,7 @@ def outside(report: Mapping[str, Any]) -> list[Row]:
 
 
 def tables(report: Mapping[str, Any]) -> list[Table]:
-    """A table of all rows, with exceeded limits marked; a table of the failed cases, if any."""
+    """A table of all rows, with a mark on each row of `outside`; a table of the failed cases, if any."""
     rows: list[list[str]] = []
     name = None
     for row in report["cases"]:
@@ -36,7 +36,7 @@ def tables(report: Mapping[str, Any]) -> list[Table]:
 
 
 def markdown_table(rows: Iterable[Row]) -> str:
-    """The rows of a report as a Markdown table, with their sources in the last column."""
+    """The rows of a report as a Markdown table, with the sources of the references in the last column."""
     heads = [*HEADS, "source of the reference"]
     lines = [heads, ["---", "---", *4 * ["---:"], "---"]]
     lines += [[*_cells(row), row["source"]] for row in rows]
@@ -44,7 +44,10 @@ def markdown_table(rows: Iterable[Row]) -> str:
 
 
 def with_table(page: str, rows: Iterable[Row]) -> str:
-    """The text of a page with the table of the rows between its markers."""
+    """The text of a page, with the table of the rows in place of the text between BEGIN and END.
+
+    A page without BEGIN gets the table at its end; without END, the text after BEGIN is dropped.
+    """
     before, _, rest = page.partition(BEGIN)
     _, _, after = rest.partition(END)
     return f"{before}{BEGIN}\n{markdown_table(rows)}{END}{after}"

@@ -1,4 +1,4 @@
-"""Mechanisms of rigid bodies: closed forms and published reference solutions of benchmark libraries."""
+"""Mechanisms of rigid bodies, against closed forms and reference solutions of benchmark libraries."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ LIBRARY = "M. Gonzalez et al., Multibody Syst. Dyn. 16 (2006) 179-190, problem"
 def _plane_body(
     name: str, mass: float, inertia: float, centre: ArrayLike, points: Mapping[str, ArrayLike]
 ) -> RigidBody:
-    """A body in the x-y plane; its other moments of inertia have no effect."""
+    """A body in the x-y plane, `inertia` about z; its other moments of inertia have no effect."""
     three = {key: np.array([*np.asarray(place, dtype=float), 0.0]) for key, place in points.items()}
     tensor = inertia * np.diag([0.6, 0.6, 1.0])
     return RigidBody(name, mass, np.array([*np.asarray(centre, dtype=float), 0.0]), tensor, three)
@@ -61,7 +61,7 @@ def _hinge(first: At, second: At, name: str) -> Revolute:
 
 
 def _simulated(system: System, run: Run) -> Solution:
-    """The motion of a planar loop of hinges; redundant joint equations are left out."""
+    """Result of `simulate`, without its warning that redundant joint equations are left out."""
     with warnings.catch_warnings(action="ignore", category=RedundantConstraintWarning):
         return simulate(system, run)
 
@@ -71,7 +71,10 @@ def _direction(angle: float) -> Array:
 
 
 def pendulum() -> Sequence[Comparison]:
-    """A physical pendulum released at 120 degrees: sin(angle / 2) = k sn(K - w t)."""
+    """A physical pendulum released at 120 degrees: sin(angle / 2) = k sn(K - w t).
+
+    k = sin(60 degrees);  K : complete elliptic integral of modulus k;  w : frequency of small vibrations
+    """
     mass, arm, inertia, g, swing = 2.0, 0.8, 0.15, 9.81, 2 * np.pi / 3
     rate = np.sqrt(mass * g * arm / (inertia + mass * arm**2))
     k = np.sin(swing / 2)
@@ -104,6 +107,8 @@ def double_pendulum() -> Sequence[Comparison]:
 
     4/3 p'' + 1/2 cos(p - q) q'' + 1/2 sin(p - q) q'^2 + 3/2 g/l sin p = 0
     1/3 q'' + 1/2 cos(p - q) p'' - 1/2 sin(p - q) p'^2 + 1/2 g/l sin q = 0
+
+    p, q : angles of the upper and of the lower rod from the vertical
     """
     length, g, duration = 1.0, 9.81, 1.5
 
@@ -145,9 +150,10 @@ def double_pendulum() -> Sequence[Comparison]:
 
 
 def n_four_bar() -> Sequence[Comparison]:
-    """A row of N = 2 windows of rods of 1 m and 1 kg, started upright at 1 m/s; it could fold at 90 degrees.
+    """The N-four-bar mechanism: a row of N = 2 windows of rods of 1 m and 1 kg, started upright at 1 m/s.
 
-    Unfolded, the mechanism is one pendulum: (N + 1)/3 + N masses rotate, (N + 1)/2 + N masses are lifted.
+    At 90 degrees all rods are in line, and the mechanism could fold. Without folding it is one pendulum, with
+    (N + 1)/3 + N kg m^2 about its hinge and a static moment of (N + 1)/2 + N kg m.
     """
     windows, g, duration = 2, 9.81, 3.0
     turned, lifted = (windows + 1) / 3 + windows, (windows + 1) / 2 + windows
@@ -187,9 +193,9 @@ def n_four_bar() -> Sequence[Comparison]:
 
 
 def squeezer() -> Sequence[Comparison]:
-    """Seven bodies of a squeezing mechanism, driven from rest by a constant moment for 0.03 s.
+    """Andrews' squeezing mechanism: seven bodies, driven from rest by a constant moment for 0.03 s.
 
-    Each body's frame is at a joint; names K1 .. K7 and lengths are those of the source.
+    The origin of each body's frame is at a joint; names K1 .. K7 and lengths are those of the source.
     """
     A, B, C = np.array([-0.06934, -0.00227]), np.array([-0.03635, 0.03273]), (0.014, 0.072, 0.0)
     beta, Theta, gamma = -0.0617138900142764, 0.0, 0.455279819163070
@@ -263,11 +269,11 @@ def squeezer() -> Sequence[Comparison]:
 
 
 class _BricardMotion:
-    """Bricard's cube of six rods of length 1 as a function of one angle, from its closure condition.
+    """Motion of Bricard's mechanism, a cube of six rods of length 1, as a function of one angle `psi`.
 
-    The exterior angles at the joints are p, q, p, q, p, q with (1 + cos p)(1 + cos q) = 1: a closed curve
-    about p = q = 0 with polar angle `psi`. The chain of rods is a product of rotations about its axes in the
-    cube, where p = q = 90 degrees.
+    The exterior angles at the joints are p, q, p, q, p, q. The chain closes if (1 + cos p)(1 + cos q) = 1. In
+    the plane (p, q) this is a closed curve about p = q = 0; `psi` is its polar angle. The rotation of a rod
+    from its place in the cube, where p = q = 90 degrees, is a product of rotations about the joint axes.
     """
 
     corners = np.array([[0, 0, 0], [1, 0, 0], [1, -1, 0], [1, -1, 1], [0, -1, 1], [0, 0, 1]], dtype=float)
@@ -277,7 +283,7 @@ class _BricardMotion:
 
     @staticmethod
     def angles(psi: float) -> Array:
-        """The angles p and q."""
+        """The angles p and q, (2,), rad."""
         c, s = np.cos(psi), np.sin(psi)
         size = brentq(
             lambda r: (1 + np.cos(r * c)) * (1 + np.cos(r * s)) - 1, 0.5, np.pi / max(abs(c), abs(s))
@@ -285,7 +291,7 @@ class _BricardMotion:
         return float(size) * np.array([c, s])
 
     def poses(self, psi: float) -> tuple[Array, Array]:
-        """Rotations (5, 3, 3) of the rods relative to the cube, and the corners (5, 3) where they start."""
+        """Rotations (5, 3, 3) of the rods relative to the cube, and positions (5, 3) of their first ends."""
         turn, place, rotations, places = np.eye(3), np.zeros(3), [], []
         for k, angle in enumerate(np.resize(self.angles(psi), 5)):
             places.append(turn @ self.corners[k] + place)
@@ -295,7 +301,11 @@ class _BricardMotion:
         return np.array(rotations), np.array(places)
 
     def swung(self, tensors: Array, g: float, times: Array) -> Array:
-        """Angle psi over time, released at rest: psi'' = -(m' psi'^2 / 2 + V') / m, for rods of 1 kg."""
+        """Angle psi (t,) after a release at rest, rad: psi'' = -(m' psi'^2 / 2 + V') / m, for rods of 1 kg.
+
+        m, V : generalised mass and potential energy as functions of psi;  m', V' : their derivatives
+        tensors : (5, 3, 3) inertia of each rod about its centre, axes of the cube, kg m^2
+        """
         psi = np.linspace(0, 2 * np.pi, 801)
         poses = [self.poses(each) for each in psi[:-1]]
         rotations, places = (np.array(part + part[:1]) for part in zip(*poses, strict=True))
@@ -344,9 +354,11 @@ def bricard() -> Sequence[Comparison]:
 
 
 def slider_crank() -> Sequence[Comparison]:
-    """A slider-crank driven at constant speed, kinematic analysis: stroke and moment of the motor.
+    """A slider-crank driven at constant speed, kinematic analysis: slide and moment of the motor.
 
     x = r cos a + sqrt(l^2 - r^2 sin^2 a),     moment = d/da (kinetic energy)
+
+    x : position of the slider;  a : angle of the crank;  r, l : lengths of crank and rod
     """
     r, length, speed = 0.2, 0.5, 30.0
     masses, slider_mass = {"crank": 1.2, "rod": 0.8}, 2.0
@@ -405,6 +417,8 @@ def universal_joint() -> Sequence[Comparison]:
     """Two shafts with a universal joint at 35 degrees: the driven speed varies twice per revolution.
 
     w_2 / w_1 = cos b / (1 - sin^2 b cos^2 a)
+
+    a : angle of the driving shaft;  b : angle between the shafts
     """
     bend, speed = np.radians(35.0), 5.0
     towards = Rotation.from_euler("z", -bend).as_matrix()

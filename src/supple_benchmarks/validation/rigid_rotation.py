@@ -24,8 +24,9 @@ Array = NDArray[np.float64]
 def intermediate_axis() -> Sequence[Comparison]:
     """A free body rotating about its intermediate axis turns over periodically (Dzhanibekov's wing nut).
 
-    With I1 < I2 < I3, energy E and angular momentum M, M^2 > 2 E I2, the angular velocities are Jacobi's cn,
-    sn and dn of n t + K, n^2 = (I3 - I2)(M^2 - 2 E I1) / (I1 I2 I3).
+    With I1 < I2 < I3, energy E and angular momentum M, M^2 > 2 E I2, the angular velocities are proportional
+    to Jacobi's cn, sn and dn of n t + K, n^2 = (I3 - I2)(M^2 - 2 E I1) / (I1 I2 I3), with the complete
+    elliptic integral K.
     """
     I1, I2, I3 = 1.0, 2.0, 2.5
     start = np.array([0.0, 4.0, 0.1])
@@ -55,7 +56,9 @@ def intermediate_axis() -> Sequence[Comparison]:
 def heavy_top() -> Sequence[Comparison]:
     """A fast top on a ball joint under gravity, a test problem of Lie group integrators.
 
-    J w' + w x J w = m X x R^T g,     R' = R w~,     J about the fixed point
+    J w' + w x J w = m X x R^T g,     R' = R w~
+
+    J : inertia about the fixed point;  X : centre of mass from this point, in body axes
     """
     mass, arm, g = 15.0, np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, -9.81])
     about_centre = np.diag([0.234375, 0.46875, 0.234375])

@@ -1,7 +1,7 @@
 """Rotors with rotary inertia at their nodes: whirl frequencies against closed forms and other codes.
 
-In axes that rotate with the rotor at rate W, forward whirl with w in space has the frequency |w - W|,
-and backward whirl w + W.
+In axes that rotate with the rotor at the rate W, a forward whirl of frequency w in space has the frequency
+|w - W|, and a backward whirl w + W.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ AXIS = (1.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class Disc:
-    """A rigid disc on a shaft: position along it, m; mass, kg; polar and transverse inertia, kg m^2."""
+    """A rigid disc on a shaft: position on it, m; mass, kg; polar and transverse inertia, kg m^2."""
 
     place: float
     mass: float
@@ -68,7 +68,7 @@ class RoundShaft:
 
 @dataclass(frozen=True)
 class Rotor:
-    """Successive pieces of a shaft of one material, with discs."""
+    """Successive pieces of a shaft of one material, from x = 0, with one shear factor, and discs."""
 
     material: Isotropic
     pieces: tuple[RoundShaft, ...]
@@ -77,16 +77,16 @@ class Rotor:
 
 
 def disc(place: float, width: float, inner: float, outer: float, density: float) -> Disc:
-    """A disc with a width and an inner and outer radius."""
+    """A disc with a width and an inner and outer radius, m, and a density, kg/m^3."""
     mass = density * np.pi * (outer**2 - inner**2) * width
     polar = mass / 2 * (inner**2 + outer**2)
     return Disc(place, mass, polar, polar / 2 + mass * width**2 / 12)
 
 
 def rotor_body(rotor: Rotor, longest: float, interfaces: dict[str, float]) -> FlexibleBody:
-    """Beam elements no longer than `longest`, with the discs' inertia at their nodes.
+    """A body of beam elements shorter than 1.5 times `longest`, m, with the discs' inertia at their nodes.
 
-    interfaces : their positions along the shaft
+    interfaces : their positions along the shaft, m, by name
     """
     marks = sorted(
         {0.0, *(p.end for p in rotor.pieces), *(d.place for d in rotor.discs), *interfaces.values()}
@@ -126,7 +126,10 @@ def rotor_body(rotor: Rotor, longest: float, interfaces: dict[str, float]) -> Fl
 def disc_on_massless_shaft(
     stiffness: float = 5000.0, polar: float = 2.0, transverse: float = 1.1
 ) -> FlexibleBody:
-    """A disc that tilts on springs relative to a hub."""
+    """A disc that tilts on springs relative to the interface "hub", at the same point.
+
+    stiffness : of the tilt, N m/rad;  polar, transverse : inertia of the disc, kg m^2
+    """
     springs = np.diag([1e8, 1e8, 1e8, 1e8, stiffness, stiffness])
     mass = np.diag([10.0, 10.0, 10.0, 3.0, 2.0, 2.0, 10.0, 10.0, 10.0, polar, transverse, transverse])
     return superelement(
@@ -142,9 +145,11 @@ def disc_on_massless_shaft(
 def turning_frequencies(
     body: FlexibleBody, frame: Frame, rate: float, held: dict[str, float | None], *, full: bool = False
 ) -> Array:
-    """Frequencies of a rotor in axes that rotate with it, rad/s.
+    """Frequencies of a rotor in axes that rotate with it at `rate`, rad/s.
 
-    held : interfaces with a hinge along the axis (None), or with a bearing of the given transverse stiffness
+    held : interfaces with a hinge along the axis (None), or with a bearing of the given transverse stiffness,
+        N/m
+    full : the 24 slowest modes of a FullBody; False: all modes of a reduced body with all coordinates
     """
     form = (
         FullBody(body, frame) if full else reduce(body, frame, CompleteBasis(), derivatives=NoDerivatives())
@@ -164,16 +169,24 @@ def turning_frequencies(
 
 
 def whirls(found: Array, expected: ArrayLike, rate: float) -> list[float]:
-    """Whirl frequencies in space, positive forward, from the found frequencies nearest to the expected."""
+    """Whirl frequencies in space, positive forward: per expected one, that of the nearest found frequency.
+
+    found : frequencies in axes that rotate at `rate`, without sign;  expected : whirl frequencies in space
+    The sign of each w - rate is that of the expected frequency.
+    """
     seen = np.asarray(expected, dtype=np.float64) - rate
     nearest = found[np.argmin(abs(found[:, None] - abs(seen)), axis=0)]
     return (rate + np.copysign(nearest, seen)).tolist()
 
 
 def in_fixed_axes(body: FlexibleBody, frame: Frame, rate: float) -> tuple[Array, Array, Array]:
-    """M, C and K (n, n) of a free, round, rotating rotor in axes fixed in space.
+    """M, C and K (n, n) of a free, axisymmetric rotor in axes fixed in space; it rotates at `rate`, rad/s.
 
-    In rotating axes the nodes move by p = R(t)^T s: p' = R^T (s' - W X s), and so on.
+    The displacements p in rotating axes are the displacements s in fixed axes, in other components:
+    p = R(t)^T s,  p' = R^T (s' - W X s),  p'' = R^T (s'' - 2 W X s' + W^2 X^2 s), with the rate W and the
+    cross matrix X of the axis.
+
+    Raises TypeError if the linearised machine is sparse.
     """
     reduced = reduce(body, frame, CompleteBasis(), derivatives=NoDerivatives())
     machine = linearize(System((Placed(reduced),)), spin=Spin(rate, np.array(AXIS)))
@@ -189,13 +202,16 @@ def in_fixed_axes(body: FlexibleBody, frame: Frame, rate: float) -> tuple[Array,
 
 
 def whirl_of_timoshenko_shaft(rotor: Rotor, rate: float, near: ArrayLike) -> Array:
-    """Whirl in space, positive forward, of a clamped-free shaft: roots of its exact transfer matrix.
+    """Whirl frequencies in space, rad/s, positive forward, of a clamped-free shaft rotating at `rate`, rad/s.
 
         u' = phi + Q / kGA,   phi' = M / EI,   M' = - Q - rho I (w^2 - 2 W w) phi,   Q' = - rho A w^2 u
 
-    u and phi are complex in the plane across the shaft, in uniform whirl exp(i w t). M and Q jump at discs.
+    w is the whirl frequency, W the rate, k the shear factor. u and phi are complex in the plane across the
+    shaft, in uniform whirl exp(i w t). M and Q jump at discs. The frequencies are roots of the determinant of
+    the exact transfer matrix.
 
-    near : pairs of bounds, each containing one root
+    rotor : the discs of each piece in ascending order of their place
+    near : pairs of bounds, rad/s, each containing one root
     Source: H. D. Nelson, A finite rotating shaft element using Timoshenko beam theory, J. Mech. Des. 102
     (1980) 793-803, eqs. (1)-(10).
     """
@@ -233,7 +249,7 @@ def whirl_of_timoshenko_shaft(rotor: Rotor, rate: float, near: ArrayLike) -> Arr
 
 
 def _disc_on_a_massless_shaft() -> list[Comparison]:
-    """J_t w^2 - J_p W w - k = 0 of a disc that tilts."""
+    """Whirl of a disc that tilts: J_t w^2 - J_p W w - k = 0."""
     rate = 60.0
     expected = np.roots([1.1, -2.0 * rate, -5000.0]).real
     source = "closed form: roots of J_t w^2 - J_p W w - k = 0"
@@ -253,11 +269,11 @@ def _whirl(w: float) -> str:
 
 STEEL = Isotropic(2.1e11, 0.3, 7850.0)
 OVERHUNG = Rotor(STEEL, (RoundShaft(0.0, 0.5, 0.02), RoundShaft(0.5, 0.53, 0.15)), 0.9)
-"""A clamped shaft of 40 mm diameter; the disc at its end is a piece of shaft of 300 mm, 30 mm long"""
+"""A clamped shaft, diameter 40 mm; the disc at its end is a piece of shaft, diameter 300 mm, length 30 mm."""
 
 
 def _disc_of_beam_elements() -> list[Comparison]:
-    """The clamped shaft with a disc of beam elements, at 600 rad/s."""
+    """Whirl of the clamped shaft with a disc of beam elements, at 600 rad/s."""
     rate, bounds = 600.0, [(-400.0, -50.0), (50.0, 900.0)]
     expected = whirl_of_timoshenko_shaft(OVERHUNG, rate, bounds)
     body = rotor_body(OVERHUNG, 0.05, {"hub": 0.0})
@@ -273,11 +289,11 @@ def _disc_of_beam_elements() -> list[Comparison]:
 
 
 FRISWELL = (85.39, 87.80, 251.78, 294.71)
-"""rad/s at 4000 rpm; backward, forward, backward, forward."""
+"""Whirl frequencies of `friswell_rotor`, rad/s, at 4000 rpm; backward, forward, backward, forward."""
 
 
 def friswell_rotor() -> Rotor:
-    """Two discs on a shaft of 50 mm: example 5.9.1 of Friswell et al."""
+    """Two discs on a shaft of 50 mm diameter: example 5.9.1 of Friswell et al."""
     density = 7810.0
     material = Isotropic(211e9, 211 / (2 * 81.2) - 1, density)
     discs = (disc(0.5, 0.07, 0.025, 0.14, density), disc(1.0, 0.07, 0.025, 0.175, density))
@@ -285,7 +301,7 @@ def friswell_rotor() -> Rotor:
 
 
 def _two_discs_on_bearings() -> list[Comparison]:
-    """Whirl at 4000 rpm on bearings of 1 MN/m, in mean axes."""
+    """Whirl of `friswell_rotor` at 4000 rpm on bearings of 1 MN/m, with a mean-axis frame."""
     rate = 4000 * np.pi / 30
     signed = [sign * w for sign, w in zip((-1, 1, -1, 1), FRISWELL, strict=True)]
     body = rotor_body(friswell_rotor(), 0.1, {"left": 0.0, "right": 1.5})
@@ -301,11 +317,11 @@ def _two_discs_on_bearings() -> list[Comparison]:
 
 
 LALANNE = (55.408, 67.209, 157.90, 193.71, 249.90, 407.62, 446.62)
-"""Hz at 25 000 rpm."""
+"""Whirl frequencies of `lalanne_rotor`, Hz, at 25 000 rpm."""
 
 
 def lalanne_rotor() -> Rotor:
-    """Three discs on a shaft of 100 mm."""
+    """Three discs on a shaft of 100 mm diameter: rotor of Lalanne and Ferraris."""
     density = 7800.0
     places = ((0.2, 0.05, 0.12), (0.5, 0.05, 0.20), (1.0, 0.06, 0.20))
     discs = tuple(disc(place, width, 0.05, outer, density) for place, width, outer in places)
@@ -313,14 +329,14 @@ def lalanne_rotor() -> Rotor:
 
 
 def lalanne_frequencies(frame: Frame) -> Array:
-    """Frequencies of this rotor at 25 000 rpm on its anisotropic bearings, Hz."""
+    """Whirl frequencies of `lalanne_rotor` at 25 000 rpm on its anisotropic bearings, Hz, ascending."""
     body = rotor_body(lalanne_rotor(), 0.05, {"left": 0.0, "right": 1.3})
     mass, damping, stiffness = in_fixed_axes(body, frame, 25_000 * np.pi / 30)
     for motion in (interface.motion.toarray() for interface in body.interfaces):
         across = motion[1:3]
         stiffness = stiffness + across.T @ np.diag([5e7, 7e7]) @ across
         damping = damping + across.T @ np.diag([5e2, 7e2]) @ across
-    # Bending only: axial motion and rotation of the rotor are free.
+    # Bending only: axial motion and rotation about the axis, which are free, are removed.
     bending = np.flatnonzero(np.arange(body.n) % 3)
     mass, damping, stiffness = (part[np.ix_(bending, bending)] for part in (mass, damping, stiffness))
     inverse = np.linalg.inv(mass)
@@ -330,7 +346,7 @@ def lalanne_frequencies(frame: Frame) -> Array:
 
 
 def _three_discs_on_unlike_bearings() -> list[Comparison]:
-    """The first seven frequencies at 25 000 rpm, in mean axes."""
+    """The first seven whirl frequencies of `lalanne_rotor` at 25 000 rpm, with a mean-axis frame."""
     found = lalanne_frequencies(MeanAxisFrame())
     source = "M. Lalanne, G. Ferraris, Rotordynamics Prediction in Engineering (1998), rotor of three discs"
     return [

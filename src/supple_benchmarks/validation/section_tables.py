@@ -1,4 +1,4 @@
-"""Beams from tables of 6 x 6 section matrices, as lines and as elements: coupled, large bending."""
+"""Beams from tables of 6 x 6 section matrices, as lines and as elements: coupling, large bending."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ BOX = np.array(
         [0, 0, 0, 17.61e3, -0.351e3, 16.96e3],
     ]
 )
-"""A composite box with bending-twist coupling, lb and lb in^2, x and y across the beam: [Wang2017]."""
+"""Stiffness of a composite box with bending-twist coupling, lb and lb in^2, z along the beam: [Wang2017]."""
 BOX_MASS = np.diag([8.538e-2] * 3 + [0.40972e-2, 1.0336e-2, 1.4433e-2])
-"""Inertia of the composite box, lb s^2 / in^2 and lb s^2."""
+"""Mass matrix of the composite box per length, lb s^2 / in^2 and lb s^2."""
 EQUATIONS = "equations of the beam with the same sections, integrated along it"
 
 
 def _box_beam() -> SectionTable:
-    """Ten inches of the box along z."""
+    """The composite box along z, 10 inches long."""
     one = np.ones((2, 1, 1))
     return SectionTable(np.array([[0, 0, 0], [0, 0, LENGTH]]), one * np.eye(3), one * BOX, one * BOX_MASS)
 
@@ -65,7 +65,7 @@ def _vibrating() -> Sequence[Comparison]:
 
 
 def _tip(table: SectionTable, n_stations: int, push: tuple[float, float, float]) -> NDArray[np.float64]:
-    """Displacement (3,) of the tip of a clamped line under a dead force at the tip."""
+    """Displacement (3,) of the tip of a clamped intrinsic line under a dead force at the tip."""
     body = intrinsic_body(section_line("beam", table, n_stations), CLAMPED)
     clamp, load = Fixed(first="ground", second="beam.root"), DeadForce(at="beam.tip", force=push)
     rest = equilibrium(System([body], [clamp], [load])).solution.bodies["beam"]

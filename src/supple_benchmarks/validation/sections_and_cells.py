@@ -1,4 +1,4 @@
-"""Sections and cells of decks: sandwich walls, coupled and tapered beams, wedges, pyramids, fibres."""
+"""Section and cell types of decks: sandwich walls, coupled and tapered beams, wedges, pyramids, fibres."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ ALUMINIUM = Isotropic(7e10, 0.3, 2700.0)
 
 
 def _moved(model: FiniteElementModel, free: NDArray[np.bool_], load: Array) -> Array:
-    """Nodal displacements (N, d) under small nodal loads (N, d)."""
+    """Linear nodal displacements (N, d) under nodal loads (N, d); `free` (N, d) is False at supports."""
     rows = np.flatnonzero(free.ravel())
     u = np.zeros(free.size)
     u[rows] = factorize_symmetric(csc_array(model.stiffness[rows][:, rows])).solve(load.ravel()[rows])
@@ -41,7 +41,7 @@ def _moved(model: FiniteElementModel, free: NDArray[np.bool_], load: Array) -> A
 
 
 def sandwich_plate() -> Sequence[Comparison]:
-    """Three frequencies of a simply supported sandwich plate, which shear of the core halves."""
+    """Three frequencies of a simply supported sandwich plate, all more than halved by shear of the core."""
     sides, face, core, core_shear, core_density = np.array([0.6, 0.4]), 0.5e-3, 0.02, 10e6, 60.0
     h = core + face
     A = 2 * face * ALUMINIUM.plane_stress
@@ -73,7 +73,7 @@ def sandwich_plate() -> Sequence[Comparison]:
 
 
 def _cantilever(section: BeamSection | CoupledBeamSection, length: float, load: Array) -> Array:
-    """Motion (6,) of the tip of one element under tip forces and moments (6,)."""
+    """Motion (6,) of the tip of one beam element, clamped at its root, under tip forces and moments (6,)."""
     mesh = Mesh(np.array([[0, 0, 0], [length, 0, 0]]), {CellType.LINE2: np.array([[0, 1]])})
     free = np.array([[False] * 6, [True] * 6])
     return _moved(shell_model(mesh, section), free, np.array([np.zeros(6), load]))[1]
@@ -97,7 +97,7 @@ def coupled_beam() -> Sequence[Comparison]:
 
 
 def tapered_beam() -> Sequence[Comparison]:
-    """A blade spring whose width decreases to a half along it: one element under a transverse tip force."""
+    """A spring whose width decreases linearly to a half: one element under a transverse tip force."""
     length, width, height, force = 0.5, 0.04, 0.005, 10.0
 
     def of(b: float) -> BeamSection:
@@ -149,7 +149,7 @@ def fibres_across_a_bar() -> Sequence[Comparison]:
     axes = np.tile([[c, -s, 0], [s, c, 0], [0, 0, 1]], (n, 1, 1))
     fibres = Anisotropic(np.linalg.inv(compliance), 1600.0)
     model = finite_element_model(mesh, (Section(CellType.HEXA20, np.arange(n), fibres, directions=axes),))
-    # A uniform stress 1 on both ends: nodal forces of the uniform strain.
+    # A uniform axial stress of 1 Pa: the nodal forces of its uniform strain.
     i, j = np.array([(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]).T
     R = axes[0]
     local = R.T @ np.diag([1.0, 0, 0]) @ R
@@ -157,7 +157,7 @@ def fibres_across_a_bar() -> Sequence[Comparison]:
     strain[i, j] = strain[j, i] = (compliance @ local[i, j]) * np.where(i == j, 1.0, 0.5)
     load = (model.stiffness @ (mesh.nodes @ (R @ strain @ R.T)).ravel()).reshape(-1, 3)
     free = np.ones((mesh.n_nodes, 3), dtype=bool)
-    # Six supports at three corners, which allow every uniform strain.
+    # Six supported freedoms at three corners prevent rigid motions, and no uniform strain.
     for place, freedoms in (((0, -0.15, -0.1), [0, 1, 2]), ((0, 0.15, -0.1), [0, 2]), ((0, -0.15, 0.1), [0])):
         corner = np.flatnonzero(np.isclose(mesh.nodes, place).all(axis=1))[0]
         free[corner, freedoms] = False

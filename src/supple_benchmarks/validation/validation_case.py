@@ -1,4 +1,4 @@
-"""A case of the validation: its computation, and its results with their references."""
+"""A validation case: the function that computes it, and its results with their references."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ __all__ = ["Comparison", "ValidationCase", "largest_difference"]
 class Comparison:
     """One number and its reference: error = |value - reference| / scale, at most `allowed`.
 
-    `scale` is |reference| by default; with a zero reference it must be given, in the unit of the value.
+    `scale` is |reference| by default; with a zero reference it must be given, in the unit of the value,
+    because the error would be divided by zero.
     `source` is the origin of the reference: a closed form, a paper and its table, another code and its
     version.
     """
@@ -47,9 +48,10 @@ def largest_difference(
     *,
     scale: float | None = None,
 ) -> Comparison:
-    """Comparison of two histories (t,) or (t, 3): their largest difference, with reference zero.
+    """Comparison of two histories, (t,) or (t, d): the value is their largest difference, the reference zero.
 
-    scale : of the quantity; default: the largest value of the exact history
+    found, exact : of equal shape; in (t, d) the difference at each time is the Euclidean norm over d
+    scale : divisor of the error; None: the largest absolute value, or norm, of the exact history
     """
     size = np.atleast_1d(np.asarray(exact, dtype=float))
     apart = np.asarray(found) - size
@@ -62,7 +64,7 @@ def largest_difference(
 
 @dataclass(frozen=True)
 class ValidationCase:
-    """A named problem and the function that computes it; `quick` cases are part of the quick form."""
+    """A named problem and the function that computes it; `--quick` leaves out cases with quick=False."""
 
     name: str
     compare: Callable[[], Sequence[Comparison]]

@@ -25,12 +25,12 @@ __all__ = ["CASES"]
 Array = NDArray[np.float64]
 
 BENDING_ROOTS = (1.8751040687, 4.6940911330, 7.8547574382)
-"""b L of a cantilever: roots of cos(b L) cosh(b L) = -1"""
+"""Wave number times length, b L, of a cantilever's bending modes: roots of cos(b L) cosh(b L) = -1"""
 RAYLEIGH = "Euler-Bernoulli beam: Lord Rayleigh, Theory of Sound, chapter VIII"
 
 
 def _frequencies(system: System, n_modes: int, spin: Spin | None = None) -> Array:
-    """Angular frequencies about the machine's equilibrium."""
+    """The lowest angular frequencies about the machine's equilibrium, rad/s, ascending."""
     return machine_modes(linearize(system, spin=spin), n_modes).frequencies
 
 
@@ -40,7 +40,7 @@ def _clamped(body: FlexibleBody, *loads: Load) -> System:
 
 
 def _beam(n: int = 64, *, y: float = 0.03, z: float = 0.01) -> FlexibleBody:
-    """A slender beam of 1 m; its soft bending direction is z."""
+    """A slender beam of 1 m along x with n elements, section y by z, m; its soft bending direction is z."""
     nodes = np.linspace(0, 1, n + 1)[:, None] * np.eye(3)[0]
     model = shell_model(line_mesh(nodes), rectangle(STEEL, y, z, _torsion(y, z), orientation=(0, 1, 0)))
     return flexible_body("beam", model, (RigidInterface("root", "root"), RigidInterface("tip", "tip")))
@@ -55,7 +55,7 @@ WAVE = np.sqrt(STEEL.youngs_modulus / STEEL.density)
 
 
 def cantilever() -> Sequence[Comparison]:
-    """Bending in both planes, torsion and extension of a beam of line elements."""
+    """Frequencies of a beam of line elements: bending in both planes, torsion and extension."""
     y, z = 0.03, 0.01
     found = _frequencies(_clamped(_beam()), 24)
     weak, strong = (WAVE * size / np.sqrt(12) * np.array(BENDING_ROOTS) ** 2 for size in (z, y))
@@ -116,7 +116,7 @@ def plates() -> Sequence[Comparison]:
 
 
 def spinning_beam() -> Sequence[Comparison]:
-    """A slender cantilever that rotates about its root at 6 times sqrt(E I / m L^4), full and reduced."""
+    """A slender cantilever, full and reduced, that rotates about its root at 6 sqrt(E I / (m L^4))."""
     y = z = 0.01
     unit = WAVE * z / np.sqrt(12)
     body = _beam(y=y, z=z)
@@ -142,7 +142,7 @@ def spinning_beam() -> Sequence[Comparison]:
 
 
 def pressed_beam() -> Sequence[Comparison]:
-    """The first frequency of a column under half of Euler's load."""
+    """The first frequency of a clamped-free column under half of Euler's load."""
     z = 0.01
     bending = STEEL.youngs_modulus * 0.03 * z**3 / 12
     load = np.pi**2 / 8 * bending
@@ -150,7 +150,10 @@ def pressed_beam() -> Sequence[Comparison]:
     unit = WAVE * z / np.sqrt(12)
 
     def determinant(w: float) -> float:
-        """Boundary determinant of u'''' + p u'' - w^2 u = 0: clamped; u'' = u''' + p u' = 0 at the tip."""
+        """Boundary determinant of u'''' + p u'' - w^2 u = 0: clamped; u'' = u''' + p u' = 0 at the tip.
+
+        p = P L^2 / E I;  w over sqrt(E I / (m L^4))
+        """
         p = load / bending
         a, b = (np.sqrt(np.sqrt(p**2 / 4 + w**2) + sign * p / 2) for sign in (1, -1))
         moments = b**2 * np.cosh(b) + a**2 * np.cos(a), b**2 * np.sinh(b) + a * b * np.sin(a)
@@ -173,7 +176,7 @@ def beck() -> Sequence[Comparison]:
     """Beck's column: flutter under a compressive follower force at the tip.
 
     At the critical force the two lowest squared frequencies coincide. The square of their difference is a
-    smooth function of the force and passes through zero there.
+    smooth function of the force and passes through zero there: it is extrapolated from four smaller forces.
     """
     y, z = 0.1, 0.01
     body = reduce(

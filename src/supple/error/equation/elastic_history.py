@@ -1,4 +1,4 @@
-"""Elasticity along a run in the columns of its error: exact forces, and tangents from a few sample times."""
+"""Elastic forces and tangents along a run, projected on columns: exact forces, interpolated tangents."""
 
 from __future__ import annotations
 
@@ -36,23 +36,24 @@ __all__ = [
 Array = NDArray[np.float64]
 
 SMALLEST_MONOMIAL = 1e-6
-"""Ratio to the largest change of the monomials below which a remainder is neglected. For strips with large
-bending, a limit ten times as large changes estimates by 0.2 %; with one a thousand times as large, the
-neglected part of a membrane's stiffness locks their bending."""
+"""Pivot of the monomials, relative to the largest pivot, below which no sample time is added. For strips with
+large bending, a limit ten times as large changes error estimates by 0.2 %. A limit a thousand times as large
+neglects changes of the membrane stiffness, and bending locks."""
 SMALLEST_RATE = 3e-3
-"""The same for the strain-rate part of damping, which is a few per cent of stiffness; a limit ten times as
-large changes estimates by less than 0.1 %."""
+"""The same for tangents of the strain-rate stress, which are a few per cent of the stiffness. A limit ten
+times as large changes error estimates by less than 0.1 %."""
 MOST_SAMPLES = 120
 AT_ONCE = 4
-"""Number of sample times added before each test whether the previous matrices are sufficient."""
+"""Number of sample times added between tests whether the previous matrices are sufficient."""
 FEWEST_IN_THREADS, MOST_IN_THREADS = 2_000, 200_000
-"""Numbers of coordinates of a body between which its tangents are assembled by several threads: for a smaller
-one the threads wait longer than they compute; an assembly for a million coordinates takes gigabytes."""
+"""A body with a number of coordinates between these has its tangents assembled by several threads. For fewer
+coordinates threads save no time; for more, assemblies at once take too much memory (gigabytes for each at a
+million coordinates)."""
 PROVEN = 3e-4
-"""Allowed error of tangents combined from earlier ones, over the stiffness at rest, in any direction; it
-changes the estimated error of a run by the same ratio, in energy."""
+"""Allowed error of tangents predicted from earlier samples, relative to the stiffness at rest, in any
+direction. It changes the energy of the estimated error of a run by the same ratio."""
 PROVEN_DAMPING = 1e-2
-"""The same for the part through the strains, where it is needed for damping only."""
+"""The same for the material part of the tangent, which only damping needs."""
 FACTOR_ROWS = 256
 
 
@@ -62,7 +63,7 @@ class ForcePolynomial:
 
         gained = quadratic m2 + sum_i g_i cubic_i m2,   m2 = (g_j g_k), j <= k
 
-    quadratic : (k, n2)
+    quadratic : (k, n2)     n2 = s (s + 1) / 2
     cubic : (s, k, n2)
     """
 
@@ -84,7 +85,7 @@ class ForcePolynomial:
 
 
 def force_polynomial(works: StrainWorks) -> ForcePolynomial:
-    """The exact polynomial of a body's nonlinear force, from the work of its elements' strains.
+    """The exact polynomial of a body's nonlinear force, from `StrainWorks`.
 
     works : strain works of the columns X of the motion on Z (`Assembly.works`)
     """
@@ -95,15 +96,16 @@ def force_polynomial(works: StrainWorks) -> ForcePolynomial:
 
 @dataclass(frozen=True, eq=False)
 class StrainRatePolynomial:
-    """`Z^T (K_mat(X g) - K) X g_dot`: additional force of the strain rates over that at rest, projected on Z.
+    """`Z^T (K_mat(X g) - K) X g_dot`: strain-rate force minus that of the undeformed body, projected on Z.
 
-        gained = sum_jk g_j g_dot_k bilinear_jk + 2 sum_i g_i cubic_i m,   m = g (x) g_dot
+        gained = sum_jl g_j g_dot_l bilinear_jl + 2 sum_i g_i cubic_i m
+        m = ((g_j g_dot_l + g_l g_dot_j) / 2), j <= l
 
     Interpolation between sample times is not accurate enough for a force: its error for a stiff shell would
     exceed the residual of an accurate run.
 
     bilinear : (k, s^2)
-    cubic : (s, k, n2)      as in the elastic force
+    cubic : (s, k, n2)      as in `ForcePolynomial`
     """
 
     bilinear: Array
@@ -139,14 +141,15 @@ def _pairs(works: StrainWorks) -> tuple[Any, Any, Array]:
 
 @dataclass(frozen=True, eq=False)
 class TangentHistory:
-    """Change of tangents `Z^T K_t(q(t)) Z` along a run: few matrices, and their weights at every step.
+    """Change of the tangent `Z^T K_t(q(t)) Z` from rest along a run: samples, and their weights at each time.
 
         gained(t) = sum_i weights(t)_i samples_i
 
-    K_t is quadratic in q: weights that reproduce the coordinates and their products reproduce K_t.
+    K_t is quadratic in q: weights that reproduce the coordinates and their products reproduce K_t. Samples
+    are `whole`, or `material` for the material part.
 
-    whole : (m, k, k)
-    material : (m, k, k)    part through the strains alone; (0, k, k) where not requested
+    whole : (m, k, k)       changes of the tangent from rest, at m sample times
+    material : (m, k, k)    changes of its material part; (0, k, k) if not requested
     weights : (t, m)
     """
 
@@ -166,14 +169,14 @@ def tangent_history(
 ) -> TangentHistory:
     """Tangents along q = X g(t), combined from the tangents at a few sample times.
 
-    The monomials (g, g g) of the run are factored with column pivoting. The pivots are the sample times: each
-    differs most from the previous ones. Selection stops as soon as the previous tangents reproduce the next
-    ones.
+    The monomials (g, g g) of the run are factored by QR with column pivoting. The pivots are the sample
+    times: at each, the monomials differ most from those at the previous ones. Selection stops when the
+    previous samples reproduce the next `AT_ONCE` tangents.
 
     motion : (n, s) X;  coordinates : (t, s);  onto : (n, k) Z
-    material : bool     whether the part through the strains is needed as well (by strain-rate damping), to
-                        `PROVEN_DAMPING` at least
-    proven : float      allowed error of the next tangents over the stiffness at rest, in any direction
+    material : bool     whether the material part is needed as well, by strain-rate damping; its allowed error
+                        is the larger of `proven` and `PROVEN_DAMPING`
+    proven : float      allowed error of predicted tangents, relative to the stiffness at rest
     """
     k = onto.shape[1]
     scale = _unit_energies(body, motion, coordinates)
@@ -187,7 +190,7 @@ def tangent_history(
     whole_at: dict[int, Array] = {}
 
     def of_strains(instant: int) -> Array:
-        """The material part; the whole tangent, from the same evaluation of the elements, is stored."""
+        """Change of the material part; the change of the whole tangent is stored in `whole_at`."""
         through_strains, of_stress = (
             _projected(part, onto) for part in body.assembly.tangent_parts(motion @ coordinates[instant])
         )
@@ -218,7 +221,7 @@ def _samples(
     at_rest: Array,
     proven: float,
 ) -> Array:
-    """Matrices (m, k, k) at the first sample times, until these reproduce the next matrices.
+    """Matrices (m, k, k) at the first m sample times; m grows until earlier matrices reproduce the new ones.
 
     n : number of coordinates of the body
     at_rest : (k, k)    stiffness, reference of the allowed error
@@ -238,7 +241,7 @@ def _samples(
 
 
 def unit_stiffness(stiffness: Array) -> Array:
-    """Columns (k, k) in which a stiffness is the unit matrix; zero in its null space."""
+    """Columns C (k, k) with C^T K C = I for a stiffness K; columns of its null space are zero."""
     values, vectors = np.linalg.eigh((stiffness + stiffness.T) / 2)
     stiff = values > np.finfo(float).eps * len(values) * values[-1]
     return vectors * np.where(stiff, 1 / np.sqrt(np.where(stiff, values, 1.0)), 0.0)
@@ -250,8 +253,9 @@ class StrainRateHistory:
 
         Z^T { A^T D N(q_dot) + N(D eps_dot) } Z = sum_i weights(t)_i samples_i
 
-    This tangent is linear in the rates and unsymmetric: it does not resist a motion with constant strains
-    while the body moves, A dq_dot + N(q_dot) dq = 0. Its symmetric part would resist such a motion.
+    The tangent is linear in the rates and not symmetric. A small change dq of the motion that does not change
+    the strain rates, A dq_dot + N(q_dot) dq = 0, does not change the strain-rate stress. The symmetric part
+    of the tangent alone would resist it.
 
     samples : (m, k, k)
     weights : (t, m)
@@ -271,11 +275,11 @@ def strain_rate_history(
     *,
     proven: float = PROVEN,
 ) -> StrainRateHistory:
-    """Strain-rate tangents along a run from few sample times, chosen by the monomials (g_dot, g g_dot).
+    """Strain-rate tangents along a run from a few sample times, selected by the monomials (g_dot, g g_dot).
 
     motion : (n, s) X;  coordinates, rates : (t, s);  onto : (n, k) Z
     time : float    retardation time
-    proven : as for `tangent_history`
+    proven : as for `tangent_history`, of the tangents times `time`
     """
     k, t = onto.shape[1], len(coordinates)
     scale = _unit_energies(body, motion, coordinates)
@@ -298,7 +302,7 @@ def _projected(matrix: Any, onto: Array) -> Array:
 
 
 def _unit_energies(body: FlexibleBody, motion: Array, coordinates: Array) -> Array | None:
-    """Factors (s,) that scale coordinates to energy norms of at most 1; None where nothing moves."""
+    """Factors (s,) that scale each coordinate to an energy norm of at most 1; None if all are zero."""
     scale = np.sqrt(np.sum(motion * (body.stiffness @ motion), axis=0))
     largest = float(np.max(np.abs(coordinates * scale), initial=0.0))
     return scale / largest if largest else None

@@ -24,7 +24,7 @@ def _readable(block: CodeBlock, value: Value) -> BufferView:
 def _dot(
     block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
 ) -> list[Value]:
-    """`out[b, m, n] = sum over k of left[b, m, k] right[b, n, k]`; each letter is one axis or several."""
+    """`out[b, m, n] = sum over k of left[b, m, k] right[b, n, k]`; each letter is any number of axes."""
     (left_sum, right_sum), (left_batch, right_batch) = one.params["dimension_numbers"]
     if not all(value.size for value in inputs):
         return [UniformValue(tuple(outputs[0].shape), np.dtype(outputs[0].dtype), 0)]
@@ -55,7 +55,8 @@ def _dot(
     if not inner:  # one term
         block.add(f"{batch}{rows}{columns}{out} = {a} * {b};")
     elif (columns and _runs_on(right, right_free)) or (rows and not columns and _runs_on(left, left_free)):
-        # The innermost loop is over independent sums: compilers vectorise it, but may not reorder one sum.
+        # The innermost loop runs over independent sums, so that compilers vectorise it. They must not reorder
+        # the terms of a single sum.
         head, after = (batch + rows, columns) if columns else (batch, rows)
         if not columns:
             block.add(f"{batch}{{ {rows}{out} = 0; {inner}{rows}{out} += {a} * {b}; }}")
@@ -73,7 +74,7 @@ def _runs_on(value: BufferView, free: Sequence[int]) -> bool:
 
 
 def _streamed(block: CodeBlock, value: BufferView, free: Sequence[int]) -> BufferView:
-    """Constants reordered so that their last free axis is contiguous; other values as they are."""
+    """Constants reordered so that their last free axis is contiguous; other values are not changed."""
     if value.known is None or _runs_on(value, free) or not any(value.shape[axis] > 1 for axis in free):
         return value
     order = [axis for axis in range(len(value.shape)) if axis not in free]
@@ -105,7 +106,7 @@ def _lu(
 
 
 def _array(block: CodeBlock, one: Any) -> BufferView:
-    """Storage that is passed to a C function by its address; an array even for one element."""
+    """Storage for a C function that takes its address: an array, also for a single element."""
     view = block.array(one.shape, one.dtype)
     view.buffer.is_scalar = False
     return view
@@ -134,7 +135,7 @@ def _triangular(
     *batch, rows, columns = solution.shape
     n, many = (rows, columns) if left else (columns, rows)
     steps = (columns, 1) if left else (1, columns)
-    # x A = b is A^T x^T = b^T.
+    # With the unknown on the left, x A = b is solved as A^T x^T = b^T.
     turned = bool(one.params["transpose_a"]) == bool(left)
     lower = bool(one.params["lower"]) != turned
     across, along = (1, n) if turned else (n, 1)

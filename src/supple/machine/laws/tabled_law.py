@@ -1,4 +1,4 @@
-"""A quantity given in rows, with linear interpolation."""
+"""A law of time given by times and values, with linear interpolation."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ __all__ = ["Table"]
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class Table(OfRows):
-    """Linear interpolation between rows.
+    """Linear interpolation between rows, each a time and a value.
 
-    The second derivative is zero between rows, and the first one jumps at them: suitable for loads, not for a
-    prescribed motion, which needs a `Spline`.
+    The first derivative jumps at the rows; the second derivative is zero between them. A table is suitable
+    for loads; a prescribed motion needs a `Spline`.
 
     times : (k,)        s, increasing, k >= 2
     values : (k, ...)   one row for each time
-    Raises ModelError for rows of other shapes, NaN or infinite entries, and times that do not increase.
+    Raises ModelError for arrays of other shapes, NaN or infinite entries, and times that do not increase.
     """
 
     times: Any
@@ -46,7 +46,7 @@ class Table(OfRows):
         return v0 + (v1 - v0) * ((time - t0) / (t1 - t0))
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """Times of the rows, except inner rows at which the first derivative does not jump."""
+        """Times of rows between `begin` and `end`, without inner rows at which the slope does not jump."""
         times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
         slopes = np.diff(values.reshape(len(times), -1), axis=0) / np.diff(times)[:, None]
         return times_within(rows_that_bend(times, values, np.diff(slopes, axis=0), 1), begin, end)

@@ -18,21 +18,23 @@ class LeadingDirections(NamedTuple):
     vectors: np.ndarray
     """(n, k), M-orthonormal to each other and to the basis"""
     lengths: np.ndarray
-    """(k,) singular values: the root of the sum of squares of the fields along each direction"""
+    """(k,) singular values: root of the sum over the fields of the squared component along each direction"""
 
 
 def leading_directions(
     fields: np.ndarray, basis: np.ndarray, mass: sparse.csc_array, reference_norms: np.ndarray
 ) -> LeadingDirections:
-    """Left singular vectors, in the M-norm, of fields outside a basis.
+    """Left singular vectors, in the M-norm, of the parts Z of fields outside a basis.
 
         Z = (I - X X^T M) fields = Q R,   Q^T M Q = I,   R = U diag(s) W^T,   directions Q U
 
-    No other k directions leave a smaller remainder of Z than the first k, sum_(i>k) s_i^2.
+    No other k directions leave a smaller remainder of Z than the first k. The sum of its squared M-norms is
+    sum_(i>k) s_i^2.
 
     fields : (n, m)
     basis : (n, r)              X, M-orthonormal
-    reference_norms : (m,)      M-norms of the fields; a remainder small relative to its norm is dropped
+    reference_norms : (m,)      M-norms of the fields; a column of Z that is small relative to its norm, or
+                                depends on earlier columns, adds no direction
     """
     outside = fields - basis @ (basis.T @ (mass @ fields))
     r = basis.shape[1]

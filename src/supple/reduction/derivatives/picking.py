@@ -21,8 +21,8 @@ __all__ = ["PickedDerivatives", "pick"]
 class PickedDerivatives:
     """Add the n derivatives that a criterion ranks highest.
 
-    A derivative whose motion the linear basis and earlier derivatives already contain is skipped, and the
-    next one taken; fewer than n columns result only when no independent one is left.
+    A derivative that depends linearly on the basis and on derivatives of higher rank is skipped, and the
+    next one is taken; fewer than n columns result only if no independent derivative is left.
 
     n : number of columns to add
     criterion : AmplitudeProduct(...) or ModalVirtualWork(...)
@@ -36,7 +36,7 @@ class PickedDerivatives:
         check_fields(self)
 
     def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:
-        """Selected columns, highest rank first; ModelError: fewer than n pairs, or a linear body."""
+        """Selected columns, highest rank first; ModelError for fewer than n pairs or a linear body."""
         check_derivative_count(self.n, len(basis.frequencies))
         derivatives = modal_derivatives(body, frame, basis)
         return pick(body, basis, derivatives, self.n, self.criterion.rank(body, basis, derivatives))
@@ -45,7 +45,7 @@ class PickedDerivatives:
 def pick(
     body: FlexibleBody, basis: LinearBasis, derivatives: ModalDerivatives, n: int, rank: np.ndarray
 ) -> DerivativeColumns:
-    """The first n independent derivatives in descending rank, M-orthonormalised against the basis."""
+    """The n independent derivatives of highest rank, M-orthonormal to each other and to the basis."""
     order = np.argsort(-rank, kind="stable")
     n_linear = len(basis.frequencies)
     references = np.concatenate([np.ones(n_linear), derivatives.reference_norms(body)[order]])

@@ -1,4 +1,4 @@
-"""Dual coupling of sub-domains at rest in space: multipliers on velocities, several time steps."""
+"""Dual coupling of two sub-domains without rotation: multipliers on interface velocities, two time steps."""
 
 from supple_benchmarks.explicit.dual_coupling.chosen_scheme import *
 from supple_benchmarks.explicit.dual_coupling.dual_march import *

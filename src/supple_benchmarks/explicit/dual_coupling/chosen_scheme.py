@@ -14,21 +14,23 @@ __all__ = ["chosen_scheme"]
 def chosen_scheme(
     coupling: Coupling, h: float, *, linear: bool, safety: float = 0.9, largest_ratio: int = 50
 ) -> GravouilCombescure | PrakashHjelmstad:
-    """The scheme suited to the elements, with its longest stable long step.
+    """The scheme for linear or nonlinear elements, with the largest stable ratio of long to short step.
 
         ratio = floor(safety 2 / (omega_max h)),     h <= 2 / omega_max(M_2, K_2)
 
-    With multipliers each side has a stability limit of its own. Linear elements get Prakash and Hjelmstad's
-    scheme, which loses the least energy and needs two passes over the short steps; nonlinear elements get
-    Gravouil and Combescure's scheme, with one pass.
+    The first omega_max is the highest frequency of the modes. The ratio is at least 1 and at most
+    `largest_ratio`. With multipliers each side has its own stability limit. Linear elements get
+    `PrakashHjelmstad`, which loses the least energy and needs two passes over the short steps; nonlinear
+    elements get `GravouilCombescure`, which needs one pass.
 
     h : step of the elements, s;   linear : whether the force of the elements is linear
-    safety : fraction of the step limit of the modes;   largest_ratio : of a long step to a short one
-    Raises ModelError for a step above the limit of the elements, or of the modes.
+    safety : fraction of the step limit of the modes that the long step may use
+    largest_ratio : largest ratio of a long step to a short one
+    Raises ModelError for a step above the stability limit of the elements or of the modes.
     """
     side = coupling.elements
     root = 1 / np.sqrt(side.mass)
-    stiffness = side.stiffness @ np.eye(len(root))  # sparse or dense
+    stiffness = side.stiffness @ np.eye(len(root))  # dense, also from a sparse matrix
     own = float(2 / np.sqrt(np.linalg.eigvalsh(root[:, None] * stiffness * root)[-1]))
     modes = float(2 / coupling.modal.frequencies.max())
     for limit, what in ((own, "elements"), (modes, "modes")):

@@ -1,4 +1,4 @@
-"""The march of a dual coupling, compiled."""
+"""Time integration of two sides with a dual coupling, compiled."""
 
 from __future__ import annotations
 
@@ -26,12 +26,15 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class CoupledMotion:
-    """Result at the output times.
+    """Motion of both sides at the output times; the initial state is not included.
 
-    modal, elements : (t, k), (t, n) displacements;   energies : (t, 2) of the sides, J
-    interface : (t, 2) work of the multipliers on either side since the start, J; their sum is the energy of
-        the interface
-    gap : largest difference of interface velocities at times when continuity is required, m/s
+    times : (t,) s
+    modal, elements : (t, k) modal amplitudes, (t, n) displacements of the elements, m
+    energies : (t, 2) of the modes and of the elements, J
+    interface : (t, 2) work of the multipliers on the modes and on the elements since the start, J; the sum of
+        both is the energy that the coupling adds
+    gap : largest difference of the interface velocities of the two sides, m/s, at the times at which the
+        scheme enforces continuity
     """
 
     times: FloatArray
@@ -52,12 +55,15 @@ def dual_march(
     elements: tuple[FloatArray, FloatArray],
     every: int = 1,
 ) -> CoupledMotion:
-    """Integrate both sides from the given displacements and velocities (`modal`, `elements`).
+    """Integrate both sides from initial displacements and velocities; the motion at the output times.
 
         M a = f + C^T Lambda,   C_1 v_1 + C_2 v_2 = 0,   central differences (Newmark, beta 0, gamma 1/2)
 
-    h : step of the elements, s;   n_steps : long steps, of scheme.ratio h;   every : long steps per output
-    Energies are 1/2 v M v + 1/2 u K u - h^2/8 a M a, which central differences conserve for linear elements.
+    h : step of the elements, s;   n_steps : number of long steps, each of `scheme.ratio` h
+    modal, elements : initial displacements and velocities of the modes (k,) and of the elements (n,)
+    every : long steps per output. If n_steps is not a multiple of it, the remaining steps are omitted.
+    Energies are 1/2 v M v + 1/2 u K u - H^2/8 a M a, with the step H of each side. Central differences
+    conserve this energy of a linear side without coupling.
     """
     side = coupling.elements
     arrays = CoupledArrays(
@@ -71,7 +77,7 @@ def dual_march(
     zero = jnp.zeros(())
     a1 = -arrays.squares * u1
     a2 = side.force(u2, zero) / arrays.mass
-    # Accelerations at the start agree at the interface: C a = 0.
+    # Initial multipliers that make the accelerations of both sides equal at the interface: C a = 0.
     both = np.asarray(arrays.modal_rows @ arrays.modal_rows.T + (arrays.rows / arrays.mass) @ arrays.rows.T)
     pull = jnp.asarray(-np.linalg.solve(both, np.asarray(arrays.modal_rows @ a1 + arrays.rows @ a2)))
     state = CoupledState(

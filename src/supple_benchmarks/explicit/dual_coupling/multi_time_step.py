@@ -1,4 +1,4 @@
-"""Coupling of two sides over a long step: Gravouil and Combescure, or Prakash and Hjelmstad.
+"""Schemes of two coupled sides over a long step: Gravouil and Combescure, Prakash and Hjelmstad.
 
 Sources: A. Gravouil, A. Combescure, "Multi-time-step explicit-implicit method for non-linear structural
 dynamics", Int. J. Numer. Methods Eng. 50 (2001) 199-225; A. Prakash, K. D. Hjelmstad, "A FETI-based
@@ -32,11 +32,12 @@ class Side(NamedTuple):
 
 
 class CoupledState(NamedTuple):
-    """Both sides at the end of a long step.
+    """State of both sides at the end of a long step.
 
-    multiplier : (l,) at this time, N;   works : (2,) of the interface on either side since the start, J
-    gap : largest difference of velocities across the interface since the start, at times when continuity is
-        required, m/s
+    multiplier : (l,) at this time, N
+    works : (2,) work of the multipliers on the modes and on the elements since the start, J
+    gap : largest difference of the interface velocities of the two sides since the start, m/s, at the times
+        at which the scheme enforces continuity
     """
 
     time: Array
@@ -48,7 +49,11 @@ class CoupledState(NamedTuple):
 
 
 class CoupledArrays(NamedTuple):
-    """Constants: squares omega^2 (k,), modal rows (l, k), element rows (l, n), mass (n,), H^-1."""
+    """Constants of the coupled equations.
+
+    squares : (k,) omega^2 of the modes;   mass : (n,) of the elements, kg
+    modal_rows, rows : (l, k), (l, n) interface rows of the modes and of the elements;   operator : H^-1
+    """
 
     squares: Array
     modal_rows: Array
@@ -58,15 +63,15 @@ class CoupledArrays(NamedTuple):
 
 
 class MultiTimeStep(Protocol):
-    """A scheme; its `ratio` is the number of short steps in a long one."""
+    """A coupling scheme with short steps of the elements and long steps of the modes."""
 
     @property
     def ratio(self) -> int:
-        """Short steps in a long one."""
+        """Number of short steps in a long one."""
         ...
 
     def operator(self, coupling: Coupling, h: float) -> InterfaceOperator:
-        """The interface operator for short steps of h."""
+        """The interface operator for short steps of h seconds."""
         ...
 
     def step(self, arrays: CoupledArrays, coupling: Coupling, state: CoupledState, h: Array) -> CoupledState:
@@ -78,9 +83,10 @@ class MultiTimeStep(Protocol):
 class GravouilCombescure:
     """Continuity at every short step, between the elements and the interpolated free velocity of the modes.
 
-    Stable; dissipates energy for ratio > 1. The interpolation starts from the FREE part of the velocity at
-    the beginning. With the whole velocity the interface is continuous as well, but half of the energy is
-    lost.
+    The free velocity is the velocity without the part dT/2 C_1^T Lambda, with Lambda at the same time. The
+    scheme is stable, and dissipates energy for ratio > 1. The interpolation starts from the free velocity at
+    the start of the long step. With the whole velocity there, the interface is continuous as well, but half
+    of the energy is lost.
     """
 
     ratio: int = 1
@@ -89,7 +95,7 @@ class GravouilCombescure:
         _check(self.ratio)
 
     def operator(self, coupling: Coupling, h: float) -> InterfaceOperator:
-        """H = dT/2 C_1 C_1^T + dt/2 C_2 M_2^-1 C_2^T."""
+        """The inverse of H = dT/2 C_1 C_1^T + dt/2 C_2 M_2^-1 C_2^T, for long steps dT and short steps dt."""
         rows = coupling.elements.rows
         own = 0.5 * h * (rows / coupling.elements.mass) @ rows.T
         return interface_operator(own, np.sqrt(0.5 * h * self.ratio) * coupling.modal.rows)
@@ -98,7 +104,7 @@ class GravouilCombescure:
         """The state after one long step."""
         long = self.ratio * h
         free = _free_modes(arrays, state.modal, long)
-        # Subtract the contribution of the last multiplier: the free part of the velocity at the beginning.
+        # The free velocity at the start: without the contribution of the multiplier at that time.
         begin = arrays.modal_rows @ (state.modal.v - 0.5 * long * (arrays.modal_rows.T @ state.multiplier))
         end = arrays.modal_rows @ free.v
 
@@ -126,9 +132,11 @@ class GravouilCombescure:
 
 @dataclass(frozen=True)
 class PrakashHjelmstad:
-    """Continuity at long steps only, multipliers linear in between: linear sides lose no energy.
+    """Continuity at the ends of long steps only; the multipliers are linear in time between them.
 
-    passes : number of passes over the short steps: 2 are exact for linear elements, more for nonlinear ones
+    The energy of linear sides changes less than with `GravouilCombescure`.
+    passes : number of passes over the short steps; 2 give exact continuity for linear elements, nonlinear
+        elements need more
     """
 
     ratio: int = 1
@@ -140,7 +148,11 @@ class PrakashHjelmstad:
             raise ModelError(f"Prakash and Hjelmstad's scheme needs at least 2 passes, got {self.passes}")
 
     def operator(self, coupling: Coupling, h: float) -> InterfaceOperator:
-        """H = dT/2 C_1 C_1^T + velocity of side 2 at the end of a unit ramp, with its stiffness at rest."""
+        """The inverse of H = dT/2 C_1 C_1^T + V, for long steps dT.
+
+        Each column of V (l, l) contains the interface velocities of the elements at the end of a long step
+        during which one multiplier increases linearly from 0 to 1, with the stiffness at rest.
+        """
         side = coupling.elements
         pull = side.rows.T / side.mass[:, None]
         stiff = side.stiffness

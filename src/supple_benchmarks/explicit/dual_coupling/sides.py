@@ -1,4 +1,4 @@
-"""The two sides of a dual coupling: modes with long steps, elements with short steps."""
+"""The two sides of a dual coupling: modes with long time steps, elements with short time steps."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ModalSide:
-    """alpha'' + diag(omega^2) alpha = C^T Lambda: mass-normalised modes.
+    """Side of mass-normalised modes: alpha'' + diag(omega^2) alpha = C^T Lambda.
 
-    frequencies : (k,) rad/s;   rows : (l, k)   C-hat = C Phi, interface velocity per modal rate
+    frequencies : (k,) omega, rad/s
+    rows : (l, k) interface velocities per unit modal velocity: C Phi, with the mode shapes Phi
     """
 
     frequencies: FloatArray
@@ -29,11 +30,13 @@ class ModalSide:
 
 @dataclass(frozen=True, eq=False)
 class ElementSide:
-    """m u'' = f(u, t) + C^T Lambda.
+    """Side of elements: m u'' = f(u, t) + C^T Lambda.
 
-    mass : (n,) kg;   force : of u (n,) and time, -internal + external, N; may be nonlinear
-    rows : (l, n)     C; one entry per row for matching meshes, more for a mortar
-    stiffness : (n, n) at rest, for the response to a unit ramp (Prakash and Hjelmstad); sparse or dense
+    mass : (n,) lumped, kg
+    force : f(u, t) (n,), external minus internal force, N, at displacements u (n,) and time t; may be
+        nonlinear
+    rows : (l, n) C; one nonzero entry per row for matching meshes, more for mortar rows
+    stiffness : (n, n) -df/du at rest, N/m; dense for `dual_march`, otherwise dense or sparse
     """
 
     mass: FloatArray
@@ -44,10 +47,10 @@ class ElementSide:
 
 @dataclass(frozen=True, eq=False)
 class Coupling:
-    """C_1 v_1 + C_2 v_2 = 0 between the two sides.
+    """Continuity of velocities between the two sides: C_1 v_1 + C_2 v_2 = 0.
 
-    Raises ModelError for different numbers of rows, or linearly dependent rows of the element side: then the
-    multipliers are not unique.
+    Raises ModelError if the sides have different numbers of rows, or if the rows of the element side are
+    linearly dependent: the multipliers would not be unique.
     """
 
     modal: ModalSide
