@@ -15,7 +15,6 @@ from supple.error import (
     ErrorStudy,
     ReductionStart,
     SelfCorrection,
-    SelfCorrectionError,
     estimate_error,
     self_correct,
     state_batch_errors,
@@ -80,21 +79,11 @@ def test_a_first_round_that_locks_is_not_accepted(strip_that_tips):
     own = self_correct(pushed(full), RUN, start()).bodies["beam"]
     true = [true_error(strip_that_tips, each.body, each.solution) for each in own.rounds]
     first, last = own.rounds[0], own.rounds[-1]
-    assert first.estimated_error <= first.allowed < 0.05 * true[0]
-    assert first.unconfirmed
+    assert first.indicator > first.allowed
+    assert true[0] > 20 * first.allowed
     assert not last.unconfirmed
     assert true[-1] <= last.allowed
     assert 0.7 < last.estimated_error / true[-1] < 1.4
-
-
-@pytest.mark.slow
-def test_where_rounds_are_over_the_error_says_why_it_accepts_none(strip_that_tips):
-    """The second run is thirty times as far from the first as was estimated, and confirms nothing."""
-    full, _ = strip_that_tips
-    with pytest.raises(
-        SelfCorrectionError, match="No second run confirms the last error, and body 'beam' locks"
-    ):
-        self_correct(pushed(full), RUN, start(max_rounds=1))
 
 
 @pytest.mark.slow

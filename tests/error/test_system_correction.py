@@ -102,17 +102,20 @@ def corrected(request):
 
 @pytest.mark.slow
 def test_both_bodies_meet_their_error_and_know_it(corrected):
-    """Estimates of every round within 0.7 .. 1.4 of the true errors; each body is as good as was asked."""
+    """Estimates within 0.7 .. 1.4 of the true errors; each body is as good as was asked.
+
+    The lower body misses more motion in the first round than is allowed: neither error is estimated.
+    """
     system, reference, result = corrected
     for placed in system.bodies:
         own = result.bodies[placed.body.name]
         true = np.array([largest_rms(placed.body, reference, r.body, r.solution) for r in own.rounds])
-        estimated = np.array([r.estimated_error for r in own.rounds])
-        assert (np.abs(np.log(estimated / true)) < np.log(1.4)).all()
+        assert 0.7 < own.estimated_error / true[-1] < 1.4
         assert true[-1] <= ALLOWED[placed.body.name]
         assert true[0] > 30 * true[-1]
         assert own.rounds[-1].allowed == ALLOWED[placed.body.name]
         assert [r.size for r in own.rounds] == [12, 15]
+        assert own.rounds[0].estimated_error == np.inf
 
 
 @pytest.fixture(scope="module")
@@ -136,13 +139,13 @@ def test_an_initial_deformation_is_projected_on_the_bases(two_strips):
 @pytest.mark.slow
 def test_one_body_that_is_never_met_is_named(two_strips):
     """The other one is no longer mentioned once it is good enough."""
-    strict = starts(max_rounds=1, instants=5)
-    never = SelfCorrection(absolute=1e-15, instants=5, max_rounds=1)
+    strict = starts(max_rounds=2, instants=5)
+    never = SelfCorrection(absolute=1e-15, instants=5, max_rounds=2)
     strict["lower"] = replace(strict["lower"], target=never)
     with pytest.raises(SelfCorrectionError, match="body 'lower' did not reach the error 1e-15") as caught:
         self_correct(two_strips, RUN, strict)
     assert "'upper'" not in str(caught.value)
-    assert [each.body.name for each in caught.value.rounds] == ["upper", "upper", "lower", "lower"]
+    assert [each.body.name for each in caught.value.rounds] == ["upper"] * 3 + ["lower"] * 3
 
 
 def test_refuses_bodies_that_it_cannot_reduce(two_strips):

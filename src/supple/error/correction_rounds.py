@@ -110,8 +110,9 @@ class Round:
     body : ReducedBody
     solution : Solution             up to the time at which the run stopped
     estimated_error : float         of the quantity of interest (by default the largest RMS error of the nodal
-                                    positions), by the error equation; infinite where the run stopped early
-                                    or the error is too large for the equation
+                                    positions), by the error equation; infinite where the run stopped early,
+                                    the error is too large for the equation, or the round is the first and
+                                    its indicator exceeds the allowed error
     indicator : float               largest RMS over the nodes of the quasi-static motion outside the basis,
                                     at the sample times; infinite where no equilibrium was found
     singular_values : (k,)          of the displacement fields outside the basis, in the M-norm, descending
@@ -152,10 +153,12 @@ class SelfCorrected:
 
     rounds : Round              the last one meets the target
     basis : ReductionBasis      of the last round
+    next_basis : ReductionBasis     of a further round: the basis with the leading motion outside it
     """
 
     rounds: tuple[Round, ...]
     basis: ReductionBasis
+    next_basis: ReductionBasis
 
     @property
     def body(self) -> ReducedBody:

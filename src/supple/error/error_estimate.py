@@ -36,7 +36,6 @@ from supple.error.equation import (
     run_columns,
     second_corrections,
 )
-from supple.error.equation.elastic_history import PROVEN
 from supple.error.leading_fields import leading_fields
 from supple.error.missing_motion import FOLLOWED
 from supple.error.residual_correction import (
@@ -167,7 +166,7 @@ class ErrorEstimator:
         *,
         instants: int = INSTANTS,
         allowed: Mapping[str, float] | None = None,
-        proven: float = PROVEN,
+        largest_missing: Mapping[str, float] | None = None,
         progress: Progress | None = None,
     ) -> ErrorEstimate:
         """Error of one run caused by its bases; parameters as for `estimate_error`.
@@ -175,14 +174,19 @@ class ErrorEstimator:
         instants : number of times at which the residual is balanced, in addition to load peaks and kinks
         allowed : allowed RMS error of the nodes, by body; a clearly larger error (`is_clearly_larger`) is
             estimated to first order only
-        proven : allowed error of the elastic tangents along the run, relative to the stiffness at rest
+        largest_missing : RMS of the nodes, by body; if motion outside the bases exceeds it, the error is not
+            estimated, and infinite
         """
         missing = self.missing_motion(reduced, bases, solution, instants=instants, progress=progress)
-        if solution.stopped is not None:
-            return self._unknown(missing, solution)
-        return self.error_of(
-            missing, reduced, bases, solution, allowed=allowed, proven=proven, progress=progress
+        exceeded = any(
+            limit < float(missing.corrections[name].rms.max()) < np.inf
+            for name, limit in (largest_missing or {}).items()
         )
+        if solution.stopped is not None or exceeded:
+            if progress is not None:
+                progress(1.0)
+            return self._unknown(missing, solution)
+        return self.error_of(missing, reduced, bases, solution, allowed=allowed, progress=progress)
 
     def modes(self, name: str) -> ModesInFrame:
         """The lowest modes of a body in its frame, computed once."""
@@ -228,7 +232,6 @@ class ErrorEstimator:
         solution: Solution,
         *,
         allowed: Mapping[str, float] | None = None,
-        proven: float = PROVEN,
         progress: Progress | None = None,
     ) -> ErrorEstimate:
         """Error of a run that reached its end, from its `missing_motion`; other arguments as for `assess`."""
@@ -248,7 +251,6 @@ class ErrorEstimator:
             steps.solution,
             active_constraints(reduced, solution),
             start,
-            proven,
         )
 
         def missed_along() -> dict[str, ResidualCorrections]:

@@ -38,11 +38,11 @@ def self_correct(
     Start with small bases and run. Estimate the error and the motion outside the bases (`estimate_error`).
     Append the leading directions of that motion to the bases, and run again. The estimate needs neither a
     full-order time integration nor a run with a finer basis: it integrates the equations linearised about the
-    run, driven by the residual of the run at every step. If the estimate is doubtful, the next round must
-    confirm it (`stopping`). The appended directions include the quasi-static motion that balances the
-    residual at some sample times (`system_corrections`); its size is reported as `Round.indicator`. Modes
-    within the frequency band of the loads belong in the basis from the start (`load_spectrum` warns of
-    missing modes).
+    run, driven by the residual of the run at every step. If the estimate is doubtful, a second run must
+    confirm it (`stopping`). The error of a first round that cannot be accepted is not estimated. The appended
+    directions include the quasi-static motion that balances the residual at some sample times
+    (`system_corrections`); its size is reported as `Round.indicator`. Modes within the frequency band of the
+    loads belong in the basis from the start (`load_spectrum` warns of missing modes).
 
     Every round simulates all reduced bodies together and enriches all their bases, until every body meets its
     target in the same round: through the joints, each body contributes to the errors of the others.

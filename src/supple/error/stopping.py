@@ -5,9 +5,9 @@ not accepted, because its columns were found in the same way: a loop that ended 
 would accept estimates that are too small by chance. If an earlier round met the target, this rule does not
 apply.
 
-A doubtful estimate (`BodyError.is_doubtful`) is accepted if the run and the previous one confirm it: their
-distance must agree with the estimated error of the previous run, or both this distance and this error must be
-at most the allowed error.
+A doubtful estimate (`BodyError.is_doubtful`) is accepted if two consecutive runs confirm it: their distance
+must agree with the estimated error of the first, or both this distance and this error must be at most the
+allowed error. The two runs are the previous round and this one, or this round and a run with the next bases.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 import numpy as np
@@ -21,11 +21,10 @@ from supple.error.correction_rounds import (
     SelfCorrection,
     SelfCorrectionError,
 )
-from supple.error.equation.elastic_history import PROVEN
 from supple.error.error_estimate import ErrorEstimate, ErrorEstimator
 from supple.error.round_archive import MissedMotion, RoundArchive, RoundBases
 from supple.error.start_deformation import with_reduced, with_start
-from supple.error.stopping import doubt, is_confirmed, is_useless, locks, missed_part
+from supple.error.stopping import doubt, is_confirmed, is_useless, missed_part
 from supple.errors import ConvergenceError, LockingWarning
 from supple.integrate import ErrorPart, Run, Solution, StepProgress
 from supple.machine.system import System
@@ -41,9 +40,6 @@ Announce = Callable[[Round], None]
 Accepted = Callable[[CorrectedSystem], None]
 """Called with the run whose basis meets the target, before other parts of the error are estimated."""
 
-PASSING = 1e-2
-"""Allowed error of tangents, instead of `PROVEN`, in a first round that cannot be the last; a factor of two
-in its estimated error is tolerable."""
 MOST_PADDED_STEPS = 20_000
 """Largest number of steps of a run with padding coordinates (`padded`). Padding lets rounds share a compiled
 program; in longer runs it costs more time than another compilation."""
@@ -115,10 +111,20 @@ class _Run:
 
 @dataclass(frozen=True, eq=False)
 class _Assessed:
-    """A round of one body, and whether it meets the target."""
+    """A round of one body; `allowed`: its estimated error meets the target, but may be unconfirmed."""
 
     round: Round
-    met: bool
+    allowed: bool
+
+    @property
+    def met(self) -> bool:
+        """Whether the round meets the target."""
+        return self.allowed and not self.round.unconfirmed
+
+    def confirmed(self, confirmed: bool) -> _Assessed:
+        """The round, with its error confirmed if two runs agree."""
+        unconfirmed = self.round.unconfirmed and not confirmed
+        return replace(self, round=replace(self.round, unconfirmed=unconfirmed))
 
 
 def correct(problem: Problem) -> CorrectedSystem:
@@ -133,27 +139,48 @@ def correct(problem: Problem) -> CorrectedSystem:
     past: dict[str, list[_Assessed]] = {name: [] for name in problem.fulls}
     estimator = ErrorEstimator(problem.system, problem.run)
     before: _Run | None = None
-    number = problem.number
-    kept = problem.archive.read_bases(number, problem.fulls)
-    model = _reduced(problem, number, kept or problem.first or _first_bases(problem))
+    kept = problem.archive.read_bases(problem.number, problem.fulls)
+    next_bases = kept or problem.first or _first_bases(problem)
+    model = _reduced(problem, problem.number, next_bases)
     _check_load_band(problem, model, estimator)
     while True:
         run = _simulated(problem, model)
-        number = model.number + 1
         allowed = {name: _allowed(problem, name, run) for name in problem.fulls}
-        kept = problem.archive.read_bases(number, problem.fulls)
-        proven = PASSING if before is None and _is_unconfirmed(problem, model) else PROVEN
-        next_bases = kept or _enriched(problem, estimator, run, allowed, proven)
-        for name, assessed in past.items():
-            confirmed = _confirmed(problem, name, assessed, before, run, allowed[name])
-            assessed.append(_assess(problem, name, assessed, run, next_bases, allowed[name], confirmed))
-            if problem.announce is not None:
-                problem.announce(assessed[-1].round)
-        if all(assessed[-1].met for assessed in past.values()):
-            return _result(past, run, next_bases)
-        _check_prospects(problem, past, number, next_bases)
+        agree = {name: _agree(problem, name, past[name], before, run, allowed[name]) for name in past}
+        if before is not None and _awaits_second_run(past):
+            for name, own in past.items():
+                own[-1] = own[-1].confirmed(agree[name])
+            _announce(problem, past)
+            if _is_met(past):
+                return _result(past, before, next_bases)
+            _check_prospects(problem, past, model.number, next_bases)
+        kept = problem.archive.read_bases(model.number + 1, problem.fulls)
+        next_bases = kept or _enriched(problem, estimator, run, allowed, first=before is None)
+        for name, own in past.items():
+            own.append(_assess(problem, name, own, run, next_bases, allowed[name], agree[name]))
+        if not _awaits_second_run(past):
+            _announce(problem, past)
+            if _is_met(past):
+                return _result(past, run, next_bases)
+            _check_prospects(problem, past, model.number + 1, next_bases)
         before = run
-        model = _reduced(problem, number, next_bases)
+        model = _reduced(problem, model.number + 1, next_bases)
+
+
+def _is_met(past: Mapping[str, list[_Assessed]]) -> bool:
+    """Whether every body meets its target in the last round."""
+    return all(own[-1].met for own in past.values())
+
+
+def _awaits_second_run(past: Mapping[str, list[_Assessed]]) -> bool:
+    """Whether all errors of the last round are allowed and a second run can confirm those in doubt."""
+    return all(own and own[-1].allowed for own in past.values()) and not _is_met(past)
+
+
+def _announce(problem: Problem, past: Mapping[str, list[_Assessed]]) -> None:
+    if problem.announce is not None:
+        for own in past.values():
+            problem.announce(own[-1].round)
 
 
 def _first_bases(problem: Problem) -> RoundBases:
@@ -207,19 +234,19 @@ def _simulated(problem: Problem, model: _Model) -> _Run:
     return _Run(model, solution, solution.stopped is None, seconds)
 
 
-def _is_unconfirmed(problem: Problem, model: _Model) -> bool:
-    """Whether a body locks and no earlier pass has confirmed its estimate: a second round follows."""
-    return any(name not in problem.confirmed and locks(body) for name, body in model.bodies.items())
-
-
 def _enriched(
-    problem: Problem, estimator: ErrorEstimator, run: _Run, allowed: Mapping[str, float], proven: float
+    problem: Problem, estimator: ErrorEstimator, run: _Run, allowed: Mapping[str, float], *, first: bool
 ) -> RoundBases:
-    """The bases of the next run, and the estimated errors of this one; `proven` as in `estimator.assess`."""
+    """The bases of the next run, and the estimated errors of this one.
+
+    In the first round of a self-correction, a motion outside the bases that exceeds the allowed error makes
+    every estimate doubtful, and no earlier run can confirm it: the error is not estimated.
+    """
     began = perf_counter()
     model = run.model
     step = f"{model.label}: motion outside the bases"
     problem.report(step, 0.0)
+    limits = {name: _allowed_length(problem, name, run, error) for name, error in allowed.items()}
     estimate = estimator.assess(
         model.system,
         model.bases.bases,
@@ -230,7 +257,7 @@ def _enriched(
             for name, error in allowed.items()
             if isinstance(problem.target(name).quantity(name), WholeBody)
         },
-        proven=proven,
+        largest_missing={name: limits[name] for name in limits if first and name not in problem.confirmed},
         progress=lambda fraction: problem.report(step, fraction),
     )
     bases, found = {}, {}
@@ -239,17 +266,11 @@ def _enriched(
             full.body, model.bases.bases[name], estimate.missed[name], problem.target(name).directions
         )
         bases[name] = enriched.basis
-        quantity = problem.target(name).quantity(name)
-        # The limit of the indicator is a length: the allowed relative error times the displacement.
-        size = quantity.size(model.system, run.solution)
-        moved = size
-        if not isinstance(quantity, WholeBody):
-            moved = WholeBody(name).size(model.system, run.solution)
         found[name] = MissedMotion(
             float(estimate.corrections[name].rms.max()),
             enriched.singular_values,
-            _error(quantity, name, run, estimate),
-            estimate.error.bodies[name].is_doubtful(allowed[name] / size * moved if size else 0.0),
+            _error(problem.target(name).quantity(name), name, run, estimate),
+            estimate.error.bodies[name].is_doubtful(limits[name]),
         )
     besides: Mapping[str, float] = {}
     if all(found[name].error <= error for name, error in allowed.items()):  # possibly the last round
@@ -259,6 +280,15 @@ def _enriched(
     # Stored even if no next run follows: the errors of this run are stored with the bases of the next.
     problem.archive.keep_bases(model.number + 1, next_bases)
     return next_bases
+
+
+def _allowed_length(problem: Problem, name: str, run: _Run, allowed: float) -> float:
+    """Limit of the motion outside a basis: the allowed relative error times the body's displacement."""
+    quantity, system = problem.target(name).quantity(name), run.model.system
+    if isinstance(quantity, WholeBody):
+        return allowed
+    size = quantity.size(system, run.solution)
+    return allowed / size * WholeBody(name).size(system, run.solution) if size else 0.0
 
 
 def _error(quantity: QuantityOfInterest, name: str, run: _Run, estimate: ErrorEstimate) -> float:
@@ -274,10 +304,10 @@ def _error(quantity: QuantityOfInterest, name: str, run: _Run, estimate: ErrorEs
     return difference * (own.estimate / own.rms if own.rms else 1.0)
 
 
-def _confirmed(
+def _agree(
     problem: Problem, name: str, past: list[_Assessed], before: _Run | None, run: _Run, allowed: float
 ) -> bool:
-    """Whether the distance to the previous run, which has fewer coordinates, confirms the error of that run.
+    """Whether the distance of this run from the previous one, which has fewer coordinates, confirms errors.
 
     In the first round: whether an earlier pass has confirmed the error.
     """
@@ -302,7 +332,7 @@ def _assess(
     allowed: float,
     confirmed: bool,
 ) -> _Assessed:
-    """The error of a run compared with the target."""
+    """The error of a run compared with the target; `confirmed` : whether earlier runs confirm it."""
     missed = after.missed[name]
     known = [np.inf if each.round.unconfirmed else each.round.estimated_error for each in before]
     was_met = any(each.met for each in before)
@@ -321,9 +351,7 @@ def _assess(
             number=run.model.number,
             run=problem.run,
         ),
-        missed.error <= allowed - problem.spent.get(name, 0.0)
-        and not after_useless
-        and (confirmed or not missed.doubtful),
+        missed.error <= allowed - problem.spent.get(name, 0.0) and not after_useless,
     )
 
 
@@ -337,7 +365,9 @@ def _result(past: Mapping[str, list[_Assessed]], run: _Run, after: RoundBases) -
     return CorrectedSystem(
         run.model.system,
         {
-            name: SelfCorrected(tuple(each.round for each in assessed), run.model.bases.bases[name])
+            name: SelfCorrected(
+                tuple(each.round for each in assessed), run.model.bases.bases[name], after.bases[name]
+            )
             for name, assessed in past.items()
         },
         of_basis={
@@ -367,7 +397,7 @@ def _check_prospects(
     reasons = []
     for name in too_large or unmet:
         history = ", ".join(
-            f"{each.round.estimated_error:.2g} with {each.round.size} coordinates" for each in past[name]
+            f"{_words(each.round.estimated_error)} with {each.round.size} coordinates" for each in past[name]
         )
         useless = [str(each.round.number) for each in past[name] if each.round.useless]
         idle = f"Round {', '.join(useless)} did not reduce the error. " if useless else ""
@@ -386,3 +416,7 @@ def _check_prospects(
         "the attribute `rounds` of this error",
         tuple(each.round for assessed in past.values() for each in assessed),
     )
+
+
+def _words(error: float) -> str:
+    return f"{error:.2g}" if np.isfinite(error) else "unknown"

@@ -6,8 +6,8 @@ exceeds the target, the parts are reduced one by one, the cheapest first: a tigh
 iterations, a shorter step costs steps, a smaller error of the basis costs rounds and coordinates. The
 difference between the allowed error and the error of the model, times `ROOM`, is divided into shares; no part
 is reduced below its share. As soon as the sum is small enough, the remaining parts stay unchanged. The next
-pass starts from the existing bases. No run can reduce the error of the model: if it exceeds `ROOM` times the
-allowed error, SelfCorrectionError is raised.
+pass starts from the existing bases; if no other part changes, they are enriched first. No run can reduce the
+error of the model: if it exceeds `ROOM` times the allowed error, SelfCorrectionError is raised.
 """
 
 from __future__ import annotations
@@ -149,7 +149,13 @@ def _next_pass(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str,
     if step < 1:
         run = with_shorter_steps(run, step)
     spent = dict(problem.spent) | {name: each.basis for name, each in needs.items() if each.basis is not None}
-    reached = {name: own.basis for name, own in corrected.bodies.items()}
+    # With unchanged steps the first round would estimate the known errors again. With others, its missing
+    # motion is that of the new steps, which improves a basis more.
+    same = tolerance == step == 1
+    reached = {
+        name: own.next_basis if same and needs.get(name, _Reductions()).basis is not None else own.basis
+        for name, own in corrected.bodies.items()
+    }
     last = max(own.rounds[-1].number or 0 for own in corrected.bodies.values())
     return replace(
         problem,
