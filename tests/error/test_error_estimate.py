@@ -92,17 +92,22 @@ def test_columns_are_made_of_the_error_where_it_has_settled(size):
         assert missed.shape[1] > corrections.shape[1] if settled else missed.shape == corrections.shape
 
 
-def test_an_error_clearly_above_what_is_allowed_is_told_to_first_order():
-    """By what it says of its second order: no more than that is between it and the settled one."""
+@pytest.mark.parametrize(("size", "times"), [((3, 3), 2.0), ((5, 15), 0.5)], ids=["locking", "not locking"])
+def test_second_corrections_bound_the_change_by_a_second_sweep(monkeypatch, size, times):
+    """Where a body locks, by twice the second correction; elsewhere by half of it."""
     system, run = spinning(NODAL)
-    small, bases = reduced(system, 3, 3)
+    small, bases = reduced(system, *size)
     solution, estimator = simulate(small, run), ErrorEstimator(system, run)
-    settled = estimator.assess(small, bases, solution).error.bodies["strip"]
-    for allowed, is_clear in ((settled.rms / 3, True), (settled.rms / 1.5, False)):
-        told = estimator.assess(small, bases, solution, allowed={"strip": allowed}).error.bodies["strip"]
-        assert (told.rms != settled.rms) == is_clear
-        assert told.rms == pytest.approx(settled.rms, rel=told.second)
-        assert told.second < 0.1
+    estimates = []
+    for limit in (1.0, 0.0):
+        for name in ("SMALL_SECOND", "SMALL_SECOND_LOCKED"):
+            monkeypatch.setattr(f"supple.error.converged_error.{name}", limit)
+        estimates.append(estimator.assess(small, bases, solution).error.bodies["strip"])
+    first, converged = estimates
+    assert (first.locking_loss > 0.02) == (times == 2.0)
+    assert first.second < 0.1
+    assert first.rms != converged.rms
+    assert first.rms == pytest.approx(converged.rms, rel=times * first.second)
 
 
 @pytest.mark.parametrize("machine", [spinning(MEAN), tumbling()], ids=["spinning", "tumbling"])

@@ -225,7 +225,8 @@ class _Batch:
         histories = equation.histories(found)
         if all(np.isfinite(history.rms).all() for history in histories.values()):
             second = second_corrections(equation, histories)
-            small = is_small(histories, second)
+            simulated = {name: reduced_form(self.cases[number], name) for name in histories}
+            small = is_small(histories, second, simulated)
             if small and not is_smooth(self.cases[number]):
                 _, histories, second = converged(equation, found, histories, smooth=False)
                 small = max(second.values()) <= FIRST_ORDER

@@ -9,24 +9,26 @@ import numpy as np
 from supple.error.basis_error import FIRST_ORDER
 from supple.error.equation import ErrorEquation, ErrorHistory, TangentMotion
 from supple.error.equation.linearised_march import ErrorState
+from supple.error.stopping import locks
+from supple.reduction import ReducedBody
 
 __all__ = [
     "Differences",
     "converged",
     "deflection",
     "deformed_rows",
-    "is_clearly_larger",
     "is_finite",
     "is_large",
     "is_small",
 ]
 
-SMALL_SECOND = 0.02
-"""Ratio of the second correction to the first, below which the first-order error is accepted."""
-CLEAR_SECOND = 0.1
-"""Largest such ratio, and largest rotation error of a frame in rad, for which first order suffices if the
-error is `CLEARLY` larger than the allowed error."""
-CLEARLY = 2.0
+SMALL_SECOND = 0.1
+"""Ratio of the second correction to the first, below which the first-order error is accepted. For struck
+plates and strips, the converged error differs from the first order by a third to a tenth of this ratio."""
+SMALL_SECOND_LOCKED = 0.02
+"""The same for bodies that lock: their converged error can differ by twice this ratio."""
+SMALL_CHANGE = 0.02
+"""Largest relative change in the last iteration of large errors and of errors with kinks."""
 SWEEPS = 3
 """Largest number of iterations about the corrected motion."""
 SMALL_TURN = 0.02
@@ -48,7 +50,7 @@ def converged(
     """Iterate the error equation about the corrected motion until the differences converge.
 
     Each iteration is a Newton step for the motion itself. Without convergence the first differences are
-    returned, as an order of magnitude. The iteration continues until the change is at most `SMALL_SECOND`
+    returned, as an order of magnitude. The iteration continues until the change is at most `SMALL_CHANGE`
     instead of `FIRST_ORDER` in two cases: where forces have kinks (a small change can be an oscillation
     between two sides of a kink), and for large errors (`is_large`).
 
@@ -66,9 +68,9 @@ def converged(
             break
         found, own = more, again
         near = smooth and not any(map(is_large, own.values()))
-        if max(changes.values()) <= (FIRST_ORDER if near else SMALL_SECOND):
+        if max(changes.values()) <= (FIRST_ORDER if near else SMALL_CHANGE):
             break
-    if any(map(is_large, own.values())) and max(changes.values()) > SMALL_SECOND:
+    if any(map(is_large, own.values())) and max(changes.values()) > SMALL_CHANGE:
         changes = dict.fromkeys(histories, np.inf)  # a march that diverges slowly changes little each time
     if max(changes.values()) <= FIRST_ORDER:
         return found, own, changes
@@ -80,24 +82,16 @@ def is_finite(histories: Mapping[str, ErrorHistory]) -> bool:
     return all(bool(np.isfinite(history.rms).all()) for history in histories.values())
 
 
-def is_small(histories: Mapping[str, ErrorHistory], second: Mapping[str, float]) -> bool:
-    """Whether errors are small: second corrections, frame rotations, and size relative to the deformation."""
-    small = max(second.values()) <= SMALL_SECOND and _largest_turn(histories) <= SMALL_TURN
-    return small and not any(map(is_large, histories.values()))
-
-
-def is_clearly_larger(
-    histories: Mapping[str, ErrorHistory], second: Mapping[str, float], allowed: Mapping[str, float]
+def is_small(
+    histories: Mapping[str, ErrorHistory], second: Mapping[str, float], reduced: Mapping[str, ReducedBody]
 ) -> bool:
-    """Whether an error exceeds the allowed error so clearly that its first order suffices.
+    """Whether errors are small: second corrections, frame rotations, and size relative to the deformation.
 
-    A round with such an error is not the last one; without the iteration it costs a third less.
+    reduced : the assessed bodies as simulated
     """
-    small = max(second.values()) <= CLEAR_SECOND and _largest_turn(histories) <= CLEAR_SECOND
-    larger = any(
-        history.rms.max() > CLEARLY * allowed.get(name, np.inf) for name, history in histories.items()
-    )
-    return small and larger and not any(map(is_large, histories.values()))
+    limit = SMALL_SECOND_LOCKED if any(map(locks, reduced.values())) else SMALL_SECOND
+    small = max(second.values()) <= limit and _largest_turn(histories) <= SMALL_TURN
+    return small and not any(map(is_large, histories.values()))
 
 
 def deformed_rows(n_steps: int) -> np.ndarray:

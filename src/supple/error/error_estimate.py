@@ -19,7 +19,6 @@ from supple.error.converged_error import (
     converged,
     deflection,
     deformed_rows,
-    is_clearly_larger,
     is_finite,
     is_large,
     is_small,
@@ -165,15 +164,12 @@ class ErrorEstimator:
         solution: Solution,
         *,
         instants: int = INSTANTS,
-        allowed: Mapping[str, float] | None = None,
         largest_missing: Mapping[str, float] | None = None,
         progress: Progress | None = None,
     ) -> ErrorEstimate:
         """Error of one run caused by its bases; parameters as for `estimate_error`.
 
         instants : number of times at which the residual is balanced, in addition to load peaks and kinks
-        allowed : allowed RMS error of the nodes, by body; a clearly larger error (`is_clearly_larger`) is
-            estimated to first order only
         largest_missing : RMS of the nodes, by body; if motion outside the bases exceeds it, the error is not
             estimated, and infinite
         """
@@ -186,7 +182,7 @@ class ErrorEstimator:
             if progress is not None:
                 progress(1.0)
             return self._unknown(missing, solution)
-        return self.error_of(missing, reduced, bases, solution, allowed=allowed, progress=progress)
+        return self.error_of(missing, reduced, bases, solution, progress=progress)
 
     def modes(self, name: str) -> ModesInFrame:
         """The lowest modes of a body in its frame, computed once."""
@@ -231,7 +227,6 @@ class ErrorEstimator:
         bases: Mapping[str, ReductionBasis],
         solution: Solution,
         *,
-        allowed: Mapping[str, float] | None = None,
         progress: Progress | None = None,
     ) -> ErrorEstimate:
         """Error of a run that reached its end, from its `missing_motion`; other arguments as for `assess`."""
@@ -258,7 +253,8 @@ class ErrorEstimator:
                 reduced, tuple(fulls.values()), bases, steps.solution, missing.along, tolerance=FOLLOWED
             )
 
-        differences = _differences(equation, missed_along, allowed or {}, is_smooth(reduced))
+        simulated = {name: reduced_form(reduced, name) for name in fulls}
+        differences = _differences(equation, missed_along, simulated, is_smooth(reduced))
         if differences is None:
             return self._unknown(missing, solution)
         found, histories, second = differences
@@ -271,7 +267,7 @@ class ErrorEstimator:
                 steps.outputs,
                 fields[name][:, n_looked:],
                 indicator=float(missed[name].rms.max()),
-                locking_loss=locking_loss(reduced_form(reduced, name)),
+                locking_loss=locking_loss(simulated[name]),
             )
             for name, history in histories.items()
         }
@@ -425,14 +421,14 @@ def _start_error(
 def _differences(
     equation: ErrorEquation,
     missed_along: Callable[[], Mapping[str, ResidualCorrections]],
-    allowed: Mapping[str, float],
+    simulated: Mapping[str, ReducedBody],
     smooth: bool,
 ) -> Differences | None:
     """True motion less the run's, the errors by body, and their last relative change by body.
 
     None if the error exceeds `DIVERGED` times the deformation: not even its order of magnitude is known then.
     missed_along : function that returns the quasi-static motion outside the bases at many times
-    allowed : as for `ErrorEstimator.assess`
+    simulated : the assessed bodies as simulated
     smooth : bool   whether small elastic second corrections suffice as proof that an error is small
     """
     found = equation.first()
@@ -441,7 +437,7 @@ def _differences(
     bounded = _are_bounded(histories)
     if bounded:
         second = second_corrections(equation, histories)
-        known = (smooth and is_small(histories, second)) or is_clearly_larger(histories, second, allowed)
+        known = smooth and is_small(histories, second, simulated)
         first = (found, histories, second) if known else converged(equation, found, histories, smooth=smooth)
     nonlinear = not all(history.body.full.is_linear for history in histories.values())
     if nonlinear and max(first[2].values()) > FIRST_ORDER:

@@ -252,11 +252,6 @@ def _enriched(
         model.bases.bases,
         run.solution,
         instants=max(problem.target(name).instants for name in problem.fulls),
-        allowed={
-            name: error
-            for name, error in allowed.items()
-            if isinstance(problem.target(name).quantity(name), WholeBody)
-        },
         largest_missing={name: limits[name] for name in limits if first and name not in problem.confirmed},
         progress=lambda fraction: problem.report(step, fraction),
     )
