@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from supple_benchmarks.table import Table
+from supple_benchmarks.table import Table, table_of
 
 __all__ = ["tables"]
 
@@ -27,10 +27,5 @@ def tables(report: Mapping[str, Any]) -> list[Table]:
         if key in report:
             own = report[key]
             rows = own if isinstance(own, list) else [own if isinstance(own, dict) else {"difference": own}]
-            heads = list(dict.fromkeys(head for row in rows for head in row))
-            found.append((title, heads, [[_cell(row.get(head, "")) for head in heads] for row in rows]))
+            found.append(table_of(title, rows))
     return found
-
-
-def _cell(value: object) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
