@@ -7,6 +7,7 @@ import pytest
 
 from supple.body import MeanAxisFrame, NodalFixedFrame
 from supple.equations import balances
+from supple.errors import ModelError
 from supple.integrate import FixedStep, Newmark, Run, Tolerances
 from supple.machine import Placed, System
 from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
@@ -14,6 +15,9 @@ from supple.simulation import simulate
 from supple_benchmarks.validation.rotors import (
     LALANNE,
     OVERHUNG,
+    Disc,
+    Rotor,
+    RoundShaft,
     disc_on_massless_shaft,
     in_fixed_axes,
     lalanne_frequencies,
@@ -48,6 +52,20 @@ def test_a_disc_of_beam_elements_whirls_as_a_timoshenko_shaft(frame, full):
     body = rotor_body(OVERHUNG, 0.05, {"hub": 0.0})
     found = whirls(turning_frequencies(body, frame, 600.0, {"hub": None}, full=full), expected, 600.0)
     np.testing.assert_allclose(found, expected, rtol=2e-4)
+
+
+def test_discs_of_a_shaft_may_be_listed_in_any_order_but_must_be_on_it():
+    """A shaft of two discs: the transfer matrix goes from the clamp to the tip, whatever their order."""
+    shaft = RoundShaft(0.0, 0.5, 0.02)
+    discs = Disc(0.5, 5.0, 0.1, 0.06), Disc(0.2, 3.0, 0.05, 0.03)
+    material = OVERHUNG.material
+    first, second = (
+        whirl_of_timoshenko_shaft(Rotor(material, (shaft,), 0.9, each), 100.0, (50.0, 600.0))
+        for each in (discs, discs[::-1])
+    )
+    np.testing.assert_allclose(first, second, rtol=1e-9)
+    with pytest.raises(ModelError, match=r"disc at 0.6 m is not on the shaft"):
+        Rotor(material, (shaft,), 0.9, (Disc(0.6, 5.0, 0.1, 0.06),))
 
 
 def test_a_free_rotor_has_its_stiffness_at_rest_and_a_skew_gyroscopic_matrix(frame):

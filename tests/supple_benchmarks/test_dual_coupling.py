@@ -1,5 +1,6 @@
 """Multipliers on interface velocities, and several time steps (theory page, dual coupling)."""
 
+from dataclasses import replace
 from functools import cache
 
 import jax.numpy as jnp
@@ -20,6 +21,7 @@ from supple_benchmarks.explicit.dual_coupling import (
     dual_march,
     interface_operator,
 )
+from supple_benchmarks.explicit.report import tables
 
 MATERIAL = Isotropic(1.0, 0.3, 1.0)
 
@@ -195,3 +197,50 @@ def test_the_chosen_scheme_takes_the_longest_long_step_that_is_stable():
     assert chosen == GravouilCombescure(2)
     with pytest.raises(ModelError, match="limit of the"):
         chosen_scheme(coupling, 0.6, linear=True)
+
+
+def test_a_motion_starts_with_its_initial_state():
+    motion = _marched("pulse", GravouilCombescure(2), 0.1 * LIMIT, 20)
+    (v1, v2), mass = _start("pulse"), halves()[0].elements.mass
+    assert motion.times == pytest.approx(np.arange(11) * 0.2 * LIMIT)
+    assert motion.energies[0] == pytest.approx([v1 @ v1 / 2, v2 @ (mass * v2) / 2])
+    assert not motion.interface[0].any()
+
+
+@pytest.mark.parametrize(("n_steps", "every"), [(10, 4), (10, 11), (0, 1), (10, 0)])
+def test_outputs_that_do_not_reach_the_last_step_are_refused(n_steps, every):
+    (v1, v2), coupling = _start("pulse"), halves()[0]
+    with pytest.raises(ModelError, match="multiple of the steps per output"):
+        dual_march(
+            coupling,
+            GravouilCombescure(1),
+            0.1,
+            n_steps,
+            modal=(0 * v1, v1),
+            elements=(0 * v2, v2),
+            every=every,
+        )
+
+
+@pytest.mark.parametrize("number", [2.0, np.nan, np.inf, -1])
+def test_steps_and_passes_that_are_no_whole_numbers_are_refused(number):
+    with pytest.raises(ModelError, match="whole number of at least 1"):
+        GravouilCombescure(number)
+    with pytest.raises(ModelError, match="whole number of at least 2"):
+        PrakashHjelmstad(4, number)
+
+
+def test_the_long_step_stays_below_its_fraction_of_the_limit_of_the_modes():
+    coupling = halves()[0]
+    rigid = Coupling(ModalSide(np.zeros(39), coupling.modal.rows), coupling.elements)
+    assert chosen_scheme(rigid, 0.1, linear=False, largest_ratio=7) == GravouilCombescure(7)
+    modes = 2 / coupling.modal.frequencies.max()
+    soft = Coupling(coupling.modal, replace(coupling.elements, stiffness=1e-3 * coupling.elements.stiffness))
+    with pytest.raises(ModelError, match=r"at most .* s, 0.9 of the stability limit of the modes"):
+        chosen_scheme(soft, 0.95 * modes, linear=True)
+
+
+def test_each_study_of_the_report_has_a_table():
+    report = {"dual_against_primal": 2e-13, "multi_time_step": [{"scheme": "gc", "energy": -0.15}]}
+    (_, heads, rows), _ = tables(report)
+    assert (heads, rows) == (["difference"], [["2e-13"]])

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from supple.errors import ModelError
 from supple_benchmarks.intrinsic.u_beam import of_beam_elements, on_stations, solid_u
 from supple_benchmarks.intrinsic.u_spectrum import eigenvalue_differences, stiffness_pattern
 
@@ -22,6 +23,12 @@ def bodies(solid):
 @pytest.fixture(scope="module")
 def beams(bodies):
     return of_beam_elements(bodies[13].line, N_LEG)
+
+
+@pytest.mark.parametrize("n_stations", [1, 3, 8])
+def test_stations_that_do_not_divide_the_legs_equally_are_refused(solid, n_stations):
+    with pytest.raises(ModelError, match=f"{n_stations} stations cannot divide"):
+        on_stations(solid, n_stations)
 
 
 def test_beams_couple_neighbours_alone_and_a_condensed_solid_far_stations_too(bodies, beams):

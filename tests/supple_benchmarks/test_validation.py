@@ -4,16 +4,26 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from numpy.polynomial import Legendre, Polynomial
+from scipy.linalg import eigh
 from typer import Typer
 from typer.testing import CliRunner
 
+from supple.errors import ArgumentError
 from supple_benchmarks.commands import validation
-from supple_benchmarks.validation import every_case
-from supple_benchmarks.validation.report import markdown_table, with_table
-from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, largest_difference
+from supple_benchmarks.validation import error_statements, every_case
+from supple_benchmarks.validation.report import markdown_table, tables, with_table
+from supple_benchmarks.validation.validation_case import (
+    Comparison,
+    ValidationCase,
+    largest_difference,
+    matched,
+)
+from supple_benchmarks.validation.vibrations import plates
 
 KEYS = {"name", "quantity", "value", "reference", "source", "error", "allowed"}
 
@@ -107,6 +117,34 @@ def test_the_table_takes_its_place_in_the_page_again_and_again(run):
     assert filled.count("| right |") == 2
 
 
+@pytest.mark.parametrize("page", ["no marks\n", "Before\n<!-- table -->\nAfter\n", "<!-- end of table -->\n"])
+def test_a_page_without_a_place_for_the_table_is_refused(page):
+    with pytest.raises(ArgumentError, match="no place for the table"):
+        with_table(page, [])
+
+
+def test_a_failed_case_is_marked_as_failed_in_the_table(run):
+    _, report = run(failing, right, wrong)
+    (_, _, rows), _ = tables(report)
+    assert [row[-1] for row in rows if row[0].startswith("  ")] == ["failed", "", "", "OUTSIDE"]
+
+
+def test_two_expected_values_do_not_share_a_found_one():
+    assert matched([5.0, 1.1, 2.0], [1.0, 1.2]) == [1.1, 2.0]
+    assert matched([1.1], [5.0, 1.0]) == pytest.approx([np.nan, 1.1], nan_ok=True)
+
+
+def test_a_quantity_without_an_estimate_is_a_row_that_does_not_hold(monkeypatch):
+    errors = {"strip": SimpleNamespace(basis=None)}
+    corrected = SimpleNamespace(system=None, solution=SimpleNamespace(errors=errors))
+    monkeypatch.setattr(error_statements, "self_correct", lambda *_, **__: corrected)
+    monkeypatch.setattr(error_statements, "simulate", lambda *_: None)
+    monkeypatch.setattr(error_statements, "quantity_distance", lambda *_: 1.0)
+    (row,) = error_statements._corrected(None, None, None, ())
+    assert row.quantity == "estimated error, strip"
+    assert not row.holds
+
+
 def test_the_largest_difference_of_histories_is_one_of_their_sizes():
     exact = np.array([[3.0, 4.0], [0.0, 1.0]])
     each = largest_difference("place, m", exact + np.array([[0.0, 0.1], [0.0, 0.0]]), exact, "none", 0.03)
@@ -114,6 +152,28 @@ def test_the_largest_difference_of_histories_is_one_of_their_sizes():
     assert largest_difference("angle", [1.0, 2.5], [1.0, 2.0], "none", 0.1, scale=5.0).error == pytest.approx(
         0.1
     )
+
+
+def _plate_by_ritz(x: tuple[int, int], y: tuple[int, int], nu: float = 0.3, n: int = 10) -> np.ndarray:
+    """w a^2 sqrt(rho h / D) of a square plate; x, y : order of the zero of w at both edges (2: clamped)."""
+    points, weights = np.polynomial.legendre.leggauss(2 * n)
+    integrals = []
+    for first, last in (x, y):
+        held = Polynomial([1, 1]) ** first * Polynomial([1, -1]) ** last
+        shapes = [held * Legendre.basis(k).convert(kind=Polynomial) for k in range(n)]
+        rates = [np.array([2**d * shape.deriv(d)(points) for shape in shapes]) for d in range(3)]
+        integrals.append([[(a * weights) @ b.T for b in rates] for a in rates])
+    X, Y = integrals
+    stiffness = np.kron(X[2][2], Y[0][0]) + np.kron(X[0][0], Y[2][2])
+    stiffness += nu * (np.kron(X[2][0], Y[0][2]) + np.kron(X[0][2], Y[2][0]))
+    stiffness += 2 * (1 - nu) * np.kron(X[1][1], Y[1][1])
+    return np.sqrt(np.abs(eigh(stiffness, np.kron(X[0][0], Y[0][0]), eigvals_only=True)))
+
+
+def test_the_references_of_the_square_plates_are_those_of_ritz():
+    exact = [*_plate_by_ritz((2, 2), (2, 2))[:1], *_plate_by_ritz((2, 0), (0, 0))[:2]]
+    exact += [*_plate_by_ritz((0, 0), (0, 0))[3:6]]
+    assert [each.reference for each in plates()] == pytest.approx(exact, abs=5e-4)
 
 
 def test_every_topic_is_listed():

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from supple.methods.intrinsic import IntrinsicBody
+from supple_benchmarks.intrinsic.slender_box import WIDTH
 
 __all__ = ["KINDS", "box_modes", "kinds_of"]
 
@@ -17,8 +18,12 @@ DIGITS = 6
 
 
 def kinds_of(body: IntrinsicBody) -> list[str]:
-    """Kind of each mode: its largest motion at the tip, of displacements x, y, z and rotation about x."""
-    return [KINDS[int(np.argmax(column))] for column in np.abs(body.modes.velocities[-1, :4]).T]
+    """Kind of each mode: its largest motion at the tip, of displacements x, y, z and rotation about x.
+
+    The rotation is multiplied by the width of the box, so the kind does not depend on the unit of length.
+    """
+    motions = np.abs(body.modes.velocities[-1, :4].T) * [1.0, 1.0, 1.0, WIDTH]
+    return [KINDS[int(np.argmax(motion))] for motion in motions]
 
 
 def box_modes(body: IntrinsicBody) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from supple.body import AveragingInterface, FlexibleBody, flexible_body
+from supple.errors import ModelError
 from supple.fem import Isotropic, solid_model
 from supple.mesh import CellType, Mesh
 from supple.methods.intrinsic import (
@@ -62,7 +63,15 @@ def _ends(nodes: np.ndarray, h: float, n_leg: int) -> list[AveragingInterface]:
 
 
 def on_stations(body: FlexibleBody, n_stations: int, n_modes: int | None = None) -> IntrinsicBody:
-    """A free line with m segments on each leg, m = (n_stations - 1) // 3, so 3 m + 1 stations."""
+    """A free line with the same number of segments on each of the three legs.
+
+    n_stations : 4, 7, 10, ..: one more than the segments of all legs. Raises ModelError for other numbers.
+    """
+    if n_stations < 4 or (n_stations - 1) % 3:
+        raise ModelError(
+            f"{n_stations} stations cannot divide the three legs of the U equally: give 3 m + 1 stations "
+            "with a whole number m of at least 1, such as 4, 7 or 10"
+        )
     k = (n_stations - 1) // 3 + 1
     names = ("tip", "corner", "other corner", "other tip")
     legs = [LoadPath(a, b, k) for a, b in pairwise(names)]

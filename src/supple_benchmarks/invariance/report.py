@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from supple_benchmarks.table import Table
+from supple_benchmarks.table import Table, table_of
 
 __all__ = ["tables"]
 
@@ -23,23 +23,14 @@ _TITLES = {
 
 def tables(report: Mapping[str, Any]) -> list[Table]:
     """One table for each study of the complete report."""
-    found = [_rows(title, report[key]) for key, title in _TITLES.items() if key in report]
-    found.append(_rows("Lateral buckling, load over theory", [report["lateral_buckling"]]))
-    found.append(_rows("A swinging box, against a geometrically exact beam", [report["box_vibration"]]))
+    found = [table_of(title, report[key]) for key, title in _TITLES.items() if key in report]
+    found.append(table_of("Lateral buckling, load over theory", [report["lateral_buckling"]]))
+    found.append(table_of("A swinging box, against a geometrically exact beam", [report["box_vibration"]]))
     blade = report["blade_static"]
     fixed, mean = (np.array(blade[frame]) for frame in ("nodal-fixed", "mean-axis"))
     apart = float(np.linalg.norm(mean - fixed) / np.linalg.norm(fixed))
     rows = [
         {"frame": name, **dict(zip("xyz", tip, strict=True)), "apart": apart} for name, tip in blade.items()
     ]
-    found.append(_rows("The blade's tip at rest under its mean wind, m", rows))
+    found.append(table_of("The blade's tip at rest under its mean wind, m", rows))
     return found
-
-
-def _rows(title: str, rows: list[dict[str, Any]]) -> Table:
-    heads = list(dict.fromkeys(key for row in rows for key in row))
-    return title, heads, [[_cell(row.get(head, "")) for head in heads] for row in rows]
-
-
-def _cell(value: object) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -9,7 +9,7 @@ from typing import Any
 from supple.storage import write_json
 from supple_benchmarks.growing_report import StudyBar, keep_report
 from supple_benchmarks.sweep.run import run_benchmark
-from supple_benchmarks.table import Table
+from supple_benchmarks.table import Table, cell
 
 __all__ = ["perform"]
 
@@ -28,7 +28,7 @@ def perform(quick: bool, json: Path | None, folder: Path) -> None:
 
 
 def _tables(report: Mapping[str, Any]) -> Iterator[Table]:
-    rows = [[name, _cell(value)] for name, value in _flat(report) if name != "machine"]
+    rows = [[name, cell(value)] for name, value in _flat(report) if name != "machine"]
     yield "Sweep of a flexible arm", ["quantity", "value"], rows
 
 
@@ -38,7 +38,3 @@ def _flat(report: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             yield from ((f"{name}: {inner}", own) for inner, own in value.items())
         else:
             yield name, value
-
-
-def _cell(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -60,11 +60,11 @@ def bend_of_45_degrees() -> Sequence[Comparison]:
     )
     moved = float(np.linalg.norm(exact - nodes[-1]))
     return (
-        Comparison("tip x", tip[0], 47.23, published, 3e-3, scale=moved),
-        Comparison("tip y", tip[1], 15.79, published, 3e-3, scale=moved),
-        Comparison("tip z", tip[2], 53.37, published, 3e-3, scale=moved),
+        Comparison("tip x, m", tip[0], 47.23, published, 3e-3, scale=moved),
+        Comparison("tip y, m", tip[1], 15.79, published, 3e-3, scale=moved),
+        Comparison("tip z, m", tip[2], 53.37, published, 3e-3, scale=moved),
         Comparison(
-            "distance of the tip from the exact rod's",
+            "distance of the tip from the exact rod's, m",
             float(np.linalg.norm(tip - exact)),
             0.0,
             "geometrically exact rod, by shooting",

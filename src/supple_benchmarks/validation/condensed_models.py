@@ -53,8 +53,14 @@ def condensed_cantilever() -> Sequence[Comparison]:
         for second in (I1, I2)
     )[:5]
     return [
-        Comparison("mass", properties.mass, STEEL.density * area * LENGTH, "density times volume", 1e-9),
-        Comparison("centre", float(properties.centre[0]), LENGTH / 2, "half the length", 1e-9),
+        Comparison("mass, kg", properties.mass, STEEL.density * area * LENGTH, "density times volume", 1e-9),
+        Comparison(
+            "centre of mass along the beam, m",
+            float(properties.centre[0]),
+            LENGTH / 2,
+            "half the length",
+            1e-9,
+        ),
         *(
             Comparison(f"bending {number}, rad/s", float(one), float(other), RAYLEIGH, 5e-3)
             for number, (one, other) in enumerate(zip(found, exact, strict=True), start=1)

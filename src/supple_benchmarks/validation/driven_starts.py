@@ -99,11 +99,11 @@ def turned(*names: str) -> Sequence[Comparison]:
         form = FORMS[name](_beam())
         run = Run(0.5, 0.01, FixedStep(0.01), method=GeneralizedAlpha(0.8))
         solution = simulate(System([form], [drive]), run)
-        swing = _deflection(form, solution, lambda t: np.array([SPIN * t, 0 * t]))
+        deflection = _deflection(form, solution, lambda t: np.array([SPIN * t, 0 * t]))
         comparisons.append(
             Comparison(
-                f"{name}: largest swing of the tip, m",
-                float(np.abs(swing).max()),
+                f"{name}: largest deflection of the tip, m",
+                float(np.abs(deflection).max()),
                 0.0,
                 "closed form: a beam in steady rotation only extends along its axis",
                 1e-4,

@@ -75,8 +75,10 @@ def twisted_beam() -> Sequence[Comparison]:
     inside = _mean_at(mesh, _displacements(model, force=(0, 0, 1.0)))[2]
     outside = _mean_at(mesh, _displacements(model, force=(0, 1.0, 0)))[1]
     return (
-        Comparison("deflection in the plane of the tip", inside, 5.424e-3, f"{MACNEAL}: twisted beam", 0.01),
-        Comparison("deflection out of this plane", outside, 1.754e-3, f"{MACNEAL}: twisted beam", 0.015),
+        Comparison(
+            "deflection in the plane of the tip, m", inside, 5.424e-3, f"{MACNEAL}: twisted beam", 0.01
+        ),
+        Comparison("deflection out of this plane, m", outside, 1.754e-3, f"{MACNEAL}: twisted beam", 0.015),
     )
 
 
@@ -94,7 +96,7 @@ def curved_beam() -> Sequence[Comparison]:
     source = (
         "Castigliano's theorem: bending, stretching, shear; data of the curved beam of MacNeal and Harder"
     )
-    return (Comparison("deflection in its plane", moved, exact, source, 5e-3),)
+    return (Comparison("deflection in its plane, m", moved, exact, source, 5e-3),)
 
 
 def square_bar_in_torsion() -> Sequence[Comparison]:

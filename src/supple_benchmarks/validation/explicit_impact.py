@@ -73,14 +73,21 @@ def _two_bars() -> Sequence[Comparison]:
     reached = [np.interp(share * v, mean["second"], solution.times) for share in (0.25, 0.75)]
     stress = moving["second"].von_mises[24]  # at 0.3 of the contact time: both fronts are within the bars
     return (
-        Comparison("velocity of the second bar afterwards", mean["second"][-1], v, _ST_VENANT, 0.02),
-        Comparison("velocity of the first bar afterwards", mean["first"][-1], 0.0, _ST_VENANT, 0.02, v),
-        Comparison("time of contact", 2 * (reached[1] - reached[0]), contact, _ST_VENANT, 0.01),
+        Comparison("velocity of the second bar afterwards, m/s", mean["second"][-1], v, _ST_VENANT, 0.02),
+        Comparison("velocity of the first bar afterwards, m/s", mean["first"][-1], 0.0, _ST_VENANT, 0.02, v),
+        Comparison("time of contact, s", 2 * (reached[1] - reached[0]), contact, _ST_VENANT, 0.01),
         Comparison(
-            "stress behind the front", stress[8:16].mean(), 0.5 * SPEED_OF_SOUND * v, _ST_VENANT, 0.01
+            "stress behind the front, Pa", stress[8:16].mean(), 0.5 * SPEED_OF_SOUND * v, _ST_VENANT, 0.01
         ),
-        Comparison("largest stress", stress.max(), 0.5 * SPEED_OF_SOUND * v, _ST_VENANT, 0.04),
-        Comparison("residual of the energy balance", _balance(solution), 0.0, "conservation", 1e-10, 1.0),
+        Comparison("largest stress, Pa", stress.max(), 0.5 * SPEED_OF_SOUND * v, _ST_VENANT, 0.04),
+        Comparison(
+            "residual of the energy balance, over the largest energy",
+            _balance(solution),
+            0.0,
+            "conservation",
+            1e-10,
+            1.0,
+        ),
     )
 
 
@@ -98,22 +105,31 @@ def _front() -> Sequence[Comparison]:
     place = float(np.interp(0.5 * velocity, v[order], x[order]))
     late = time - 0.5 * solution.series[STEPS][-1, 0]  # the velocities are those half a step earlier
     return (
-        Comparison("stress behind the front", motion.von_mises[-1][10:30].mean(), stress, _D_ALEMBERT, 0.005),
-        Comparison("largest stress", motion.von_mises[-1].max(), stress, _D_ALEMBERT, 0.04),
-        Comparison("largest velocity", v.max(), velocity, _D_ALEMBERT, 0.04),
-        Comparison("position of the front", place, SPEED_OF_SOUND * late, _D_ALEMBERT, 0.01),
+        Comparison(
+            "stress behind the front, Pa", motion.von_mises[-1][10:30].mean(), stress, _D_ALEMBERT, 0.005
+        ),
+        Comparison("largest stress, Pa", motion.von_mises[-1].max(), stress, _D_ALEMBERT, 0.04),
+        Comparison("largest velocity, m/s", v.max(), velocity, _D_ALEMBERT, 0.04),
+        Comparison("position of the front, m", place, SPEED_OF_SOUND * late, _D_ALEMBERT, 0.01),
     )
 
 
 def _taylor() -> Sequence[Comparison]:
     """Final length and radius of a copper bar that hits a rigid wall at 227 m/s, after 80 us.
 
-    Published lengths are within 1 % of the midpoint of their range, published radii within 2.5 %.
+    Published lengths are within 1 % of the midpoint of their range, published radii within 2.5 %. On this
+    coarse mesh the radius is 5.5 % below the midpoint and thus outside the published range.
     """
     length, radius, _ = taylor_bar_end(3, 2, 27)
     return (
         Comparison("final length, m", length, 21.46e-3, _TAYLOR, 0.015),
-        Comparison("final radius of the mushroom, m", radius, 7.07e-3, _TAYLOR, 0.06),
+        Comparison(
+            "final radius of the mushroom on a coarse mesh (below the published range), m",
+            radius,
+            7.07e-3,
+            _TAYLOR,
+            0.06,
+        ),
     )
 
 
@@ -146,17 +162,24 @@ def _turning_over() -> Sequence[Comparison]:
     half = np.interp(0.0, -found[turned - 1 : turned + 1, 1], times[turned - 1 : turned + 1])
     momentum = np.linalg.norm(found * [I1, I2, I3], axis=1)
     return (
-        Comparison("time to turn over", 2 * float(half), over, _ELLIPTIC, 1e-4),
+        Comparison("time to turn over, s", 2 * float(half), over, _ELLIPTIC, 1e-4),
         Comparison(
-            "largest error of the angular velocity",
+            "largest error of the angular velocity, rad/s",
             np.abs(found - expected).max(),
             0.0,
             _ELLIPTIC,
             1e-3,
             spin,
         ),
-        Comparison("angular momentum", momentum[-1], float(np.sqrt(squared)), "conservation", 1e-5),
-        Comparison("residual of the energy balance", _balance(solution), 0.0, "conservation", 1e-9, 1.0),
+        Comparison("angular momentum, kg m2/s", momentum[-1], float(np.sqrt(squared)), "conservation", 1e-5),
+        Comparison(
+            "residual of the energy balance, over the largest energy",
+            _balance(solution),
+            0.0,
+            "conservation",
+            1e-9,
+            1.0,
+        ),
     )
 
 

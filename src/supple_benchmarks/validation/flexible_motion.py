@@ -148,7 +148,8 @@ def harmonic_force() -> Sequence[Comparison]:
     found = frequency_response(space, w).transfer[:, 0, 0]
     stiff, heavy = bending * (1 + 1j * w * damping.beta), mass * (1 - 1j * damping.alpha / w)
     s = (w**2 * heavy * length**4 / stiff) ** 0.25
-    exact = (np.sin(s) * np.cosh(s) - np.cos(s) * np.sinh(s)) / (stiff * s**3 * (1 + np.cos(s) * np.cosh(s)))
+    exact = np.sin(s) * np.cosh(s) - np.cos(s) * np.sinh(s)
+    exact *= length**3 / (stiff * s**3 * (1 + np.cos(s) * np.cosh(s)))
     source = "R. E. D. Bishop, D. C. Johnson, The Mechanics of Vibration (1960), chapter 7"
     names = (
         "half of the first frequency",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from supple.errors import ArgumentError
 from supple_benchmarks.table import Table
 
 __all__ = ["markdown_table", "outside", "tables", "with_table"]
@@ -28,7 +29,7 @@ def tables(report: Mapping[str, Any]) -> list[Table]:
             name = row["name"]
             rows.append([name, *5 * [""]])
         _, quantity, *numbers = _cells(row)
-        rows.append([f"  {quantity}", *numbers, "" if _holds(row) else "OUTSIDE"])
+        rows.append([f"  {quantity}", *numbers, _mark(row)])
     heads = ["case", *HEADS[2:], " "]
     found: list[Table] = [("Validation: errors relative to the reference", heads, rows)]
     failed = [[row["name"], row["failure"]] for row in report["cases"] if "failure" in row]
@@ -46,8 +47,12 @@ def markdown_table(rows: Iterable[Row]) -> str:
 def with_table(page: str, rows: Iterable[Row]) -> str:
     """The text of a page, with the table of the rows in place of the text between BEGIN and END.
 
-    A page without BEGIN gets the table at its end; without END, the text after BEGIN is dropped.
+    Raises ArgumentError unless the page has both, once each and in this order: text would be lost.
     """
+    if page.count(BEGIN) != 1 or page.partition(BEGIN)[2].count(END) != 1:
+        raise ArgumentError(
+            f"the page has no place for the table: write {BEGIN} and, after it, {END}, once each"
+        )
     before, _, rest = page.partition(BEGIN)
     _, _, after = rest.partition(END)
     return f"{before}{BEGIN}\n{markdown_table(rows)}{END}{after}"
@@ -55,6 +60,10 @@ def with_table(page: str, rows: Iterable[Row]) -> str:
 
 def _holds(row: Row) -> bool:
     return row["error"] is not None and bool(row["error"] <= row["allowed"])
+
+
+def _mark(row: Row) -> str:
+    return "failed" if "failure" in row else "" if _holds(row) else "OUTSIDE"
 
 
 def _cells(row: Row) -> list[str]:

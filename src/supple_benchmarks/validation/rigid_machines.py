@@ -118,7 +118,9 @@ def double_pendulum() -> Sequence[Comparison]:
         forces = [-s * dq**2 - 1.5 * g / length * np.sin(p), s * dp**2 - 0.5 * g / length * np.sin(q)]
         return np.array([dp, dq, *np.linalg.solve([[4 / 3, c], [c, 1 / 3]], forces)])
 
-    exact = solve_ivp(rates, (0, duration), [np.pi / 2, np.pi / 2, 0, 0], rtol=1e-11, atol=1e-12).y[:2, -1]
+    exact = solve_ivp(rates, (0, duration), [np.pi / 2, np.pi / 2, 0, 0], "DOP853", rtol=1e-11, atol=1e-12).y[
+        :2, -1
+    ]
     ends = {"a": (0.0, 0.0), "b": (length, 0.0)}
     upper, lower = (
         _plane_body(name, 1.0, length**2 / 12, (length / 2, 0.0), ends) for name in ("upper", "lower")
@@ -161,6 +163,7 @@ def n_four_bar() -> Sequence[Comparison]:
         lambda _, y: [y[1], lifted / turned * g * np.sin(y[0])],
         (0, duration),
         [0.0, 1.0],
+        method="DOP853",
         rtol=1e-11,
         atol=1e-12,
         dense_output=True,

@@ -25,12 +25,13 @@ from supple.body import (
     RigidInterface,
     superelement,
 )
+from supple.errors import ModelError
 from supple.fem import BeamSection, Isotropic, shell_model
 from supple.linearization import SparseMachine, linearize, machine_modes
 from supple.machine import GROUND, At, JournalBearing, Placed, Revolute, Spin, System
 from supple.mesh import CellType, Mesh
 from supple.reduction import CompleteBasis, NoDerivatives, reduce
-from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
+from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, matched
 
 __all__ = [
     "CASES",
@@ -68,12 +69,23 @@ class RoundShaft:
 
 @dataclass(frozen=True)
 class Rotor:
-    """Successive pieces of a shaft of one material, from x = 0, with one shear factor, and discs."""
+    """Successive pieces of a shaft of one material, from x = 0, with one shear factor, and discs.
+
+    Raises ModelError for a disc that is not on a piece of the shaft.
+    """
 
     material: Isotropic
     pieces: tuple[RoundShaft, ...]
     shear_factor: float
     discs: tuple[Disc, ...] = ()
+
+    def __post_init__(self) -> None:
+        for each in self.discs:
+            if not any(piece.start <= each.place <= piece.end for piece in self.pieces):
+                raise ModelError(
+                    f"a disc at {each.place:g} m is not on the shaft: give a place between the start "
+                    "and the end of a piece"
+                )
 
 
 def disc(place: float, width: float, inner: float, outer: float, density: float) -> Disc:
@@ -169,14 +181,13 @@ def turning_frequencies(
 
 
 def whirls(found: Array, expected: ArrayLike, rate: float) -> list[float]:
-    """Whirl frequencies in space, positive forward: per expected one, that of the nearest found frequency.
+    """Whirl frequencies in space, positive forward: one per expected frequency, by `matched`.
 
     found : frequencies in axes that rotate at `rate`, without sign;  expected : whirl frequencies in space
     The sign of each w - rate is that of the expected frequency.
     """
     seen = np.asarray(expected, dtype=np.float64) - rate
-    nearest = found[np.argmin(abs(found[:, None] - abs(seen)), axis=0)]
-    return (rate + np.copysign(nearest, seen)).tolist()
+    return (rate + np.copysign(matched(found, abs(seen)), seen)).tolist()
 
 
 def in_fixed_axes(body: FlexibleBody, frame: Frame, rate: float) -> tuple[Array, Array, Array]:
@@ -210,7 +221,6 @@ def whirl_of_timoshenko_shaft(rotor: Rotor, rate: float, near: ArrayLike) -> Arr
     shaft, in uniform whirl exp(i w t). M and Q jump at discs. The frequencies are roots of the determinant of
     the exact transfer matrix.
 
-    rotor : the discs of each piece in ascending order of their place
     near : pairs of bounds, rad/s, each containing one root
     Source: H. D. Nelson, A finite rotating shaft element using Timoshenko beam theory, J. Mech. Des. 102
     (1980) 793-803, eqs. (1)-(10).
@@ -221,7 +231,9 @@ def whirl_of_timoshenko_shaft(rotor: Rotor, rate: float, near: ArrayLike) -> Arr
         state = np.array([[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
         for piece in rotor.pieces:
             area, second = np.pi * piece.radius**2, np.pi * piece.radius**4 / 4
-            stops = [d for d in rotor.discs if piece.start < d.place <= piece.end]
+            stops = sorted(
+                (d for d in rotor.discs if piece.start < d.place <= piece.end), key=lambda disc: disc.place
+            )
             at = piece.start
             for stop in [*stops, None]:
                 end = piece.end if stop is None else stop.place

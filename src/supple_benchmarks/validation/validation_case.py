@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import linear_sum_assignment
 
-__all__ = ["Comparison", "ValidationCase", "largest_difference"]
+__all__ = ["Comparison", "ValidationCase", "largest_difference", "matched"]
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,18 @@ def largest_difference(
     if scale is None:
         scale = float(np.max(np.linalg.norm(size, axis=-1) if vectors else np.abs(size)))
     return Comparison(f"{quantity}, largest difference", largest, 0.0, source, allowed, scale)
+
+
+def matched(found: ArrayLike, expected: ArrayLike) -> list[float]:
+    """For each expected value the found value that belongs to it; no found value belongs to two of them.
+
+    The sum of the differences is the smallest possible. NaN where `found` has too few values.
+    """
+    values, wanted = np.ravel(found), np.ravel(expected)
+    rows, columns = linear_sum_assignment(np.abs(values[:, None] - wanted))
+    nearest = np.full(len(wanted), np.nan)
+    nearest[columns] = values[rows]
+    return nearest.tolist()
 
 
 @dataclass(frozen=True)

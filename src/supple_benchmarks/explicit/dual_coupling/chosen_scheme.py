@@ -26,18 +26,22 @@ def chosen_scheme(
     h : step of the elements, s;   linear : whether the force of the elements is linear
     safety : fraction of the step limit of the modes that the long step may use
     largest_ratio : largest ratio of a long step to a short one
-    Raises ModelError for a step above the stability limit of the elements or of the modes.
+    Raises ModelError for a step above the stability limit of the elements, or above `safety` times that of
+    the modes.
     """
     side = coupling.elements
     root = 1 / np.sqrt(side.mass)
     stiffness = side.stiffness @ np.eye(len(root))  # dense, also from a sparse matrix
     own = float(2 / np.sqrt(np.linalg.eigvalsh(root[:, None] * stiffness * root)[-1]))
-    modes = float(2 / coupling.modal.frequencies.max())
-    for limit, what in ((own, "elements"), (modes, "modes")):
-        if h > limit:
+    highest = float(coupling.modal.frequencies.max())
+    long = safety * 2 / highest if highest > 0 else np.inf
+    for limit, what in (
+        (own, "the stability limit of the elements"),
+        (long, f"{safety:g} of the stability limit of the modes"),
+    ):
+        if not 0 < h <= limit:
             raise ModelError(
-                f"the step {h:g} s is above the limit of the {what}, {limit:.4g} s; give at most "
-                f"{safety * limit:.3g}"
+                f"the step {h:g} s of the elements must be positive and at most {limit:.4g} s, {what}"
             )
-    ratio = min(max(int(safety * modes / h), 1), largest_ratio)
+    ratio = int(min(max(long / h, 1), largest_ratio))
     return PrakashHjelmstad(ratio) if linear else GravouilCombescure(ratio)

@@ -11,6 +11,7 @@ import numpy as np
 from jax import Array, lax
 from numpy.typing import NDArray
 
+from supple.errors import ModelError
 from supple_benchmarks.explicit.dual_coupling.multi_time_step import (
     CoupledArrays,
     CoupledState,
@@ -26,7 +27,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class CoupledMotion:
-    """Motion of both sides at the output times; the initial state is not included.
+    """Motion of both sides at the output times; the first is the initial state.
 
     times : (t,) s
     modal, elements : (t, k) modal amplitudes, (t, n) displacements of the elements, m
@@ -61,10 +62,16 @@ def dual_march(
 
     h : step of the elements, s;   n_steps : number of long steps, each of `scheme.ratio` h
     modal, elements : initial displacements and velocities of the modes (k,) and of the elements (n,)
-    every : long steps per output. If n_steps is not a multiple of it, the remaining steps are omitted.
+    every : long steps per output, a divisor of n_steps
     Energies are 1/2 v M v + 1/2 u K u - H^2/8 a M a, with the step H of each side. Central differences
     conserve this energy of a linear side without coupling.
+    Raises ModelError unless n_steps is a multiple of `every`: the motion would end before its last step.
     """
+    if every < 1 or n_steps < 1 or n_steps % every:
+        raise ModelError(
+            f"{n_steps} long steps with an output every {every} long steps: give a number of steps that "
+            "is a multiple of the steps per output, both at least 1"
+        )
     side = coupling.elements
     arrays = CoupledArrays(
         jnp.asarray(coupling.modal.frequencies**2),
@@ -90,7 +97,10 @@ def dual_march(
     )
     last, rows = _marched(arrays, coupling, scheme, state, jnp.asarray(h), n_steps // every, every)
     K = jnp.asarray(side.stiffness)
-    times, u1, v1, acc1, u2, v2, acc2, works = (np.asarray(row) for row in rows)
+    times, u1, v1, acc1, u2, v2, acc2, works = (
+        np.concatenate([np.asarray(first)[None], np.asarray(later)])
+        for first, later in zip(_recorded(state), rows, strict=True)
+    )
     long = scheme.ratio * h
     modal_energy = 0.5 * (v1**2 + coupling.modal.frequencies**2 * u1**2 - 0.25 * long**2 * acc1**2).sum(
         axis=1
@@ -114,6 +124,10 @@ def _marched(
 ) -> tuple[CoupledState, tuple[Array, ...]]:
     def output(state: CoupledState, _: None) -> tuple[CoupledState, tuple[Array, ...]]:
         state = lax.fori_loop(0, every, lambda _, s: scheme.step(arrays, coupling, s, h), state)
-        return state, (state.time, *state.modal, *state.elements, state.works)
+        return state, _recorded(state)
 
     return lax.scan(output, state, None, length=n)
+
+
+def _recorded(state: CoupledState) -> tuple[Array, ...]:
+    return state.time, *state.modal, *state.elements, state.works

@@ -9,6 +9,7 @@ multi-time-step coupling method for Newmark schemes in structural dynamics", Int
 from __future__ import annotations
 
 from dataclasses import dataclass
+from numbers import Integral
 from typing import NamedTuple, Protocol
 
 import jax.numpy as jnp
@@ -144,8 +145,11 @@ class PrakashHjelmstad:
 
     def __post_init__(self) -> None:
         _check(self.ratio)
-        if self.passes < 2:
-            raise ModelError(f"Prakash and Hjelmstad's scheme needs at least 2 passes, got {self.passes}")
+        if not isinstance(self.passes, Integral) or self.passes < 2:
+            raise ModelError(
+                f"the passes of Prakash and Hjelmstad's scheme must be a whole number of at least 2, "
+                f"got {self.passes}"
+            )
 
     def operator(self, coupling: Coupling, h: float) -> InterfaceOperator:
         """The inverse of H = dT/2 C_1 C_1^T + V, for long steps dT.
@@ -226,5 +230,5 @@ def _joined(
 
 
 def _check(ratio: int) -> None:
-    if ratio < 1 or ratio != int(ratio):
-        raise ModelError(f"the ratio of the steps is a whole number of at least 1, got {ratio}")
+    if not isinstance(ratio, Integral) or ratio < 1:
+        raise ModelError(f"the ratio of the steps must be a whole number of at least 1, got {ratio}")
