@@ -127,15 +127,16 @@ def _rounds(corrected: CorrectedRun) -> list[dict[str, Any]]:
             "frame": corrected.frame,
             "round": number,
             "size": each.size,
-            "estimated_error": each.estimated_error if np.isfinite(each.estimated_error) else None,
+            "estimated_error": each.estimated_error if known else None,
             "indicator": each.indicator,
             "true_error": true,
-            "estimate_over_truth": None if true is None else each.estimated_error / true,
+            "estimate_over_truth": each.estimated_error / true if true is not None and known else None,
             "allowed": corrected.allowed,
             "reached": corrected.reached and number == len(corrected.rounds) - 1,
             "seconds": each.seconds,
         }
         for number, (each, true) in enumerate(zip(corrected.rounds, truth, strict=True))
+        for known in (np.isfinite(each.estimated_error),)
     ]
 
 
