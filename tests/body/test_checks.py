@@ -27,7 +27,9 @@ def test_sound_matrices_pass(matrices):
 def test_entries_that_are_not_finite(matrices, which, bad):
     nodes, K, M = matrices
     (K if which == "stiffness" else M)[7, 7] = bad
-    with pytest.raises(ModelError, match=f"body 'arm': the {which} is not finite in the row of node 2 uy"):
+    with pytest.raises(
+        ModelError, match=f"body 'arm': the {which} has an entry that is not finite in the row of node 2 uy"
+    ):
         build(nodes, K, M)
 
 
@@ -115,7 +117,8 @@ def test_a_grounded_stiffness_is_told_with_a_number(matrices, softness):
     spring = softness * K[16, 16]
     K[16, 16] += spring
     with pytest.raises(
-        ModelError, match=r"resists rigid motion: .* leaves \d\.\de-\d\d of the forces .* at node 5 uy"
+        ModelError,
+        match=r"resists rigid motion: .* forces that must cancel sum to \d\.\de-\d\d .* at node 5 uy",
     ):
         build(nodes, K, M)
     if softness < 1e-6:
@@ -143,6 +146,35 @@ def test_two_parts_that_are_not_joined(matrices):
     nodes, K, M = matrices
     with pytest.raises(ModelError, match="can move in more than six ways without strain"):
         build(np.vstack([nodes, nodes + 5]), sparse.block_diag([K, K]), sparse.block_diag([M, M]))
+
+
+def in_line(nodes):
+    """A force between nodes 0 and 1 along their line, which is along an axis: C = c f f^T is a dashpot."""
+    along = nodes[1] - nodes[0]
+    return np.concatenate([-along, along, np.zeros(3 * len(nodes) - 6)]) / np.linalg.norm(along)
+
+
+@pytest.mark.parametrize("kind", ["negative entry", "coupling alone", "negative dashpot", "beside beta K"])
+def test_damping_that_adds_energy_is_refused(matrices, kind):
+    nodes, K, M = matrices
+    C, f = np.zeros_like(K), in_line(nodes)
+    if kind == "negative entry":
+        C[0, 0] = -5.0
+    elif kind == "coupling alone":
+        C[0, 3] = C[3, 0] = 5.0
+    else:
+        C -= 5.0 * np.outer(f, f)
+    if kind == "beside beta K":
+        C += 1e-3 / np.max(K) * K
+    with pytest.raises(ModelError, match="its damping has 1 negative eigenvalues, which add energy"):
+        build(nodes, K, M, damping=C)
+
+
+def test_damping_that_dissipates_in_some_motions_only_is_accepted(matrices):
+    nodes, K, M = matrices
+    f = in_line(nodes)
+    for C in (5.0 * np.outer(f, f), 1e-4 * K, 5.0 * np.outer(f, f) + 1e-4 * K, np.zeros_like(K)):
+        assert build(nodes, K, M, damping=C).damping is not None
 
 
 def test_negative_strain_energy_is_counted(matrices, solid):

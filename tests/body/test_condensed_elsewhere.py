@@ -418,6 +418,12 @@ def test_a_damping_matrix_is_that_of_the_body(tmp_path, beam, labels):
     drag = beta * beam.stiffness + np.eye(12 + MODES)
     with pytest.raises(ModelError, match="its damping resists rigid motion"):
         superelement("arm", beam.grids, beam.stiffness, beam.mass, dofs_per_node=6, damping=drag)
+    broken = beam.stiffness.copy()
+    broken[-1, -1] = np.nan
+    with pytest.raises(ModelError, match=f"finite in the row of modal coordinate {MODES}$"):
+        superelement("arm", beam.grids, beam.stiffness, beam.mass, dofs_per_node=6, damping=broken)
+    with pytest.raises(ModelError, match=f"6 freedoms each and {MODES} modal coordinates need"):
+        superelement("arm", beam.grids, beam.stiffness, beam.mass[1:, 1:], dofs_per_node=6)
 
 
 def test_the_mean_axis_frame_carries_no_momentum(beam):

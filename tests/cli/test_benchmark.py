@@ -53,6 +53,18 @@ def test_another_packages_benchmark_runs_although_one_beside_it_is_broken(offere
     assert isinstance(call("away").exception, ModuleNotFoundError)
 
 
+def test_a_name_of_two_benchmarks_is_refused(monkeypatch):
+    """Whichever came last would run, and its numbers would pass for those of the other."""
+    values = (f"{__name__}:here", "other_package:here")
+    points = [EntryPoint("here", value, GROUP) for value in values]
+    monkeypatch.setattr(benchmark, "entry_points", lambda group: points if group == GROUP else [])
+    result = call("here")
+    assert result.exit_code == 2
+    assert f"several packages have a benchmark 'here': {values[0]} and {values[1]}" in " ".join(
+        result.output.split()
+    )
+
+
 def test_unknown_benchmark_is_refused():
     result = call("blad")
     assert result.exit_code == 2

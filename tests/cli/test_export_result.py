@@ -171,6 +171,7 @@ def test_the_files_of_the_result_are_not_written_over(result, name):
         (("a.vtu", "--times", "0:1:3"), "--times is not for a .vtu, which contains one time"),
         (("a.csv", "--fmi", "2", "--allow-code"), "--fmi and --allow-code are not for a table"),
         (("a.csv", "--times", "0:1"), "must be FROM:TO:NUMBER"),
+        (("a.csv", "--times", "0:0.4:0"), "with a NUMBER of at least 1"),
         (("a.csv", "--times", "0:1:3"), "no output at 0.5: give times from 0 to 0.4"),
         (("a.vtu", "--time", "-1"), "no output at -1"),
         (("a.vtu", "--time", "nan"), "no output at nan"),

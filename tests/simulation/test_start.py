@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from fixtures.bar_of_every_form import DENSITY, LENGTH, MODULUS, WIDTH, bar_as, elastic
@@ -234,12 +235,33 @@ def test_a_controller_has_its_states_at_the_end_of_a_run_alone():
     machine = hinged(bar_as("rigid"), controllers=[own])
     through = simulate(machine, Run(0.1, 0.05, step=FixedStep(1e-2)))
     (continued_from,) = Start(through).place(machine).system.controllers
-    angle = through.engine_state["control.states.0"][0]
+    angle = through.engine_state["control.states.controller"][0]
     assert abs(angle) > 1e-3
     assert continued_from.initial == pytest.approx([angle], abs=0)
     with pytest.warns(StartWarning, match="restarts"):
         (anew,) = Start(through, 0.05).place(machine).system.controllers
     assert anew.initial == pytest.approx([0.0])
+
+
+def test_controllers_in_another_order_keep_their_own_states():
+    def counter(name, rate):
+        return Controller(
+            reads={},
+            drives={"motor": TorqueBetween(first="ground", second=ROOT, axis=(0, 1, 0))},
+            outputs=lambda *_: {"motor": jnp.zeros(())},
+            rates=lambda *_: jnp.array([rate]),
+            initial=[0.0],
+            name=name,
+        )
+
+    up, down = counter("up", 1.0), counter("down", -1.0)
+    through = simulate(hinged(bar_as("rigid"), controllers=[up, down]), Run(0.1, 0.1, step=FixedStep(1e-2)))
+    turned = hinged(bar_as("rigid"), controllers=[down, up])
+    began = {own.name: own.initial.item() for own in Start(through).place(turned).system.controllers}
+    assert began == pytest.approx({"down": -0.1, "up": 0.1})
+    other = hinged(bar_as("rigid"), controllers=[counter("other", 1.0)])
+    with pytest.warns(StartWarning, match="controller 'other' restarts: .* stored by their names"):
+        Start(through).place(other)
 
 
 def test_it_is_in_the_front_door():

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from supple.algebra import GroundedFactor, grounded_factor
+from supple.algebra import GroundedFactor, factorize_symmetric, grounded_factor
 from supple.errors import AccuracyError, ModelError
 
 SYMMETRY = 1e-9
@@ -24,24 +24,32 @@ FREEDOM_NAMES = ("ux", "uy", "uz", "rx", "ry", "rz")
 
 
 def checked_nodal_matrix(
-    body: str, what: str, matrix: Any, nodes: NDArray[np.float64], dofs_per_node: int, n_modal: int = 0
+    body: str,
+    what: str,
+    matrix: Any,
+    nodes: NDArray[np.float64],
+    dofs_per_node: int,
+    n_modal: int,
+    labels: NDArray[np.int64],
 ) -> sparse.csc_array:
     """The nodal matrix as csc; ModelError for a wrong shape, NaN or infinite entries, or asymmetry.
 
     Entries a_ij and a_ji may differ by SYMMETRY times the largest entry.
+    labels : (N,) ids of the nodes for messages
     """
     n_nodal = len(nodes) * dofs_per_node + n_modal
     result = sparse.csc_array(matrix, dtype=np.float64)
     if result.shape != (n_nodal, n_nodal):
+        modal = f" and {n_modal} modal coordinates" if n_modal else ""
         raise ModelError(
             f"body '{body}': the {what} has shape {result.shape}, but {len(nodes)} nodes with "
-            f"{dofs_per_node} freedoms each need ({n_nodal}, {n_nodal})"
+            f"{dofs_per_node} freedoms each{modal} need ({n_nodal}, {n_nodal})"
         )
     if not np.all(np.isfinite(result.data)):
         entry = int(np.flatnonzero(~np.isfinite(result.data))[0])
         raise ModelError(
-            f"body '{body}': the {what} is not finite in the row of "
-            f"{_freedom(int(result.indices[entry]), dofs_per_node)}"
+            f"body '{body}': the {what} has an entry that is not finite in the row of "
+            f"{freedom_label(int(result.indices[entry]), labels, dofs_per_node)}"
         )
     largest = abs(result).max() if result.nnz else 0.0
     difference = abs(result - result.T).tocoo()
@@ -49,9 +57,9 @@ def checked_nodal_matrix(
         entry = int(np.argmax(difference.data))
         raise ModelError(
             f"body '{body}': the {what} is not symmetric: the two entries of "
-            f"{_freedom(int(difference.row[entry]), dofs_per_node)} with "
-            f"{_freedom(int(difference.col[entry]), dofs_per_node)} differ by "
-            f"{difference.data[entry] / largest:.1e} of the largest"
+            f"{freedom_label(int(difference.row[entry]), labels, dofs_per_node)} with "
+            f"{freedom_label(int(difference.col[entry]), labels, dofs_per_node)} differ by "
+            f"{difference.data[entry] / largest:.1e} of the largest entry"
         )
     return result
 
@@ -78,19 +86,21 @@ def check_moves_rigidly(
     rigid_modes: NDArray[np.float64],
     dofs_per_node: int,
     tolerance: float,
+    labels: NDArray[np.int64],
 ) -> None:
     """Raise ModelError unless K R = 0 within a tolerance; for damping C R = 0.
 
     matrix, rigid_modes : rows of the nodal freedoms, then of the modal coordinates
+    labels : (N,) ids of the nodes for the message
     tolerance : largest accepted `rigid_force_ratios`
     """
     ratio = rigid_force_ratios(matrix, rigid_modes)
     row, mode = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     if ratio[row, mode] > tolerance:
         raise ModelError(
-            f"body '{body}': its {what} resists rigid motion: {RIGID_NAMES[mode]} leaves "
-            f"{ratio[row, mode]:.1e} of the forces that should cancel (allowed {tolerance:.0e}), most at "
-            f"{_freedom(int(row), dofs_per_node)}. A body must be free: leave supports "
+            f"body '{body}': its {what} resists rigid motion: in {RIGID_NAMES[mode]}, forces that must "
+            f"cancel sum to {ratio[row, mode]:.1e} of their terms (allowed {tolerance:.0e}), most at "
+            f"{freedom_label(int(row), labels, dofs_per_node)}. A body must be free: leave supports "
             "out of its matrices and support it by joints; for matrices printed with few digits, raise "
             "rigid_tolerance"
         )
@@ -131,5 +141,32 @@ def checked_grounded_stiffness(
     return grounded
 
 
-def _freedom(dof: int, dofs_per_node: int) -> str:
-    return f"node {dof // dofs_per_node} {FREEDOM_NAMES[dof % dofs_per_node]}"
+def check_dissipates(
+    body: str, damping: sparse.csc_array, stiffness: sparse.csc_array, tolerance: float
+) -> None:
+    """Raise ModelError if the damping matrix has negative eigenvalues, which add energy to a motion.
+
+    tolerance : accepted size of negative eigenvalues, relative to the largest entry, after division of the
+        rows and columns by sqrt(K_ii), so that metres and radians have equal weight
+    """
+    K_ii = stiffness.diagonal()
+    scale = sparse.diags_array(np.divide(1.0, np.sqrt(K_ii), out=np.zeros_like(K_ii), where=K_ii > 0))
+    scaled = scale @ damping @ scale
+    largest = abs(scaled).max() if scaled.nnz else 0.0
+    if not largest:
+        return
+    shifted = scaled / largest + max(tolerance, SYMMETRY) * sparse.eye_array(len(K_ii))
+    if negative := factorize_symmetric(shifted).inertia.negative:
+        raise ModelError(
+            f"body '{body}': its damping has {negative} negative eigenvalues, which add energy to motions; "
+            "check the signs and the source of the matrix; for matrices printed with few digits, raise "
+            "rigid_tolerance"
+        )
+
+
+def freedom_label(row: int, labels: NDArray[np.int64], dofs_per_node: int) -> str:
+    """Node id and component of a row of a nodal matrix, or the number of a modal coordinate."""
+    node, component = divmod(row, dofs_per_node)
+    if node < len(labels):
+        return f"node {labels[node]} {FREEDOM_NAMES[component]}"
+    return f"modal coordinate {row - len(labels) * dofs_per_node + 1}"

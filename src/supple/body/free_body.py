@@ -10,6 +10,7 @@ from scipy import sparse
 
 from supple.algebra import read_only
 from supple.body.checks import (
+    check_dissipates,
     check_moves_rigidly,
     check_nodes,
     checked_nodal_matrix,
@@ -59,8 +60,9 @@ def free_body(
     node_ids = None if model is None else model.mesh.node_ids
     attached = Attached() if model is None else model.attached
     check_nodes(name, nodes, node_ids)
-    M_nodal = checked_nodal_matrix(name, "mass", nodal_mass, nodes, dofs_per_node, n_modal)
-    K_nodal = checked_nodal_matrix(name, "stiffness", nodal_stiffness, nodes, dofs_per_node, n_modal)
+    labels = np.arange(len(nodes)) if node_ids is None else node_ids
+    M_nodal = checked_nodal_matrix(name, "mass", nodal_mass, nodes, dofs_per_node, n_modal, labels)
+    K_nodal = checked_nodal_matrix(name, "stiffness", nodal_stiffness, nodes, dofs_per_node, n_modal, labels)
     every = nodes if recovery is None else np.concatenate([nodes, recovery.points])
     pieces = [each.nodes for each in attached.rigid]
     tied = np.concatenate(pieces) if pieces else None
@@ -85,11 +87,13 @@ def free_body(
     M, K = made.mass, made.stiffness
     # The check needs the nodal matrices: the eliminations change the size of the forces that cancel.
     R = np.vstack([nodal_rigid_modes(nodes, dofs_per_node), np.zeros((n_modal, 6))])
-    check_moves_rigidly(name, "stiffness", K_nodal, R, dofs_per_node, rigid_tolerance)
+    check_moves_rigidly(name, "stiffness", K_nodal, R, dofs_per_node, rigid_tolerance, labels)
     C = None
     if nodal_damping is not None:
-        C = checked_nodal_matrix(name, "damping", nodal_damping, nodes, dofs_per_node, n_modal)
-        check_moves_rigidly(name, "damping", C, R, dofs_per_node, rigid_tolerance)
+        nodal = checked_nodal_matrix(name, "damping", nodal_damping, nodes, dofs_per_node, n_modal, labels)
+        check_moves_rigidly(name, "damping", nodal, R, dofs_per_node, rigid_tolerance, labels)
+        C = made.of(nodal)
+        check_dissipates(name, C, K, rigid_tolerance)
     n_nodal = len(nodes) * dofs_per_node
     of_all, T = made.expansion, made.expansion
     if n_modal:
@@ -128,7 +132,7 @@ def free_body(
         rotation_limit=rotation_limit,
         threes=threes,
         n_modal=n_modal,
-        damping=None if C is None else made.of(C),
+        damping=C,
     )
     _ = body.grounded_stiffness  # computed now, so that a mechanism is reported when the body is built
     return body

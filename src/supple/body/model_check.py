@@ -16,7 +16,7 @@ from scipy import sparse
 from scipy.spatial import KDTree
 
 from supple.algebra import lowest_modes
-from supple.body.checks import FREEDOM_NAMES, RIGID_NAMES, SYMMETRY, rigid_force_ratios
+from supple.body.checks import RIGID_NAMES, SYMMETRY, freedom_label, rigid_force_ratios
 from supple.body.coordinates import Coordinates, coordinates, rigid_sets
 from supple.body.free_body import RIGID_TOLERANCE
 from supple.body.labelled_superelement import NodalMatrices
@@ -405,8 +405,8 @@ def _grounding(
     if worst <= tolerance:
         return Finding("free of supports", f"rigid-body residual {worst:.0e} of the forces that cancel")
     seen = (
-        f"{RIGID_NAMES[motion]} leaves {worst:.1e} of the forces that should cancel, most at "
-        f"{_freedom(int(row), labels, dofs_per_node)}"
+        f"in {RIGID_NAMES[motion]}, forces that must cancel sum to {worst:.1e} of their terms, most at "
+        f"{freedom_label(int(row), labels, dofs_per_node)}"
     )
     factor = _unit_of_nodes(K, R, dofs_per_node, tolerance)
     if factor is not None:
@@ -548,17 +548,10 @@ def _zero_modes(
     row = int(np.argmax(np.abs(rest).max(axis=1)))
     return Finding(
         what,
-        f"{zero} of 6; the further ones move most at {_freedom(row, labels, dofs_per_node)}",
+        f"{zero} of 6; the further ones move most at {freedom_label(row, labels, dofs_per_node)}",
         Verdict.REFUSED,
         "a mechanism, a freedom without stiffness or a loose part: connect it, or give it stiffness",
     )
-
-
-def _freedom(row: int, labels: NDArray[np.int64], dofs_per_node: int) -> str:
-    node, component = divmod(row, dofs_per_node)
-    if node < len(labels):
-        return f"node {labels[node]} {FREEDOM_NAMES[component]}"
-    return f"modal coordinate {row - len(labels) * dofs_per_node + 1}"
 
 
 def _point(found: MassProperties) -> str:

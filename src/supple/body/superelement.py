@@ -46,15 +46,15 @@ def superelement(
     stiffness, mass : sparse or dense (n, n), n >= N * dofs_per_node, node by node: ux uy uz [rx ry rz], then
         modal coordinates
     dofs_per_node   : 3 or 6
-    damping         : (n, n) N s/m, rows as in the stiffness; None without
+    damping         : (n, n) N s/m, positive semidefinite, rows as in the stiffness; None without
     interfaces      : as for `flexible_body`, but only with node numbers
     recovery        : interior points of a condensed model, which become the last nodes of the body
-    rigid_tolerance : largest |K R| relative to the forces that cancel in it; about the relative precision of
-        the printed matrices
+    rigid_tolerance : largest |K R| relative to the forces that cancel in it, and largest negative eigenvalue
+        of the scaled damping; about the relative precision of the printed matrices
     Raises
     ------
     ModelError   as for `flexible_body`; other values of `dofs_per_node`; an interface on a node set; damping
-                 that resists rigid motion; a recovery matrix that does not fit the body
+                 that resists rigid motion or adds energy; a recovery matrix that does not fit the body
     """
     if dofs_per_node not in (3, 6):
         raise ModelError(f"body '{name}': {dofs_per_node} freedoms per node; only 3 and 6 are possible")

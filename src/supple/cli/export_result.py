@@ -99,9 +99,14 @@ def _rows(
 def _spread(times: str) -> NDArray[np.float64]:
     try:
         first, last, number = times.split(":")
-        return np.linspace(float(first), float(last), int(number))
+        count = int(number)
+        if count < 1:
+            raise ValueError
+        return np.linspace(float(first), float(last), count)
     except ValueError as error:
-        raise ArgumentError(f"--times must be FROM:TO:NUMBER, such as 0:10:101, got {times}") from error
+        raise ArgumentError(
+            f"--times must be FROM:TO:NUMBER with a NUMBER of at least 1, such as 0:10:101, got {times}"
+        ) from error
 
 
 def _write_picture(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
+from urllib.parse import quote
 
 import jax
 import numpy as np
@@ -13,10 +14,17 @@ from supple.equations.configuration import ControlState, ControlStep, SystemMoti
 from supple.equations.control_force import stepped
 from supple.equations.machine_model import Model
 from supple.errors import ModelError
-from supple.machine import JointReading, SampledController, System
+from supple.machine import Controller, JointReading, SampledController, System
 from supple.programs.program_cache import CachedProgram
 
-__all__ = ["control_after", "first_control", "fresh_control", "kept_control", "resumed_control"]
+__all__ = [
+    "control_after",
+    "first_control",
+    "fresh_control",
+    "kept_control",
+    "kept_states",
+    "resumed_control",
+]
 
 
 def fresh_control(system: System) -> ControlState | None:
@@ -56,11 +64,21 @@ def _stepped_at(model: Model, motion: SystemMotion) -> Any:
 _stepped = CachedProgram(_stepped_at, STARTING)
 
 
-def kept_control(control: ControlState | None) -> dict[str, np.ndarray]:
-    """Controller states by name, for result files."""
+def kept_control(model: Model, control: ControlState | None) -> dict[str, np.ndarray]:
+    """Controller states by the names of the controllers, for result files."""
     if control is None:
         return {}
-    return {name: np.asarray(leaf) for name, leaf in _named(control)}
+    names = [law.name for law in model.controllers]
+    return {name: np.asarray(leaf) for name, leaf in _named(control, names)}
+
+
+def kept_states(known: Mapping[str, np.ndarray], controller: Controller) -> np.ndarray | None:
+    """The own states of a controller from `kept_control`; None if it had none or another number of them."""
+    name, n = _key(controller.name), len(controller.initial)
+    states, rates = (known.get(f"control.{item}.{name}") for item in ("states", "rates"))
+    if states is None or rates is None or len(rates) != n:
+        return None
+    return np.asarray(states)[:n]  # angles of joints follow
 
 
 def resumed_control(system: System, known: Mapping[str, Any]) -> ControlState | None:
@@ -68,7 +86,7 @@ def resumed_control(system: System, known: Mapping[str, Any]) -> ControlState | 
     fresh = fresh_control(system)
     if fresh is None:
         return None
-    names = [name for name, _ in _named(fresh)]
+    names = [name for name, _ in _named(fresh, [controller.name for controller in system.controllers])]
     leaves, structure = jax.tree.flatten(fresh)
     for name, leaf in zip(names, leaves, strict=True):
         if name not in known or np.shape(known[name]) != np.shape(leaf):
@@ -79,10 +97,19 @@ def resumed_control(system: System, known: Mapping[str, Any]) -> ControlState | 
     return jax.tree.unflatten(structure, [np.asarray(known[name]) for name in names])
 
 
-def _named(control: ControlState) -> list[tuple[str, Any]]:
-    """Leaves in their order, each with a name such as "control.memory.0.integral"."""
+def _named(control: ControlState, controllers: Sequence[str]) -> list[tuple[str, Any]]:
+    """Leaves in their order, each with a name such as "control.memory.CONTROLLER.integral"."""
     found, _ = jax.tree_util.tree_flatten_with_path(control)
-    return [(".".join(["control", *(_word(key) for key in path)]), leaf) for path, leaf in found]
+    named = []
+    for (item, number, *rest), leaf in found:
+        words = [_word(item), _key(controllers[number.idx]), *map(_word, rest)]
+        named.append((".".join(["control", *words]), leaf))
+    return named
+
+
+def _key(controller: str) -> str:
+    """The name without characters that divide names."""
+    return quote(controller, safe=" ").replace(".", "%2E")
 
 
 def _word(key: Any) -> str:

@@ -45,9 +45,9 @@ def von_mises_history(
 
     The stress of a reduced body follows from its stress modes. The stress of a full body, or of a reduced
     body with nonlinear forces beyond its tensors (`ReducedBody.elastic_elsewhere`), is recovered from nodal
-    displacements. In elements at rigid interfaces, the strain is without the second-order motion of tied
-    nodes. A linear body has the stress of its linear strain; an intrinsic body has the stress of the static
-    shapes of its section loads.
+    displacements. In elements at rigid interfaces, the strain includes the second-order motion of tied
+    nodes (`tied_recovery`). A linear body has the stress of its linear strain; an intrinsic body has the
+    stress of the static shapes of its section loads.
 
     Parameters
     ----------

@@ -176,8 +176,8 @@ def tensor_modes(
         eps = e gamma + 1/2 sum_jk N(a_j, a_k) gamma_j gamma_k
 
     exactly, and stress and its nodal mean are linear in the strain. The condensed motion z adds B z to the
-    strain, as it does in the energy; z rotates no interface. In elements at rigid interfaces, the strain is
-    without the second-order motion of tied nodes (`tied_recovery`).
+    strain, as it does in the energy; z rotates no interface. In elements at rigid interfaces, the strain
+    includes the second-order motion of tied nodes (`tied_recovery`).
     """
     same_count = body.nodal_basis.shape[0] == model.n_dofs and body.nodes.shape == model.mesh.nodes.shape
     if not (same_count and np.array_equal(body.nodes, model.mesh.nodes)):

@@ -11,6 +11,7 @@ import numpy as np
 
 from supple.arguments import Positive, check_fields
 from supple.body import BodyForm
+from supple.equations.control_start import kept_states
 from supple.errors import BasisWarning, ModelError, StartWarning, did_you_mean
 from supple.integrate import FloatingMotion, FramedMotion, Motion, Solution
 from supple.machine import Controller, Placed, System
@@ -95,13 +96,14 @@ class Start:
         return row
 
     def place(self, system: System) -> StartedMachine:
-        """The machine with its bodies as at the start time; bodies are matched by their names.
+        """The machine with its bodies as at the start time.
 
-        A body with the same columns has its position, velocity and deformation at the start time. A body in
-        another form or basis is projected in the mass norm, with its interfaces at their positions
-        (`carried_deformation`). Points and axes of joints and forces remain those of the machine as placed.
-        Accelerations and joint forces are recomputed at the start of the run. The run therefore differs
-        from an uninterrupted run by errors of the order of the integration error.
+        Bodies and controllers are matched by their names. A body with the same columns has its position,
+        velocity and deformation at the start time. A body in another form or basis is projected in the mass
+        norm, with its interfaces at their positions (`carried_deformation`). Points and axes of joints and
+        forces remain those of the machine as placed. Accelerations and joint forces are recomputed at the
+        start of the run. The run therefore differs from an uninterrupted run by errors of the order of the
+        integration error.
 
         Raises
         ------
@@ -117,7 +119,7 @@ class Start:
             if loss is not None:
                 losses[each.body.name] = loss
         _warn(losses)
-        controllers = tuple(self._goes_on(number, own) for number, own in enumerate(system.controllers))
+        controllers = tuple(self._goes_on(own) for own in system.controllers)
         found = replace(system, bodies=tuple(placed), controllers=controllers)
         return StartedMachine(found, float(self.times[self.row]), losses)
 
@@ -213,17 +215,17 @@ class Start:
             )
         return then.body
 
-    def _goes_on(self, number: int, controller: Any) -> Any:
+    def _goes_on(self, controller: Any) -> Any:
         """The controller with its states at the end of the motion if the start is there, else unchanged."""
         known = self.solution.engine_state if self.row == len(self.solution.times) - 1 else {}
-        states = known.get(f"control.states.{number}")
         is_traced = isinstance(controller, Controller)
-        if is_traced and states is not None and len(states) >= len(controller.initial):
-            return replace(controller, initial=np.asarray(states)[: len(controller.initial)])
+        states = kept_states(known, controller) if is_traced else None
+        if states is not None:
+            return replace(controller, initial=states)
         if not is_traced or len(controller.initial):
             warnings.warn(
-                f"controller '{controller.name}' restarts: states of controllers are stored only at the end "
-                "of a run, those of sampled controllers only for --resume",
+                f"controller '{controller.name}' restarts: states of controllers are stored by their names, "
+                "only at the end of a run, those of sampled controllers only for --resume",
                 StartWarning,
                 stacklevel=4,
             )

@@ -101,6 +101,20 @@ def test_what_strain_rates_add_is_the_derivative_of_their_force(along, monkeypat
         np.testing.assert_allclose(found, exact, atol=10 * smallest * np.abs(exact).max())
 
 
+def test_a_motion_without_strain_energy_changes_no_tangent(along):
+    """Its energy is round-off, of either sign."""
+    body, motion, onto, coordinates, rates = along
+    rng = np.random.default_rng(0)
+    rigid = body.rigid_modes @ rng.standard_normal((6, 20))
+    energies = np.sum(rigid * (body.stiffness @ rigid), axis=0)
+    moved = np.column_stack([motion, rigid[:, np.argmin(energies)]])
+    assert energies.min() < 0
+    more = np.pad(coordinates, ((0, 0), (0, 1))), np.pad(rates, ((0, 0), (0, 1)))
+    known = tangent_history(body, motion, coordinates, onto)
+    np.testing.assert_allclose(tangent_history(body, moved, more[0], onto).weights, known.weights, atol=1e-9)
+    assert np.isfinite(strain_rate_history(body, moved, *more, onto, 1.0).weights).all()
+
+
 def test_a_body_that_does_not_deform_gains_nothing(along):
     body, motion, onto, coordinates, rates = along
     tangents = tangent_history(body, motion, 0 * coordinates, onto)

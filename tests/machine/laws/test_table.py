@@ -6,7 +6,7 @@ import jax
 import numpy as np
 import pytest
 
-from supple.machine import Table
+from supple.machine import Spline, Table
 
 
 def test_table_interpolates_linearly():
@@ -20,6 +20,14 @@ def test_table_interpolates_linearly():
 def test_table_of_vectors():
     table = Table([0.0, 2.0], np.array([[0.0, 1.0, 2.0], [4.0, 5.0, 6.0]]))
     np.testing.assert_allclose(table(0.5), [1.0, 2.0, 3.0])
+
+
+@pytest.mark.parametrize("law", [Table, Spline])
+@pytest.mark.parametrize("count", [2, 3])
+def test_rows_of_vectors_at_an_array_of_times(law, count):
+    vectors = law([0.0, 1.0, 2.0], [[0.0, 0.0, 0.0], [1.0, 2.0, 4.0], [1.0, 1.0, 1.0]])
+    times = np.linspace(0.1, 1.3, count)
+    np.testing.assert_allclose(vectors(times), [vectors(time) for time in times], rtol=1e-14)
 
 
 def test_table_rate_is_the_slope():

@@ -303,6 +303,7 @@ def _projected(matrix: Any, onto: Array) -> Array:
 
 def _unit_energies(body: FlexibleBody, motion: Array, coordinates: Array) -> Array | None:
     """Factors (s,) that scale each coordinate to an energy norm of at most 1; None if all are zero."""
-    scale = np.sqrt(np.sum(motion * (body.stiffness @ motion), axis=0))
+    # The energy of a motion without strain is round-off, of either sign.
+    scale = np.sqrt(np.maximum(np.sum(motion * (body.stiffness @ motion), axis=0), 0.0))
     largest = float(np.max(np.abs(coordinates * scale), initial=0.0))
     return scale / largest if largest else None

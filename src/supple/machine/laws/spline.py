@@ -45,11 +45,12 @@ class Spline(OfRows):
         )
 
     def __call__(self, time: ArrayLike) -> jax.Array:
-        """The value at a time."""
+        """The value at a time; at an array of times: the shape of the times, then that of a row."""
         starts = jnp.asarray(self.times)[:-1]
         t = jnp.clip(time, self.times[0], self.times[-1])
         piece = jnp.clip(jnp.searchsorted(starts, t, side="right") - 1, 0, len(starts) - 1)
-        return jnp.polyval(jnp.asarray(self.coefficients)[:, piece], t - starts[piece])
+        cubics, within = jnp.asarray(self.coefficients)[:, piece], t - starts[piece]
+        return jnp.polyval(cubics, jnp.expand_dims(within, tuple(range(within.ndim, cubics.ndim - 1))))
 
     def instants(self, begin: float, end: float) -> np.ndarray:
         """Times of the rows, except inner rows at which the third derivative does not jump."""

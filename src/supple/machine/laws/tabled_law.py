@@ -39,11 +39,15 @@ class Table(OfRows):
             object.__setattr__(self, "values", values)
 
     def __call__(self, time: ArrayLike) -> jax.Array:
-        """The value at a time; outside the rows, linear extrapolation of the first or last interval."""
+        """The value at a time; outside the rows, linear extrapolation of the first or last interval.
+
+        At an array of times: values of the shape of the times, then that of a row.
+        """
         upper = jnp.clip(jnp.searchsorted(self.times, time, side="right"), 1, len(self.times) - 1)
         t0, t1 = jnp.asarray(self.times)[upper - 1], jnp.asarray(self.times)[upper]
         v0, v1 = jnp.asarray(self.values)[upper - 1], jnp.asarray(self.values)[upper]
-        return v0 + (v1 - v0) * ((time - t0) / (t1 - t0))
+        along = (time - t0) / (t1 - t0)
+        return v0 + (v1 - v0) * jnp.expand_dims(along, tuple(range(along.ndim, v0.ndim)))
 
     def instants(self, begin: float, end: float) -> np.ndarray:
         """Times of rows between `begin` and `end`, without inner rows at which the slope does not jump."""

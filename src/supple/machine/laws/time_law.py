@@ -29,6 +29,7 @@ _EXPECTED = "a number, an array, a law such as Ramp(1.0, 2.0), or a function of 
 class TimeLaw(Protocol):
     """A value, or an array of values, over time: `law(time)`, defined from `law.begin` to `law.end`.
 
+    Functions of this library evaluate a law at one time; several times are mapped by `jax.vmap`.
     A user-defined law is a dataclass with `__call__`, `begin` and `end`, registered by
     `jax.tree_util.register_dataclass`.
     """

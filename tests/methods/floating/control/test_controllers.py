@@ -174,7 +174,7 @@ def test_states_of_a_controller_are_of_second_order():
 
     def error(step):
         solution = simulate(system, Run(duration=1.0, output_step=1.0, **options(step)))
-        states = solution.engine_state["control.states.0"]
+        states = solution.engine_state["control.states.controller"]
         found = [solution.bodies["wheel"].angular_velocity[-1, 2], *states[:2]]
         return abs(np.array(found) - exact).max()
 
@@ -203,7 +203,7 @@ def test_a_batch_marches_the_states_of_its_controllers():
     run = Run(duration=1.0, output_step=0.5, **options(0.02))
     for system, found in zip(cases, simulate_batch(cases, run).check().solutions, strict=True):
         alone = simulate(system, run)
-        ours, theirs = (each.engine_state["control.states.0"] for each in (found, alone))
+        ours, theirs = (each.engine_state["control.states.controller"] for each in (found, alone))
         np.testing.assert_allclose(ours, theirs, rtol=1e-11, atol=1e-12)
         ours, theirs = (each.bodies["wheel"].angular_velocity for each in (found, alone))
         np.testing.assert_allclose(ours, theirs, rtol=1e-11, atol=1e-12)
@@ -348,7 +348,7 @@ def test_a_run_that_was_killed_goes_on_to_the_last_bit(tmp_path):
     assert after.engine_state.keys() == whole.engine_state.keys()
     for key, value in whole.engine_state.items():
         np.testing.assert_array_equal(after.engine_state[key], value)
-    assert whole.engine_state["control.memory.0.calls"] == 30
+    assert whole.engine_state["control.memory.controller.calls"] == 30
 
 
 @pytest.mark.slow

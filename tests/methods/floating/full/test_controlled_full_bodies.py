@@ -89,7 +89,7 @@ def test_a_full_body_moves_as_its_complete_basis(body):
     ours, theirs = (places(*pair) for pair in zip(systems, runs, strict=True))
     assert abs(theirs[-1] - theirs[0]).max() > 1e-3
     np.testing.assert_allclose(ours, theirs, atol=1e-9)
-    ours, theirs = (run.engine_state["control.states.0"] for run in runs)
+    ours, theirs = (run.engine_state["control.states.controller"] for run in runs)
     np.testing.assert_allclose(ours, theirs, atol=1e-9)
 
 
@@ -108,7 +108,7 @@ def test_a_run_in_two_parts_is_one_run(body, tmp_path):
         simulate(system, RUN, file=half, progress=cut)
     after, whole = simulate(system, RUN, file=half), simulate(system, RUN)
     np.testing.assert_array_equal(
-        after.engine_state["control.states.0"], whole.engine_state["control.states.0"]
+        after.engine_state["control.states.controller"], whole.engine_state["control.states.controller"]
     )
     np.testing.assert_array_equal(after.bodies["strip"].coordinates, whole.bodies["strip"].coordinates)
 

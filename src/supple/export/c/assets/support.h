@@ -59,7 +59,7 @@ MAYBE_UNUSED static void lu_(double *a, int n, int m, int32_t *pivots, int32_t *
             }
         }
         const double *restrict row = a + k * m;
-        const double inverse = 1.0 / row[k];
+        const double inverse = row[k] == 0.0 ? 0.0 : 1.0 / row[k]; /* the entries below are zero too */
         for (int i = k + 1; i < n; ++i) {
             double *restrict other = a + i * m;
             const double factor = other[k] * inverse;

@@ -285,5 +285,5 @@ def engine_state(model: Model, states: State, kept: FrozenInverse | None = None)
         "step": states.step[-1],
         "contraction": np.array([own[-1] for own in states.contraction]),
         **_tangent_arrays(kept),
-        **kept_control(jax.tree.map(lambda leaf: leaf[-1], states.control)),
+        **kept_control(model, jax.tree.map(lambda leaf: leaf[-1], states.control)),
     }

@@ -234,6 +234,6 @@ class FullEngine:
                 "earlier": earlier_numbers(machine, last.earlier),
                 "kept_tangent": tangent_numbers(machine, last.kept),
                 **(by_velocity if machine.lines else {}),
-                **kept_control(control.start if control else None),
+                **kept_control(machine.model, control.start if control else None),
             },
         )
