@@ -325,6 +325,19 @@ def test_a_symmetric_matrix_has_one_triangle(deck):
     np.testing.assert_array_equal(K.values, [[0, -2], [-2, 0]])
 
 
+def test_a_matrix_has_one_header_and_its_imaginary_part_is_noted(deck):
+    control = "SOL 103\nCEND\nB2GG = K\nBEGIN BULK\n"
+    cards = "DMIG,K,0,6,3\nDMIG,K,10,1,,10,1,2.,{imaginary}\n"
+    assert not deck(control + SQUARE + cards.format(imaginary="") + "ENDDATA\n").left_out
+    read = deck(control + SQUARE + cards.format(imaginary="0.5") + "ENDDATA\n")
+    assert read.dampings[0].values.tolist() == [[2.0]]
+    assert [each.meaning for each in read.left_out] == [
+        "K is complex: its imaginary part (structural damping) is not read"
+    ]
+    with pytest.raises(ImportFormatError, match="2 header cards for K; a DMIG has one"):
+        deck(control + SQUARE + 2 * cards.format(imaginary="") + "ENDDATA\n")
+
+
 # --- parameters
 
 

@@ -171,9 +171,15 @@ def _scaled(word: str) -> tuple[float, str]:
 
 def _matrix(cards: list[BulkCard], factor: float, reading: DeckReading) -> NodalMatrix:
     """The matrix of DMIG cards in basic axes, made symmetric; for IFO = 6 the file has one triangle of it."""
+    headers = [card for card in cards if card.word(1) == "0"]
+    if len(headers) != 1:
+        raise cards[0].error(
+            f"{len(headers)} header cards for {cards[0].word(0)}; a DMIG has one: give each matrix a name"
+        )
+    is_triangle, is_complex = headers[0].word(2) == "6", headers[0].word(3) in ("3", "4")
     entries: dict[tuple[int, int], float] = {}
-    is_triangle = cards[0].word(2) == "6"
     points: set[int] = set()
+    has_imaginary = False
     given: set[tuple[tuple[Term, ...], tuple[Term, ...]]] = set()
     for card in cards:
         if card.word(1) == "0":
@@ -188,6 +194,7 @@ def _matrix(cards: list[BulkCard], factor: float, reading: DeckReading) -> Nodal
             row = tuple(reading.freedom(card, number, card.integer(place + 1, "a component", 0)))
             points.add(number)
             value = factor * card.real(place + 2, "an entry")
+            has_imaginary |= is_complex and card.real(place + 3, "an imaginary part", 0.0) != 0.0
             is_beside = is_triangle and row != column
             if is_beside:
                 given.add((row, column))
@@ -202,6 +209,11 @@ def _matrix(cards: list[BulkCard], factor: float, reading: DeckReading) -> Nodal
                     entries[i, j] = entries.get((i, j), 0.0) + a * b * value
                     if is_beside:
                         entries[j, i] = entries.get((j, i), 0.0) + a * b * value
+    if has_imaginary:
+        reading.leave_out(
+            headers[0],
+            f"{cards[0].word(0)} is complex: its imaginary part (structural damping) is not read",
+        )
     scalar = {point for point in points if reading.is_scalar(point)}
     if scalar and scalar != points:
         reading.leave_out(
