@@ -24,7 +24,7 @@ from supple.sweeps.swept_group import swept_group
 pytestmark = pytest.mark.slow
 
 ACCURACY = "accuracy = { relative = 1e-3, instants = 6, directions = 2 }"
-MANY_DIRECTIONS = ACCURACY.replace("1e-3", "1e-2").replace("directions = 2", "directions = 10")
+MORE_MODES = "modes = 8, " + ACCURACY.replace("1e-3", "1e-2")
 TABLE = CaseTable(
     {
         "gravity[2]": [-2.0, -9.81, -30.0, -60.0],
@@ -79,7 +79,8 @@ def test_every_case_states_its_error(swept):
     """The basis is enriched for the case that moves most, though another one was corrected first."""
     read, true = read_sweep(swept), true_errors(swept)
     ratio = read.basis_error.values / true
-    assert 0.98 < ratio.min() <= ratio.max() < 1.1
+    # Two cases have full estimates, the others scaled indicators.
+    assert 0.95 < ratio.min() <= ratio.max() < 1.1
     certificate = certified_group(swept, read_plan(swept), 0).certificate
     assert [each.case for each in certificate.representatives] == [3, 0]
     assert certificate.spread("strip") < 1.1
@@ -132,14 +133,14 @@ def test_full_estimates_decide_where_scaled_indicators_exceed(swept, soft_strip,
     assert {each.case for each in found.certificate.representatives} == {0, 1, 2, 3}
     assert (read.runs == 1).all()
     ratio = read.basis_error.values / read_sweep(swept).basis_error.values
-    assert 0.9 < ratio.min() <= ratio.max() < 1.02
+    assert 0.9 < ratio.min() <= ratio.max() < 1.05
 
 
 def test_many_cases_run_in_the_columns_in_which_they_move(soft_strip, tmp_path, monkeypatch):
-    """Of a correction that appends more columns than are needed; the errors are stated with those left."""
+    """Of a basis with more columns than are needed; the errors are stated with those left."""
     monkeypatch.setattr(sys.modules["supple.sweeps.certified_group"], "MANY", len(TABLE))
     case, folder = soft_strip.with_name("many.toml"), (tmp_path / "fewer").resolve()
-    case.write_text(soft_strip.read_text().replace(ACCURACY, MANY_DIRECTIONS))
+    case.write_text(soft_strip.read_text().replace(ACCURACY, MORE_MODES))
     run(case, folder)
     plan = read_plan(folder)
     whole, fewer = swept_group(folder, plan, 0), certified_group(folder, plan, 0).group
