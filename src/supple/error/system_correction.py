@@ -302,12 +302,15 @@ def _error(quantity: QuantityOfInterest, name: str, run: _Run, estimate: ErrorEs
 def _agree(
     problem: Problem, name: str, past: list[_Assessed], before: _Run | None, run: _Run, allowed: float
 ) -> bool:
-    """Whether the distance of this run from the previous one, which has fewer coordinates, confirms errors.
+    """Whether the distance of this run from the previous one confirms the error of the previous one.
 
-    In the first round: whether an earlier pass has confirmed the error.
+    The previous run has fewer coordinates. In the first round: whether an earlier pass has confirmed it.
     """
     if before is None:
         return name in problem.confirmed
+    estimated = past[-1].round.estimated_error
+    if not np.isfinite(estimated):
+        return False
     distance = quantity_distance(
         problem.target(name).quantity(name),
         before.model.system,
@@ -315,7 +318,7 @@ def _agree(
         run.model.system,
         run.solution,
     )
-    return is_confirmed(past[-1].round.estimated_error, distance, allowed)
+    return is_confirmed(estimated, distance, allowed)
 
 
 def _assess(

@@ -162,7 +162,7 @@ def _next_pass(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str,
         run=run,
         spent=spent,
         first=RoundBases(reached),
-        number=last + 2,  # last + 1: bases are stored, but there is no run
+        number=last + 2,  # last + 1: bases are stored, and the run that confirms them, if any
         confirmed=problem.confirmed
         | {name for name, own in corrected.bodies.items() if not own.rounds[-1].unconfirmed},
     )
