@@ -10,6 +10,7 @@ from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import Formatter, ScalarFormatter
 
@@ -60,7 +61,8 @@ _RC: dict[Any, Any] = {
     "axes.formatter.use_mathtext": True,
     "figure.facecolor": "white",
     "savefig.facecolor": "white",
-    "savefig.dpi": 200,
+    "figure.dpi": 200,
+    "savefig.dpi": "figure",
     "svg.fonttype": "none",
     "svg.hashsalt": "supple",
     "path.simplify_threshold": 0.3,
@@ -191,5 +193,9 @@ def save_figure(figure: Figure, path: Path | str) -> Picture:
         layout.execute(figure)
         figure.set_layout_engine("none")
     with replacing(path) as temporary:
-        figure.savefig(temporary, format=picture_format, metadata=undated)
+        if picture_format == "png":
+            # `savefig` would draw everything twice, for a trial first.
+            FigureCanvasAgg(figure).print_png(temporary)
+        else:
+            figure.savefig(temporary, format=picture_format, metadata=undated)
     return path
