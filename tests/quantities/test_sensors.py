@@ -7,12 +7,13 @@ import csv
 import h5py
 import numpy as np
 import pytest
+from fixtures.bar_of_every_form import bar_as
 
 from supple.body import FullBody, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
 from supple.errors import ArgumentError, ModelError
 from supple.export import write_readings
 from supple.fem import HomogeneousSection, Isotropic, shell_model
-from supple.integrate import FixedStep, Run
+from supple.integrate import FixedStep, Run, Solution, Statistics
 from supple.machine import (
     GROUND,
     At,
@@ -29,6 +30,7 @@ from supple.machine import (
     System,
 )
 from supple.mesh import strip
+from supple.methods.explicit.motions import NodalMotion
 from supple.quantities import (
     AccelerationSensor,
     AngularVelocitySensor,
@@ -129,6 +131,36 @@ def test_a_deflection_is_a_position_seen_from_the_root(spun):
     np.testing.assert_allclose(seen[:, :2], back, atol=1e-8)
     other = read(DeflectionSensor("back", Place("blade", "root"), At("blade", "tip")), spun)
     assert abs(other).max() > 1e-4
+
+
+def test_a_deflection_seen_from_another_body_is_zero_at_assembly_and_rotates_with_its_interface(
+    clamped_blade,
+):
+    """A hub whose axes are not those of the blade on it: the blade is seen from the hub as from its root."""
+    turn, centre = np.array([0.0, np.pi / 2, 0.0]), np.array([1.0, 2.0, 3.0])
+    shaft = np.array([0.2, 0.0, 0.0])
+    hub = RigidBody("hub", 10.0, np.zeros(3), np.eye(3), {"axle": np.zeros(3), "shaft": shaft})
+    at_root = centre - [0.0, 0.0, 0.2] - clamped_blade.interface("root").position
+    drive = PrescribedRotation(
+        first=GROUND, second=At("hub", "axle"), axis=(0, 0, 1), angle=SpinUp(3.0, 0.4), name="axle"
+    )
+    weld = Fixed(first=At("hub", "shaft"), second=At("blade", "root"), name="weld")
+    system = System(
+        (Placed(hub, position=centre, rotation=turn), Placed(clamped_blade, position=at_root)), (drive, weld)
+    )
+    machine = system, simulate(system, Run(0.4, 0.02, FixedStep(0.01)))
+    expected = read(DeflectionSensor("tip", "blade.tip"), machine)
+    assert abs(expected).max() > 1e-3
+    for interface in ("shaft", "axle"):
+        seen = read(DeflectionSensor("tip", "blade.tip", At("hub", interface)), machine)
+        np.testing.assert_allclose(seen, expected, atol=1e-9)
+    # A rigid body does not deform, but moves as seen from the tip: by x of the hub, -z of the blade.
+    back = read(DeflectionSensor("back", "hub.shaft", At("blade", "root")), machine)
+    np.testing.assert_allclose(back, 0.0, atol=1e-9)
+    back = read(DeflectionSensor("back", "hub.shaft", At("blade", "tip")), machine)
+    same = read(DeflectionSensor("back", "blade.root", At("blade", "tip")), machine)
+    assert abs(same).max() > 1e-3
+    np.testing.assert_allclose(back, np.column_stack([-same[:, 2], same[:, 1], same[:, 0]]), atol=1e-9)
 
 
 def test_a_mass_on_a_spring_pulls_at_it_and_at_its_guide_as_newton_says():
@@ -294,6 +326,21 @@ def test_places_and_ends_are_read_as_joints_read_them(spun):
     assert DeflectionSensor("d", "blade.tip", "blade.root").seen_from == At("blade", "root")
     assert AngularVelocitySensor("w", "blade.tip").at == At("blade", "tip")
     assert AccelerationSensor("a", Place("blade", np.array([3, 5]))).place.at == (3, 5)
+
+
+def test_a_deflection_of_explicit_elements_is_seen_from_a_node_set():
+    """Stretched by a thousandth and turned by a right angle: a thousandth of its length along its axis."""
+    bar = bar_as("finite elements")
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    nodes = (bar.nodes * [1.001, 1.0, 1.0]) @ turn.T + [3.0, 0.0, 0.0]
+    still, cells = np.zeros((1, *nodes.shape)), np.ones((1, 8))
+    motion = NodalMotion(nodes[None], still, still, 0 * cells, 0 * cells, cells)
+    machine = System([bar]), Solution(np.zeros(1), {"bar": motion}, {}, Statistics())
+    end = tuple(np.flatnonzero(np.isclose(bar.nodes[:, 0], 1.0)).tolist())
+    seen = read(DeflectionSensor("bent", Place("bar", end), At("bar", "root")), machine)
+    np.testing.assert_allclose(seen, [[1e-3, 0.0, 0.0]], atol=1e-12)
+    with pytest.raises(ModelError, match="is seen: give seen_from"):
+        read(DeflectionSensor("bent", Place("bar", end)), machine)
 
 
 def test_a_place_without_nodes_is_refused():

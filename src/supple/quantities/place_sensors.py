@@ -49,10 +49,7 @@ class _AtPlace:
     def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""
         self.place.body_of(system, self.name)
-        return vector_channels(self.quantity, self._axes(system))
-
-    def _axes(self, system: System) -> str:  # noqa: ARG002
-        return "global"
+        return vector_channels(self.quantity, "global")
 
 
 class PositionSensor(_AtPlace):
@@ -156,7 +153,8 @@ class AngularVelocitySensor:
 class DeflectionSensor(_AtPlace):
     """Displacement of a place relative to an interface, in the mesh axes that rotate with it, (t, 3).
 
-    seen_from : At | None   the interface; by default the first interface of the body of the place
+    seen_from : At | None   the interface, of this or another body; by default the first interface of the
+        body of the place. Explicit elements need it
     """
 
     seen_from: At | None = None
@@ -168,18 +166,30 @@ class DeflectionSensor(_AtPlace):
         if self.seen_from is not None:
             object.__setattr__(self, "seen_from", as_end(self.seen_from))
 
+    def channels(self, system: System) -> Sequence[Channel]:
+        """x, y, z."""
+        body, base = self.place.body_of(system, self.name), self.base(system)
+        if base is not None:
+            body_named(system, base.body, self.name).interface(base.interface)
+        elif not body.has_frame:
+            raise ModelError(
+                f"sensor '{self.name}': body '{body.name}' has explicit finite elements, and no first "
+                "interface from which its deflection is seen: give seen_from, one of its node sets or an "
+                "interface of another body"
+            )
+        return vector_channels(self.quantity, f"mesh axes turning with {base or f'the frame of {body.name}'}")
+
     def values(self, system: System, solution: Solution) -> Array:
         """`A_p^T (r - r_p) - (x - x_p)`, (t, 3): r of the place, r_p of the interface; x, x_p undeformed."""
+        self.channels(system)
         body, base = body_named(system, self.place.body, self.name), self.base(system)
         seen = observer_of(system, solution, self.place.body, {} if base is None else {self.place.body: base})
         return tracked_motion(body, solution.bodies[self.place.body], self.place.at, seen).deflection
 
-    def _axes(self, system: System) -> str:
-        return f"mesh axes turning with {self.base(system)}"
-
     def base(self, system: System) -> At | None:
-        """The reference interface of the deflection; by default the body's first, None if it has none."""
+        """The reference interface of the deflection; by default that of `observer_of`, None for a frame."""
         if self.seen_from is not None:
             return self.seen_from
         body = body_named(system, self.place.body, self.name)
-        return At(self.place.body, body.interfaces[0].name) if body.interfaces else None
+        has_first = body.has_frame and body.interfaces
+        return At(self.place.body, body.interfaces[0].name) if has_first else None

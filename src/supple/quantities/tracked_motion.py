@@ -65,15 +65,17 @@ class Observer(NamedTuple):
     """Motion of the reference interface of deflections, with axes that rotate with the interface.
 
     name : str
-    rest : (3,)         position of the interface in the undeformed body
+    rest : (3,)         position of the interface at assembly, mesh axes of the observed body
     origin : (t, 3)     position of the interface in space
-    axes : (t, 3, 3)    rotation matrices, with the axes in space as columns
+    axes : (t, 3, 3)    mesh axes of the observed body, rotated with the interface, as columns
+    is_elsewhere : bool     whether the interface is on another body
     """
 
     name: str
     rest: Array
     origin: Array
     axes: Array
+    is_elsewhere: bool = False
 
 
 def observer(body: BodyForm, motion: Motion, interface: str | None = None) -> Observer:
@@ -101,16 +103,26 @@ def observer_of(
     For a part of a split body, `bases` gives the first interface of the whole body, which may be on another
     part.
 
-    bases : reference interfaces, by body name; body and reference have the same axes in the undeformed state
+    bases : reference interfaces, by body name
     rows : indices of the output times; all by default
     Returns None for a body without a frame, unless an interface is given.
     """
-    base = bases.get(body)
+    base, own = bases.get(body), system.placed(body)
     if base is None:
-        own = system.placed(body).body
-        return observer(own, solution.bodies[body].at(rows)) if own.has_frame else None
-    seen = observer(system.placed(base.body).body, solution.bodies[base.body].at(rows), base.interface)
-    return seen if base.body == body else seen._replace(name=f"{base.body}.{base.interface}")
+        return observer(own.body, solution.bodies[body].at(rows)) if own.body.has_frame else None
+    other = system.placed(base.body)
+    seen = observer(other.body, solution.bodies[base.body].at(rows), base.interface)
+    if base.body == body:
+        return seen
+    # From the mesh axes of the other body to those of this body, as both are placed at assembly.
+    apart = other.assembly.position - own.assembly.position
+    return Observer(
+        f"{base.body}.{base.interface}",
+        own.assembly.rotation.T @ (apart + other.assembly.rotation @ seen.rest),
+        seen.origin,
+        seen.axes @ (other.assembly.rotation.T @ own.assembly.rotation),
+        is_elsewhere=True,
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +133,8 @@ class TrackedMotion:
     seen_from : str          name of the reference interface, as `BODY.INTERFACE` if it is on another body;
           "" without a reference
     deflection : (t, 3)      displacement relative to this interface, in the mesh axes that rotate with it;
-          zero for a body that is rigid or has no frame
+          zero for a rigid body, unless the interface is on another body, and for a body without a frame,
+          unless an interface is given
     is_elastic : bool        whether the body has a deflection, because it deforms and has a frame
     """
 
@@ -151,12 +164,13 @@ def tracked_motion(
     """
     place = Place(body.name, at if isinstance(at, str) else tuple(np.asarray(at).tolist()))
     position = place.point(body, motion)
-    if not body.n_coordinates or not body.has_frame:
+    is_elastic = bool(body.n_coordinates and body.has_frame)
+    if not is_elastic and (seen_from is None or not (body.n_coordinates or seen_from.is_elsewhere)):
         return TrackedMotion(position, "", np.zeros_like(position), is_elastic=False)
     seen_from = seen_from or observer(body, motion)
     rest = place.rest(body) - seen_from.rest
     deflection = displacement_from_axes(position, seen_from.origin, seen_from.axes, rest)
-    return TrackedMotion(position, seen_from.name, deflection)
+    return TrackedMotion(position, seen_from.name, deflection, is_elastic)
 
 
 def tracked_places(
