@@ -208,3 +208,27 @@ def test_options_of_results_are_refused_for_cases(case_folder, tmp_path):
     done = exported(case_folder / "strip.toml", "-o", tmp_path / "a.inp", "--times", "0:1:3")
     assert done.exit_code == 2
     assert "--times is not for the deck of a case's body" in " ".join(done.output.split())
+
+
+def test_chosen_instants_of_an_angle_count_the_turns_between_and_before_them(tmp_path):
+    """A wheel at 40 rad/s: more than three turns between the instants, and six before the first."""
+    case = tmp_path / "wheel.toml"
+    case.write_text(
+        f'title = "wheel"\n{UNITS}[[body]]\nname = "wheel"\n'
+        "rigid = { mass = 1.0, centre = [0, 0, 0], inertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]] }\n"
+        '[[body.interface]]\nname = "hub"\nposition = [0, 0, 0]\n'
+        '[[joint]]\nname = "drive"\nkind = "prescribed-rotation"\nfirst = "ground"\nsecond = "wheel.hub"\n'
+        'axis = [0, 0, 1]\nlaw = { kind = "constant-rate", rate = 40.0 }\n'
+        '[[sensor]]\nname = "azimuth"\nkind = "joint-motion"\njoint = "drive"\n'
+        "[simulation]\nduration = 2.0\noutput_step = 0.05\nstep = 0.05\nkinematic = true\n"
+        "[output]\npictures = false\nreport = false\n"
+    )
+    done = CliRunner().invoke(app, ["run", str(case), "-o", str(tmp_path / "results")])
+    assert done.exit_code == 0, done.output
+    result = tmp_path / "results" / "wheel.h5"
+    assert exported(result, "-o", tmp_path / "a.csv", "--times", "1:2:3").exit_code == 0
+    with (tmp_path / "a.csv").open(newline="") as file:
+        heads, *rows = csv.reader(file)
+    table = dict(zip(heads, np.array(rows, dtype=float).T, strict=True))
+    np.testing.assert_allclose(table["azimuth.angle_[rad]"], [40.0, 60.0, 80.0], rtol=1e-9)
+    np.testing.assert_allclose(table["azimuth.rate_[rad/s]"], 40.0, rtol=1e-9)

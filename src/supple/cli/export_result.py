@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from supple.cases.result_tables import recorded_quantities
 from supple.errors import ArgumentError, ModelError, ResultFileError
 from supple.export import TABLE_SUFFIXES, write_readings, write_vtkhdf, write_vtu
 from supple.fem import FiniteElementModel, stress_recovery
-from supple.quantities import read_in_parts
+from supple.quantities import QuantityKind, Readings, read_in_parts
 from supple.simulation.stored_bodies import stored_path
 from supple.storage import ResultParts
 from supple.terminal import say, shown_step
@@ -64,12 +65,30 @@ def export_result(
         run = ResultParts(path, rows)
         notify("writing")
         if suffix in TABLE_SUFFIXES:
-            readings = read_in_parts(recorded_quantities(found.case, found.system), found.system, run)
-            write_readings(target, readings, units=found.case.units)
+            write_readings(target, _readings(found, run), units=found.case.units)
         else:
             _write_picture(target, suffix, found, run, bodies, stress=stress)
     instants = f"{len(rows)} instants" if len(rows) > 1 else f"t = {run.times[0]:g}"
     say(f"{instants if len(rows) > 1 else with_unit(instants, found.case.units.time)} written to {target}")
+
+
+def _readings(found: ResultMachine, run: ResultParts) -> Readings:
+    """Readings of all quantities of a table at the output times of `run`.
+
+    Angles are read at all output times of the file: revolutions between the chosen ones count.
+    """
+    quantities = recorded_quantities(found.case, found.system)
+    angles = [
+        each
+        for each in quantities
+        if any(channel.quantity is QuantityKind.ANGLE for channel in each.channels(found.system))
+    ]
+    others = [each for each in quantities if each not in angles]
+    made = {each.name: each for each in read_in_parts(others, found.system, run)}
+    if angles:
+        for each in read_in_parts(angles, found.system, ResultParts(run.path)):
+            made[each.name] = replace(each, times=run.times, values=each.values[run.rows])
+    return Readings(made[each.name] for each in quantities)
 
 
 def _bodies_beside(found: ResultMachine, path: Path) -> set[Path]:
