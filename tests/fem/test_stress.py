@@ -15,6 +15,7 @@ from supple.fem import (
     von_mises_strain,
 )
 from supple.mesh import CellType, Mesh, block, plate
+from supple.mesh.shell_sides import turned_over
 
 SOLIDS = (CellType.TETRA4, CellType.TETRA10, CellType.HEXA8, CellType.HEXA20)
 
@@ -111,6 +112,37 @@ def test_stretch_and_bending_of_a_shell_in_any_attitude(material, rng):
         for found in (points[:, layer], nodes[:, layer]):
             expected = np.broadcast_to(S, (len(found), 3, 3))
             np.testing.assert_allclose(tensor(found), expected, atol=1e-6 * np.abs(S).max())
+
+
+def reversed_triangles(mesh, which):
+    triangles = mesh.cells[CellType.TRIANGLE3].copy()
+    triangles[which] = triangles[which][:, [0, 2, 1]]
+    return Mesh(mesh.nodes, {CellType.TRIANGLE3: triangles})
+
+
+@pytest.mark.parametrize("which", [slice(5, None, 3), slice(None, 18), slice(1, None, 2)])
+def test_stress_at_nodes_of_a_bent_plate_whose_normals_point_to_both_sides(which, material):
+    """-E z k / (1 - nu^2) on the side to which most normals point, else the normal of the first triangle."""
+    flat = plate(1.3, 1.0, 5, 3)
+    t, k = 0.04, 1e-8
+    q = np.zeros((flat.n_nodes, 6))
+    q[:, 2], q[:, 4] = 0.5 * k * flat.nodes[:, 0] ** 2, -k * flat.nodes[:, 0]
+    up = 30 - len(range(30)[which])
+    side = 1 if up > 15 or (up == 15 and 0 not in range(30)[which]) else -1
+    stretch = material.plane_stress[0, 0]
+    for recovery, factor in ((stress_recovery, stretch), (strain_recovery, 1.0)):
+        recovered = recovery(shell_model(reversed_triangles(flat, which), HomogeneousSection(material, t)))
+        found = recovered.at_nodes(q.ravel())[:, :, 0]
+        expected = side * factor * k * t / 2 * np.array([1.0, 0.0, -1.0])
+        np.testing.assert_allclose(found, np.tile(expected, (len(found), 1)), atol=1e-6 * factor * k * t)
+
+
+def test_plates_at_a_right_angle_keep_the_sides_of_their_own_normals():
+    nodes = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [0, 1, 1]])
+    floor, wall = [[0, 1, 2], [0, 2, 3]], [[0, 3, 5], [0, 5, 4]]
+    for turned in (wall, np.array(wall)[:, ::-1]):
+        assert not turned_over(nodes, np.concatenate([floor, turned])).any()
+    assert turned_over(nodes, np.array([*floor, [0, 3, 5], [0, 4, 5]])).sum() == 1
 
 
 def test_a_laminate_has_no_stress_of_its_own():

@@ -48,6 +48,8 @@ class SectionStress:
     to_nodes : float array (k, l, g l')         from these tensors to l layers at each node of the cell
     first_layer : int array (E, k)              number, among the layers of the node, of the first of these l
     share : float array (E, k)                  weight of the cell in the nodal average
+    turned : bool array (E,)                    cells of a shell whose bottom is the top of the wall
+                                                (`turned_over`); their layers at the nodes are exchanged
     """
 
     nodes: NDArray[np.int64]
@@ -56,6 +58,7 @@ class SectionStress:
     to_nodes: FloatArray
     first_layer: NDArray[np.int64]
     share: FloatArray
+    turned: NDArray[np.bool_]
 
     @property
     def is_line(self) -> bool:
@@ -85,6 +88,7 @@ class SectionStress:
             of_strain=self.of_strain[cells],
             first_layer=self.first_layer[cells],
             share=self.share[cells],
+            turned=self.turned[cells],
         )
 
     def in_layers(self, n_layers: int) -> SectionStress:
@@ -105,7 +109,10 @@ class SectionStress:
         first = (self.nodes * n_layers + self.first_layer)[..., None, None]
         rows = np.broadcast_to(first + layers, shape)
         columns = np.broadcast_to(np.arange(n_cells)[:, None, None, None] * n_points + points, shape)
-        values = self.to_nodes * self.share[..., None, None]
+        to_nodes = self.to_nodes
+        if self.turned.any():
+            to_nodes = np.where(self.turned[:, None, None, None], to_nodes[:, ::-1], to_nodes)
+        values = to_nodes * self.share[..., None, None]
         used = values != 0.0
         return csc_array(
             (values[used], (rows[used], columns[used])), shape=(n_nodes * n_layers, n_cells * n_points)
@@ -169,7 +176,13 @@ def _made(
     nodes: NDArray[np.int64], block: QuadraticStrain, of_strain: FloatArray, to_nodes: FloatArray
 ) -> SectionStress:
     return SectionStress(
-        nodes, block, of_strain, to_nodes, np.zeros(nodes.shape, dtype=np.int64), np.ones(nodes.shape)
+        nodes,
+        block,
+        of_strain,
+        to_nodes,
+        first_layer=np.zeros(nodes.shape, dtype=np.int64),
+        share=np.ones(nodes.shape),
+        turned=np.zeros(len(nodes), dtype=bool),
     )
 
 

@@ -29,6 +29,7 @@ from supple.fem.section_stress import (
 )
 from supple.fem.shell_section import LaminateSection
 from supple.mesh import CellType
+from supple.mesh.shell_sides import turned_over
 
 __all__ = [
     "StressLayers",
@@ -149,7 +150,8 @@ class StressRecovery:
     def at_nodes(self, displacement: FloatArray) -> FloatArray:
         """Stress (N, l, 6) at nodes, Pa: from a linear fit in each cell, averaged over the cells of a node.
 
-        Layers are those of `StressLayers`. Where shells meet at an angle or in different thickness, the
+        Layers are those of `StressLayers`. Bottom and top of a shell are those of most elements of its wall
+        (`turned_over`). Where shells meet at an angle or in different thickness, or where materials meet, the
         average mixes their stresses; use `at_points` there. Ends of beams are not averaged.
         """
         total = np.zeros((self.n_nodes * self.n_layers, 6))
@@ -203,6 +205,7 @@ def stress_recovery(model: FiniteElementModel) -> StressRecovery:
     layers = stress_layers(model)
     # Solids beside shells have the same stress in all layers.
     walls = [each.in_layers(layers.walls) for each in made if not each.is_line]
+    walls = _of_one_side(walls, model.mesh.nodes)
     sections = (*_averaged(walls, model.mesh.n_nodes), *_stacked([s for s in made if s.is_line], layers))
     return StressRecovery(model.mesh.n_nodes, sections, layers, _pieces(model))
 
@@ -312,6 +315,18 @@ def von_mises_strain(strain: FloatArray) -> FloatArray:
     """
     half = strain * [1.0, 1.0, 1.0, 0.5, 0.5, 0.5]
     return von_mises(half) / 1.5
+
+
+def _of_one_side(walls: Sequence[SectionStress], nodes: FloatArray) -> list[SectionStress]:
+    """Solids and shells; of shells, the sides of a wall are those of most of its cells."""
+    shells = [number for number, section in enumerate(walls) if section.nodes.shape[1] == 3]
+    found = list(walls)
+    if shells:
+        turned = turned_over(nodes, np.concatenate([walls[number].nodes for number in shells]))
+        parts = np.split(turned, np.cumsum([len(walls[number].nodes) for number in shells])[:-1])
+        for number, own in zip(shells, parts, strict=True):
+            found[number] = replace(walls[number], turned=own)
+    return found
 
 
 def _averaged(walls: Sequence[SectionStress], n_nodes: int) -> Iterator[SectionStress]:
