@@ -22,7 +22,8 @@ Array = NDArray[np.float64]
 _MODE_NUMBERS, _FIELD_NUMBERS = 2**24, 2**22
 # Largest number of values of modes cached for many calls (1 GiB).
 _KEPT_NUMBERS = 2**27
-# Number of times at which all nodes are searched for the largest stress; number of candidate nodes.
+# Number of times, evenly spaced and at extremes, at which all nodes are searched for the largest stress;
+# number of candidate nodes.
 _SEARCHED = 100
 
 
@@ -131,12 +132,13 @@ class LargestStress(NamedTuple):
 def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> LargestStress:
     """The largest von Mises stress over nodes, layers and times; errors as for `von_mises_history`.
 
-    All nodes are evaluated at up to a hundred evenly spaced output times. The hundred nodes with the largest
-    stress at these times are evaluated at all times. The result is exact for up to a hundred output times.
+    All nodes are evaluated at up to two hundred output times: half of them evenly spaced, half those at which
+    most coordinates have an extreme, so that a short event counts. The hundred nodes with the largest stress
+    at these times are evaluated at all times. The result is exact for up to a hundred output times.
     """
     recovery = stress_recovery(model)
     nodes = _nodes_with_stress(recovery)
-    sampled = np.unique(np.linspace(0, len(coordinates) - 1, _SEARCHED).astype(int))
+    sampled = _searched_times(np.asarray(coordinates))
     highest = np.zeros(len(nodes))
     for block in _recovered(body, recovery, np.asarray(coordinates)[sampled], nodes):
         highest = np.maximum(highest, von_mises(block.field).max(axis=(0, 2)))
@@ -149,6 +151,15 @@ def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array
             number = int(candidates[some][node])
             largest = LargestStress(float(values[instant, node]), int(instant) + times.start, number)
     return largest
+
+
+def _searched_times(coordinates: Array) -> NDArray[np.int64]:
+    """Indices of the output times at which all nodes are searched for the largest stress."""
+    evenly = np.linspace(0, len(coordinates) - 1, _SEARCHED).astype(int)
+    extremes = np.concatenate([coordinates.argmin(axis=0), coordinates.argmax(axis=0)])
+    number = np.bincount(extremes, minlength=len(coordinates))
+    most = np.argsort(-number, kind="stable")[: min(_SEARCHED, np.count_nonzero(number))]
+    return np.unique(np.concatenate([evenly, most]))
 
 
 def _nodes_with_stress(recovery: StressRecovery) -> NDArray[np.int64]:
