@@ -161,6 +161,8 @@ def test_what_is_read_of_a_set(case, given, component, over):
         ('at = "strip.TIP"', 'at = "stripe.TIP"', "did you mean 'strip'"),
         ('name = "energy"', 'name = "tip"', "names must differ"),
         ('name = "energy"', 'name = " "', "is empty"),
+        ('name = "energy"', 'name = "time"', "has the output times under the name time"),
+        ('name = "energy"', 'name = "tip/side"', "its name lies below that of sensor 'tip'"),
         ('kind = "joint-force"', 'kind = "joint-force"\nseen_from = "strip.root"', "seen_from"),
         ('at = "strip.ROOT"', 'at = "strip.root"', "give a node set of a body with elements"),
         ('measure = "xx"', 'measure = "xxx"', "measure"),

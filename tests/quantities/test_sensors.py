@@ -296,6 +296,14 @@ def test_readings_are_written_with_all_digits_units_and_axes(spun, tmp_path):
     assert told["unit"] == "m"
 
 
+@pytest.mark.parametrize("names", [("time",), ("tip", "tip/side"), ("/",)])
+def test_names_that_hdf5_cannot_have_are_refused(spun, tmp_path, names):
+    readings = read_sensors([PositionSensor(name, Place("blade", "tip")) for name in names], *spun)
+    with pytest.raises(ModelError, match=r"(give another|rename one)"):
+        write_readings(tmp_path / "a.h5", readings)
+    write_readings(tmp_path / "a.csv", readings)
+
+
 def test_readings_as_a_data_set(spun):
     pytest.importorskip("xarray")
     readings = read_sensors([PositionSensor("tip", Place("blade", "tip"))], *spun)

@@ -13,6 +13,7 @@ from supple.cases.shared_rules import InterfaceOf, PlaceOf, joint_names, usable_
 from supple.cases.stated_error import OF_STRESS
 from supple.cases.table import Key, Made, OneOf, table_of
 from supple.errors import ModelError
+from supple.export.tables.hdf5_table import name_taken_in_hdf5
 from supple.fem import FiniteElementModel
 from supple.importers.toml import Mistakes, Raw, tables, unknown
 from supple.machine import At, ForceElement, as_end
@@ -170,10 +171,14 @@ def _elements_exist(raw: Raw) -> Mistakes:
 
 def _names_differ(raw: Raw) -> Mistakes:
     yield from usable_names(raw, "sensor")
-    for path, each in tables(raw, "sensor"):
-        name = each.get("name")
-        if isinstance(name, str) and not name.strip():
+    named = [
+        (path, each["name"]) for path, each in tables(raw, "sensor") if isinstance(each.get("name"), str)
+    ]
+    for path, name in named:
+        if not name.strip():
             yield (*path, "name"), "the name of a sensor is empty; give a name, the heading of its columns"
+        elif reason := name_taken_in_hdf5(name, [other for _, other in named]):
+            yield (*path, "name"), reason
 
 
 def _one_component(raw: Raw) -> Mistakes:

@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import h5py
 import numpy as np
 
+from supple.errors import ModelError
 from supple.quantities import Readings
 from supple.units import UnitSystem
+
+
+def name_taken_in_hdf5(name: str, names: Sequence[str]) -> str | None:
+    """Reason for which a sensor cannot have its name in an HDF5 file beside all names, or None."""
+    if name == "time":
+        return "the HDF5 file of the sensors has the output times under the name time; give another name"
+    if not name.strip("/"):
+        return "in HDF5 / separates groups; give another name"
+    above = next((other for other in names if name.startswith(f"{other}/")), None)
+    if above is not None:
+        return f"its name lies below that of sensor '{above}', and in HDF5 / separates groups; rename one"
+    return None
 
 
 def write_hdf5(path: Path, readings: Readings, units: UnitSystem) -> None:
@@ -16,8 +30,14 @@ def write_hdf5(path: Path, readings: Readings, units: UnitSystem) -> None:
 
     For a sensor at nodes, `NAME.nodes` (t, c) has the ids of the nodes. The attributes `nodes` (c,) and
     `points` (c, 3) are the id and the position of the node at which each channel has its largest magnitude.
+
+    Raises ModelError for a name that HDF5 cannot have beside the others.
     """
     times = readings.columns(units).times
+    names = [each.name for each in readings]
+    for name in names:
+        if reason := name_taken_in_hdf5(name, names):
+            raise ModelError(f"sensor '{name}': {reason}")
     # Built in memory, because a failed write crashes HDF5: see storage/disk_space.
     with h5py.File("image", "w", driver="core", backing_store=False) as file:
         file.create_dataset("time", data=times).attrs["unit"] = units.time
