@@ -180,3 +180,26 @@ def test_a_mistake_is_named(case, before, after, cause):
     with pytest.raises(Exception, match=cause) as seen:
         _ = read_case(case).sensors
     assert isinstance(seen.value, CaseError) or "sensor 'fibre'" in str(seen.value)
+
+
+def test_sensors_are_read_in_the_equilibrium(case, tmp_path):
+    """A uniform cantilever under its weight: W and W L / 2 at the clamp, W / 2 and W L / 8 in the middle."""
+    result = CliRunner().invoke(app, ["static", str(case), "-o", str(tmp_path), "--no-errors"])
+    assert result.exit_code == 0, result.output
+    assert "Sensors" in result.output
+    assert "clamp load" in result.output
+    numbers = json.loads((tmp_path / "strip-static.json").read_text())
+    read = {
+        name: {key: own["last"] for key, own in each.items()} for name, each in numbers["sensors"].items()
+    }
+    assert list(read) == ["tip", "clamp load", "fibre", "energy", "cut"]
+    tip = [read["tip"][axis] for axis in "xyz"]
+    assert tip == pytest.approx(numbers["tracked"]["strip.TIP"]["last deflection"], rel=1e-9, abs=1e-12)
+    weight = 7850.0 * 0.1 * 0.01 * 9.81
+    for name, channel, value in (
+        ("clamp load", "Fz", weight),
+        ("clamp load", "My", -weight / 2),
+        ("cut", "Fz", -weight / 2),
+        ("cut", "My", weight / 8),
+    ):
+        assert read[name][channel] == pytest.approx(value, rel=1e-4)

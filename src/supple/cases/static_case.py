@@ -20,7 +20,7 @@ from supple.error import correct_at_rest
 from supple.errors import CaseError, ControlWarning
 from supple.integrate import StepProgress
 from supple.machine import Controller, Spin, System
-from supple.quantities import TrackedMotion, tracked_places
+from supple.quantities import TrackedMotion, read_sensors, tracked_places
 from supple.results import summarize
 from supple.simulation import AssembledMachine, Equilibrium, assemble, equilibrium, place_errors
 from supple.simulation.resting_state import placed_at_rest, resting_state
@@ -157,6 +157,8 @@ def static_case(
     """
     check_drawing(case)
     warn_of_units(case)
+    # Errors of sensors are reported before the search, not after it.
+    sensors = case.sensors
     system = analysed_system(case, allow_code=allow_code)
 
     def searching(_: int, residual: float) -> None:
@@ -178,6 +180,9 @@ def static_case(
         "stable": found.stable,
         **summarize(found.system, found.solution, tracked, fulls=case.fulls, units=case.units),
         "errors": {name: error.plain() for name, error in found.errors.items()},
+        "sensors": {
+            each.name: each.plain(case.units) for each in read_sensors(sensors, found.system, found.solution)
+        },
     }
     for name, error in place_errors(found, places, case.bases).items():
         numbers["tracked"][name] |= {

@@ -6,15 +6,15 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from supple.results.round_off import without_noise
-from supple.results.run_tables import TextTable, body_table
+from supple.results.run_tables import TextTable, body_table, place_words
 from supple.units import headed
 
 __all__ = ["rest_error_table", "rest_tables"]
 
 
 def rest_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
-    """Tables of bodies, joint forces, positions and deflections; numbers from `summarize`."""
-    tables = [_joint_table(numbers), *_place_tables(numbers)]
+    """Tables of bodies, joint forces, positions, deflections and sensors; numbers from `summarize`."""
+    tables = [_joint_table(numbers), *_place_tables(numbers), _sensor_table(numbers)]
     return [body_table(numbers), *(table for table in tables if table.rows)]
 
 
@@ -33,6 +33,20 @@ def _joint_table(numbers: Mapping[str, Any]) -> TextTable:
         rows += _by_axis([name, joint["acts on"]], *shown)
     heads = ("joint", "acts on", "axis of the joint", *(headed(what, units.get(what, "")) for what in scales))
     return TextTable("Joints", heads, rows)
+
+
+def _sensor_table(numbers: Mapping[str, Any]) -> TextTable:
+    """The value of each channel of each sensor, with its place if any sensor has one."""
+    sensors = numbers.get("sensors", {})
+    located = any("place" in reading for each in sensors.values() for reading in each.values())
+    rows = []
+    for name, channels in sensors.items():
+        for row, (channel, reading) in enumerate(channels.items()):
+            alike = [each["last"] for each in channels.values() if each["quantity"] == reading["quantity"]]
+            value = float(without_noise(reading["last"], like=alike))
+            where = [place_words(reading)] if located else []
+            rows.append([name if row == 0 else "", headed(channel, reading["unit"]), f"{value:.5g}", *where])
+    return TextTable("Sensors", ("sensor", "channel", "value", *(["where"] if located else [])), rows)
 
 
 def _place_tables(numbers: Mapping[str, Any]) -> list[TextTable]:

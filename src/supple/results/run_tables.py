@@ -102,14 +102,14 @@ def sensor_table(numbers: Mapping[str, Any]) -> TextTable:
             for extreme in ("smallest", "largest"):
                 value = float(without_noise(reading[extreme], like=scale))
                 cells += [_number(value), _number(reading[f"time of {extreme}"] if value else 0.0)]
-            where = [_place_words(reading)] if located else []
+            where = [place_words(reading)] if located else []
             rows.append([*cells, _number(float(without_noise(reading["last"], like=scale))), *where])
     time = headed("at time", numbers["units"].get("time", ""))
     heads = ("sensor", "channel", "smallest", time, "largest", time, "at the end")
     return TextTable("Sensors", (*heads, "where the magnitude is largest") if located else heads, rows)
 
 
-def _place_words(reading: Mapping[str, Any]) -> str:
+def place_words(reading: Mapping[str, Any]) -> str:
     """The node at which a channel has its largest magnitude, and the place of the sensor."""
     extreme = "smallest" if abs(reading["smallest"]) > abs(reading["largest"]) else "largest"
     words = reading.get("place", "")
