@@ -174,8 +174,8 @@ class DeflectionSensor(_AtPlace):
         elif not body.has_frame:
             raise ModelError(
                 f"sensor '{self.name}': body '{body.name}' has explicit finite elements, and no first "
-                "interface from which its deflection is seen: give seen_from, one of its node sets or an "
-                "interface of another body"
+                "interface from which its deflection is seen: give seen_from, an interface of another body "
+                "(in Python also one of its node sets), or use a position sensor"
             )
         return vector_channels(self.quantity, f"mesh axes turning with {base or f'the frame of {body.name}'}")
 
