@@ -6,7 +6,9 @@ import pytest
 from supple.errors import ModelError
 from supple.fem import (
     HomogeneousSection,
+    Isotropic,
     LaminateSection,
+    RodSection,
     shell_model,
     solid_model,
     strain_recovery,
@@ -64,6 +66,31 @@ def test_recovered_strain_is_the_green_lagrange_strain(material, rng):
     nodes = strain_recovery(model).at_nodes((model.mesh.nodes @ H.T).ravel())
     halved = nodes[:, 0] * [1, 1, 1, 0.5, 0.5, 0.5]
     np.testing.assert_allclose(tensor(halved), np.broadcast_to(E, (len(nodes), 3, 3)), atol=1e-14)
+
+
+def test_strain_of_a_wall_whose_material_states_another_shear_modulus(rng):
+    """The strain of the field, whatever the axes of the elements; sigma_zz = 0 gives that of the thickness."""
+    soft = Isotropic(2.0, 0.3, 1.0, stated_shear_modulus=0.5)
+    model = shell_model(plate(1.3, 1.0, 3, 2), HomogeneousSection(soft, 0.04))
+    H = 1e-8 * rng.normal(size=(2, 2))
+    q = np.zeros((model.mesh.n_nodes, 6))
+    q[:, :2], q[:, 5] = model.mesh.nodes[:, :2] @ H.T, 0.5 * (H[1, 0] - H[0, 1])
+    expected = [H[0, 0], H[1, 1], -0.3 / 0.7 * np.trace(H), 0.0, 0.0, H[0, 1] + H[1, 0]]
+    found = strain_recovery(model).at_nodes(q.ravel())
+    np.testing.assert_allclose(found, np.broadcast_to(expected, found.shape), atol=1e-6 * np.abs(H).max())
+
+
+def test_strain_of_an_oblique_rod_whose_material_states_another_shear_modulus():
+    """e along it and -nu e across it."""
+    along, e = np.array([0.6, 0.8, 0.0]), 1e-8
+    mesh = Mesh(np.array([np.zeros(3), along]), {CellType.LINE2: np.array([[0, 1]])})
+    soft = Isotropic(2.0, 0.3, 1.0, stated_shear_modulus=0.5)
+    recovery = strain_recovery(shell_model(mesh, RodSection(soft, area=0.01)))
+    q = np.zeros((2, 6))
+    q[1, :3] = e * along
+    points = recovery.at_nodes(q.ravel()) * [1, 1, 1, 0.5, 0.5, 0.5]
+    expected = e * (1.3 * np.outer(along, along) - 0.3 * np.eye(3))
+    np.testing.assert_allclose(tensor(points), np.broadcast_to(expected, (2, 1, 3, 3)), atol=1e-6 * e)
 
 
 def test_von_mises_strain_is_von_mises_stress_over_three_shear_moduli(material, rng):

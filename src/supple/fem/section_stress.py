@@ -26,7 +26,7 @@ from supple.fem.quadratic_strain import QuadraticStrain, strain, strains
 from supple.fem.section import Section
 from supple.fem.shell_section import HomogeneousSection
 from supple.fem.shell_triangle import element_axes, layer_strain
-from supple.fem.solid_element import extrapolation, solid_element
+from supple.fem.solid_element import extrapolation, solid_element, turned_elasticity
 
 FloatArray = NDArray[np.float64]
 
@@ -163,12 +163,17 @@ def states_stress(section: Section) -> bool:
     return not isinstance(section.property, LineSection) or has_points(section.property)
 
 
-def as_strain(section: Section, stress: SectionStress) -> SectionStress:
+def as_strain(model: FiniteElementModel, section: Section, stress: SectionStress) -> SectionStress:
     """The strain for a given stress, by the compliance of the material."""
     given = section.property
     if isinstance(given, HomogeneousSection | BeamSection | RodSection):
-        compliance = np.linalg.inv(given.material.elasticity)
-        return replace(stress, of_strain=compliance @ stress.of_strain)
+        elasticity = given.material.elasticity
+        if given.material.stated_shear_modulus is not None:  # then it depends on the axes of the element
+            corners, directions = section.corners(model.mesh), section.directions
+            is_shell = isinstance(given, HomogeneousSection)
+            axes = element_axes(corners, given, directions) if is_shell else _line(model, section).axes
+            elasticity = turned_elasticity(elasticity, axes.swapaxes(1, 2))[:, None]
+        return replace(stress, of_strain=np.linalg.inv(elasticity) @ stress.of_strain)
     return replace(stress, of_strain=np.broadcast_to(np.eye(6), stress.of_strain.shape))
 
 

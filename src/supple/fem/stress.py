@@ -297,7 +297,7 @@ def strain_recovery(model: FiniteElementModel) -> StressRecovery:
     # Shells and solids come before lines.
     stating.sort(key=lambda section: section.cell_type is CellType.LINE2)
     pairs = zip(stating, recovery.sections, strict=True)
-    return replace(recovery, sections=tuple(as_strain(*pair) for pair in pairs))
+    return replace(recovery, sections=tuple(as_strain(model, *pair) for pair in pairs))
 
 
 def von_mises(stress: FloatArray) -> FloatArray:
