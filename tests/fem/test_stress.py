@@ -69,7 +69,7 @@ def test_recovered_strain_is_the_green_lagrange_strain(material, rng):
 
 
 def test_strain_of_a_wall_whose_material_states_another_shear_modulus(rng):
-    """The strain of the field, whatever the axes of the elements; sigma_zz = 0 gives that of the thickness."""
+    """The strain of the field in any axes of the elements; sigma_zz = 0 gives that of the thickness."""
     soft = Isotropic(2.0, 0.3, 1.0, stated_shear_modulus=0.5)
     model = shell_model(plate(1.3, 1.0, 3, 2), HomogeneousSection(soft, 0.04))
     H = 1e-8 * rng.normal(size=(2, 2))
