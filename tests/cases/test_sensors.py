@@ -168,6 +168,8 @@ def test_what_is_read_of_a_set(case, given, component, over):
         ('measure = "xx"', 'measure = "xxx"', "measure"),
         ('measure = "xx"', 'component = "xx"\nmeasure = "yy"', "with component, measure is one of max"),
         ("normal = [1, 0, 0]", "", "normal"),
+        ('at = "strip.AXIS"', 'at = "strip.TIP"', "sensor 'cut': .* has no elements that share nodes"),
+        ("normal = [1, 0, 0]", "normal = [0, 1, 0]", "sensor 'cut': .* at interface 'root'"),
         (
             'kind = "energy"',
             'kind = "angular-velocity"\nat = "strip.TIP"',

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ from supple.body.floating_kinematics import (
 )
 from supple.body.form_defaults import FormDefaults
 from supple.body.interface import Interface, place_in_frame
-from supple.body.sections import Sections, section_loads
+from supple.body.sections import Sections, sections_of_elements
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
 from supple.integrate.motion import FloatingMotion, Motion
@@ -81,7 +80,7 @@ class FloatingForm(FormDefaults):
                 f"section forces need the elements of body '{self.name}', which are not known; give its "
                 "model, or read the force of a joint or a spring"
             )
-        return Sections(f"axes of {self.name}", partial(section_loads, self, model))
+        return sections_of_elements(self, model)
 
     def motion_near(
         self, position: Array, rotation: Array, coordinates: Array, displacement: Array, rates: Array

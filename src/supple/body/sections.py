@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ from supple.fem.node_sparsity import cell_nodes
 from supple.fem.quadratic_strain import internal_forces
 from supple.integrate.motion import FloatingMotion, Motion
 
-__all__ = ["CuttingPlane", "Sections", "section_loads"]
+__all__ = ["CuttingPlane", "Sections", "section_loads", "sections_of_elements"]
 
 Array = NDArray[np.float64]
 
@@ -76,6 +77,13 @@ class Sections(NamedTuple):
     """Name of the axes of the forces"""
     loads: Callable[[Motion, CuttingPlane], Array]
     """From a motion and a plane to the force and moment (t, 6) exerted by the far side on the near side"""
+    check: Callable[[CuttingPlane], object]
+    """ModelError for a plane that is no section, before there is a motion"""
+
+
+def sections_of_elements(body: Any, model: FiniteElementModel) -> Sections:
+    """Section forces of a body from its elements, by `section_loads`."""
+    return Sections(f"axes of {body.name}", partial(section_loads, body, model), partial(_layer, body, model))
 
 
 def section_loads(body: Any, model: FiniteElementModel, motion: Motion, plane: CuttingPlane) -> Array:
@@ -99,8 +107,6 @@ def section_loads(body: Any, model: FiniteElementModel, motion: Motion, plane: C
     ModelError   a model with other nodes; a plane without elements on both sides that share nodes; a plane at
                  a rigid interface or tie; a motion without floating frame
     """
-    if len(model.mesh.nodes) != len(body.nodes) or not np.array_equal(model.mesh.nodes, body.nodes):
-        raise ModelError(f"body '{body.name}' was not made of this model; give the model it was made of")
     layer = _layer(body, model, plane)
     coordinates = motion.of_type(FloatingMotion).coordinates
     elements = sum(block.B[..., 0].size + block.G[..., 0].size for block in layer.blocks)
@@ -114,6 +120,8 @@ def section_loads(body: Any, model: FiniteElementModel, motion: Motion, plane: C
 
 def _layer(body: Any, model: FiniteElementModel, plane: CuttingPlane) -> _Layer:
     d, nodes = model.dofs_per_node, model.mesh.nodes
+    if len(nodes) != len(body.nodes) or not np.array_equal(nodes, body.nodes):
+        raise ModelError(f"body '{body.name}' was not made of this model; give the model it was made of")
     cells = [cell_nodes(block.dofs, d) for block in model.strains]
     beyond = [plane.heights(nodes[each].mean(axis=1)) >= 0 for each in cells]
     inner, outer = np.zeros(len(nodes), dtype=bool), np.zeros(len(nodes), dtype=bool)

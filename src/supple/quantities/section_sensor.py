@@ -45,13 +45,20 @@ class SectionForceSensor:
 
     def channels(self, system: System) -> Sequence[Channel]:
         """Fx, Fy, Fz, Mx, My, Mz."""
-        return six_channels(self._sections(system).axes)
+        sections = self._sections(system)
+        try:
+            sections.check(self._plane(system))
+        except ModelError as error:
+            raise ModelError(f"sensor '{self.name}': {error}") from error
+        return six_channels(sections.axes)
 
     def values(self, system: System, solution: Solution) -> NDArray[np.float64]:
         """(t, 6)."""
+        return self._sections(system).loads(solution.bodies[self.place.body], self._plane(system))
+
+    def _plane(self, system: System) -> CuttingPlane:
         x, y, z = self.place.rest(self.place.body_of(system, self.name)).tolist()
-        plane = CuttingPlane((x, y, z), self.normal)
-        return self._sections(system).loads(solution.bodies[self.place.body], plane)
+        return CuttingPlane((x, y, z), self.normal)
 
     def _sections(self, system: System) -> Sections:
         body = self.place.body_of(system, self.name)

@@ -31,7 +31,7 @@ from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.methods.intrinsic.line_equations import line_forces, section_strains
 from supple.methods.intrinsic.line_freedoms import LineFreedoms, line_freedoms
 from supple.methods.intrinsic.line_model import LineModel, line_model
-from supple.methods.intrinsic.line_sections import line_section_loads
+from supple.methods.intrinsic.line_sections import cut_segments, line_section_loads
 from supple.methods.intrinsic.root_support import RootSupport
 from supple.methods.intrinsic.second_order_modes import completed_modes, second_order_shapes
 from supple.methods.intrinsic.station_motion import StationMotion, station_motion
@@ -295,7 +295,11 @@ class IntrinsicBody(FormDefaults, Summarized):
 
     def sections(self, _model: FiniteElementModel | None = None) -> Sections:
         """Its cutting sections, which need no elements."""
-        return Sections(f"axes of the section of {self.name}", partial(line_section_loads, self))
+        return Sections(
+            f"axes of the section of {self.name}",
+            partial(line_section_loads, self),
+            partial(cut_segments, self),
+        )
 
     def section_loads(self, motion: Motion) -> Array:
         """Internal forces and moments (t, n - 1, 6) at the middles of segments, along material axes.
