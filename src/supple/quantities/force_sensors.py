@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from supple.arguments import check_fields
 from supple.equations import balances
 from supple.equations.build_model import initial_points
+from supple.errors import ModelError
 from supple.integrate import JOINT_AXES, Solution
 from supple.machine import ForceElement, Joint, JointFriction, System
 from supple.machine.pose import Pose, Wrench
@@ -171,14 +172,22 @@ class EnergySensor:
 
     name: str
 
-    def channels(self, _system: System) -> Sequence[Channel]:
+    def channels(self, system: System) -> Sequence[Channel]:
         """kinetic, strain, potential, total."""
+        for body in (placed.body for placed in system.bodies):
+            if not body.has_frame:
+                raise ModelError(
+                    f"sensor '{self.name}': body '{body.name}' has explicit finite elements, whose energies "
+                    "are recorded with the run: remove the sensor, and use the tables of the run or "
+                    "solution.series['energies']"
+                )
         return [
             Channel(each, QuantityKind.ENERGY, "") for each in ("kinetic", "strain", "potential", "total")
         ]
 
     def values(self, system: System, solution: Solution) -> Array:
         """(t, 4)."""
+        self.channels(system)
         found = balances(system, solution)
         return np.column_stack([found.kinetic, found.strain, found.potential, found.total])
 
