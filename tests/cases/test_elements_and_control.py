@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from supple import machine as m
-from supple.cases import modes_case, read_case
+from supple.cases import modes_case, read_case, run_case
 from supple.cases.static_case import starting_system
 from supple.cli.main import app
 from supple.errors import CaseError, ControlWarning
@@ -316,3 +316,23 @@ def test_a_joint_has_friction_under_its_own_force(tmp_path):
     path.write_text(path.read_text().replace('"revolute"', '"ball"').replace("axis = [0, 0, 1]\n", ""))
     with pytest.raises(CaseError, match="takes no friction"):
         read_case(path)
+
+
+def test_a_case_with_friction_in_a_joint_runs_with_its_sensors(tmp_path):
+    """The moment `coefficient radius m g` slows the wheel; a named spring beside it keeps its sensor."""
+    text = (
+        CASE.replace("CONTROL", "gravity = [0, -9.81, 0]")
+        .replace("ELEMENTS\n", '[[sensor]]\nname = "coil"\nkind = "spring-force"\nspring = "coil"\n\n')
+        .replace('name = "wheel"\nrigid', 'name = "wheel"\nangular_velocity = [0, 0, 2]\nrigid')
+        .replace(
+            "axis = [0, 0, 1]\n",
+            "axis = [0, 0, 1]\nfriction = { coefficient = 0.2, width = 1e-4, radius = 0.05 }\n\n"
+            '[[spring]]\nname = "coil"\nkind = "torsion"\nfirst = "ground"\nsecond = "wheel.axle"\n'
+            "axis = [0, 0, 1]\nstiffness = 1e-9\n",
+        )
+    )
+    (tmp_path / "wheel.toml").write_text(text)
+    result = run_case(read_case(tmp_path / "wheel.toml"), tmp_path / "out", errors=False)
+    rate = result.solution.bodies["wheel"].angular_velocity[-1, 2]
+    assert rate == pytest.approx(2 - 0.2 * 0.05 * 2.0 * 9.81 / 0.5, rel=1e-6)
+    assert list(result.numbers["sensors"]) == ["coil"]

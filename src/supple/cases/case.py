@@ -310,9 +310,9 @@ class Case:
         ------
         CaseError   as for `sources`; errors of sensors, each with its line
         """
-        named = zip(
-            (*self.parts.spring, *self.parts.element), self.system.loads[len(self.parts.load) :], strict=True
-        )
+        # Friction of joints follows the elements in the loads, and has no name.
+        tables = (*self.parts.spring, *self.parts.element)
+        named = zip(tables, self.system.loads[len(self.parts.load) :], strict=False)
         springs = {
             table.name: spring
             for table, spring in named
