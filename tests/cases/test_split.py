@@ -9,6 +9,7 @@ from supple.body import LinearRayleighDamping, RayleighDamping
 from supple.cases import read_case, run_case, static_case
 from supple.cases.static_case import spin_of
 from supple.errors import CaseError, ModelError, SuppleWarning
+from supple.importers import read_mesh
 from supple.machine import At
 
 SPLIT = "frame = { kind = "
@@ -122,6 +123,18 @@ def test_an_interface_across_a_cut_is_refused(case_folder):
     path = rewritten(case_folder, (SPLIT, "split = { parts = 2 }\n" + SPLIT), ("[[joint]]", edge))
     with pytest.raises(ModelError, match=r"interface 'edge': its nodes lie in several of the 2 parts"):
         read_case(path).system  # noqa: B018
+
+
+def test_ids_of_nodes_are_those_of_the_file_in_every_part(case_folder):
+    mesh = read_mesh(case_folder / "strip.inp")
+    tip = mesh.nodes_of("TIP")
+    far = (
+        '[[body.interface]]\nname = "far"\nkind = "averaging"\n'
+        f"node_indices = {mesh.node_ids[tip].tolist()}\n\n[[joint]]"
+    )
+    path = rewritten(case_folder, (SPLIT, "split = { parts = 2 }\n" + SPLIT), ("[[joint]]", far))
+    part = read_case(path).flexible["strip-2"]
+    np.testing.assert_array_equal(part.nodes[part.interface("far").node_ids], mesh.nodes[tip])
 
 
 @pytest.mark.slow

@@ -182,12 +182,9 @@ def _parts(split: _SplitTable) -> Iterator[Body]:
     """A table for each part of a split body."""
     body, mesh = split.body, split.source.mesh
     assert body.split is not None
-    for i, part in enumerate(mesh.parts):
-        own = []
-        for interface in (each for each in body.interface if split.holders[each.name] == i):
-            given = interface.node_indices
-            own_numbers = None if given is None else tuple(part.numbers(np.array(given)).tolist())
-            own.append(interface.model_copy(update={"node_indices": own_numbers}))
+    for i in range(len(mesh.parts)):
+        # The nodes of a part keep their ids.
+        own = [each for each in body.interface if split.holders[each.name] == i]
         for cut, nodes in mesh.cut_nodes(i).items():
             tied = {
                 "name": cut,
