@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from fixtures.abaqus_text import abaqus_text
 
-from supple.cases import read_case, run_case
+from supple.cases import read_case, run_case, static_case
 from supple.cases.static_case import starting_system
 from supple.errors import CaseError
 from supple.mesh import strip
@@ -110,6 +110,12 @@ def test_the_slider_moves_as_its_crank_and_the_motor_does_the_work(written, tmp_
         work += inertia * own.angular_velocity[:, 2] * own.angular_acceleration[:, 2]
     np.testing.assert_allclose(power, work, atol=1e-11 * abs(work).max())
     assert (tmp_path / "crank.h5").exists()
+
+
+@pytest.mark.filterwarnings("ignore::supple.errors.RedundantConstraintWarning")
+def test_the_equilibrium_of_a_machine_drawn_apart_is_that_of_the_assembled_one(written, tmp_path):
+    tracked = static_case(written(), tmp_path).tracked["slider.wrist"]
+    np.testing.assert_allclose(tracked.position[0], [4, 0, 0], atol=1e-9)
 
 
 def test_what_an_integrator_would_need_is_a_mistake(written):

@@ -51,7 +51,7 @@ def spin_of(case: Case) -> Spin | None:
 
 
 def analysed_system(case: Case, *, allow_code: bool) -> System:
-    """The machine for its equilibrium or modes, with its controllers if their code may run.
+    """The machine for its equilibrium or modes, assembled on request, with its controllers if allowed.
 
     Issues ControlWarning if the code may not run; raises CaseError for code that fails.
     """
@@ -63,8 +63,8 @@ def analysed_system(case: Case, *, allow_code: bool) -> System:
             ControlWarning,
             stacklevel=2,
         )
-        return case.system
-    return case.controlled(case.system, allow_code=allow_code)
+        return assembled_system(case)
+    return case.controlled(assembled_system(case), allow_code=allow_code)
 
 
 def starting_system(case: Case, simulated: System | None = None, *, allow_code: bool = False) -> System:
