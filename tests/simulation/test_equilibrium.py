@@ -7,7 +7,7 @@ import pytest
 
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
 from supple.equations import StaticSearch
-from supple.errors import ConvergenceError
+from supple.errors import ConvergenceError, ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import (
@@ -18,11 +18,14 @@ from supple.machine import (
     Fixed,
     Placed,
     PrescribedRotation,
+    Prismatic,
     Ramp,
     Revolute,
     Scaled,
     Spin,
+    SpringDamper,
     System,
+    Table,
     TorsionSpringDamper,
 )
 from supple.mesh import CellType, block, strip
@@ -151,6 +154,21 @@ def test_a_run_from_the_equilibrium_stays_there(reduced):
     moved = abs(motion.coordinates - found.system.bodies[0].coordinates).max()
     assert moved < 1e-7 * abs(start[2])
     assert found.iterations < 30
+
+
+def test_a_table_has_a_value_between_its_first_and_last_time_only():
+    """A spring of 20 N/m hangs 0.5 m lower under the 10 N of the last row; later times are refused."""
+    bob = RigidBody("bob", 1.0, np.zeros(3), np.eye(3), {"top": np.zeros(3)})
+    slide = Prismatic(first=GROUND, second=At("bob", "top"), axis=(0, 0, 1))
+    spring = SpringDamper(
+        first=GROUND, second=At("bob", "top"), stiffness=20.0, damping=0.0, anchor=(0, 0, 1), rest_length=1.0
+    )
+    pull = DeadForce(body="bob", at="top", force=Scaled((0.0, 0.0, -10.0), Table([0.0, 2.0], [0.0, 1.0])))
+    system = System((Placed(bob),), (slide,), (spring, pull))
+    assert equilibrium(system, time=2.0).system.bodies[0].position[2] == pytest.approx(-0.5, rel=1e-9)
+    for time in (-0.1, 4.0):
+        with pytest.raises(ModelError, match=rf"its table is from t = 0 to 2, .* at t = {time:g}\."):
+            equilibrium(system, time=time)
 
 
 def test_what_nothing_holds_has_no_equilibrium():

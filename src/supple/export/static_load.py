@@ -14,6 +14,7 @@ from supple.body import FlexibleBody
 from supple.equations.nodal_load import nodal_forces, prepared
 from supple.errors import ModelError
 from supple.machine import BaseAcceleration, ForceElement, NodalLoad
+from supple.machine.laws.time_law import check_law_covers
 
 __all__ = ["static_load"]
 
@@ -40,9 +41,12 @@ def static_load(
     Raises
     ------
     ModelError      a load on another body; a load at an interface, or a force element: the mesh has no node
-                    there
+                    there; a table that has no value at `time`
     """
     loads = tuple(loads)
+    for load in loads:
+        if isinstance(load, BaseAcceleration | NodalLoad):
+            check_law_covers(load.label, load.law, time)
     bases = [np.asarray(load.law(time)) for load in loads if isinstance(load, BaseAcceleration)]
     turn = Rotation.from_rotvec(np.asarray(rotation, dtype=float)).as_matrix()
     fall = np.zeros((len(body.nodes), body.dofs_per_node))

@@ -17,11 +17,13 @@ from supple.equations.static_search import (
     search_equilibrium,
 )
 from supple.equations.steady_motion import SteadyRotation
+from supple.equations.stops import laws_of
 from supple.errors import ModelError
 from supple.machine import Controller, Placed, SampledController, Spin, System
+from supple.machine.laws.time_law import check_law_covers
 from supple.simulation.equations_of import equations_of
 
-__all__ = ["RestingState", "at_rest", "check_time", "placed_at_rest", "resting_state"]
+__all__ = ["RestingState", "at_rest", "placed_at_rest", "resting_state"]
 
 
 class RestingState(NamedTuple):
@@ -49,7 +51,7 @@ def resting_state(
     progress: Callable[[int, float], None] = lambda *_: None,
 ) -> RestingState:
     """The equilibrium of a machine as arrays; arguments and errors as for `equilibrium`."""
-    check_time(time)
+    _check_time(system, time)
     _refuse_sampled(system)
     search = StaticSearch() if search is None else search
     turning = SteadyRotation(np.zeros((len(system.bodies), 3)), np.zeros(3))
@@ -61,10 +63,12 @@ def resting_state(
     return RestingState(still, turning, state, iterations, equations)
 
 
-def check_time(time: float) -> None:
-    """Raise ModelError for a time of an equilibrium that is not finite."""
+def _check_time(system: System, time: float) -> None:
+    """Raise ModelError for a time that is not finite, or at which a law has no value."""
     if not np.isfinite(time):
         raise ModelError(f"the time of an equilibrium must be finite, got {time}")
+    for what, law in laws_of(system):
+        check_law_covers(what, law, time)
 
 
 def _refuse_sampled(system: System) -> None:

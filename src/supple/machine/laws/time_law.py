@@ -91,6 +91,16 @@ def check_law_shape(what: str, law: TimeLaw, *shapes: tuple[int, ...]) -> None:
         raise ModelError(f"{what}: its values over time have shape {found.shape}; they must have {wanted}")
 
 
+def check_law_covers(what: str, law: TimeLaw, time: float) -> None:
+    """Raise ModelError, beginning with `what`, for a law that is not defined at a time."""
+    rounding = 1e-12 * abs(time)
+    if not law.begin - rounding <= time <= law.end + rounding:
+        raise ModelError(
+            f"{what}: its table is from t = {law.begin:g} to {law.end:g}, and its value is needed at "
+            f"t = {time:g}. Give a time within the table, or extend the table"
+        )
+
+
 @dataclass(frozen=True)
 class _LawStructure:
     """Structure of a law without its numbers: equal for laws that differ only in numbers."""
