@@ -25,6 +25,7 @@ RAW = {
         ("body.blade.shell.thickness", ("body", 1, "shell", "thickness")),
         ("body[0].rigid.mass", ("body", 0, "rigid", "mass")),
         ("joint.blade root.kind", ("joint", 0, "kind")),
+        ("joint.revolute hub.flange - blade.root.axis[2]", ("joint", 1, "axis", 2)),
         ("load[0].law.amplitude", ("load", 0, "law", "amplitude")),
         ("load[0].follower", ("load", 0, "follower")),  # which has a default
     ],

@@ -28,7 +28,10 @@ def parameter_path(text: str, raw: Raw) -> KeyPath:
     words = _words(text)
     place: KeyPath = ()
     found: Any = raw
-    for depth, word in enumerate(words):
+    while words:
+        if isinstance(found, list):
+            words = _with_label(words, found)
+        word = words.pop(0)
         if isinstance(found, list):
             number = word if isinstance(word, int) else _named(found, word, text)
             if not number < len(found):
@@ -37,7 +40,7 @@ def parameter_path(text: str, raw: Raw) -> KeyPath:
                 )
             place, found = (*place, number), found[number]
         elif isinstance(found, Mapping) and isinstance(word, str):
-            if word not in found and depth < len(words) - 1:
+            if word not in found and words:
                 raise CaseError(
                     f"{text}: there is no {word!r}{nearest_hint(word, found)}; it has: {_listed(found)}"
                 )
@@ -78,6 +81,16 @@ def _words(text: str) -> list[str | int]:
         at = part.end()
     if not words:
         raise CaseError("an empty path is not a key of a case file; give one such as joint.shaft.law.speed")
+    return words
+
+
+def _with_label(words: list[str | int], items: Sequence[Any]) -> list[str | int]:
+    """The words with the label of an item as one word: `fixed ground - arm.root` contains a dot."""
+    for end in range(2, len(words) + 1):
+        if all(isinstance(word, str) for word in words[:end]):
+            label = ".".join(map(str, words[:end]))
+            if any(_name(each) == label for each in items):
+                return [label, *words[end:]]
     return words
 
 
