@@ -12,6 +12,7 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -152,7 +153,7 @@ def make_plan(
 
     Raises
     ------
-    CaseError   a path that does not exist; a controller without `allow_code`, or together with a requested
+    CaseError   a path that does not exist; two paths to one value; a controller without `allow_code`, or together with a requested
                 accuracy; an unknown case in `keep`; unknown channels, nodes or wind speed in `output.fatigue`
     """
     family = case_family(case_file)
@@ -165,6 +166,7 @@ def make_plan(
         output.fatigue.check(family.case, table)
     _check_columns(table, output, family.raw)
     places = {path: parameter_path(path, family.raw) for path in table.columns if path not in output.labels}
+    _check_places(places)
     apart = [
         path
         for path, place in places.items()
@@ -198,6 +200,13 @@ def _check_columns(table: CaseTable, output: SweepOutput, raw: Raw) -> None:
         for name in names:
             if name not in table.columns:
                 raise CaseError(f"{what}: no column is named {name!r}{did_you_mean(name, table.columns)}")
+
+
+def _check_places(places: Mapping[str, KeyPath]) -> None:
+    """CaseError for a column that replaces the value of an earlier one in every case."""
+    for (one, first), (other, second) in combinations(places.items(), 2):
+        if first[: len(second)] == second:
+            raise CaseError(f"{other} replaces the value that {one} varies: keep one of the columns")
 
 
 def _is_ratio(place: KeyPath) -> bool:
