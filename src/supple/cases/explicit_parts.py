@@ -36,7 +36,8 @@ class ModalPart(CheckedTable):
         "moments at its interfaces are added",
     )
     highest_hz: Positive | None = Field(
-        None, description="frequency above which modes are omitted, Hz; they would shorten the step"
+        None,
+        description="frequency above which modes are omitted, periods per time; they would shorten the step",
     )
     spin_stiffness: bool = Field(False, description="true adds the geometric stiffness of free rotation")
     yield_stress: Positive | None = Field(
