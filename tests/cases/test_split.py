@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from fixtures.abaqus_text import abaqus_text
 
 from supple.body import LinearRayleighDamping, RayleighDamping
 from supple.cases import read_case, run_case, static_case
@@ -11,6 +12,7 @@ from supple.cases.static_case import spin_of
 from supple.errors import CaseError, ModelError, SuppleWarning
 from supple.importers import read_mesh
 from supple.machine import At
+from supple.mesh import CellType, block, strip
 
 SPLIT = "frame = { kind = "
 
@@ -79,6 +81,51 @@ def test_loads_on_nodes_are_shared_out_and_frames_follow_the_cuts(case_folder):
     assert sum(np.sum(each.vector) for each in tables.load) == pytest.approx(17.0)
     nodes = [each.nodes for each in system.loads]
     assert sum(len(each) for each in nodes) == 27
+
+
+PRESSED = """
+title = "pressed on all sides"
+[[body]]
+name = "bar"
+mesh = "bar.inp"
+MATERIAL
+frame = { kind = "mean-axis" }
+reduction = { basis = "none" }
+split = { parts = 3 }
+
+[[load]]
+kind = "pressure"
+at = "bar.ALL"
+pressure = 2.0
+
+[simulation]
+duration = 1.0
+output_step = 0.1
+step = 0.1
+"""
+
+
+@pytest.mark.filterwarnings("ignore:body 'bar'. the ties of its 3 parts:supple.errors.SuppleWarning")
+@pytest.mark.parametrize(
+    ("mesh", "material", "area"),
+    [
+        (strip(1.0, 0.1, 6, 2), "shell = { thickness = 0.01, ", 0.1),
+        (block(1.0, 0.2, 0.1, 6, 1, 1, CellType.HEXA8), "solid = { ", 0.64),
+    ],
+)
+def test_a_pressure_acts_on_the_faces_beside_a_cut_and_not_in_it(tmp_path, mesh, material, area):
+    every = ",\n".join(map(str, mesh.node_ids + 1))
+    (tmp_path / "bar.inp").write_text(abaqus_text(mesh) + f"*NSET, NSET=ALL\n{every}\n")
+    material += "youngs_modulus = 1e9, poissons_ratio = 0.3, density = 1000.0 }"
+    (tmp_path / "bar.toml").write_text(PRESSED.replace("MATERIAL", material))
+    case = read_case(tmp_path / "bar.toml")
+    pressed = 0.0
+    for load in case.system.loads:
+        corners = case.meshes[load.body].nodes[np.asarray(load.faces)]
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        pressed += np.linalg.norm(across, axis=1).sum() / 2
+    assert [load.body for load in case.system.loads] == ["bar-1", "bar-2", "bar-3"]
+    assert pressed == pytest.approx(area, rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from supple.body import BodyForm, BodySource, FlexibleBody, FullBody
 from supple.cases.bodies import Body, checked_line
@@ -28,6 +29,7 @@ from supple.importers.toml import KeyPath, LineIndex, listed_mistakes, nearest_h
 from supple.integrate import Run
 from supple.machine import At, ForceElement, SplitBody, System
 from supple.mesh import CellType, Mesh
+from supple.mesh.outer_faces import outer_triangles
 from supple.quantities import Place, Quantity, QuantityOfInterest
 from supple.reduction import BodyModes, body_modes
 from supple.results.run_summary import N_DRAWN_MODES
@@ -36,6 +38,8 @@ from supple.storage.run_inputs import Inputs
 from supple.units import UnitSystem
 
 __all__ = ["Case"]
+
+IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +110,14 @@ class Case:
         if place in [interface.name for interface in body.interface]:
             return Place(name, place)
         return Place(name, tuple(self.meshes[name].nodes_of(place).tolist()))
+
+    def pressed(self, at: str) -> IntArray:
+        """Triangles (T, 3) of outer faces, of a body or a part, with all corners in `BODY.NODE_SET`."""
+        name, _, node_set = at.partition(".")
+        for split in self._split.values():
+            if name in split.parts:
+                return split.outer_triangles(name, node_set)
+        return outer_triangles(self.meshes[name], self.meshes[name].nodes_of(node_set))
 
     def error(self, mistakes: Iterable[tuple[KeyPath, str]]) -> CaseError:
         """An error with all mistakes found after reading, such as a node set missing in a mesh."""
@@ -251,7 +263,7 @@ class Case:
             bodies.append(table.build(self.flexible.get(table.name), self.folder, self.notify, model))
         joints = [table.build(self.folder) for table in tables.joint]
         unloaded = System(tuple(bodies), tuple(joints), gravity=np.array(tables.gravity))
-        loads = [table.build(self.folder, self.place, self.meshes) for table in tables.load]
+        loads = [table.build(self.folder, self.place, self.pressed) for table in tables.load]
         forces = [table.build(self.folder) for table in (*tables.spring, *tables.element)]
         frictions = [
             table.friction.build(joint)

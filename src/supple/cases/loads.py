@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -26,8 +26,6 @@ from supple.machine import (
     ForceElement,
     Scaled,
 )
-from supple.mesh import Mesh
-from supple.mesh.outer_faces import outer_triangles
 from supple.quantities import Place
 
 
@@ -62,8 +60,8 @@ class Force(Made):
                 return FollowerTorque(first=At(body, at), torque=history)
 
 
-def _faces(at: str, _: Path, place: Callable[[str], Place], meshes: Mapping[str, Mesh]) -> np.ndarray:
-    found = outer_triangles(meshes[place(at).body], np.array(place(at).at))
+def _faces(at: str, _: Path, __: Callable[[str], Place], pressed: Callable[[str], np.ndarray]) -> np.ndarray:
+    found = pressed(at)
     if not len(found):
         raise ModelError(
             f"a pressure on '{at}' needs an outer face of a solid or shell with all corners in the set; "

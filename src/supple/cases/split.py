@@ -29,6 +29,7 @@ from supple.mesh import (
     cuts_at_sections,
     divided,
 )
+from supple.mesh.outer_faces import outer_triangles
 
 IntArray = NDArray[np.int64]
 
@@ -90,6 +91,21 @@ class SplitSource:
             (part_name(self.name, part), self.mesh.parts[part].numbers(nodes[owner == part]))
             for part in np.unique(owner).tolist()
         ]
+
+    def outer_triangles(self, part: str, node_set: str) -> IntArray:
+        """Triangles (T, 3) of the outer faces of a part with all corners in a set of the undivided body.
+
+        Corners at a cut count in every part that has them. The cut itself is no outer face.
+
+        part : name of the part;  node_set : of the undivided body
+        """
+        whole, own = self.whole.mesh, self.mesh.parts[list(self.parts).index(part)]
+        assert whole is not None
+        nodes = whole.nodes_of(node_set)
+        faces = outer_triangles(own.mesh, own.numbers(nodes[np.isin(nodes, own.nodes)]))
+        outer = set(map(frozenset, outer_triangles(whole, nodes).tolist()))
+        kept = [frozenset(face) in outer for face in own.nodes[faces].tolist()]
+        return faces[np.array(kept, dtype=bool)]
 
 
 def split_source(name: str, source: BodySource, split: Split) -> SplitSource:

@@ -237,11 +237,15 @@ def _places(text: str, split: Mapping[str, _SplitTable]) -> Sequence[tuple[str, 
 
 
 def _load_parts(load: Any, placed: Callable[[str], str], split: Mapping[str, _SplitTable]) -> Iterator[Any]:
-    if not hasattr(load, "at"):
+    name, _, node_set = getattr(load, "at", "").partition(".")
+    if isinstance(load, Force):
+        for place, share in _places(placed(load.at), split):
+            vector = tuple(share * component for component in load.vector)
+            yield load.model_copy(update={"at": place, "vector": vector})
+    elif name in split:  # a pressure
+        source = split[name].source
+        loaded = [part for part in source.parts if len(source.outer_triangles(part, node_set))]
+        for part in loaded or list(source.parts)[:1]:  # without a face, `build` raises the error
+            yield load.model_copy(update={"at": f"{part}.{node_set}"})
+    else:
         yield load
-        return
-    for place, share in _places(placed(load.at), split):
-        changed: dict[str, Any] = {"at": place}
-        if isinstance(load, Force):
-            changed["vector"] = tuple(share * component for component in load.vector)
-        yield load.model_copy(update=changed)

@@ -51,7 +51,7 @@ def export_case(
         table = next(one for one in case.tables.body if one.name == name)
         instant = case.run.start + case.run.duration if time is None else time
         loads = [
-            load.build(case.folder, case.place, case.meshes)
+            load.build(case.folder, case.place, case.pressed)
             for load in case.tables.load
             if getattr(load, "at", name).partition(".")[0] == name
         ]
