@@ -8,7 +8,7 @@ from fixtures.abaqus_text import abaqus_text
 
 from supple.cases import read_case, run_case, static_case
 from supple.cases.static_case import starting_system
-from supple.errors import CaseError
+from supple.errors import CaseError, SuppleWarning
 from supple.mesh import strip
 
 CASE = """
@@ -121,6 +121,16 @@ def test_the_equilibrium_of_a_machine_drawn_apart_is_that_of_the_assembled_one(w
 def test_what_an_integrator_would_need_is_a_mistake(written):
     with pytest.raises(CaseError, match=r"simulation\.rho_inf: not used in a kinematic run"):
         written(CASE.replace("kinematic = true", "kinematic = true\nrho_inf = 0.5"))
+
+
+@pytest.mark.filterwarnings("ignore::supple.errors.RedundantConstraintWarning")
+def test_an_error_that_is_not_estimated_is_stated(written, tmp_path):
+    short = (
+        CASE.replace("duration = 4.0", "duration = 0.05").replace("\nstep = 0.05", "\nstep = 0.005")
+        + "\n[error]\nbasis = true\n"
+    )
+    with pytest.warns(SuppleWarning, match=r"\[error\] has no effect: the error of kinematic runs is not"):
+        run_case(written(short), tmp_path)
 
 
 def test_a_body_that_corrects_itself_is_refused(written, tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,7 +23,7 @@ from supple.cases.run_page import write_run_page
 from supple.cases.static_case import starting_system
 from supple.equations import warn_of_missing_modes
 from supple.error import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors
-from supple.errors import CaseError
+from supple.errors import CaseError, SuppleWarning
 from supple.integrate import Solution, StepProgress, Validity
 from supple.machine import System
 from supple.quantities import (
@@ -126,6 +127,7 @@ def _run_case(
     progress: StepProgress,
 ) -> CaseResult:
     warn_of_units(case)
+    _warn_of_unused_error(case)
     inputs = case.inputs
     # Errors of sensors are reported before the run, not after it.
     _ = case.system, case.sensors
@@ -194,6 +196,18 @@ def _run_case(
     )
     beside.finish(drawn(system, solution, tracked), progress)
     return result
+
+
+def _warn_of_unused_error(case: Case) -> None:
+    """Issue SuppleWarning for keys of [error] in a case whose errors are not estimated."""
+    explicit = any(body.is_explicit for body in case.tables.body)
+    kind = "explicit" if explicit else "kinematic" if case.tables.simulation.kinematic else None
+    if kind is not None and case.tables.error.model_fields_set:
+        warnings.warn(
+            f"[error] has no effect: the error of {kind} runs is not estimated; remove the table",
+            SuppleWarning,
+            stacklevel=2,
+        )
 
 
 def _warn_of_damping(case: Case, system: System) -> None:
