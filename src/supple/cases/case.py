@@ -19,7 +19,7 @@ from supple.cases.control import check_code_allowed, controllers_of
 from supple.cases.notify import Notify, silent
 from supple.cases.reductions import reduction_start
 from supple.cases.sensors import SensedCase
-from supple.cases.split import SplitSource, split_source
+from supple.cases.split import SplitSource, pressed_triangles, split_source
 from supple.cases.split_tables import base_of, changed_frequencies, with_damping, with_parts
 from supple.cases.stated_error import OfInterest
 from supple.error import ErrorStudy, ReductionStart
@@ -116,7 +116,7 @@ class Case:
         name, _, node_set = at.partition(".")
         for split in self._split.values():
             if name in split.parts:
-                return split.outer_triangles(name, node_set)
+                return pressed_triangles(split, name, node_set)
         return outer_triangles(self.meshes[name], self.meshes[name].nodes_of(node_set))
 
     def error(self, mistakes: Iterable[tuple[KeyPath, str]]) -> CaseError:

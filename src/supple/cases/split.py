@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from typing import Annotated, Literal
 
 import numpy as np
@@ -92,20 +92,23 @@ class SplitSource:
             for part in np.unique(owner).tolist()
         ]
 
-    def outer_triangles(self, part: str, node_set: str) -> IntArray:
-        """Triangles (T, 3) of the outer faces of a part with all corners in a set of the undivided body.
 
-        Corners at a cut count in every part that has them. The cut itself is no outer face.
+@lru_cache(maxsize=16)
+def pressed_triangles(split: SplitSource, part: str, node_set: str) -> IntArray:
+    """Triangles (T, 3) of the outer faces of a part with all corners in a set of the undivided body.
 
-        part : name of the part;  node_set : of the undivided body
-        """
-        whole, own = self.whole.mesh, self.mesh.parts[list(self.parts).index(part)]
-        assert whole is not None
-        nodes = whole.nodes_of(node_set)
-        faces = outer_triangles(own.mesh, own.numbers(nodes[np.isin(nodes, own.nodes)]))
-        outer = set(map(frozenset, outer_triangles(whole, nodes).tolist()))
-        kept = [frozenset(face) in outer for face in own.nodes[faces].tolist()]
-        return faces[np.array(kept, dtype=bool)]
+    Corners at a cut count in every part that has them. The cut itself is no outer face. The result is cached
+    because all cases of a sweep have the same faces.
+
+    part : name of the part;  node_set : of the undivided body
+    """
+    whole, own = split.whole.mesh, split.mesh.parts[list(split.parts).index(part)]
+    assert whole is not None
+    nodes = whole.nodes_of(node_set)
+    faces = outer_triangles(own.mesh, own.numbers(nodes[np.isin(nodes, own.nodes)]))
+    outer = set(map(frozenset, outer_triangles(whole, nodes).tolist()))
+    kept = [frozenset(face) in outer for face in own.nodes[faces].tolist()]
+    return faces[np.array(kept, dtype=bool)]
 
 
 def split_source(name: str, source: BodySource, split: Split) -> SplitSource:

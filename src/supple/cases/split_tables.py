@@ -19,7 +19,7 @@ from supple.cases.damping import LinearRayleigh, LinearRayleighRatio, Rayleigh, 
 from supple.cases.interfaces import InterfaceTable
 from supple.cases.joints import JointTable
 from supple.cases.loads import Force
-from supple.cases.split import SplitSource
+from supple.cases.split import SplitSource, pressed_triangles
 from supple.cases.table import named_in
 from supple.errors import ModelError, SuppleWarning
 from supple.machine import At
@@ -244,7 +244,7 @@ def _load_parts(load: Any, placed: Callable[[str], str], split: Mapping[str, _Sp
             yield load.model_copy(update={"at": place, "vector": vector})
     elif name in split:  # a pressure
         source = split[name].source
-        loaded = [part for part in source.parts if len(source.outer_triangles(part, node_set))]
+        loaded = [part for part in source.parts if len(pressed_triangles(source, part, node_set))]
         for part in loaded or list(source.parts)[:1]:  # without a face, `build` raises the error
             yield load.model_copy(update={"at": f"{part}.{node_set}"})
     else:
