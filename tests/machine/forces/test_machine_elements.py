@@ -224,6 +224,17 @@ def test_a_free_motion_of_a_bushing_is_coupled_to_no_other():
         m.Bushing(**ENDS, stiffness=coupled)
 
 
+def test_vectors_may_be_arrays():
+    """A bushing displaced by its offset is free of force; a gear keeps its given line of centres."""
+    offset = np.array([0.1, 0.2, -0.3])
+    bushing = m.Bushing(**ENDS, stiffness=[1.0] * 6, offset=offset).assembled(np.zeros(3), np.ones(3))
+    still = Pose(jnp.zeros(3), jnp.eye(3), jnp.zeros(3), jnp.zeros(3))
+    _, on_second = bushing.wrenches(still, still._replace(point=offset), None, bushing.parameters)
+    np.testing.assert_allclose(on_second.force, 0.0, atol=1e-15)
+    gear = m.Gear(**ENDS, axis=(0, 0, 1), teeth=(10, 20), stiffness=1.0, line=np.array([0.0, 1.0, 0.0]))
+    np.testing.assert_allclose(gear.assembled(np.zeros(3), np.ones(3)).initial_axes[:, 0], [0, 1, 0])
+
+
 def test_tables_in_one_variable_and_in_two():
     curve = m.Curve([0, 1, 3], [2, 4, 0])
     np.testing.assert_allclose([curve(x) for x in (-1, 0, 0.5, 2, 3, 9)], [2, 2, 3, 2, 0, 0])

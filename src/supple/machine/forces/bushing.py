@@ -58,7 +58,8 @@ class Bushing(AxialElement):
     @property
     def parameters(self) -> tuple[Any, ...]:
         """`(K, C, d_0)`."""
-        return (np.array(self.stiffness), np.array(self.damping), np.array(self.offset or np.zeros(3)))
+        offset = np.zeros(3) if self.offset is None else np.array(self.offset)
+        return (np.array(self.stiffness), np.array(self.damping), offset)
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> Bushing:
         """The bushing with the offset of its ends at assembly as `d_0`, if none is given."""

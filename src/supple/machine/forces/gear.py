@@ -79,7 +79,7 @@ class Gear(AxialElement):
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> Gear:
         """The gear with its line of centres at assembly, if none is given."""
-        return self if self.line else replace(self, line=tuple((second - first).tolist()))
+        return self if self.line is not None else replace(self, line=tuple((second - first).tolist()))
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
