@@ -253,6 +253,14 @@ def test_what_has_no_constant_equations_is_refused(flat_strip):
         linearize(machine, spin=Spin(3.0, (0, 0, 1), bodies=["stirp"]))
 
 
+@pytest.mark.parametrize("spin", [None, Spin(5.0, (0, 0, 1))])
+def test_a_machine_without_free_motion_has_no_modes(spin):
+    rotor = RigidBody("rotor", 1.0, (0.5, 0, 0), np.eye(3), {"hub": (0, 0, 0)})
+    drive = PrescribedRotation(first=GROUND, second=At("rotor", "hub"), axis=(0, 0, 1), angle=0.0)
+    with pytest.raises(ModelError, match=r"leave the machine no free motion.*Leave a motion free"):
+        linearize(System((rotor,), (drive,)), spin=spin)
+
+
 def test_of_modes_as_slow_as_each_other_those_that_grow_come_first():
     rod = RigidBody("rod", 1.0, (0, 0, 0.5), np.eye(3) / 12, {"hinge": (0, 0, 0)})
     hinge = Revolute(first=GROUND, second=At("rod", "hinge"), axis=(0, 1, 0))

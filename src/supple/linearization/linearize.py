@@ -70,8 +70,9 @@ def linearize(
 
     Raises
     ------
-    ModelError          a machine whose equilibrium varies with rotation, with drives of another speed, or
-                        with joint friction in rotation; with full bodies or controllers, equations that vary
+    ModelError          a machine without free motions; one whose equilibrium varies with rotation, with
+                        drives of another speed, or with joint friction in rotation; with full bodies or
+                        controllers, equations that vary
     ConvergenceError    no equilibrium
     """
     frictions = [load for load in system.loads if isinstance(load, JointFriction)]
@@ -92,6 +93,12 @@ def linearize(
         basis = sparse.slow.motions
     else:
         basis = _free_motions(equations)
+        if not basis.shape[1]:
+            raise ModelError(
+                "the joints leave the machine no free motion, and its bodies do not deform: it has no "
+                "linear equations and no modes. Leave a motion free (a joint with more freedom, or a "
+                "spring in place of a joint), or give a body that deforms"
+            )
     projected = _Projected.of(equations, basis)
     if spin is not None and spin.rate:
         what, change = _change(found, projected, basis, time, spin)
