@@ -9,7 +9,7 @@ from fixtures.bar_of_every_form import DENSITY, LENGTH, MODULUS, WIDTH, bar_as, 
 from scipy.spatial.transform import Rotation
 
 import supple as sp
-from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
+from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
 from supple.errors import BasisWarning, ModelError, StartWarning
 from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, FloatingMotion, Run, Solution, Statistics
@@ -241,6 +241,30 @@ def test_a_controller_has_its_states_at_the_end_of_a_run_alone():
     with pytest.warns(StartWarning, match="restarts"):
         (anew,) = Start(through, 0.05).place(machine).system.controllers
     assert anew.initial == pytest.approx([0.0])
+
+
+def test_a_controller_goes_on_with_the_revolutions_that_it_counted():
+    """A rotor at its set-point, four revolutions away, stays there; without the count it would turn on."""
+    rotor = RigidBody("rotor", 1.0, np.zeros(3), np.eye(3), {"hub": np.zeros(3)})
+    hinge = Revolute(first="ground", second="rotor.hub", axis=(0, 0, 1), name="hinge")
+    target, rate = 8 * np.pi + 0.3, 10.0
+    servo = Controller(
+        reads={"hinge": JointReading("hinge")},
+        drives={"motor": TorqueBetween(first="ground", second="rotor.hub", axis=(0, 0, 1))},
+        outputs=lambda _, reads, __: {
+            "motor": rate**2 * (target - reads["hinge"].angle) - 2 * rate * reads["hinge"].rate
+        },
+    )
+    machine = System([rotor], [hinge], controllers=[servo])
+    through = simulate(machine, Run(2.0, 1.0, step=FixedStep(2e-3)))
+    begun = Start(through).place(machine)
+    angle = begun.system.controllers[0].reads["hinge"].near
+    assert angle == pytest.approx(target, abs=1e-5)
+    went_on = simulate(begun.system, Run(0.1, 0.05, step=FixedStep(2e-3), start=begun.time))
+    turned = Rotation.from_matrix(went_on.bodies["rotor"].rotation).as_rotvec()[:, 2]
+    assert turned == pytest.approx([0.3] * 3, abs=1e-5)
+    with pytest.warns(StartWarning, match="revolutions of the joint angles"):
+        Start(through, 1.0).place(machine)
 
 
 def test_controllers_in_another_order_keep_their_own_states():

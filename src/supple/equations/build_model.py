@@ -401,13 +401,14 @@ def _readers(system: System, reads: Mapping[str, Reading], places: _BodyPlaces) 
     joints = {joint.name: joint for joint in system.joints}
 
     def reader(name: str, reading: Reading) -> Reader:
+        near = 0.0
         if isinstance(reading, JointReading):
-            ends = _both_ends(system, joints[reading.joint])
+            ends, near = _both_ends(system, joints[reading.joint]), reading.near
         else:
             own = _end(system, reading.at, np.eye(3), np.zeros(3))
             ends = own, own
         first, second = (_ends(places, [end]) for end in ends)
-        return Reader(name, isinstance(reading, JointReading), first, second)
+        return Reader(name, isinstance(reading, JointReading), first, second, np.float64(near))
 
     return tuple(reader(name, reading) for name, reading in reads.items())
 

@@ -129,7 +129,7 @@ def resting_control(model: Model, states: Any) -> ControlStep | None:
         return None
     every = []
     for law, own in zip(model.controllers, states_by_controller(model, states), strict=True):
-        every.append(np.concatenate([own, np.zeros(sum(reader.of_joint for reader in law.readers))]))
+        every.append(np.array([*own, *(reader.near for reader in law.readers if reader.of_joint)]))
     none = tuple(np.zeros(np.shape(law.initial)) for law in model.controllers)
     empty: tuple[dict[str, Any], ...] = tuple({} for _ in every)
     return ControlStep(ControlState(tuple(every), none, empty, empty), np.zeros(()))

@@ -35,8 +35,8 @@ def fresh_control(system: System) -> ControlState | None:
     for controller in system.controllers:
         sampled = isinstance(controller, SampledController)
         own = np.zeros(0) if sampled else np.array(controller.initial)
-        n_joints = sum(isinstance(reading, JointReading) for reading in controller.reads.values())
-        states.append(np.concatenate([own, np.zeros(n_joints)]))
+        angles = [reading.near for reading in controller.reads.values() if isinstance(reading, JointReading)]
+        states.append(np.concatenate([own, np.array(angles)]))
         rates.append(np.zeros(len(own)))
         shapes = {name: element.value_shape for name, element in controller.drives.items()}
         held.append({name: np.zeros(shape) for name, shape in shapes.items()} if sampled else {})
@@ -72,13 +72,19 @@ def kept_control(model: Model, control: ControlState | None) -> dict[str, np.nda
     return {name: np.asarray(leaf) for name, leaf in _named(control, names)}
 
 
-def kept_states(known: Mapping[str, np.ndarray], controller: Controller) -> np.ndarray | None:
-    """The own states of a controller from `kept_control`; None if it had none or another number of them."""
+def kept_states(
+    known: Mapping[str, np.ndarray], controller: Controller
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """The states of a controller, and the angles of joints that it reads, from `kept_control`.
+
+    None if they are unknown, or if their numbers differ.
+    """
     name, n = _key(controller.name), len(controller.initial)
     states, rates = (known.get(f"control.{item}.{name}") for item in ("states", "rates"))
-    if states is None or rates is None or len(rates) != n:
+    n_joints = sum(isinstance(reading, JointReading) for reading in controller.reads.values())
+    if states is None or rates is None or (len(rates), len(states)) != (n, n + n_joints):
         return None
-    return np.asarray(states)[:n]  # angles of joints follow
+    return np.asarray(states)[:n], np.asarray(states)[n:]
 
 
 def resumed_control(system: System, known: Mapping[str, Any]) -> ControlState | None:

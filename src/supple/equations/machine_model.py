@@ -157,6 +157,8 @@ class Reader:
     of_joint: bool = field(metadata=STATIC)
     first: Ends
     second: Ends
+    near: Any
+    """As in `JointReading`"""
 
 
 @jax.tree_util.register_dataclass

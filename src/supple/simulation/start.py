@@ -14,7 +14,7 @@ from supple.body import BodyForm
 from supple.equations.control_start import kept_states
 from supple.errors import BasisWarning, ModelError, StartWarning, did_you_mean
 from supple.integrate import FloatingMotion, FramedMotion, Motion, Solution
-from supple.machine import Controller, Placed, System
+from supple.machine import Controller, JointReading, Placed, System
 from supple.methods.intrinsic.continuation import placed_at_instant
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.simulation.carried_deformation import (
@@ -216,16 +216,25 @@ class Start:
         return then.body
 
     def _goes_on(self, controller: Any) -> Any:
-        """The controller with its states at the end of the motion if the start is there, else unchanged."""
-        known = self.solution.engine_state if self.row == len(self.solution.times) - 1 else {}
+        """The controller with its states and joint angles at the end of the motion, if the start is there.
+
+        Otherwise the controller is unchanged.
+        """
         is_traced = isinstance(controller, Controller)
-        states = kept_states(known, controller) if is_traced else None
-        if states is not None:
-            return replace(controller, initial=states)
-        if not is_traced or len(controller.initial):
+        kept = kept_states(self.solution.engine_state, controller) if is_traced else None
+        if kept is not None and self.row == len(self.solution.times) - 1:
+            states, angles = kept[0], iter(kept[1].tolist())
+            reads = {
+                name: replace(each, near=next(angles)) if isinstance(each, JointReading) else each
+                for name, each in controller.reads.items()
+            }
+            return replace(controller, initial=states, reads=reads)
+        revolved = kept is not None and bool(np.any(np.abs(kept[1]) > np.pi))
+        if not is_traced or len(controller.initial) or revolved:
             warnings.warn(
-                f"controller '{controller.name}' restarts: states of controllers are stored by their names, "
-                "only at the end of a run, those of sampled controllers only for --resume",
+                f"controller '{controller.name}' restarts: states of controllers, and revolutions of the "
+                "joint angles that they read, are stored by their names, only at the end of a run, those of "
+                "sampled controllers only for --resume",
                 StartWarning,
                 stacklevel=4,
             )

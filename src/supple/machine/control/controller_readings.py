@@ -20,6 +20,8 @@ class JointReading:
 
     joint: str
     """Name of the joint"""
+    near: float = 0.0
+    """The initial angle is within half a revolution of this one, rad; `Start` sets it"""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from jax.flatten_util import ravel_pytree
 from supple.equations.checks.start_report import report_start
 from supple.equations.compiler_options import MARCHING, STARTING
 from supple.equations.configuration import ControlState, SystemMotion
-from supple.equations.control_start import first_control, fresh_control
+from supple.equations.control_start import first_control, fresh_control, kept_control
 from supple.equations.sampling import sampling_of
 from supple.errors import ModelError
 from supple.integrate import GeneralizedAlpha, Leg, Run, Solution, Statistics, leg_size
@@ -229,6 +229,7 @@ class JoinedEngine:
             for number, leaf in enumerate(jax.tree.leaves(leg.last))
         }
         state["active"] = np.array(self._arrays.model.active, dtype=float)
+        state |= kept_control(self._arrays.model, leg.last.control)
         return joined_solution(self.machine, now, velocities, rates, multipliers, leg.statistics, state)
 
 
