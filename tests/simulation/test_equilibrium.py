@@ -135,6 +135,36 @@ def test_a_bar_that_turns_is_stretched(form):
     assert found == pytest.approx([np.tan(k * length) / k - length, 0.0, 0.0], rel=5e-3, abs=1e-8)
 
 
+X, TOP = (1, 0, 0), (0, 0, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("joint", "spin", "fixes"),
+    [
+        (Fixed, Spin(5.0, X, TOP, ["rotor"]), "rotation x"),
+        (Revolute, Spin(5.0, X, bodies=["rotor"]), "position x"),
+        (Revolute, Spin(5.0, (0, 0, 1), bodies=["rotor"]), "tilt about y"),
+        (Revolute, Spin(5.0, (-1, 0, 0), TOP, ["rotor"]), None),
+        (PrescribedRotation, Spin(5.0, X, TOP, ["rotor"]), None),
+    ],
+)
+def test_a_joint_to_what_stands_lets_a_body_spin_or_is_an_error(joint, spin, fixes):
+    """A rotor on a tower, whose centre of mass is 0.1 from its axis: it pulls its bearing by m e w^2."""
+    mass, offset, eye = 2.0, 0.1, np.eye(3)
+    tower = RigidBody("tower", 5.0, np.zeros(3), eye, {"base": np.zeros(3), "top": np.array(TOP)})
+    rotor = RigidBody("rotor", mass, np.array([0, offset, 0]), eye, {"hub": np.zeros(3)})
+    own = {Revolute: {"axis": X}, PrescribedRotation: {"axis": X, "angle": 0.0}}.get(joint, {})
+    shaft = joint(first="tower.top", second="rotor.hub", name="shaft", **own)
+    base = Fixed(first=GROUND, second="tower.base")
+    machine = System([tower, Placed(rotor, position=TOP)], [base, shaft])
+    if fixes:
+        with pytest.raises(ModelError, match=f"'shaft' prevents the spin: .* 'tower.top' .* fixes {fixes}"):
+            equilibrium(machine, spin=spin)
+    else:
+        force = equilibrium(machine, spin=spin).joint_forces["shaft"][:3]
+        assert np.linalg.norm(force) == pytest.approx(mass * offset * spin.rate**2, rel=1e-9)
+
+
 @pytest.mark.parametrize("frame", [NodalFixedFrame("root"), MeanAxisFrame()], ids=["fixed", "mean"])
 def test_small_deflections_are_those_of_a_beam(frame):
     load = 0.01

@@ -118,7 +118,8 @@ def equilibrium(
     ------
     ModelError          the errors of joints at the start of a run; a sampled controller; a full body that
                         does not belong to a reduced body of the machine; an intrinsic body whose support
-                        prevents the spin; a table that has no value at `time`
+                        prevents the spin; a joint between rotating and fixed bodies that prevents it; a
+                        table that has no value at `time`
     ConvergenceError    no equilibrium was found, of the machine or of a controller's states
     Warns BasisWarning where the error of a body is 1 % of its largest displacement or more, or unknown.
     Source: [KelleyKeyes1998] for the search.

@@ -22,6 +22,7 @@ from supple.errors import ModelError
 from supple.machine import Controller, Placed, SampledController, Spin, System
 from supple.machine.laws.time_law import check_law_covers
 from supple.simulation.equations_of import equations_of
+from supple.simulation.spin_of_joints import check_joints_permit
 
 __all__ = ["RestingState", "at_rest", "placed_at_rest", "resting_state"]
 
@@ -57,6 +58,7 @@ def resting_state(
     turning = SteadyRotation(np.zeros((len(system.bodies), 3)), np.zeros(3))
     if spin is not None:
         turning = SteadyRotation(spin.angular_velocities(system), spin.point)
+        check_joints_permit(system, turning, time)
     still = replace(system, bodies=tuple(at_rest(placed) for placed in system.bodies))
     equations = equations_of(still, turning if spin else None, time)
     state, iterations = search_equilibrium(equations, equations.start(), time, search, progress)
