@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import sys
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from fixtures.beam_bodies import beam_body
 
+from supple.algebra.rotation import rotation_exp
 from supple.body import NodalFixedFrame, RigidBody
 from supple.errors import ImportFormatError, ModelError
 from supple.integrate import FixedStep, Run
 from supple.machine import (
+    GROUND,
     At,
     Ball,
     Cylindrical,
@@ -25,6 +28,7 @@ from supple.machine import (
     Universal,
     read_mujoco,
 )
+from supple.machine.pose import Pose
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 from supple.simulation import simulate
 
@@ -174,6 +178,30 @@ def test_limits_are_stops():
     assert motion.bodies["b"].position[-1, 2] == pytest.approx(1 - 0.01 - 9.81 * 0.02**2, abs=1e-5)
 
 
+@pytest.mark.parametrize("kind", ["ball", "free"])
+def test_springs_and_dampers_of_balls_and_free_bodies(kind):
+    """Moment -k theta - c w about any axes, and for a free body the force -k x - c v, as in MuJoCo."""
+    k, c = 3.0, 0.5
+    system = read_mujoco(with_joints(f'<joint type="{kind}" stiffness="{k}" damping="{c}"/>'))
+    turn, spin, place, velocity = np.array([[1.2, 0, 0.3], [0.2, 2, 1], [0.1, 0.2, 0.3], [1, -2, 3.0]])
+    zero = jnp.zeros(3)
+    still = Pose(zero, jnp.eye(3), zero, zero)
+    moved = Pose(
+        jnp.asarray(place), rotation_exp(jnp.asarray(turn)), jnp.asarray(velocity), jnp.asarray(spin)
+    )
+    force, moment = np.zeros((2, 3))
+    for load in system.loads:
+        assert load.first == GROUND
+        axes = load.initial_axes
+        ends = still._replace(axes=still.axes @ axes), moved._replace(axes=moved.axes @ axes)
+        parameters = load.assembled(np.zeros(3), np.zeros(3)).parameters
+        wrench = load.wrenches(*ends, None if load.law is None else load.law(0.0), parameters)[1]
+        force, moment = force + np.asarray(wrench.force), moment + np.asarray(wrench.moment)
+    expected = -k * place - c * velocity if kind == "free" else np.zeros(3)
+    np.testing.assert_allclose(force, expected, atol=1e-12)
+    np.testing.assert_allclose(moment, -k * turn - c * spin, rtol=1e-12)
+
+
 def test_loops_are_closed():
     inside = """<body name="c" pos="1 0 0"><joint name="k" axis="0 1 0"/>
     <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body>"""
@@ -263,6 +291,7 @@ def test_what_is_not_read():
         ('<option density="1.2"/>', "", "fluid"),
         ('<option><flag gravity="disable"/></option>', "", "flags"),
         ("", 'gravcomp="1"', "gravcomp"),
+        ('<default><joint damping="1 0.5"/></default>', "", "polynomials"),
     ],
 )
 def test_forces_that_are_not_read_are_refused(option, body, feature):

@@ -41,6 +41,7 @@ _FREE, _BALL, _SLIDE, _HINGE = 0, 1, 2, 3
 _CONNECT, _WELD = 0, 1
 _DISABLED = 1 | 2 | 8 | 32 | 64 | 128
 """Flags that disable constraints, connections, limits, springs, dampers and gravity"""
+_POLYNOMIALS = ("jnt_stiffnesspoly", "dof_dampingpoly")
 _PARALLEL = 1e-6
 _PLACE = 1e-6
 """Largest distance of an interface from its joint, relative to the largest coordinate of the joints."""
@@ -89,7 +90,8 @@ def read_mujoco(
     leave_out : features of the file to omit: "actuators", "tendons", "friction", "armature", "equality"
         (constraints other than connect and weld), "gravcomp" (gravity compensation of bodies), "fluid"
         (density and viscosity around the bodies), "flex" (deformable objects), "flags" (that disable gravity,
-        springs, dampers, limits or constraints), "limits" (of joint motions)
+        springs, dampers, limits or constraints), "limits" (of joint motions), "polynomials" (terms of higher
+        order in the stiffness and damping of joints)
     Raises
     ------
     ImportFormatError   mujoco missing (install `supple[mujoco]`); a file that MuJoCo rejects
@@ -146,6 +148,10 @@ def _check_left_out(reader: _Reader, allowed: set[str]) -> None:
         "actuators": (int(model.nu), "give the machine motors or controllers"),
         "tendons": (int(model.ntendon), "write them as springs"),
         "friction": (int(np.sum(model.dof_frictionloss > 0)), "add HingeFriction or SlideFriction"),
+        "polynomials": (
+            sum(int(np.count_nonzero(getattr(model, name, 0))) for name in _POLYNOMIALS),
+            "write these stiffnesses and dampings of joints as TabledTorque or TabledForce",
+        ),
         "armature": (int(np.sum(model.dof_armature > 0)), "add it to the inertia of the bodies"),
         "equality": (others, "write it as gears or joints"),
         "gravcomp": (int(np.sum(model.body_gravcomp != 0)), "write it as a load on the body"),
@@ -231,7 +237,8 @@ class _Reader:
         """Append the joint between a body and its parent, and the springs, dampers and stops of the joint."""
         model, data = self.model, self.data
         kinds = [int(model.jnt_type[j]) for j in own]
-        if kinds == [_FREE]:
+        forces = model.jnt_stiffness[own].any() or model.dof_damping[model.jnt_dofadr[own]].any()
+        if kinds == [_FREE] and not forces:
             return
         name = self.label(model.name_jntadr, own[0], f"{self.label(model.name_bodyadr, body, 'body')}_joint")
         anchors, axes = data.xanchor[own], data.xaxis[own]
@@ -239,6 +246,9 @@ class _Reader:
             "first": self.end(groups, parent, name, anchors[0]),
             "second": self.end(groups, body, name, anchors[0]),
         }
+        if kinds == [_FREE]:
+            loads += self._in_joint(own[0], ends, is_universal=False, limits=limits)
+            return
         axis = tuple(axes[0].tolist())
         parallel = len(own) == 2 and np.linalg.norm(np.cross(axes[0], axes[1])) < _PARALLEL
         across = len(own) == 2 and abs(axes[0] @ axes[1]) < _PARALLEL
@@ -261,9 +271,9 @@ class _Reader:
                 "of small mass between them"
             )
         for j in own:
-            loads += self._in_joint(j, ends, isinstance(joints[-1], Universal), limits)
+            loads += self._in_joint(j, ends, is_universal=isinstance(joints[-1], Universal), limits=limits)
 
-    def _in_joint(self, j: int, ends: dict[str, At], is_universal: bool, limits: bool) -> list[Load]:
+    def _in_joint(self, j: int, ends: dict[str, At], *, is_universal: bool, limits: bool) -> list[Load]:
         """Spring, damper and stop of a joint; ModelError for those that are not read."""
         model = self.model
         kind, dof = int(model.jnt_type[j]), int(model.jnt_dofadr[j])
@@ -282,15 +292,16 @@ class _Reader:
                 f"{self.name}: springs and dampers in universal joints are not read; put a body of "
                 "small mass between the two hinges"
             )
-        if kind == _BALL and (k or c):
-            found.append(
-                Bushing(
-                    first=ends["first"],
-                    second=ends["second"],
-                    stiffness=(0, 0, 0, k, k, k),
-                    damping=(0, 0, 0, c, c, c),
-                )
-            )
+        if kind in (_BALL, _FREE) and (k or c):
+            along = float(kind == _FREE)
+            stiffness, damping = [along * k] * 3 + [k] * 3, [along * c] * 3 + [0.0] * 3
+            first, second = ends["first"], ends["second"]
+            found.append(Bushing(first=first, second=second, stiffness=stiffness, damping=damping))
+            # A bushing damps the rate of the rotation vector, MuJoCo the angular velocity.
+            axes = np.eye(3).tolist() if c else []
+            found += [
+                TorsionSpringDamper(first=first, second=second, axis=tuple(each), damping=c) for each in axes
+            ]
         elif kind == _HINGE and (k or c):
             found.append(TorsionSpringDamper(**ends, axis=axis, stiffness=k, damping=c, rest_angle=rest))
         elif kind == _SLIDE and (k or c):
