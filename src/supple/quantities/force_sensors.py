@@ -113,16 +113,25 @@ class _OfElement:
 class SpringForceSensor(_OfElement):
     """Force and moment of a force element on its second end, global components, (t, 6).
 
-    element : ForceElement      a load of the machine, or a hypothetical element
+    element : ForceElement      a load of the machine, or a hypothetical element; not one that a controller
+        drives, whose output the sensor cannot compute
     """
 
     def channels(self, system: System) -> Sequence[Channel]:
         """Fx, Fy, Fz, Mx, My, Mz."""
         check_ends(system, self.name, self.element)
+        for controller in system.controllers:
+            if any(each is self.element for each in controller.drives.values()):
+                raise ModelError(
+                    f"sensor '{self.name}': {self.element.label} is driven by controller "
+                    f"'{controller.name}', whose outputs are not stored: measure what the controller reads, "
+                    "and compute the force with its law"
+                )
         return six_channels("global")
 
     def values(self, system: System, solution: Solution) -> Array:
         """(t, 6)."""
+        self.channels(system)
         return self._read(system, solution)[:, :6]
 
 
