@@ -302,6 +302,23 @@ def test_forces_that_are_not_read_are_refused(option, body, feature):
     assert len(read_mujoco(text, leave_out=[feature]).joints) == 1
 
 
+@pytest.mark.parametrize(("half", "fits"), [(0.15, True), (0.25, False)])
+def test_a_weld_at_another_rotation_is_refused(half, fits):
+    """The file has the second body turned by 0.3 rad."""
+    relpose = f"1 0 0 {np.cos(half)} 0 0 {np.sin(half)}"
+    text = with_joints(
+        '<joint axis="0 0 1"/>',
+        more=f"""<worldbody><body name="c" pos="1 0 1" euler="0 0 0.3"><freejoint/>
+        <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body></worldbody>
+        <equality><weld name="w" body1="b" body2="c" relpose="{relpose}"/></equality>""",
+    )
+    if fits:
+        assert isinstance(read_mujoco(text).joints[-1], Fixed)
+    else:
+        with pytest.raises(ModelError, match="the weld 'w' holds its bodies at another relative rotation"):
+            read_mujoco(text)
+
+
 def test_without_the_library(monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(ImportFormatError, match=r"pip install 'supple\[mujoco\]'"):

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from supple.arguments import checked_arguments
 from supple.body import RigidBody
@@ -43,6 +44,8 @@ _DISABLED = 1 | 2 | 8 | 32 | 64 | 128
 """Flags that disable constraints, connections, limits, springs, dampers and gravity"""
 _POLYNOMIALS = ("jnt_stiffnesspoly", "dof_dampingpoly")
 _PARALLEL = 1e-6
+_TURNED = 1e-3
+"""Largest difference of rotations at which a weld counts as closed, as for joints at the start of a run."""
 _PLACE = 1e-6
 """Largest distance of an interface from its joint, relative to the largest coordinate of the joints."""
 
@@ -337,6 +340,11 @@ class _Reader:
         rate = 1 / (time * ratio) ** 2 if time > 0 else -time  # negative numbers are stiffness and damping
         return Penalty(stiffness=inertia * rate)
 
+    def _weld_rotation(self, number: int) -> Array:
+        """Rotation (3, 3) at which a weld of bodies holds the second body relative to the first."""
+        w, x, y, z = self.model.eq_data[number][6:10]
+        return Rotation.from_quat([x, y, z, w]).as_matrix() if any((w, x, y, z)) else np.eye(3)
+
     def close_loops(self, groups: dict[int, _Group], joints: list[Joint]) -> None:
         """Append joints for the active connect and weld constraints of the file to `joints`."""
         model, data = self.model, self.data
@@ -348,7 +356,9 @@ class _Reader:
             if int(model.eq_objtype[number]) == 6:  # sites
                 sites, bodies = bodies, [int(model.site_bodyid[site]) for site in bodies]
                 points = [np.array(data.site_xpos[site]) for site in sites]
+                axes, held = data.site_xmat[sites], np.eye(3)
             else:
+                axes, held = data.xmat[bodies], self._weld_rotation(number)
                 local = model.eq_data[number]
                 at = (local[:3], local[3:6]) if kind == _CONNECT else (local[3:6], local[:3])
                 points = [
@@ -356,6 +366,12 @@ class _Reader:
                     for body, place in zip(bodies, at, strict=True)
                 ]
             name = self.label(model.name_eqadr, number, f"loop_{number + 1}")
+            apart = held - axes[0].reshape(3, 3).T @ axes[1].reshape(3, 3)
+            if kind == _WELD and np.abs(apart).max() > _TURNED:
+                raise ModelError(
+                    f"{self.name}: the weld '{name}' holds its bodies at another relative rotation than that "
+                    "in the file (relpose, or the axes of its sites): place the bodies at this rotation"
+                )
             ends = [self.end(groups, body, name, point) for body, point in zip(bodies, points, strict=True)]
             first, second = ends if ends[1] != GROUND else ends[::-1]
             joints.append((Ball if kind == _CONNECT else Fixed)(first=first, second=second, name=name))
