@@ -6,6 +6,7 @@ import pytest
 from supple.body import mesh_mass_properties, rigid_mass_properties
 from supple.errors import ModelError
 from supple.fem import (
+    BeamSection,
     CellMass,
     HomogeneousSection,
     Isotropic,
@@ -121,6 +122,22 @@ def test_a_lumped_mass_beside_its_nodes_stays_where_it_is():
     model = finite_element_model(mesh, (section,), mass_of=CellMass.lumped)
     centre = rigid_mass_properties(model.mass, mesh.nodes, 6).centre
     np.testing.assert_allclose(centre - mesh.nodes.mean(axis=0), [0, 0, 0.05], atol=1e-12)
+
+
+def test_lumped_mass_of_a_beam_is_at_its_ends():
+    """Half of the mass at each end, also where the offsets of the ends differ: one end may have none."""
+    mesh = Mesh(np.array([[0.0, 0, 0], [2.0, 0, 0]]), {CellType.LINE2: np.array([[0, 1]])})
+    arms = np.array([[[0.0, 0, 0], [0, 0.3, 0.4]]])
+    bar = BeamSection(Isotropic(1.0, 0.3, 5.0), 1e-2, 1e-9, 1e-9, 1e-9, orientation=(0, 1, 0))
+    model = finite_element_model(
+        mesh, (Section(CellType.LINE2, np.arange(1), bar, offsets=arms),), mass_of=CellMass.lumped
+    )
+    assert np.linalg.eigvalsh(model.mass.toarray())[0] > 0
+    half = 5.0 * 1e-2 * np.sqrt(4.25) / 2
+    for node, arm in enumerate(arms[0]):
+        expected = rigid_mass(half, arm, about_origin(half, arm, np.zeros((3, 3))))
+        own = model.mass.toarray()[6 * node : 6 * node + 6, 6 * node : 6 * node + 6]
+        np.testing.assert_allclose(own, expected, rtol=1e-9, atol=1e-7)
 
 
 def test_a_lumped_mass_of_no_density_is_none():

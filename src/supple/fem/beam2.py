@@ -193,7 +193,8 @@ def chord_stiffness(L: FloatArray, section: LineSection) -> FloatArray:
 def beam_mass(line: BeamLine, nodes: NDArray[np.int64], section: LineSection) -> CellMass:
     """Consistent mass of beams with linear shape functions: m L/6 (1 + delta_ab), also for rotary inertia.
 
-    The mass of released freedoms remains at their nodes.
+    The mass of released freedoms remains at their nodes. Lumped mass is at the ends of the beam, so that it
+    is positive semidefinite for any offsets; sums of rows are not if the offsets of the ends differ.
     """
     s, weights = np.polynomial.legendre.leggauss(2)
     s, weights = (1 + s) / 2, weights / 2
@@ -204,7 +205,9 @@ def beam_mass(line: BeamLine, nodes: NDArray[np.int64], section: LineSection) ->
     mass = line.length[:, None, None] * (of_ends.swapaxes(1, 2) @ of_length @ of_ends)
     translational = line.length[:, None, None] * of_length[::6, ::6]
     mass.reshape(-1, 2, 6, 2, 6)[:, :, np.arange(3), :, np.arange(3)] -= translational
-    return CellMass(nodes, translational, coupled=mass)
+    at_ends = line.length[:, None, None, None] * np.einsum("p,pa,pij->aij", weights, shape, inertia)
+    arms = np.stack([of_ends[:, :6, :6], of_ends[:, 6:, 6:]], axis=1)
+    return CellMass(nodes, translational, coupled=mass, nodal=arms.swapaxes(2, 3) @ at_ends @ arms)
 
 
 def _gradients(L: FloatArray) -> FloatArray:

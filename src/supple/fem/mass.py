@@ -29,12 +29,15 @@ class CellMass:
     coupled : float array (E, 6 k, 6 k) or None
             remaining terms, in all freedoms of the nodes: rotary inertia of beams, eccentric mass; kg, kg m
             and kg m^2
+    nodal : float array (E, k, 6, 6) or None
+            the whole mass of each node after lumping, which `lumped` then uses; None: `lumped` sums rows
     """
 
     nodes: NDArray[np.int64]
     translational: FloatArray
     rotary: FloatArray | None = None
     coupled: FloatArray | None = None
+    nodal: FloatArray | None = None
 
     def lumped(self) -> CellMass:
         """Lumped mass with equal total: the diagonal of the consistent mass, scaled.
@@ -43,6 +46,10 @@ class CellMass:
         (1976) 245-249. Unlike row sums, this mass is positive on quadratic cells. Coupled terms are summed
         by rows into one symmetric 6 x 6 block per node, which need not be diagonal.
         """
+        if self.nodal is not None:
+            own, coupled = self.nodal[:, :, 0, 0], self.nodal.copy()
+            coupled[..., range(3), range(3)] -= own[..., None]
+            return CellMass(self.nodes, _diagonal(own), coupled=_block_diagonal(coupled))
         rotary = None if self.rotary is None else _scaled_diagonal(self.rotary)
         coupled = None if self.coupled is None else _at_nodes(self.coupled)
         return CellMass(self.nodes, _scaled_diagonal(self.translational), rotary, coupled)
@@ -115,16 +122,24 @@ def _scaled_diagonal(mass: FloatArray) -> FloatArray:
     diagonal = np.einsum("ekk->ek", mass)
     total, own = mass.sum(axis=(1, 2)), diagonal.sum(axis=1)
     # Both sums are zero in cells without density.
-    scaled = diagonal * np.divide(total, own, out=np.zeros_like(total), where=own != 0)[:, None]
-    return scaled[:, :, None] * np.eye(mass.shape[1])
+    return _diagonal(diagonal * np.divide(total, own, out=np.zeros_like(total), where=own != 0)[:, None])
+
+
+def _diagonal(given: FloatArray) -> FloatArray:
+    return given[:, :, None] * np.eye(given.shape[1])
 
 
 def _at_nodes(coupled: FloatArray) -> FloatArray:
     """Row sums (6, 6) of each node, symmetrised, of matrices (E, 6 k, 6 k)."""
     k = coupled.shape[1] // 6
     sums = coupled.reshape(-1, k, 6, k, 6).sum(axis=3)
-    sums = 0.5 * (sums + sums.swapaxes(2, 3))
-    alone = np.zeros((len(coupled), k, 6, k, 6))
+    return _block_diagonal(0.5 * (sums + sums.swapaxes(2, 3)))
+
+
+def _block_diagonal(blocks: FloatArray) -> FloatArray:
+    """Matrices (E, 6 k, 6 k) with the blocks (E, k, 6, 6) on their diagonals."""
+    n, k = blocks.shape[:2]
+    alone = np.zeros((n, k, 6, k, 6))
     each = np.arange(k)
-    alone[:, each, :, each] = sums.swapaxes(0, 1)
-    return alone.reshape(coupled.shape)
+    alone[:, each, :, each] = blocks.swapaxes(0, 1)
+    return alone.reshape(n, 6 * k, 6 * k)
