@@ -76,6 +76,20 @@ def test_an_instance_without_a_translation_turns(deck):
     np.testing.assert_allclose(second, np.column_stack([-NODES[:, 1], NODES[:, 0], NODES[:, 2]]), atol=1e-12)
 
 
+def test_elements_of_the_assembly_name_nodes_of_instances(deck):
+    """As Abaqus/CAE writes springs between instances, and masses on one of them."""
+    more = "*ELEMENT, TYPE=SPRINGA, ELSET=s\n1, a.4, B.7\n2, 1, b.2\n*SPRING, ELSET=s\n\n2.\n"
+    more += "*ELEMENT, TYPE=MASS, ELSET=m\n3, a.5\n*MASS, ELSET=m\n3.\n*NODE\n1, 1., 0., 0.\n"
+    made = deck(assembly(after="", more=more))
+    springs, masses = made.springs[0], made.inertias[0]
+    ends = [set((springs.freedoms[springs.rows == row] // 6).tolist()) for row in (0, 1)]
+    n = len(NODES)
+    assert ends == [{3, n + 6}, {2 * n, n + 1}]
+    assert set((masses.freedoms // 6).tolist()) == {4}
+    with pytest.raises(ImportFormatError, match=r"'c\.5' is not a whole number"):
+        deck(assembly(after="", more=more.replace("a.5", "c.5")))
+
+
 def test_a_system_of_nodes_belongs_to_its_part(deck):
     other = "*PART, NAME=other\n*NODE\n1, 1., 0., 0.\n*END PART\n*ASSEMBLY"
     text = assembly(after="", more="*NODE\n1, 1., 0., 0.\n").replace("*NODE", "*SYSTEM\n0., 0., 2.\n*NODE", 1)

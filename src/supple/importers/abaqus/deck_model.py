@@ -15,7 +15,7 @@ from supple.importers.abaqus.generated_elements import copied_elements, generate
 from supple.importers.abaqus.keyword_elements import ElementBlock, Labels
 from supple.importers.abaqus.nodes import NODE_KEYWORDS, each_once, plain_ids, read_nodes
 from supple.importers.abaqus.report import Report
-from supple.importers.keyword_file import IntegerRows, KeywordFile, fields, integers
+from supple.importers.keyword_file import IntegerRows, KeywordBlock, KeywordFile, fields, integers
 from supple.importers.plain_number import is_plain_digits
 from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals
 
@@ -271,16 +271,20 @@ def _numbered(blocks: list[ElementBlock], kept: NDArray[np.bool_]) -> Iterator[E
 
 
 def _written_elements(model: AbaqusModel, placed: ScopedBlock, kind: ElementType) -> ElementBlock:
-    file, block, name = model.file, placed.block, kind.name
+    file, name = model.file, kind.name
+    block, scopes = _with_plain_ids(model, placed)
     read = integers(file, block)
     n = kind.n_nodes
     # A beam may have one more node, towards which its first axis points.
     per_line = np.flatnonzero(np.append(read.first, True))
     if kind.family is Family.BEAM and (np.diff(per_line) == n + 2).all():
         n += 1
-    values, lines = _rows_of_elements(model, read, n + 1, name)
-    rows = values.reshape(-1, n + 1)
+    places = _rows_of_elements(model, read, n + 1, name)
+    rows, lines = read.values[places], read.lines[places[:, 0]]
     numbers, known = model.nodes.numbers(placed.scope, rows[:, 1:])
+    for scope in np.unique(scopes).tolist() if len(scopes) else ():
+        own = scopes[places[:, 1:]] == scope
+        numbers[own], known[own] = model.nodes.numbers(scope, rows[:, 1:][own])
     if not known.all():
         row, corner = np.argwhere(~known)[0]
         raise file.error(
@@ -304,10 +308,28 @@ def _written_elements(model: AbaqusModel, placed: ScopedBlock, kind: ElementType
     )
 
 
-def _rows_of_elements(
-    model: AbaqusModel, read: IntegerRows, width: int, name: str
-) -> tuple[IntArray, IntArray]:
-    """Values of elements of `width` numbers each, and the line on which each element begins.
+def _with_plain_ids(model: AbaqusModel, placed: ScopedBlock) -> tuple[KeywordBlock, IntArray]:
+    """The block without names of instances, and the scope of each of its numbers; empty if it names none.
+
+    Elements outside of instances, such as springs between them, name nodes as INSTANCE.ID.
+    """
+    block = placed.block
+    if placed.scope or not any("." in text for _, text in block.data):
+        return block, np.empty(0, dtype=np.int64)
+    known = {each.name.upper(): number for number, each in enumerate(model.scopes) if number}
+    data, scopes = list[tuple[int, str]](), list[int]()
+    for line, text in block.data:
+        words = fields(text)
+        for i, word in enumerate(words):
+            instance, _, own = word.rpartition(".")
+            scopes.append(known.get(instance.strip('"').upper(), 0))
+            words[i] = own if scopes[-1] else word
+        data.append((line, ", ".join(words)))
+    return replace(block, data=tuple(data)), np.array(scopes)
+
+
+def _rows_of_elements(model: AbaqusModel, read: IntegerRows, width: int, name: str) -> IntArray:
+    """Places (E, width) in `read` of the numbers of each element.
 
     An element begins on a new line; numbers after its last node are a doubt, since CalculiX does not read
     them.
@@ -335,8 +357,7 @@ def _rows_of_elements(
             kept.append(start)
             start = int(line_end)
         starts = np.array(kept)
-        values = values[starts[:, None] + np.arange(width)].ravel()
-    return values, lines[starts]
+    return starts[:, None] + np.arange(width)
 
 
 def _last_definitions(report: Report, what: str, labels: Labels, lines: IntArray) -> NDArray[np.bool_]:
