@@ -291,7 +291,7 @@ def test_what_is_not_read():
         ('<option density="1.2"/>', "", "fluid"),
         ('<option><flag gravity="disable"/></option>', "", "flags"),
         ("", 'gravcomp="1"', "gravcomp"),
-        ('<default><joint damping="1 0.5"/></default>', "", "polynomials"),
+        ('<default><joint damping="1 0.5"/></default>', "", "nonlinear"),
     ],
 )
 def test_forces_that_are_not_read_are_refused(option, body, feature):

@@ -41,7 +41,7 @@ class MachineFile(CheckedTable):
         (),
         strict=False,
         description='features of the file that are omitted: "actuators", "tendons", "friction", "armature", '
-        '"equality", "gravcomp", "fluid", "flex", "flags", "limits", "polynomials"',
+        '"equality", "gravcomp", "fluid", "flex", "flags", "limits", "nonlinear"',
     )
 
 

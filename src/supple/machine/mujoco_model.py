@@ -42,7 +42,8 @@ _FREE, _BALL, _SLIDE, _HINGE = 0, 1, 2, 3
 _CONNECT, _WELD = 0, 1
 _DISABLED = 1 | 2 | 8 | 32 | 64 | 128
 """Flags that disable constraints, connections, limits, springs, dampers and gravity"""
-_POLYNOMIALS = ("jnt_stiffnesspoly", "dof_dampingpoly")
+_NONLINEAR = ("jnt_stiffnesspoly", "dof_dampingpoly", "jnt_springyield")
+"""Fields that older versions of MuJoCo do not have"""
 _PARALLEL = 1e-6
 _TURNED = 1e-3
 """Largest difference of rotations at which a weld counts as closed, as for joints at the start of a run."""
@@ -93,8 +94,8 @@ def read_mujoco(
     leave_out : features of the file to omit: "actuators", "tendons", "friction", "armature", "equality"
         (constraints other than connect and weld), "gravcomp" (gravity compensation of bodies), "fluid"
         (density and viscosity around the bodies), "flex" (deformable objects), "flags" (that disable gravity,
-        springs, dampers, limits or constraints), "limits" (of joint motions), "polynomials" (terms of higher
-        order in the stiffness and damping of joints)
+        springs, dampers, limits or constraints), "limits" (of joint motions), "nonlinear" (terms of higher
+        order in the stiffness and damping of joints, and yield of springs)
     Raises
     ------
     ImportFormatError   mujoco missing (install `supple[mujoco]`); a file that MuJoCo rejects
@@ -151,8 +152,8 @@ def _check_left_out(reader: _Reader, allowed: set[str]) -> None:
         "actuators": (int(model.nu), "give the machine motors or controllers"),
         "tendons": (int(model.ntendon), "write them as springs"),
         "friction": (int(np.sum(model.dof_frictionloss > 0)), "add HingeFriction or SlideFriction"),
-        "polynomials": (
-            sum(int(np.count_nonzero(getattr(model, name, 0))) for name in _POLYNOMIALS),
+        "nonlinear": (
+            sum(int(np.count_nonzero(getattr(model, name, 0))) for name in _NONLINEAR),
             "write these stiffnesses and dampings of joints as TabledTorque or TabledForce",
         ),
         "armature": (int(np.sum(model.dof_armature > 0)), "add it to the inertia of the bodies"),
