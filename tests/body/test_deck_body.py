@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -484,6 +485,18 @@ def test_scalar_points_vibrate_at_the_supports_and_are_no_part_of_a_body():
     assert soft[0] == pytest.approx(np.sqrt(1e3 / 0.5) / (2 * np.pi), rel=1e-4)
     np.testing.assert_allclose(deck_frequencies(given, 3), deck_frequencies(bar, 3), rtol=1e-9)
     assert deck_mass(given).mass == pytest.approx(SQUARE.mass_per_length)
+    with pytest.warns(SuppleWarning, match="2 springs, .* on scalar points, first on line 100, are omitted"):
+        assert deck_model(given).mesh.n_nodes == 5
+    with pytest.warns(SuppleWarning, match="2 springs, .* on scalar points"):
+        deck_body("bar", given, [RigidInterface("root", [0])])
+    # A scalar point that only records a motion, and one that no node moves, have no effect.
+    recorded = replace(
+        bar, scalar_points=np.array([77]), constraints=(terms({6 * 5: 1.0, 6 * 4: -1.0}, dependent=[6 * 5]),)
+    )
+    alone = replace(given, springs=(terms({6 * 5: 1.0}, values=[1e3]),))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert [deck_model(each).attached.constraints for each in (recorded, alone)] == [None, None]
 
 
 def test_the_direction_of_a_wall_that_is_normal_to_it_is_replaced():

@@ -10,7 +10,13 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from supple.body.averaged_motion import averaged_motion
-from supple.body.deck_parts import deck_links, named_part
+from supple.body.deck_parts import (
+    deck_links,
+    named_part,
+    warn_of_scalar_points,
+    with_scalar_points,
+    without_scalar_points,
+)
 from supple.body.finite_element_body import flexible_body
 from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import AveragingInterface, RigidInterface
@@ -102,8 +108,8 @@ def deck_model(
 ) -> FiniteElementModel:
     """Finite-element model of a deck with a single part: its cells, springs, masses and ties.
 
-    held : True keeps the deck's supports, as constraints, and its springs and dashpots to ground; False omits
-        them, as joints replace them in a machine
+    held : True keeps the deck's supports, as constraints, its springs and dashpots to ground, and its scalar
+        points; False omits them, as joints replace the supports in a machine
 
     Raises
     ------
@@ -112,8 +118,14 @@ def deck_model(
     MeshError    inverted or degenerate cells; several parts
     Warns
     -----
-    SuppleWarning   springs and dashpots to ground that are omitted; material directions normal to the surface
+    SuppleWarning   springs and dashpots to ground, and terms on scalar points, that are omitted; material
+                    directions normal to the surface
     """
+    if held:
+        deck = with_scalar_points(deck)
+    else:
+        warn_of_scalar_points(deck, 3)
+        deck = without_scalar_points(deck)
     mesh = deck_mesh(deck)
     springs, dashpots = deck.springs, deck.dashpots
     if not held:

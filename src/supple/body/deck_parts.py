@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
@@ -10,11 +11,18 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from supple.errors import ModelError, did_you_mean
+from supple.errors import ModelError, SuppleWarning, did_you_mean
 from supple.importers.deck import Deck, ScalarTerms
 from supple.importers.restricted_deck import kept_terms, restricted_deck
 
-__all__ = ["deck_links", "deck_parts", "named_part", "with_scalar_points", "without_scalar_points"]
+__all__ = [
+    "deck_links",
+    "deck_parts",
+    "named_part",
+    "warn_of_scalar_points",
+    "with_scalar_points",
+    "without_scalar_points",
+]
 
 IntArray = NDArray[np.int64]
 
@@ -56,6 +64,31 @@ def without_scalar_points(deck: Deck) -> Deck:
     return replace(placed, scalar_points=deck.scalar_points[:0])
 
 
+def warn_of_scalar_points(deck: Deck, stacklevel: int) -> None:
+    """SuppleWarning if scalar points have an effect on the nodes of a deck, which a free body omits.
+
+    Constraints have none if they only define the motion of scalar points, one each, without springs or
+    masses on these.
+    """
+    first = 6 * len(deck.node_ids)
+    acting, defining, joins = list[int](), list[int](), False
+    for terms in (*deck.springs, *deck.dashpots, *deck.inertias, *deck.constraints):
+        scalar = terms.freedoms >= first
+        rows = np.unique(terms.rows[scalar])
+        joins |= bool(np.isin(terms.rows[~scalar], rows).any())
+        (acting if len(terms.values) else defining).extend(terms.lines[rows].tolist())
+    points = {int(f) for terms in deck.constraints for f in terms.freedoms[terms.freedoms >= first]}
+    if joins and (acting or len(defining) > len(points)):
+        lines = [*acting, *defining]
+        warnings.warn(
+            f"{deck.path}: {len(lines)} springs, dashpots, masses and constraints on scalar points, first on "
+            f"line {min(lines)}, are omitted, since a free body has no scalar points: replace each by a "
+            "grid with its mass, joined by a spring in its direction and by constraints in all others",
+            SuppleWarning,
+            stacklevel=stacklevel,
+        )
+
+
 def with_scalar_points(deck: Deck) -> Deck:
     """The deck with its scalar points as nodes, which added supports restrict to motion along x."""
     n, k = len(deck.node_ids), len(deck.scalar_points)
@@ -90,9 +123,13 @@ def named_part(deck: Deck, name: str | None) -> Deck:
     ------
     ModelError   several parts and no name; an unknown name; a deck or superelement without parts, or a
                  superelement with several parts
+    Warns
+    -----
+    SuppleWarning   as for `warn_of_scalar_points`
     """
     if name is not None and name in deck.superelements:
         return named_part(deck.superelements[name], None)
+    warn_of_scalar_points(deck, 4)
     parts = deck_parts(deck)
     if not parts:
         raise ModelError(f"{deck.path}: it has no elements, springs or masses for a body")
