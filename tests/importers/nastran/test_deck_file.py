@@ -183,6 +183,14 @@ def test_which_supports_hold(deck, control, expected):
     assert held(only) == {(10, 1)}
 
 
+def test_subcases_that_differ_are_noted(deck):
+    """Also where only a later subcase has a set."""
+    cards = SQUARE + "SPC1,1,1,10\nENDDATA\n"
+    read = deck("SOL 101\nCEND\nSUBCASE 1\n LOAD = 1\nSUBCASE 2\n SPC = 1\nBEGIN BULK\n" + cards)
+    assert held(read) == {(10, 1)}
+    assert read.notes == ("Subcases differ in their SPC set; 1, the first one, is read.",)
+
+
 def test_sets_of_which_nothing_chooses_one(deck):
     """Of constraints and masses they are left out without case control; with it Nastran takes none."""
     cards = "MPC,4,10,1,1.,20,1,-1.\nMPC,5,10,2,1.,20,2,-1.\nNSM1,6,PSHELL,1.,7\nNSM1,7,PSHELL,1.,7\n"

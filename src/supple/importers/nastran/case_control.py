@@ -18,11 +18,11 @@ _OF_THE_BODY = ("SPC", "MPC", "NSM", "K2GG", "M2GG", "B2GG", "K2PP", "M2PP", "B2
 
 @dataclass(frozen=True)
 class CaseControl:
-    """Selections of case control, of the first subcase if there are several.
+    """Selections of case control, each of the first subcase that has one.
 
     present : whether the file has case control: CEND, or a command that is read
     chosen  : {command: value as written, in upper case}
-    varied  : commands with another selection in a later subcase
+    varied  : commands with another selection in a later subcase, or with none in the first
     temperature : id of the first temperature set for materials; an empty string without one
     """
 
@@ -55,7 +55,8 @@ def read_case_control(above: Sequence[str]) -> CaseControl:
         if subcases == 1 and command not in own:  # replaces the selection above all subcases
             own.add(command)
             chosen[command] = value
-        if chosen.setdefault(command, value) != value:
+        was_absent = subcases > 1 and command not in chosen
+        if chosen.setdefault(command, value) != value or was_absent:
             varied[command] = None
     heated = (match for text in above if (match := _TEMPERATURE.match(text)))
     temperature = next((match[1] for match in heated), "")

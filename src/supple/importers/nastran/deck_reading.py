@@ -139,7 +139,7 @@ class DeckReading:
                 return set()
             return set(sets)
         if command in self.case.varied:
-            self.note(f"Subcases choose several {command} sets; the first, {number}, is read.")
+            self.note(f"Subcases differ in their {command} set; {number}, the first one, is read.")
         joined = {number}
         for card in self.file.named(adder):
             if card.integer(0, "the set id") == number:
