@@ -324,6 +324,10 @@ def test_a_mean_turns_what_is_rigidly_tied_to_its_reference():
     body = deck_body("two", replace(both, rigid=(tie,), means=(mean,)), [])
     values = body.lowest_modes(7).values
     assert values[6] > 1e6 * max(abs(values[5]), 1.0)
+    # Both as interfaces have one motion, which a basis cannot move twice.
+    body = deck_body("two", replace(both, rigid=(tie,), means=(mean,)))
+    with pytest.raises(ModelError, match="interfaces 'rbe2_1' and 'rbe3_2' always move together: keep one"):
+        reduce(body.linearized(), MeanAxisFrame(), CraigBampton(2), derivatives=NoDerivatives())
 
 
 def test_rods_and_nodes_that_nothing_turns():

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,9 @@ from supple.fem import Assembly, FiniteElementModel
 from supple.summary import Summarized, Summary, place_text
 
 __all__ = ["FlexibleBody"]
+
+# Smallest singular value of the rows of two interfaces, relative to the largest; below it they move together.
+_ONE_MOTION = 1e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -143,7 +148,16 @@ class FlexibleBody(Summarized):
 
     def constrained(self, constraint: ArrayLike | sparse.sparray) -> ConstrainedFactor:
         """Factor of static equilibrium under constraints D q = c, D (m, n), from `grounded_stiffness`."""
-        return constrained_factor(self.stiffness, constraint, grounded=self.grounded_stiffness)
+        try:
+            return constrained_factor(self.stiffness, constraint, grounded=self.grounded_stiffness)
+        except ModelError as error:
+            pair = _moving_together(self.interfaces)
+            if pair is None:
+                raise
+            raise ModelError(
+                f"body '{self.name}': interfaces '{pair[0]}' and '{pair[1]}' always move together: keep one "
+                f"of the two ({error})"
+            ) from error
 
     def lowest_modes(self, n_modes: int, constraint: ArrayLike | sparse.sparray | None = None) -> Eigenpairs:
         """The n_modes lowest modes under D q = 0, D (m, n), with proof that none is missing.
@@ -180,3 +194,17 @@ class FlexibleBody(Summarized):
 
 def _digest(rows: NDArray[np.float64]) -> bytes:
     return sha256(rows.tobytes()).digest()
+
+
+def _moving_together(interfaces: Sequence[BodyInterface]) -> tuple[str, str] | None:
+    """Names of two interfaces whose motions depend on each other; None without such a pair.
+
+    An example are a weighted mean and nodes that are tied rigidly to its reference node.
+    """
+    rows = [one.motion.toarray() for one in interfaces]
+    rows = [each / np.linalg.norm(each, axis=1, keepdims=True) for each in rows]
+    for (i, one), (j, other) in combinations(enumerate(rows), 2):
+        singular = np.linalg.svd(np.vstack([one, other]), compute_uv=False)
+        if singular[-1] < _ONE_MOTION * singular[0]:
+            return interfaces[i].name, interfaces[j].name
+    return None
