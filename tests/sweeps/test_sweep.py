@@ -215,7 +215,7 @@ def test_what_no_case_can_be_is_refused_before_anything_runs(pendulum, tmp_path)
         {"body.bob.rigid.mass": [1.0], "body[0].rigid.mass": [2.0]},
         {"gravity[2]": [1.0], "gravity": [[0, 0, 1]]},
     ):
-        with pytest.raises(CaseError, match="replaces the value that .* varies: keep one of the columns"):
+        with pytest.raises(CaseError, match=r"replaces the value that .* varies: keep one of the columns"):
             sweep(pendulum, twice, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
