@@ -81,7 +81,7 @@ def test_a_freedom_without_mass_follows_statically(matrices):
 def test_a_freedom_with_neither_mass_nor_stiffness_is_refused(matrices):
     nodes, K, M = matrices
     M[4] = M[:, 4] = K[4] = K[:, 4] = 0
-    with pytest.raises(ModelError, match="among its 1 freedoms without mass are some without stiffness"):
+    with pytest.raises(ModelError, match=r"among its 1 freedoms without mass .* such as uy of the node at"):
         build(nodes, K, M)
 
 

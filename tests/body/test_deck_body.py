@@ -330,6 +330,15 @@ def test_a_mean_turns_what_is_rigidly_tied_to_its_reference():
         reduce(body.linearized(), MeanAxisFrame(), CraigBampton(2), derivatives=NoDerivatives())
 
 
+def test_rotations_that_only_a_spring_joins_are_named():
+    """A spring between the rotations of two nodes of solids, which nothing else holds."""
+    bar = solid_bar()
+    a, b = middle(bar)[:2]
+    spring = terms({6 * int(a) + 3: 1.0, 6 * int(b) + 3: -1.0}, values=[10.0])
+    with pytest.raises(ModelError, match=rf"such as rx of the node at \({bar.nodes[[a, b], 0].max():g}"):
+        deck_body("bar", replace(bar, springs=(spring,)), [])
+
+
 def test_rods_and_nodes_that_nothing_turns():
     """A tetrahedron of rods: no node has a stiff rotation, 12 freedoms are left."""
     nodes = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)

@@ -27,6 +27,7 @@ from supple.body.rigid_motion import nodal_rigid_modes
 from supple.body.second_order_tie import RigidSet
 from supple.errors import AccuracyError, ModelError
 from supple.fem import Attached
+from supple.summary import place_text
 
 __all__ = ["Coordinates", "coordinates", "rigid_sets"]
 
@@ -37,6 +38,8 @@ IntArray = NDArray[np.int64]
 _NO_STIFFNESS = 1e-10
 # Largest number of entries of a dense static condensation (160 MB); a larger one raises ModelError.
 _LARGEST_TIE = 2e7
+# Largest number of freedoms without mass whose softest motion is computed, to name one of them in a message.
+_MOST_DENSE = 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,7 +200,19 @@ def coordinates(
     before = state.kept
     bare = _bare(body, state.M, ~last[state.kept], freedoms[state.kept], dofs_per_node)
     if bare.any():
-        tied = _follow_statically(body, state.K, bare)
+        try:
+            tied = _follow_statically(body, state.K, bare)
+        except AccuracyError:
+            loose = freedoms[state.kept[np.flatnonzero(bare)[_loosest(state.K, bare)]]]
+            node, component = divmod(int(loose), dofs_per_node)
+            one = "a modal coordinate"
+            if node < len(nodes):
+                place = place_text(nodes[node], float(abs(nodes).max()))
+                one = f"{FREEDOM_NAMES[component]} of the node at {place}"
+            raise ModelError(
+                f"body '{body}': among its {np.count_nonzero(bare)} freedoms without mass are some without "
+                f"stiffness relative to the others, such as {one}; give them mass, or tie them"
+            ) from None
         state = state.after(tied, _condensed(state.K, tied), state.M[tied.kept][:, tied.kept])
     try:
         motions = massless_motions(state.M, tolerance) if len(state.kept) else np.zeros((0, 0))
@@ -314,10 +329,22 @@ def _bare(
     return bare
 
 
+def _loosest(stiffness: sparse.csc_array, bare: NDArray[np.bool_]) -> int:
+    """The freedom, among those without mass, that moves most in their softest motion."""
+    own = np.flatnonzero(bare)
+    K = sparse.csc_array(stiffness[own][:, own])
+    scale = np.sqrt(np.maximum(K.diagonal(), np.finfo(float).tiny))
+    if (K.diagonal() <= _NO_STIFFNESS * K.diagonal().max(initial=0.0)).any() or len(own) > _MOST_DENSE:
+        return int(np.argmin(K.diagonal()))
+    scaled = K.toarray() / scale[:, None] / scale
+    return int(np.argmax(np.abs(np.linalg.eigh(scaled).eigenvectors[:, 0])))
+
+
 def _follow_statically(body: str, stiffness: sparse.csc_array, bare: NDArray[np.bool_]) -> StaticallyTied:
     """Static condensation of the freedoms e without mass: K_ee u_e + K_ek u_k = 0 for the kept freedoms k.
 
-    ModelError if all freedoms are massless, the condensation is too large, or K_ee is singular.
+    ModelError if all freedoms are massless or the condensation is too large; AccuracyError if K_ee is
+    singular.
     """
     eliminated, kept = np.flatnonzero(bare), np.flatnonzero(~bare)
     beside = sparse.csc_array(stiffness[eliminated][:, kept])
@@ -328,13 +355,7 @@ def _follow_statically(body: str, stiffness: sparse.csc_array, bare: NDArray[np.
             + (", too many for static condensation" if len(kept) else "")
             + "; give its materials a density, or its nodes masses"
         )
-    try:
-        solved = factorize_symmetric(stiffness[eliminated][:, eliminated]).solve(beside[:, reached].toarray())
-    except AccuracyError:
-        raise ModelError(
-            f"body '{body}': among its {len(eliminated)} freedoms without mass are some without stiffness "
-            "relative to the others; give them mass, or tie them"
-        ) from None
+    solved = factorize_symmetric(stiffness[eliminated][:, eliminated]).solve(beside[:, reached].toarray())
     solved = -np.asarray(solved).reshape(len(eliminated), len(reached))
     solved[np.abs(solved) < 1e-13 * np.abs(solved).max(initial=0.0)] = 0.0
     i, j = np.nonzero(solved)
