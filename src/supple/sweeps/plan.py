@@ -154,7 +154,8 @@ def make_plan(
     Raises
     ------
     CaseError   a path that does not exist; two paths to one value; a controller without `allow_code`, or
-                together with a requested accuracy; an unknown case in `keep`; unknown channels, nodes or wind speed in `output.fatigue`
+                together with a requested accuracy; an unknown case in `keep`; unknown channels, nodes or wind
+                speed in `output.fatigue`
     """
     family = case_family(case_file)
     family.case.check_control(allow_code=allow_code)
