@@ -142,6 +142,12 @@ def test_faults_of_the_files_are_told_as_the_case_is_built(wing):
         ("node_indices = [17]", 'node_indices = [17]\nkind = "averaging"', "and no kind"),
         ('root = "base"', 'root = "end"', "the root is the start of the paths, grid 11, not grid 17"),
         ('mass = "wing.pch"', 'mass = "wing.pch", rigid_tolerance = 1e-3', "are removed; remove the key"),
+        ('mass = "wing.pch"', 'mass = "wing.pch", damping = "wing.pch"', "takes no damping matrix"),
+        (
+            'mass = "wing.pch"',
+            'mass = "wing.pch", recovery = "wing.pch"',
+            "has no points inside",
+        ),
         (
             'mesh = "wing.bdf"\nmatrices = {',
             'superelement = { nodes = "wing.bdf", dofs_per_node = 6,',

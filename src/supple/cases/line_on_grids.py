@@ -17,6 +17,12 @@ from supple.methods.intrinsic import IntrinsicBody, read_condensed_line
 
 _ON_ELEMENTS = ("tip", "stations")
 _ON_GRIDS = ("paths", "root_mass")
+_NOT_OF_A_LINE = {
+    "rigid_tolerance": "its residual forces under rigid motion are removed; remove the key",
+    "damping": "a condensed body takes no damping matrix; give damping = {..} of the body instead",
+    "recovery": "a condensed body consists of its stations, and has no points inside; remove the key",
+}
+"""Messages for keys of the matrices that a condensed body does not use"""
 
 
 def line_on_grids(
@@ -78,9 +84,9 @@ def _keys_suit_the_kind(path: KeyPath, body: Raw) -> Mistakes:
             yield (*path, "condense"), f"a body of {made_of} needs {shown} here"
     for key in (each for each in needless if each in given):
         yield (*path, "condense", key), f"a body of {made_of} takes no {key}; remove the key"
-    if on_grids and "rigid_tolerance" in table(body, "matrices"):
-        message = "the residual forces of a condensed body under rigid motion are removed; remove the key"
-        yield (*path, "matrices", "rigid_tolerance"), message
+    for key, message in _NOT_OF_A_LINE.items() if on_grids else ():
+        if key in table(body, "matrices"):
+            yield (*path, "matrices", key), message
 
 
 def _interfaces_are_stations(path: KeyPath, body: Raw) -> Mistakes:
