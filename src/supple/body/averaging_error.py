@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body.flexible_body import FlexibleBody
-from supple.body.interface import BodyInterface
+from supple.body.interface import BodyInterface, moves_rigidly_with
 
 __all__ = ["DEFLECTION_ERROR", "section_softness"]
 
@@ -36,13 +36,13 @@ def section_softness(body: FlexibleBody, interface: BodyInterface) -> Array:
     """Softness c / C (3,) of an averaging interface for moments about the axes of the body.
 
     Zeros for other interfaces, and in a linear body.
-    C : rotation of the interface per moment on it. The body's first other interface is fixed; without one,
-        inertia balances the moment
+    C : rotation of the interface per moment on it. The body's first interface that does not move with it is
+        fixed; without one, inertia balances the moment
     """
     # cubic_turn > 0 only for interfaces that average displacements, whose rotation freedom is sin(phi).
     if body.is_linear or interface.cubic_turn <= 0:
         return np.zeros(3)
-    others = [other for other in body.interfaces if other is not interface]
+    others = [other for other in body.interfaces if not moves_rigidly_with(other, interface)]
     held = others[0].motion if others else (body.mass @ body.rigid_modes).T
     rotation = interface.motion[3:]
     moments = rotation.T.toarray()

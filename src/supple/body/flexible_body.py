@@ -16,7 +16,7 @@ from scipy import sparse
 from supple.algebra import ConstrainedFactor, Eigenpairs, GroundedFactor, constrained_factor, lowest_modes
 from supple.algebra.constraint_rows import dense_rows
 from supple.body.checks import checked_grounded_stiffness
-from supple.body.interface import BodyInterface, interface_named
+from supple.body.interface import BodyInterface, interface_named, moves_rigidly_with
 from supple.body.internal_force import LinearForce, QuadraticStrainForce
 from supple.errors import ModelError
 from supple.fem import Assembly, FiniteElementModel
@@ -104,6 +104,15 @@ class FlexibleBody(Summarized):
     def interface(self, name: str) -> BodyInterface:
         """The interface of that name; the ModelError for an unknown name lists the nearest name, or all."""
         return interface_named(self.name, name, self.interfaces)
+
+    @cached_property
+    def independent_interfaces(self) -> tuple[BodyInterface, ...]:
+        """The interfaces without those that move rigidly with an earlier one, as means of the same nodes."""
+        found: list[BodyInterface] = []
+        for each in self.interfaces:
+            if not any(moves_rigidly_with(each, other) for other in found):
+                found.append(each)
+        return tuple(found)
 
     @property
     def is_linear(self) -> bool:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 from scipy.spatial.transform import Rotation
 
+from supple.algebra.cross import cross_matrix
 from supple.arguments import check_numbers, check_text
 from supple.errors import ModelError, did_you_mean
 
@@ -22,6 +23,9 @@ __all__ = [
     "RigidInterface",
     "place_in_frame",
 ]
+
+SAME_MOTION = 1e-10
+"""Largest difference of the motions of two interfaces that move as one, relative to their largest entry."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,6 +157,14 @@ class Interface(Protocol):
     def tied_nodes(self) -> np.ndarray:
         """Numbers of the nodes tied rigidly to the interface, to second order."""
         ...
+
+
+def moves_rigidly_with(interface: BodyInterface, other: BodyInterface) -> bool:
+    """Whether an interface moves as a point rigidly attached to another one."""
+    carried = np.eye(6)
+    carried[:3, 3:] = -cross_matrix(interface.position - other.position)
+    difference = abs(interface.motion - sparse.csr_array(carried) @ other.motion)
+    return bool(difference.max() <= SAME_MOTION * abs(interface.motion).max())
 
 
 def place_in_frame(interface: Interface, coordinates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -200,7 +200,7 @@ class Condensation:
     @cached_property
     def _interfaces(self) -> Array:
         """Static interface shapes outside the columns, K-orthonormal; the first interface is fixed."""
-        if len(self.body.interfaces) < 2:
+        if len(self.body.independent_interfaces) < 2:
             return np.empty((self.body.n, 0))
         return _orthonormalized(interface_shapes(self.body)[:, 6:], self.body.stiffness, self._columns)
 

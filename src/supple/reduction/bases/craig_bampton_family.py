@@ -34,7 +34,7 @@ class CraigBamptonFamily:
 
     def __init__(self, body: FlexibleBody):
         require_interfaces(body, "a Craig-Bampton body")
-        clamped = motion_rows(body.interfaces)
+        clamped = motion_rows(body.independent_interfaces)
         self.body = body
         self.shapes = interface_shapes(body)
         self.rigid_motion = clamped @ body.rigid_modes

@@ -44,18 +44,18 @@ class CraigBamptonResidual:
         """Constraint modes, residual modes, vibrations; ModelError: no interface, too many modes."""
         static = Guyan().build(body, frame)
         n_constraint = static.vectors.shape[1]
-        n_residual = 6 * len(body.interfaces)
+        n_residual = 6 * len(body.independent_interfaces)
         n_modes = ModeCount(self.n_modes, self.n_columns).modes_besides(n_constraint + n_residual)
         plain = CraigBampton(n_modes=n_modes).build(body, frame)
         constraint, modes = np.split(plain.vectors, [n_constraint], axis=1)
         known = RitzModes.of(Eigenpairs(plain.frequencies[n_constraint:] ** 2, modes))
-        clamped = body.constrained(motion_rows(body.interfaces))
+        clamped = body.constrained(motion_rows(body.independent_interfaces))
         residual = residual_response(clamped, body.mass, known, body.mass @ interface_shapes(body)).columns
         return LinearBasis(
             vectors=np.hstack([constraint, residual, modes]),
             frequencies=np.insert(plain.frequencies, n_constraint, np.full(n_residual, np.nan)),
             labels=plain.labels[:n_constraint]
-            + column_labels("residual", body.interfaces)
+            + column_labels("residual", body.independent_interfaces)
             + plain.labels[n_constraint:],
             static_solver=plain.static_solver,
             dropped=plain.dropped,

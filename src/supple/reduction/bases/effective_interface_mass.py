@@ -60,7 +60,7 @@ def interior_interface_mass(body: FlexibleBody, component: FixedInterfaceCompone
     M_e is the interface mass less the interface mass at infinite frequency, where elastic forces do not act.
     With a lumped mass, the mass subtracted is that of the interface nodes. M is factored once.
     """
-    B = motion_rows(body.interfaces)
+    B = motion_rows(body.independent_interfaces)
     mobility = B @ factorize_symmetric(body.mass).solve(B.T)
     total = component.interface_mass - np.linalg.inv(0.5 * (mobility + mobility.T))
     return 0.5 * (total + total.T)

@@ -36,13 +36,14 @@ def constraint_modes(body: FlexibleBody, frame: Frame) -> LinearBasis:
     interface is the one to which the frame is fixed, or else the first. Its six shapes are rigid motions
     minus combinations of the other shapes: they are not formed.
 
-    Returns LinearBasis of 6 (n_interfaces - 1) columns, not yet projected on the frame; frequencies nan.
+    Returns LinearBasis of 6 (n - 1) columns for n independent interfaces, not yet projected on the
+    frame; frequencies nan.
     Raises ModelError when the body has no interface.
     Source: [Guyan1965], [Han2020] (13).
     """
     require_interfaces(body, "a basis of constraint modes")
     reference = (fixed_interfaces(body, frame) or body.interfaces)[0]
-    moving = [interface for interface in body.interfaces if interface is not reference]
+    moving = [each for each in body.independent_interfaces if each is not reference]
     clamped = motion_rows([reference, *moving])
     solver = body.constrained(clamped)
     n_moving = 6 * len(moving)
@@ -54,7 +55,7 @@ def constraint_modes(body: FlexibleBody, frame: Frame) -> LinearBasis:
         frequencies=np.full(n_moving, np.nan),
         labels=column_labels("constraint", moving),
         static_solver=solver,
-        dropped=column_labels("constraint", [reference]),
+        dropped=column_labels("constraint", [each for each in body.interfaces if each not in moving]),
     )
 
 
@@ -63,10 +64,10 @@ def interface_shapes(body: FlexibleBody) -> np.ndarray:
 
         K Psi + B^T mu = 0,   B Psi = I
 
-    Returns (n, 6 n_interfaces), in the order of the body's interfaces.
+    Returns (n, 6 n_interfaces), in the order of the independent interfaces.
     Raises ModelError when the body has no interface.
     Source: [Han2020] (13).
     """
     require_interfaces(body, "a set of constraint modes")
-    clamped = motion_rows(body.interfaces)
+    clamped = motion_rows(body.independent_interfaces)
     return body.constrained(clamped).solve(values=np.eye(len(clamped)))

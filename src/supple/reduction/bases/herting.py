@@ -67,5 +67,5 @@ def inertia_relief_modes(body: FlexibleBody) -> np.ndarray:
     Raises ModelError when the body has no interface.
     """
     require_interfaces(body, "an inertia relief mode")
-    clamped = body.constrained(motion_rows(body.interfaces))
+    clamped = body.constrained(motion_rows(body.independent_interfaces))
     return clamped.solve(body.mass @ body.rigid_modes)

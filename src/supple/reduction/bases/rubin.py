@@ -46,7 +46,7 @@ class Rubin:
         """Attachment modes first, then free-interface modes; ModelError: no interface, too many modes."""
         require_interfaces(body, "a Rubin basis")
         fixed = fixed_interfaces(body, frame)
-        loaded = [interface for interface in body.interfaces if interface not in fixed]
+        loaded = [interface for interface in body.independent_interfaces if interface not in fixed]
         n_static = 6 * len(loaded)
         n_modes = ModeCount(self.n_modes, self.n_columns).modes_besides(n_static)
         modes = NormalModes(n_modes).build(body, frame)
@@ -58,5 +58,5 @@ class Rubin:
             frequencies=np.concatenate([np.full(n_static, np.nan), modes.frequencies]),
             labels=column_labels("attachment", loaded) + tuple(f"free-interface {m}" for m in modes.labels),
             static_solver=modes.static_solver,
-            dropped=column_labels("attachment", fixed),
+            dropped=column_labels("attachment", [each for each in body.interfaces if each not in loaded]),
         )

@@ -86,7 +86,7 @@ class FixedInterfaceComponent:
 def fixed_interface_modes(body: FlexibleBody, n_modes: int) -> RitzModes:
     """The lowest vibrations with every interface fixed; ModelError: no interface, or fewer modes."""
     require_interfaces(body, "a vibration with fixed interfaces")
-    clamped = motion_rows(body.interfaces)
+    clamped = motion_rows(body.independent_interfaces)
     check_mode_count(body, n_modes, len(clamped))
     return RitzModes.of(body.lowest_modes(n_modes, clamped))
 
@@ -99,7 +99,7 @@ def fixed_interface_component(body: FlexibleBody, modes: RitzModes) -> FixedInte
     """
     Psi = interface_shapes(body)
     A = body.mass @ Psi
-    clamped = body.constrained(motion_rows(body.interfaces))
+    clamped = body.constrained(motion_rows(body.independent_interfaces))
     residual = residual_response(clamped, body.mass, modes, A)
     stiffness, mass = Psi.T @ (body.stiffness @ Psi), Psi.T @ A
     return FixedInterfaceComponent(

@@ -84,7 +84,7 @@ def free_interface_component(body: FlexibleBody, modes: RitzModes) -> FreeInterf
     Source: [Rubin1975], [Rixen2004].
     """
     require_interfaces(body, "a free-interface component")
-    B = motion_rows(body.interfaces)
+    B = motion_rows(body.independent_interfaces)
     relieved = body.constrained(MeanAxisFrame().constraint(body))
     residual = residual_response(relieved, body.mass, modes, B.T)
     cholesky = np.linalg.cholesky(body.rigid_modes.T @ (body.mass @ body.rigid_modes))
