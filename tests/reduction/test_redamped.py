@@ -53,6 +53,8 @@ def test_damping_is_that_of_a_reduction_anew(body, before, after):
         other = 0.0 * own if other is None and own is not None else other
         assert own is other is None or np.abs(own - other).max() <= 1e-14 * np.abs(own).max()
     assert np.array_equal(found.gram, expected.gram)
+    assert found.full is not None
+    assert repr(found.full.damping) == repr(expected.full.damping)
 
 
 def test_another_kind_of_damping_is_refused(body):

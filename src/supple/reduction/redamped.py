@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from supple.body import Damping
 from supple.errors import ModelError
+from supple.reduction.projection import counted_damping
 from supple.reduction.reduced_body import ReducedBody
 
 __all__ = ["redamped"]
@@ -55,6 +56,7 @@ def redamped(body: ReducedBody, before: Damping, after: Damping) -> ReducedBody:
         damping=own + np.asarray(after.matrix(body.stiffness, mass)),
         damping_cubic=None if body.damping_cubic is None else factor * body.damping_cubic,
         damping_quartic=None if body.damping_quartic is None else factor * body.damping_quartic,
+        full=None if body.full is None else replace(body.full, damping=counted_damping(after, body.r)),
     )
 
 
