@@ -44,7 +44,7 @@ def reduced(averaging_body):
 @pytest.fixture(scope="module")
 def pair(reduced):
     body = padded(reduced[2])
-    assert body.padding == -body.r % 16 > 0
+    assert body.padding == 24 - body.r > 0
     return body, filled_up(body)
 
 
@@ -107,13 +107,12 @@ def test_arrays_of_nearby_sizes_have_one_structure(reduced):
     assert two == three
 
 
-def test_room_is_left_to_the_next_multiple_of_sixteen(reduced):
+def test_bodies_are_padded_to_24_or_32_coordinates(reduced):
     body = reduced[2]
-    assert (body.r + padded(body).padding) % 16 == 0
     filled = filled_up(padded(body))
     assert filled.padding == 0
-    assert filled.r == 16
+    assert filled.r == 24
     wider = filled_up(padded(filled))
-    assert wider.r == 32  # what a round adds to sixteen finds room, too
+    assert wider.r == 32
     assert padded(wider) is wider
     assert filled_up(replace(body, padding=0)).r == body.r

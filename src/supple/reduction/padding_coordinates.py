@@ -18,21 +18,19 @@ from supple.reduction.reduced_body import ReducedBody
 
 __all__ = ["filled_up", "padded", "padded_with_zeros"]
 
-MULTIPLE = 16
-LARGEST = 32
-"""Largest padded size; above it, products of the quartic tensor cost a short run more than a compilation."""
+SIZES = 24, 32
+"""Padded sizes. The first suffices for all rounds of most self-corrections; above the last, products of the
+quartic tensor cost a short run more than a compilation."""
 
 
 def padded(body: ReducedBody) -> ReducedBody:
-    """The same body, with `padding` set to reach the next larger multiple of 16 coordinates.
+    """The same body, with `padding` set to reach the next larger of `SIZES`.
 
-    A body of 16 coordinates is padded to 32, because the next round of a self-correction adds a few
-    coordinates and then uses the same program. A body with condensed motion, or with 32 coordinates or more,
-    is unchanged.
+    A body with condensed motion, or with as many coordinates as the last of them, is unchanged.
     """
-    if body.condensed is not None or body.r >= LARGEST:
+    if body.condensed is not None or body.r >= SIZES[-1]:
         return body
-    return replace(body, padding=MULTIPLE - body.r % MULTIPLE)
+    return replace(body, padding=next(size for size in SIZES if size > body.r) - body.r)
 
 
 def filled_up(body: ReducedBody) -> ReducedBody:
