@@ -104,6 +104,27 @@ def test_included_files_belong_to_a_mesh(tmp_path):
     assert {path.name for path in files_read_with(tmp_path / "f.bdf")} == {"f.bdf", "e.bdf"}
 
 
+@pytest.mark.parametrize(
+    ("files", "first"),
+    [
+        ({"a.inp": b"*INCLUDE, INPUT=b.inc\n", "b.inc": b"*INCLUDE, INPUT=c.txt\n", "c.txt": b""}, "a.inp"),
+        ({"a.inp": "*INCLUDE, INPUT=b\u00fcg.inp\n".encode("latin-1"), "b\u00fcg.inp": b""}, "a.inp"),
+        ({"a.inp": "*INCLUDE, INPUT=b.inp\n".encode("utf-16"), "b.inp": b""}, "a.inp"),
+        ({"a.bdf": b"BEGIN BULK\nINCLUDE'b.inc'\n", "b.inc": b"include 'c.inc'\n", "c.inc": b""}, "a.bdf"),
+        ({"a.dat": b"blade.dat   BldFile - name\n", "blade.dat": b""}, "a.dat"),
+        ({"a.sti": b"", "a.dof": b""}, "a.sti"),
+        ({"a.py": b"import b, c.d\nfrom e import f\n", "b.py": b"import numpy\n", "e/f.py": b""}, "a.py"),
+    ],
+)
+def test_all_files_that_a_file_is_read_with(tmp_path, files, first):
+    """Included by included files, in any encoding, found beside a file, imported by a Python file."""
+    for name, content in files.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(content)
+    found = {path.relative_to(tmp_path).as_posix() for path in files_read_with(tmp_path / first)}
+    assert found == files.keys()
+
+
 SPEED = 2.0
 
 
