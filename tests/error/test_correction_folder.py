@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from fixtures.runs_on_disk import RUNS, pendulum
 
 from supple.body import FullBody, NodalFixedFrame, RigidInterface, flexible_body
 from supple.error import CorrectionFolder, ReductionStart, SelfCorrection, self_correct
+from supple.error.round_archive import RoundBases
 from supple.errors import ResultFileError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run, Tolerances
@@ -143,6 +145,26 @@ def test_starting_anew_removes_the_old_rounds_and_nothing_else(tmp_path):
 def test_rounds_of_another_case_are_not_continued(kept):
     with pytest.raises(ResultFileError, match="its rounds are of another case; write to another folder"):
         CorrectionFolder.resume(kept[1], case="another strip")
+
+
+def test_a_round_that_stopped_early_is_not_taken_for_one_of_another_machine(tmp_path):
+    archive = CorrectionFolder.create(tmp_path, case=CASE)
+    archive.simulate(0, pendulum(), RUNS["fixed"], progress=lambda _: None)
+    (tmp_path / "round-0.stopped").write_text("at t = 0.5")
+    again = archive.simulate(0, pendulum(), RUNS["fixed"], progress=lambda _: None)
+    assert again.stopped == "at t = 0.5"
+    with pytest.raises(ResultFileError, match="body 'bar' has changed"):
+        archive.simulate(0, pendulum(mass=2.0), RUNS["fixed"], progress=lambda _: None)
+
+
+def test_bases_before_the_first_output_belong_to_their_case(tmp_path):
+    """A run that is killed before its first output leaves only its bases."""
+    first = CorrectionFolder.create(tmp_path, case=CASE, inputs={"the load": "1.0"})
+    first.keep_bases(0, RoundBases({}, {}, 0.0, {}))
+    assert CorrectionFolder.resume(tmp_path, case=CASE, inputs={"the load": "1.0"}).read_bases(0, {})
+    other = CorrectionFolder.resume(tmp_path, case=CASE, inputs={"the load": "2.0"})
+    with pytest.raises(ResultFileError, match=r"another case \(the load was 1\.0 and is 2\.0\)"):
+        other.read_bases(0, {})
 
 
 @pytest.mark.slow

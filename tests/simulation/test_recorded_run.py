@@ -127,6 +127,29 @@ def test_what_was_computed_before_a_failure_is_kept(tmp_path, pendulum):
     assert header.n_times >= 2
 
 
+@pytest.mark.parametrize(
+    ("changed", "named"),
+    [
+        ({"stiffness": np.diag([1.5e3, 1e9])}, "frequencies"),
+        ({"damping": np.diag([0.15, 1e5])}, "damping of modes"),
+        ({"interfaces": ()}, "interface 'root'"),
+    ],
+)
+def test_a_soft_mode_and_an_interface_are_part_of_a_body(tmp_path, changed, named):
+    """Beside a stiff mode, a soft one changes no product of the whole matrix."""
+    model = solid_model(block(1.0, 0.1, 0.1, 4, 1, 1, CellType.HEXA20), Isotropic(1e9, 0.3, 1000.0))
+    bar = flexible_body("bar", model, [RigidInterface("root", "root")]).linearized()
+    body = reduce(bar, MeanAxisFrame(), NormalModes(2), derivatives=NoDerivatives(), loads=NoLoads)
+    body = replace(body, stiffness=np.diag([1e3, 1e9]), damping=np.diag([0.1, 1e5]))
+    path, run = tmp_path / "run.h5", Run(0.02, 0.01)
+    simulate_recorded(System(bodies=(Placed(body),)), run, path, case="bar")
+    if "interfaces" in changed:
+        (root,) = body.interfaces
+        changed = {"interfaces": (replace(root, position=np.add(root.position, [0.1, 0.0, 0.0])),)}
+    with pytest.raises(ResultFileError, match=f"with another {named} than the given body"):
+        simulate_recorded(System(bodies=(Placed(replace(body, **changed)),)), run, path, case="bar")
+
+
 def test_a_motion_is_never_taken_for_one_on_other_columns(tmp_path):
     """Modes have no sign of their own: a body reduced once more may move the other way."""
     model = solid_model(block(1.0, 0.1, 0.1, 4, 1, 1, CellType.HEXA20), Isotropic(1e9, 0.3, 1000.0))

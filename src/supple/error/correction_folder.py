@@ -2,8 +2,8 @@
 
 round-<k>.h5        the motion of run k, a result file (see `storage`)
 round-<k>.stopped   the reason why run k ended before its last output time, if it did
-round-<k>.npz       written before run k starts: per body its basis V, the report of the reduction, and its
-                    error and indicator in run k - 1; the file ends in a checksum
+round-<k>.npz       written before run k starts: the case and its inputs; per body its basis V, the report of
+                    the reduction, and its error and indicator in run k - 1; the file ends in a checksum
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from supple.errors import ResultFileError
 from supple.integrate import Progress, Run, Solution
 from supple.machine import System
 from supple.reduction import ReductionBasis, ReductionReport
-from supple.simulation.recorded_run import simulate_recorded
+from supple.simulation.recorded_run import check_recorded, simulate_recorded
 from supple.storage.atomic_write import replacing
 from supple.storage.exclusive_lock import ExclusiveLock
 from supple.storage.file_errors import DAMAGE, file_errors
@@ -80,17 +80,19 @@ class CorrectionFolder:
         first = archive.motion(0)
         if first.exists():
             header = read_header(first)
-            if inputs is None and header.case != case:
-                raise ResultFileError(
-                    f"cannot continue {archive.folder}: its rounds are of another case; write to another "
-                    "folder, or run the case they were started with"
-                )
-            if inputs is not None and (changed := changes(header.inputs, inputs)):
-                raise ResultFileError(
-                    f"cannot continue {archive.folder}: its rounds are of another case ({changed}); write to "
-                    "another folder, or run the case they were started with"
-                )
+            archive._check_same(header.case, None if inputs is None else header.inputs)
         return archive
+
+    def _check_same(self, case: str, inputs: Inputs | None) -> None:
+        """ResultFileError for rounds of another case, or of other inputs if these are given."""
+        is_named = self._inputs is not None and inputs is not None
+        changed = changes(inputs or {}, self._inputs or {}) if is_named else ""
+        if changed or (not is_named and case != self._case):
+            raise ResultFileError(
+                f"cannot continue {self.folder}: its rounds are of another case"
+                f"{f' ({changed})' if changed else ''}; write to another folder, or run the case they were "
+                "started with"
+            )
 
     @property
     def is_begun(self) -> bool:
@@ -112,6 +114,8 @@ class CorrectionFolder:
         with file_errors("read", path):
             try:
                 with np.load(io.BytesIO(unsealed(path)), allow_pickle=False) as kept:
+                    if "case" in kept:  # older files lack it
+                        self._check_same(str(kept["case"]), json.loads(str(kept["inputs"])))
                     bases = {name: _basis(kept, name, full) for name, full in fulls.items()}
                     missed = {
                         name: MissedMotion(
@@ -124,6 +128,8 @@ class CorrectionFolder:
                         if f"{name}/indicator" in kept
                     }
                     seconds, besides = float(kept["seconds"]), json.loads(str(kept["besides"]))
+            except ResultFileError:
+                raise
             except (*DAMAGE, BadZipFile) as error:
                 raise ResultFileError(f"{path} is damaged ({error}): run the case again") from error
         for name, basis in bases.items():
@@ -141,6 +147,7 @@ class CorrectionFolder:
         if path.exists():
             return
         arrays: dict[str, Any] = {"seconds": bases.seconds, "besides": json.dumps(dict(bases.besides))}
+        arrays |= {"case": self._case, "inputs": json.dumps(self._inputs and dict(self._inputs))}
         for name, basis in bases.bases.items():
             arrays[f"{name}/vectors"] = basis.vectors
             arrays[f"{name}/report"] = json.dumps(_plain_report(basis.report))
@@ -159,6 +166,7 @@ class CorrectionFolder:
         path = self.motion(number)
         stopped = self._stopped(number)
         if stopped.exists():
+            check_recorded(system, run, path, case=self._case, inputs=self._inputs)
             with file_errors("read", stopped):
                 why = stopped.read_text(encoding="utf-8", errors="replace")
             return replace(read_solution(path), stopped=why)

@@ -121,6 +121,11 @@ def _measures(placed: Placed) -> Iterator[tuple[str, np.ndarray]]:
         yield f"initial_{name}", np.array([getattr(placed, name) @ probe(body.n_coordinates)])
 
 
+def _roots(matrix: np.ndarray) -> np.ndarray:
+    """Square roots of the eigenvalues of the symmetric part of a matrix, which round-off hardly changes."""
+    return np.sqrt(np.abs(np.linalg.eigvalsh((matrix + matrix.T) / 2)))
+
+
 def _of_body(body: BodyForm) -> Iterator[tuple[str, np.ndarray]]:
     """Names of arrays of an elastic body, with their measures."""
     match body:
@@ -128,6 +133,12 @@ def _of_body(body: BodyForm) -> Iterator[tuple[str, np.ndarray]]:
             for name in _ARRAYS:
                 if (array := getattr(body, name)) is not None:
                     yield name, measures(array)
+            # Stiff columns hide the soft ones in the products above: a soft mode has its own number here.
+            yield "frequencies", _roots(body.stiffness)
+            yield "damping_of_modes", _roots(body.damping)
+            for each in body.interfaces:
+                own = each.position, each.motion.T @ probe(6), [each.cubic_turn], each.softness
+                yield f"interface '{each.name}'", np.concatenate(own)
         case FullBody():
             one, other = probe(body.n_coordinates), probe(body.n_coordinates, seed=1)
             for name in ("stiffness", "mass"):

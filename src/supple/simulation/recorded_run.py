@@ -128,17 +128,26 @@ def simulate_recorded(
     marching: dict[str, Any] = {"case": case, "inputs": inputs, "progress": progress, "check": check}
     if overwrite or not path.exists():
         return begin_recorded(system, run, path, overwrite=overwrite, **marching)
-    header = read_header(path)
-    _check_same_run(header, inputs, case, path)
+    header = check_recorded(system, run, path, case=case, inputs=inputs)
     if not header.n_times:
         # A run that ended before its first output left nothing to continue from.
         return begin_recorded(system, run, path, **marching)
-    check_columns(header, system, path)
     if header.complete:
         if progress is not None:
             progress(1.0)
         return read_solution(path)
     return continue_recorded(system, run, path, **marching)
+
+
+def check_recorded(
+    system: System, run: Run, path: Path, *, case: str, inputs: Inputs | None = None
+) -> ResultHeader:
+    """The header of the file of a run; ResultFileError if the file has another run, or other bodies."""
+    header = read_header(path)
+    _check_same_run(header, inputs_of(system, run, case) if inputs is None else inputs, case, path)
+    if header.n_times:
+        check_columns(header, system, path)
+    return header
 
 
 def recorded(
