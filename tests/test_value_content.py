@@ -1,13 +1,18 @@
 """The content of a value tells apart what gives other results, and nothing else."""
 
+import importlib
+import sys
+from argparse import Namespace
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import partial
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from supple.value_content import UserFunction, content_of
 
@@ -93,3 +98,118 @@ def test_a_function_that_calls_itself_and_a_mapping_that_contains_itself_have_co
     mapping["itself"] = mapping
     assert content(itself)
     assert content(mapping)
+
+
+class Settings:
+    gain = 1.0
+
+
+class Base:
+    def torque(self, t):
+        return RATE * t
+
+
+class Motor(Base):
+    """Its call uses a method, which reads a number from the module."""
+
+    __slots__ = ("gain", "inner")
+
+    def __init__(self, gain=1.0, inner=None):
+        self.gain, self.inner = gain, inner
+
+    def __call__(self, t):
+        return self.gain * self.torque(t)
+
+    def of_settings(self, t):
+        return Settings.gain * self.inner(t)
+
+
+MODULE = ModuleType("a_module_of_a_user")
+MODULE.gain, MODULE.unused = 1.0, 1.0
+MOTOR, OPTIONS = Motor(), Namespace(gain=1.0)
+NAMES, RECORD = np.array(["a", "b"]), np.zeros(1, dtype=[("gain", float)])
+HELD = [Fraction(1, 2), CubicSpline([0, 1, 2], [0, 1, 4])]
+
+
+def of_module(t):
+    return MODULE.gain * t
+
+
+def of_class(t):
+    return Settings.gain * t
+
+
+def of_method(t):
+    return MOTOR.torque(t)
+
+
+def of_options(t):
+    return OPTIONS.gain * t
+
+
+def of_arrays(t):
+    return t if NAMES[0] == "a" else RECORD["gain"][0] * t
+
+
+def of_held(t):
+    return HELD[0] * HELD[1](t)
+
+
+@pytest.mark.parametrize(
+    ("function", "change"),
+    [
+        (of_module, lambda change: change.setattr(MODULE, "gain", 2.0)),
+        (of_class, lambda change: change.setattr(Settings, "gain", 2.0)),
+        (of_method, lambda change: change.setitem(globals(), "RATE", 3.0)),
+        (of_method, lambda change: change.setattr(Base, "torque", lambda self, t: 2 * t)),
+        (MOTOR, lambda change: change.setitem(globals(), "RATE", 3.0)),
+        (MOTOR, lambda change: change.setattr(MOTOR, "gain", 2.0)),
+        (MOTOR.of_settings, lambda change: change.setattr(Settings, "gain", 2.0)),
+        (Motor(inner=MOTOR).of_settings, lambda change: change.setattr(MOTOR, "gain", 2.0)),
+        (jax.jit(MOTOR), lambda change: change.setattr(MOTOR, "gain", 2.0)),
+        (jax.vmap(jax.jit(of_class)), lambda change: change.setattr(Settings, "gain", 2.0)),
+        (np.vectorize(of_class), lambda change: change.setattr(Settings, "gain", 2.0)),
+        (of_options, lambda change: change.setattr(OPTIONS, "gain", 2.0)),
+        (of_arrays, lambda change: change.setitem(globals(), "NAMES", np.array(["c", "b"]))),
+        (of_arrays, lambda change: change.setitem(globals(), "RECORD", np.ones(1, RECORD.dtype))),
+        (of_held, lambda change: change.setitem(globals(), "HELD", [*HELD[:0], Fraction(1, 3), *HELD[1:]])),
+        (
+            of_held,
+            lambda change: change.setitem(
+                globals(), "HELD", [*HELD[:1], CubicSpline([0, 1, 2], [0, 2, 4]), *HELD[2:]]
+            ),
+        ),
+    ],
+)
+def test_what_a_function_reads_by_other_objects_is_part_of_it(function, change, monkeypatch):
+    before = content(function)
+    assert content(function) == before
+    change(monkeypatch)
+    assert content(function) != before
+
+
+def test_what_no_function_uses_is_not_part_of_it(monkeypatch):
+    before = content(of_module), content(MOTOR)
+    monkeypatch.setattr(MODULE, "unused", 2.0)
+    monkeypatch.setattr(Settings, "gain", 2.0)  # read by a method that the call does not use
+    assert before == (content(of_module), content(MOTOR))
+
+
+def test_a_module_of_a_user_may_have_the_name_of_one_of_pythons(monkeypatch, tmp_path):
+    (tmp_path / "tabnanny.py").write_text("SPEED = 1.0\ndef law(t):\n    return SPEED * t\n")
+    (tmp_path / "imported_late.py").write_text("SPEED = 1.0\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "tabnanny", raising=False)
+    module = importlib.import_module("tabnanny")
+
+    def late(t):
+        from imported_late import SPEED
+
+        return SPEED * t
+
+    before = content(module.law), content(late)
+    module.SPEED = 2.0
+    (tmp_path / "imported_late.py").write_text("SPEED = 2.0\n")
+    assert content(module.law) != before[0]
+    assert content(late) != before[1]
+    monkeypatch.delitem(sys.modules, "tabnanny")

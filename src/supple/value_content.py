@@ -8,123 +8,256 @@ from __future__ import annotations
 
 import dis
 import sys
+import sysconfig
+from argparse import Namespace
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from enum import Enum
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from hashlib import sha256
+from importlib.util import find_spec
+from numbers import Number
+from pathlib import Path
 from types import CodeType, FunctionType, MethodType, ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
+from scipy import sparse
 
-__all__ = ["UserFunction", "content_of"]
+__all__ = ["UserFunction", "content_of", "fixed_function", "is_users"]
 
 Parts = Callable[[Any], Any]
 """Returns the values that represent a value, or the value itself"""
+
+
+_PLAIN = (bool, int, float, complex, str, bytes, tuple, np.ndarray, np.generic)
+"""Types of values that a library's function takes from the functions around it, such as `in_axes` of vmap."""
+
+Names = frozenset[str] | None
+"""Names that the code around a value reads from it; None: any, because a library reads it."""
 
 
 def _itself(value: Any) -> Any:
     return value
 
 
-def content_of(value: Any, parts_of: Parts = _itself, around: tuple[Any, ...] = ()) -> Iterator[bytes]:
+def content_of(value: Any, parts_of: Parts = _itself) -> Iterator[bytes]:
     """The numbers, names and functions in a value.
 
     A function is represented by its code and by the values that the code reads: those of its closure, its
-    defaults and its module, and the functions it calls. Modules and functions of libraries are represented by
-    their names. Fields that are excluded from comparison are left out.
+    defaults and its module, and the functions it calls. An object of a user's class also has the values of
+    its class and the functions that are used. A user's module has the values that the code reads from it; a
+    module that a function imports when it is called has the text of its file. Modules, classes and functions
+    of libraries are represented by their names. Fields that are excluded from comparison are left out.
 
     parts_of : the values that represent a value, where these are not all of its fields
-    around : the functions, mappings and objects that contain the value; a value within itself is not repeated
     """
-    if any(value is each for each in around):
-        yield b"a value around this one"
-        return
-    inner = (*around, value)
-    match value := parts_of(value):
-        case None | bool() | str() | bytes() | Enum():
-            yield repr(value).encode()
-        case tuple() | list():
-            yield f"{len(value)} items".encode()
-            for item in value:
-                yield from content_of(item, parts_of, inner)
-        case set() | frozenset():
-            yield repr(sorted(map(repr, value))).encode()
-        case Mapping() | SimpleNamespace():
-            for key, item in (value if isinstance(value, Mapping) else vars(value)).items():
-                yield str(key).encode()
-                yield from content_of(item, parts_of, inner)
-        case type() | ModuleType():
-            yield getattr(value, "__qualname__", value.__name__).encode()
-        case partial():
-            yield from content_of((value.func, value.args, value.keywords), parts_of, inner)
-        case FunctionType() | MethodType():
-            yield from _of_function(value, parts_of, inner)
-        case _ if is_dataclass(value) or callable(value) or _is_users(type(value)):
-            yield from _of_object(value, parts_of, inner)
-        case _:
-            yield from _of_numbers(value)
+    return _Content(parts_of).of(value, (), None)
 
 
-def _of_object(value: Any, parts_of: Parts, inner: tuple[Any, ...]) -> Iterator[bytes]:
-    """The fields of an object, and what it does when it is called."""
-    yield type(value).__qualname__.encode()
-    if is_dataclass(value):
-        for item in fields(value):
-            if item.compare:
-                yield item.name.encode()
-                yield from content_of(getattr(value, item.name), parts_of, inner)
-    else:
-        if name := getattr(value, "__name__", ""):  # of a library's function
+class _Content:
+    """The content of one value; what is used at several places is described once."""
+
+    def __init__(self, parts_of: Parts) -> None:
+        self._parts_of = parts_of
+        self._described: dict[Any, tuple[int, Any]] = {}
+        """Number of each function, and of each object of a user's class; the object itself keeps its id."""
+
+    def of(self, value: Any, around: tuple[Any, ...], names: Names) -> Iterator[bytes]:
+        """The content of a value.
+
+        around : mappings and objects that contain the value; a value within itself is not repeated
+        """
+        if any(value is each for each in around):
+            yield b"a value around this one"
+            return
+        inner = (*around, value)
+        match value := self._parts_of(value):
+            case None | bool() | str() | bytes() | Enum():
+                yield repr(value).encode()
+            case tuple() | list():
+                yield f"{len(value)} items".encode()
+                for item in value:
+                    yield from self.of(item, inner, names)
+            case set() | frozenset():
+                yield repr(sorted(map(repr, value))).encode()
+            case Mapping() | SimpleNamespace() | Namespace():
+                for key, item in (value if isinstance(value, Mapping) else vars(value)).items():
+                    yield str(key).encode()
+                    yield from self.of(item, inner, names)
+            case ModuleType() | type() | partial() | FunctionType() | MethodType():
+                yield from self._of_callable(value, inner, names)
+            case _ if sparse.issparse(value):
+                own = sparse.csr_array(value)
+                yield from self.of((own.shape, own.indptr, own.indices, own.data), inner, names)
+            case _ if is_dataclass(value) or callable(value) or is_users(type(value)):
+                yield from self._of_object(value, inner, names)
+            case _:
+                yield from self._of_numbers(value, inner, names)
+
+    def _of_callable(self, value: Any, inner: tuple[Any, ...], names: Names) -> Iterator[bytes]:
+        """The content of a function, a class or a module."""
+        match value:
+            case ModuleType():
+                yield value.__name__.encode()
+                for name in sorted(names or ()) if not _is_library(value.__name__) else ():
+                    if name in vars(value):
+                        yield name.encode()
+                        yield from self.of(vars(value)[name], inner, names)
+            case type():
+                yield value.__qualname__.encode()
+                for name, item in _members(value, names):
+                    yield name.encode()
+                    yield from self.of(item, inner, names)
+            case partial():
+                yield from self.of((value.func, value.args, value.keywords), inner, names)
+            case FunctionType():
+                yield from self._of_function(value, inner)
+            case MethodType():
+                yield from self._of_function(value.__func__, inner)
+                owner = value.__self__
+                known = isinstance(owner, type) or is_dataclass(owner) or is_users(type(owner))
+                read = _attributes(value.__func__)
+                yield from self.of(owner if known else _own(owner), inner, read)
+
+    def _of_object(self, value: Any, inner: tuple[Any, ...], names: Names) -> Iterator[bytes]:
+        """The fields of an object; the values and functions of a user's class."""
+        kind = type(value)
+        yield kind.__qualname__.encode()
+        if is_users(kind):
+            if (number := self._number(value, names)) is not None:
+                yield number
+                return
+            if callable(value) and not is_dataclass(value):
+                names = names or frozenset()  # a library only calls it
+            own = _members(kind, names)
+            if names is not None:
+                names = names.union(*(_attributes(item) for _, item in own if isinstance(item, FunctionType)))
+        else:
+            own = []
+        if is_dataclass(value):
+            own += [(item.name, getattr(value, item.name)) for item in fields(value) if item.compare]
+        else:
+            if name := getattr(value, "__name__", ""):  # of a library's function
+                yield name.encode()
+            own += _own(value).items()
+        for name, item in own:
             yield name.encode()
-        if isinstance(within := getattr(value, "__wrapped__", None), FunctionType):  # by jax.jit
-            yield from content_of(within, parts_of, inner)
-        yield from content_of(_own(value), parts_of, inner)
-    call = getattr(type(value), "__call__", None)  # noqa: B004
-    if _is_users(type(value)) and isinstance(call, FunctionType):
-        yield from content_of(call, parts_of, inner)
+            yield from self.of(item, inner, names)
+
+    def _number(self, value: Any, names: Names = None) -> bytes | None:
+        """The number of an object that is described already; None for a new one, which gets a number."""
+        key = id(value), names
+        if key in self._described:
+            return f"number {self._described[key][0]}".encode()
+        self._described[key] = len(self._described), value
+        return None
+
+    def _of_numbers(self, value: Any, inner: tuple[Any, ...], names: Names) -> Iterator[bytes]:
+        try:
+            array = np.asarray(value)
+        except TypeError:  # a number that JAX traces at present
+            yield f"{type(value).__qualname__} {id(value)}".encode()
+            return
+        if array.dtype.kind in "biufc":
+            yield f"{array.shape} {array.dtype.kind}".encode()
+            yield array.tobytes()
+        elif not array.dtype.hasobject:  # texts, times, records
+            yield f"{array.shape} {array.dtype.descr}".encode()
+            yield array.tobytes()
+        elif array.ndim:
+            yield from self.of(array.tolist(), inner, names)
+        else:
+            yield (repr(value) if isinstance(value, Number) else type(value).__qualname__).encode()
+
+    def _of_function(self, function: FunctionType, inner: tuple[Any, ...]) -> Iterator[bytes]:
+        if (number := self._number(function)) is not None:
+            yield number
+            return
+        yield function.__qualname__.encode()
+        if not is_users(function):
+            yield str(function.__module__).encode()
+            for name, found in _closure(function):
+                if callable(found) or isinstance(found, _PLAIN):  # by jax.vmap
+                    yield name.encode()
+                    yield from self.of(found, inner, frozenset())
+            return
+        yield from _of_code(function.__code__)
+        names = _attributes(function)
+        for item in ("__defaults__", "__kwdefaults__"):
+            yield from self.of(getattr(function, item), inner, names)
+        for name, found in _closure(function):
+            yield name.encode()
+            yield from self.of(found, inner, names)
+        for name in _names_read(function.__code__):
+            if name in function.__globals__:
+                yield name.encode()
+                yield from self.of(function.__globals__[name], inner, names)
+        for name in _modules_imported(function.__code__):
+            yield from _of_file(name)
 
 
 def _own(value: Any) -> dict[str, Any]:
-    return {key: item for key, item in getattr(value, "__dict__", {}).items() if not callable(item)}
+    """The attributes of an object: those of its slots, and those of its dictionary."""
+    slots = {}
+    for kind in type(value).__mro__:
+        given = vars(kind).get("__slots__", ())
+        for name in (given,) if isinstance(given, str) else given:
+            if not name.startswith("__") and hasattr(value, name):
+                slots[name] = getattr(value, name)
+    return slots | getattr(value, "__dict__", {})
 
 
-def _of_numbers(value: Any) -> Iterator[bytes]:
-    try:
-        array = np.asarray(value)
-    except TypeError:  # a number that JAX traces at present
-        yield f"{type(value).__qualname__} {id(value)}".encode()
+def _members(kind: type, names: Names) -> list[tuple[str, Any]]:
+    """Values of a user's class and of the user's classes it inherits from, and the functions that are used.
+
+    These are the functions with one of the names, those that Python calls, such as `__call__`, and those that
+    these functions name in turn.
+    """
+    if issubclass(kind, Enum):
+        return []
+    members = [
+        (name, function)
+        for each in kind.__mro__
+        if is_users(each)
+        for name, item in vars(each).items()
+        for function in _functions_of(item) or (() if name.startswith("__") else (item,))
+    ]
+    used: set[str] = {name for name, _ in members} if names is None else set(names)
+    found, before = list[tuple[str, Any]](), -1
+    while len(found) > before:
+        before = len(found)
+        found = [
+            (name, item)
+            for name, item in members
+            if name in used or name.startswith("__") or not isinstance(item, FunctionType)
+        ]
+        used = used.union(*(_attributes(item) for _, item in found if isinstance(item, FunctionType)))
+    return found
+
+
+def _functions_of(item: Any) -> tuple[FunctionType, ...]:
+    """The functions in a member of a class; none in a value."""
+    match item:
+        case staticmethod() | classmethod():
+            item = item.__func__
+        case property():
+            item = item.fget
+        case cached_property():
+            item = item.func
+    return (item,) if isinstance(item, FunctionType) else ()
+
+
+def _of_file(module: str) -> Iterator[bytes]:
+    """The text of a user's module, which may not be imported yet."""
+    if _is_library(module):
         return
-    if array.dtype.kind in "biufc":
-        yield f"{array.shape} {array.dtype.kind}".encode()
-        yield array.tobytes()
-    else:
-        yield type(value).__qualname__.encode()
-
-
-def _of_function(function: Any, parts_of: Parts, inner: tuple[Any, ...]) -> Iterator[bytes]:
-    yield function.__qualname__.encode()
-    if (owner := getattr(function, "__self__", None)) is not None:
-        yield from content_of(owner if is_dataclass(owner) else _own(owner), parts_of, inner)
-    if not _is_users(function):
-        yield str(function.__module__).encode()
-        for name, found in _closure(function):
-            if isinstance(found, FunctionType):  # by jax.vmap
-                yield name.encode()
-                yield from content_of(found, parts_of, inner)
-        return
-    yield from _of_code(function.__code__)
-    for item in ("__defaults__", "__kwdefaults__"):
-        yield from content_of(getattr(function, item), parts_of, inner)
-    for name, found in _closure(function):
-        yield name.encode()
-        yield from content_of(found, parts_of, inner)
-    for name in _names_read(function.__code__):
-        if name in function.__globals__:
-            yield name.encode()
-            yield from content_of(function.__globals__[name], parts_of, inner)
+    with suppress(Exception):  # of a package that fails to be imported, or a file that cannot be read
+        found = find_spec(module)
+        if found is not None and found.origin is not None and not _is_in_library(found.origin):
+            yield module.encode()
+            yield Path(found.origin).read_bytes()
 
 
 def _closure(function: Any) -> Iterator[tuple[str, Any]]:
@@ -147,14 +280,36 @@ def _of_code(code: CodeType) -> Iterator[bytes]:
 @lru_cache(maxsize=1024)
 def _names_read(code: CodeType) -> tuple[str, ...]:
     """Names that a function and the functions within it read from their module."""
-    names = {step.argval for step in dis.get_instructions(code) if step.opname == "LOAD_GLOBAL"}
+    return _arguments_of("LOAD_GLOBAL", code)
+
+
+@lru_cache(maxsize=1024)
+def _modules_imported(code: CodeType) -> tuple[str, ...]:
+    """Modules that a function and the functions within it import when they are called."""
+    return _arguments_of("IMPORT_NAME", code)
+
+
+def _arguments_of(instruction: str, code: CodeType) -> tuple[str, ...]:
+    """Names in instructions of one kind, also in the functions within a function."""
+    names = {step.argval for step in dis.get_instructions(code) if step.opname == instruction}
     for constant in code.co_consts:
         if isinstance(constant, CodeType):
-            names.update(_names_read(constant))
+            names.update(_arguments_of(instruction, constant))
     return tuple(sorted(names))
 
 
-def _is_users(value: Any) -> bool:
+def _attributes(function: FunctionType) -> frozenset[str]:
+    """Names that a function reads from values, among them all names of attributes."""
+    return _all_names(function.__code__)
+
+
+@lru_cache(maxsize=1024)
+def _all_names(code: CodeType) -> frozenset[str]:
+    inner = [_all_names(each) for each in code.co_consts if isinstance(each, CodeType)]
+    return frozenset(code.co_names).union(*inner)
+
+
+def is_users(value: Any) -> bool:
     """Whether a class or a function is neither part of a library nor of supple."""
     return not _is_library(getattr(value, "__module__", None) or "builtins")
 
@@ -164,14 +319,23 @@ def _is_library(module: str) -> bool:
     package = module.partition(".")[0]
     if package == "__main__":
         return False
-    if package in sys.stdlib_module_names or package in sys.builtin_module_names or package == __package__:
+    if package in sys.builtin_module_names or package == __package__:
         return True
-    file = getattr(sys.modules.get(module), "__file__", None) or ""
-    return any(folder in file for folder in ("site-packages", "dist-packages"))
+    file = getattr(sys.modules.get(module), "__file__", None)
+    if file is None:  # also a module of the standard library without a file
+        return package in sys.stdlib_module_names
+    return _is_in_library(file)
+
+
+def _is_in_library(file: str) -> bool:
+    """Whether a file belongs to an installed package or to Python; a script may be called `profile.py`."""
+    if any(folder in file for folder in ("site-packages", "dist-packages")):
+        return True
+    return any(file.startswith(sysconfig.get_path(each)) for each in ("stdlib", "platstdlib"))
 
 
 class UserFunction:
-    """A user's function as a fixed value of a compiled program: equal only if its content is equal as well.
+    """A user's function, or class, as a fixed value of a compiled program: equal only if its content is.
 
     JAX compares the fixed values of a program to find it again. A function alone would be equal to itself
     after a number that it reads from its module has changed, and the old number would be used.
@@ -194,3 +358,8 @@ class UserFunction:
 
     def __hash__(self) -> int:
         return hash((self.function, self.content))
+
+
+def fixed_function(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function as a fixed value of a compiled program: a library's function itself, or a `UserFunction`."""
+    return UserFunction(function) if is_users(function) else function

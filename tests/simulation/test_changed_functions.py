@@ -1,12 +1,26 @@
 """A run uses the present values of the variables that a user's functions read."""
 
+from dataclasses import dataclass
+
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from supple.body import RigidBody
 from supple.integrate import FixedStep, Run
-from supple.machine import GROUND, At, Controller, DeadForce, Placed, System, TimeFunction, TorqueBetween
+from supple.machine import (
+    GROUND,
+    At,
+    Controller,
+    DeadForce,
+    ForceBetween,
+    Placed,
+    System,
+    TimeFunction,
+    TorqueBetween,
+)
+from supple.quantities import SpringForceSensor
 from supple.simulation import simulate
 from supple.simulation.description import inputs_of
 
@@ -48,3 +62,36 @@ def test_a_second_run_of_the_same_functions(monkeypatch, again):
 
 def test_a_law_keeps_its_program_while_nothing_changes():
     assert jax.tree.structure(TimeFunction(level)) == jax.tree.structure(TimeFunction(level))
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class OwnLaw:
+    size: float
+    begin, end = -np.inf, np.inf
+
+    def __call__(self, time):
+        return LEVEL * self.size * jnp.array([1.0, 0.0, 0.0])
+
+
+@dataclass(frozen=True, kw_only=True)
+class OwnElement(ForceBetween):
+    @staticmethod
+    def wrenches(first, second, value, parameters):
+        return ForceBetween.wrenches(first, second, LEVEL * value, parameters)
+
+
+PUSH = OwnElement(first=GROUND, second=At("box", "centre"), axis=(1, 0, 0), force=1.0)
+
+
+@pytest.mark.parametrize("load", [DeadForce(body="box", at="centre", force=OwnLaw(1.0)), PUSH])
+def test_a_second_run_of_a_law_and_an_element_of_the_users(monkeypatch, load):
+    """x = F t^2 / 2 m."""
+    system = System((Placed(BOX),), loads=(load,))
+    for level in (1.0, 3.0):
+        monkeypatch.setitem(globals(), "LEVEL", level)
+        solution = simulate(system, RUN)
+        assert solution.bodies["box"].position[-1, 0] == pytest.approx(0.25 * level, rel=1e-12)
+        if load is PUSH:
+            force = SpringForceSensor("push", load).values(system, solution)
+            assert force[-1, 0] == pytest.approx(level, rel=1e-12)

@@ -44,7 +44,7 @@ from supple.machine import (
 )
 from supple.machine.control.controller_readings import Reading
 from supple.reduction.condensed_inertia import condensed_gram
-from supple.value_content import UserFunction
+from supple.value_content import UserFunction, fixed_function
 
 __all__ = [
     "build_model",
@@ -331,7 +331,7 @@ def _joint_groups(system: System, places: _BodyPlaces) -> tuple[JointGroup, ...]
         joint = group[0][0]
         groups.append(
             JointGroup(
-                constraint=type(joint).constraint,
+                constraint=fixed_function(type(joint).constraint),
                 rows=Places(tuple(row for _, row, _, _ in group), joint.n_constraints),
                 of_positions=tuple(row.startswith("position") for row in joint.rows),
                 law=_stacked_laws([own.law for own, _, _, _ in group]),
@@ -356,7 +356,7 @@ def _force_groups(
 
     return tuple(
         ForceGroup(
-            wrenches=type(group[0][0]).wrenches,
+            wrenches=fixed_function(type(group[0][0]).wrenches),
             law=_stacked_laws([load.law for load, _, _ in group]),
             parameters=_stacked([load.parameters for load, _, _ in group]),
             first=_ends(places, [first for _, first, _ in group]),

@@ -28,6 +28,7 @@ from supple.equations.compiler_options import STARTING
 from supple.equations.joint_linearization import affine_form
 from supple.machine import GROUND, At, Joint, System
 from supple.programs.program_cache import CachedProgram
+from supple.value_content import fixed_function
 
 __all__ = ["joint_wrenches"]
 
@@ -89,7 +90,7 @@ def _axes(system: System, joint: Joint, end: At, bodies: Mapping[str, Any]) -> n
 
 def _coefficients(joint: Joint, times: np.ndarray) -> np.ndarray:
     """`L` (t, m, 12) of the equations of a joint."""
-    constraint = type(joint).constraint
+    constraint = fixed_function(type(joint).constraint)
     law = joint.law
     if law is None:
         return np.broadcast_to(_constant(constraint), (len(times), joint.n_constraints, 12))

@@ -21,6 +21,7 @@ from supple.machine import ForceElement, Joint, JointFriction, System
 from supple.machine.pose import Pose, Wrench
 from supple.quantities.end_motion import both_ends, check_ends, joint_named
 from supple.quantities.reading import Channel, QuantityKind
+from supple.value_content import UserFunction
 
 __all__ = [
     "ElementEnergySensor",
@@ -107,7 +108,7 @@ class _OfElement:
         carried = jnp.zeros((len(times), 2))
         if isinstance(element, JointFriction):
             carried = jnp.asarray(solution.joint_forces[element.joint.name])[:, :2]
-        return np.asarray(_of_element(type(element), law, parameters, *ends, times, carried))
+        return np.asarray(_of_element(UserFunction(type(element)), law, parameters, *ends, times, carried))
 
 
 class SpringForceSensor(_OfElement):
@@ -156,8 +157,10 @@ class ElementEnergySensor(_OfElement):
 
 @partial(jax.jit, static_argnums=0)
 def _of_element(
-    kind: type[ForceElement], law: Any, parameters: Any, first: Any, second: Any, times: Any, carried: Any
+    of: UserFunction, law: Any, parameters: Any, first: Any, second: Any, times: Any, carried: Any
 ) -> jax.Array:
+    kind: Any = of.function
+
     def at(one: Pose, other: Pose, time: jax.Array, reaction: jax.Array) -> jax.Array:
         value: Any = (reaction if kind.reads_reaction else None) if law is None else law(time)
         loads = kind.wrenches(one, other, value, parameters)

@@ -30,6 +30,7 @@ from supple.machine import (
 )
 from supple.quantities import contact_forces, node_positions
 from supple.quantities.end_motion import both_ends
+from supple.value_content import UserFunction
 
 __all__ = ["Arrow", "JointMark", "Link", "MarkedPlace", "arrows_of", "joint_marks", "links_of"]
 
@@ -122,7 +123,9 @@ def _arrows_of_element(system: System, solution: Solution, load: ForceElement) -
     ends = both_ends(system, solution, load, load.label)
     at = (load.first, load.second)
     own = 1 if load.first == GROUND else 0
-    wrenches = np.asarray(_wrenches(type(load), load.law, load.parameters, *ends, solution.times))[:, own]
+    wrenches = np.asarray(
+        _wrenches(UserFunction(type(load)), load.law, load.parameters, *ends, solution.times)
+    )[:, own]
     place = _place(system, at[own], ends[own])
     if isinstance(load, SphereContact):
         yield Arrow(load.label, "contact", place, wrenches[:, :3])
@@ -134,8 +137,10 @@ def _arrows_of_element(system: System, solution: Solution, load: ForceElement) -
 
 @partial(jax.jit, static_argnums=0)
 def _wrenches(
-    kind: type[ForceElement], law: Any, parameters: Any, first: Pose, second: Pose, times: Any
+    of: UserFunction, law: Any, parameters: Any, first: Pose, second: Pose, times: Any
 ) -> jax.Array:
+    kind: Any = of.function
+
     def at(one: Pose, other: Pose, time: jax.Array) -> jax.Array:
         value: Any = None if law is None else law(time)
         wrenches = kind.wrenches(one, other, value, parameters)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from scipy import sparse
-
 from supple.body import FlexibleBody
 from supple.fem import FiniteElementModel
 from supple.storage.run_inputs import digest_of
@@ -40,8 +38,5 @@ def _made_of(value: Any) -> Any:
                 for own in value.interfaces
             ]
             return value.name, value.model, value.is_linear, ends
-        case _ if sparse.issparse(value):
-            own = sparse.csr_array(value)
-            return own.shape, own.indptr, own.indices, own.data
         case _:
             return value

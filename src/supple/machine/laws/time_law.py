@@ -19,6 +19,7 @@ from supple.arguments import check_numbers, given
 from supple.errors import ArgumentError, ModelError, SuppleError
 from supple.machine.laws.constant import Constant
 from supple.machine.laws.time_function import TimeFunction, traced
+from supple.value_content import UserFunction, is_users
 
 __all__ = ["TimeLaw"]
 
@@ -48,12 +49,37 @@ class TimeLaw(Protocol):
         ...
 
 
+@dataclass(frozen=True)
+class _UsersLaw:
+    """A law of a user's class. The functions of the class, with all they read, are part of the program."""
+
+    law: TimeLaw
+
+    def __call__(self, time: ArrayLike) -> jax.Array:
+        return self.law(time)
+
+    @property
+    def begin(self) -> float:
+        return self.law.begin
+
+    @property
+    def end(self) -> float:
+        return self.law.end
+
+
+jax.tree_util.register_pytree_node(
+    _UsersLaw,
+    lambda users: ((users.law,), UserFunction(type(users.law))),
+    lambda _, laws: _UsersLaw(*laws),
+)
+
+
 def as_time_law(value: Any) -> TimeLaw:
     """The law of a quantity that is given as a law, a function of time, a number or an array."""
     if isinstance(value, type):  # a class has the members of its objects
         raise ArgumentError(f"a quantity over time: expected {_EXPECTED}, got {given(value)}")
     if isinstance(value, TimeLaw):
-        return value
+        return _UsersLaw(value) if is_users(type(value)) else value
     if callable(value):
         return TimeFunction(value)
     try:

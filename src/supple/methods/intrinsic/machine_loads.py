@@ -29,6 +29,7 @@ from supple.methods.intrinsic.station_loads import (
     StationElement,
     StationLoad,
 )
+from supple.value_content import fixed_function
 
 __all__ = ["machine_loads"]
 
@@ -96,7 +97,7 @@ def _element(system: System, numbers: Mapping[str, int], load: ForceElement) -> 
         return End(placed.assembly.rotation.T @ element.initial_axes, np.zeros(3), station, line)
 
     ends = end(element.first, points[0]), end(element.second, points[1])
-    return StationElement(ends, element.law, element.parameters, type(element).wrenches)
+    return StationElement(ends, element.law, element.parameters, fixed_function(type(element).wrenches))
 
 
 def _spread(bodies: Sequence[Placed], line: int, load: NodalLoad) -> SpreadLoad:

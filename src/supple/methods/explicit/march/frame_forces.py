@@ -21,6 +21,7 @@ from supple.machine import Constant, ForceElement
 from supple.methods.explicit.frame_chart import configuration, on_points, velocity
 from supple.methods.explicit.frame_model import FrameState, Generalized
 from supple.methods.explicit.march.march_model import FrameArrays, MarchModel
+from supple.value_content import fixed_function
 
 __all__ = [
     "FrameForces",
@@ -102,7 +103,9 @@ def frame_states(
 
 def storing_elements(machine: Model, loads: Iterable[Any]) -> tuple[bool, ...]:
     """Whether each group of elements stores energy: it defines an energy, and no law drives it in time."""
-    wrenches = [type(load).wrenches for load in loads if type(load).energy is not ForceElement.energy]
+    wrenches = [
+        fixed_function(type(load).wrenches) for load in loads if type(load).energy is not ForceElement.energy
+    ]
     return tuple(
         group.wrenches in wrenches and (group.law is None or isinstance(group.law, Constant))
         for group in machine.forces
@@ -118,7 +121,7 @@ def stored_energy(
     time: Array,
 ) -> Array:
     """Stored energy of force elements, J."""
-    energies = {type(load).wrenches: type(load).energy for load in loads}
+    energies = {fixed_function(type(load).wrenches): type(load).energy for load in loads}
     motion, total = frame_states(machine, frames, states, time), jnp.zeros(())
     for group in _some(machine, stores, True).forces:
 
