@@ -87,6 +87,23 @@ def test_what_is_only_said_or_drawn_may_change(cut):
     assert bits(whole) == bits(simulate(case.system, case.run))
 
 
+def test_a_file_keeps_its_units(cut):
+    """Its arrays are labelled with them."""
+    with pytest.raises(ResultFileError, match=r"its units are not stated, .* are .*m.* now"):
+        resumed(cut, "gravity =", 'units = { length = "mm", mass = "t", time = "s" }\ngravity =')
+
+
+def test_numbers_of_an_earlier_run_do_not_lie_beside_a_new_one(cut):
+    path, old = cut / "bar.toml", ("bar.json", "report.html", "sensors.csv", "sensors.h5")
+    sensor = '[[sensor]]\nname = "pin"\nkind = "position"\nat = "bar.pin"\n\n[output]'
+    path.write_text(path.read_text().replace("[output]", sensor).replace("report = false", "report = true"))
+    for name in old:
+        (cut / "out" / name).write_text("of an earlier run")
+    with pytest.raises(StoppedError):
+        run_case(read_case(path), cut / "out", force=True, progress=stop)
+    assert not [name for name in old if (cut / "out" / name).exists()]
+
+
 def test_resume_and_force_exclude_each_other(cut):
     with pytest.raises(CaseError, match="give only one of them"):
         run_case(read_case(cut / "bar.toml"), cut / "out", resume=True, force=True)

@@ -73,6 +73,12 @@ def _check_to_continue(case: Case, path: Path, rounds: CorrectionFolder) -> None
             raise ResultFileError(
                 f"cannot continue {path}: its run is complete; --force runs it again, -o FOLDER elsewhere"
             )
+        there, here = str(header.metadata.get("units", "")), str(case.units)
+        if there != here:
+            raise ResultFileError(
+                f"cannot continue {path}: its units are {there or 'not stated'}, and those of the case are "
+                f"{here or 'not stated'} now; restore them, or run it again with --force"
+            )
     elif not rounds.is_begun:
         raise ResultFileError(f"cannot continue {path}: there is no such file; run it without --resume")
 

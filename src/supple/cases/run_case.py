@@ -19,7 +19,7 @@ from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import silent
 from supple.cases.outputs import check_outputs
 from supple.cases.result_machine import CASE_FILE, path_from
-from supple.cases.run_page import write_run_page
+from supple.cases.run_page import write_run_page, written_after_the_run
 from supple.cases.static_case import starting_system
 from supple.equations import warn_of_missing_modes
 from supple.error import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors
@@ -138,7 +138,9 @@ def _run_case(
     rounds: list[Round] = []
     if not resume:
         # If this run is interrupted, numbers of an earlier run must not lie beside its motion.
-        report_path(case, folder).unlink(missing_ok=True)
+        for path in written_after_the_run(case, folder):
+            with file_errors("replace", path):
+                path.unlink(missing_ok=True)
 
     def known(system: System, solution: Solution) -> None:
         beside.begin(lambda: drawn(system, solution, _tracked(case, system, solution)))

@@ -8,6 +8,7 @@ from typing import Any
 
 from supple.cases.case import Case
 from supple.cases.case_inputs import FILE
+from supple.cases.existing_results import readings_paths, report_path
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution, StepProgress
 from supple.machine import System
@@ -15,12 +16,26 @@ from supple.mesh import Mesh
 from supple.quantities import Reading, TrackedMotion
 from supple.storage.run_inputs import Inputs
 
-__all__ = ["case_texts", "coloured_elements", "page_looks", "page_path", "write_run_page"]
+__all__ = [
+    "case_texts",
+    "coloured_elements",
+    "page_looks",
+    "page_path",
+    "write_run_page",
+    "written_after_the_run",
+]
 
 
 def page_path(folder: Path) -> Path:
     """The file of the report of a run."""
     return folder / "report.html"
+
+
+def written_after_the_run(case: Case, folder: Path) -> tuple[Path, ...]:
+    """The files of numbers that the run of a case writes when it is complete."""
+    readings = readings_paths(folder) if case.tables.sensor else ()
+    page = (page_path(folder),) if case.tables.output.report else ()
+    return report_path(case, folder), *readings, *page
 
 
 def page_looks(case: Case) -> Mapping[str, Mesh | FiniteElementModel]:
