@@ -19,6 +19,7 @@ from supple.integrate import AdaptiveStep, Run
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.simulation import simulate
 from supple.storage import read_solution
+from supple.storage.run_inputs import changes
 
 CASE = bar_case(1.0, 0.05, 0.05, joint=MOTOR)
 
@@ -140,6 +141,14 @@ def test_all_files_that_a_file_is_read_with(tmp_path, files, first):
         (tmp_path / name).write_bytes(content)
     found = {path.relative_to(tmp_path).as_posix() for path in files_read_with(tmp_path / first)}
     assert found == files.keys()
+
+
+def test_a_file_that_older_results_do_not_list_is_no_change():
+    """A deck that includes another file has itself changed."""
+    older, now = {"a": "1", "the file a.sti": "2"}, {"a": "1", "the file a.sti": "2", "the file a.dof": "3"}
+    assert changes(older, now) == ""
+    assert changes(now, older) == "the file a.dof is missing now"
+    assert changes(older, now | {"b": "1"}) == "b is new"
 
 
 SPEED = 2.0

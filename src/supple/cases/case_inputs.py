@@ -9,10 +9,8 @@ from typing import Any
 from supple.errors import CaseError
 from supple.importers import files_read_with
 from supple.importers.toml import CheckedTable
-from supple.storage.run_inputs import Inputs, digest_of
+from supple.storage.run_inputs import FILE, Inputs, digest_of
 
-FILE = "the file "
-"""Prefix of a file name among inputs."""
 _NOT_COMPUTED_WITH = {"title", "units", "output"}
 
 

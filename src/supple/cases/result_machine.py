@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from supple.cases.case import Case
-from supple.cases.case_inputs import FILE
 from supple.cases.notify import Notify, silent
 from supple.cases.read_case import read_case
 from supple.cases.static_case import assembled_system
@@ -24,7 +23,7 @@ from supple.simulation.recorded_columns import check_bodies
 from supple.simulation.stored_bodies import stored_path
 from supple.storage import ResultParts, read_header, read_reduced_body
 from supple.storage.result_content import ResultHeader
-from supple.storage.run_inputs import Inputs, changes
+from supple.storage.run_inputs import FILE, Inputs, changes
 
 __all__ = ["CASE_FILE", "ResultMachine", "path_from", "result_machine"]
 

@@ -7,14 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from supple.cases.case import Case
-from supple.cases.case_inputs import FILE
 from supple.cases.existing_results import readings_paths, report_path
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution, StepProgress
 from supple.machine import System
 from supple.mesh import Mesh
 from supple.quantities import Reading, TrackedMotion
-from supple.storage.run_inputs import Inputs
+from supple.storage.run_inputs import FILE, Inputs
 
 __all__ = [
     "case_texts",

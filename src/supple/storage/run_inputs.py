@@ -10,8 +10,11 @@ from collections.abc import Mapping
 
 Inputs = Mapping[str, str]
 
+FILE = "the file "
+"""Prefix of a file name among inputs."""
 ORDER_OF_CONTROLLERS = "the order of the controllers"
-"""Name of an input that older files lack."""
+_MAY_BE_NEW = (FILE, ORDER_OF_CONTROLLERS)
+"""Names of inputs that older files lack; a run reads a further file only if another input has changed."""
 _DIGEST = "sha256:"
 _MOST_NAMED = 5
 
@@ -33,7 +36,7 @@ def _change(name: str, there: str | None, here: str | None) -> str:
     if there == here:
         return ""
     if there is None:
-        return "" if name == ORDER_OF_CONTROLLERS else f"{name} is new"
+        return "" if name.startswith(_MAY_BE_NEW) else f"{name} is new"
     if here is None:
         return f"{name} is missing now"
     if there.startswith(_DIGEST) or here.startswith(_DIGEST):

@@ -158,7 +158,7 @@ def swept_group(folder: Path, plan: SweepPlan, number: int) -> SweptGroup:
     """
     values = plan.values(plan.representative(number))
     files = digests_of_files(plan.family.files(values), plan.case_file.parent)
-    if changed := changes({name: plan.inputs.get(name, "") for name in files}, files):
+    if changed := changes({name: plan.inputs[name] for name in files.keys() & plan.inputs.keys()}, files):
         raise ResultFileError(
             f"{folder} was planned with other files ({changed}): restore them, or run the sweep again with "
             "--force"
