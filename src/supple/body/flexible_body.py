@@ -24,8 +24,8 @@ from supple.summary import Summarized, Summary, place_text
 
 __all__ = ["FlexibleBody"]
 
-# Smallest singular value of the rows of two interfaces, relative to the largest; below it they move together.
-_ONE_MOTION = 1e-9
+# Smallest singular value of the rows of two interfaces, relative to the largest, that are independent.
+_DEPENDENT = 1e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -160,12 +160,12 @@ class FlexibleBody(Summarized):
         try:
             return constrained_factor(self.stiffness, constraint, grounded=self.grounded_stiffness)
         except ModelError as error:
-            pair = _moving_together(self.interfaces)
+            pair = _dependent_pair(self.interfaces)
             if pair is None:
                 raise
             raise ModelError(
-                f"body '{self.name}': interfaces '{pair[0]}' and '{pair[1]}' always move together: keep one "
-                f"of the two ({error})"
+                f"body '{self.name}': the motions of interfaces '{pair[0]}' and '{pair[1]}' depend on each "
+                f"other: keep one of the two ({error})"
             ) from error
 
     def lowest_modes(self, n_modes: int, constraint: ArrayLike | sparse.sparray | None = None) -> Eigenpairs:
@@ -205,15 +205,15 @@ def _digest(rows: NDArray[np.float64]) -> bytes:
     return sha256(rows.tobytes()).digest()
 
 
-def _moving_together(interfaces: Sequence[BodyInterface]) -> tuple[str, str] | None:
+def _dependent_pair(interfaces: Sequence[BodyInterface]) -> tuple[str, str] | None:
     """Names of two interfaces whose motions depend on each other; None without such a pair.
 
-    An example are a weighted mean and nodes that are tied rigidly to its reference node.
+    An example are two means of the same three nodes with different weights.
     """
     rows = [one.motion.toarray() for one in interfaces]
     rows = [each / np.linalg.norm(each, axis=1, keepdims=True) for each in rows]
     for (i, one), (j, other) in combinations(enumerate(rows), 2):
         singular = np.linalg.svd(np.vstack([one, other]), compute_uv=False)
-        if singular[-1] < _ONE_MOTION * singular[0]:
+        if singular[-1] < _DEPENDENT * singular[0]:
             return interfaces[i].name, interfaces[j].name
     return None

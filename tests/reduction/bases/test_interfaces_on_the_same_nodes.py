@@ -5,6 +5,7 @@ import pytest
 
 from supple.body import AveragingInterface, MeanAxisFrame, RigidInterface, flexible_body
 from supple.body.averaging_error import section_softness
+from supple.errors import ModelError
 from supple.fem import Isotropic, solid_model
 from supple.mesh import CellType, block
 from supple.reduction import (
@@ -58,3 +59,14 @@ def test_the_basis_is_that_without_the_second_interface(bodies, basis):
 def test_moments_on_an_averaging_interface_are_not_taken_by_its_double(bodies):
     two, one = (section_softness(body, body.interface("tip")) for body in bodies)
     np.testing.assert_allclose(two, one, rtol=1e-8)
+
+
+def test_means_that_depend_on_each_other_in_part_are_named():
+    """Three nodes have nine freedoms, two means twelve."""
+    nodes = bar(TIP, ROOT).model.mesh.nodes_of("tip")[:3]
+    means = (
+        AveragingInterface(name, nodes, weights=own)
+        for name, own in zip("ab", ([1, 1, 1], [1, 2, 3]), strict=True)
+    )
+    with pytest.raises(ModelError, match="interfaces 'a' and 'b' depend on each other: keep one"):
+        reduce(bar(*means), MeanAxisFrame(), CraigBampton(2))
