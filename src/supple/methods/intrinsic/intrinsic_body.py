@@ -33,7 +33,11 @@ from supple.methods.intrinsic.line_freedoms import LineFreedoms, line_freedoms
 from supple.methods.intrinsic.line_model import LineModel, line_model
 from supple.methods.intrinsic.line_sections import cut_segments, line_section_loads
 from supple.methods.intrinsic.root_support import RootSupport
-from supple.methods.intrinsic.second_order_modes import completed_modes, second_order_shapes
+from supple.methods.intrinsic.second_order_modes import (
+    completed_modes,
+    second_order_shapes,
+    with_static_shapes,
+)
 from supple.methods.intrinsic.station_motion import StationMotion, station_motion
 from supple.methods.intrinsic.strain_integration import StationPlaces, station_places
 from supple.programs.program_cache import CachedProgram
@@ -182,15 +186,31 @@ class IntrinsicBody(FormDefaults, Summarized):
                 f"{whole.n_coordinates}, the number of its modes with mass"
             )
         shapes = second_order_shapes(whole.modes, n_modes)
+        return whole if shapes.shape[1] == whole.n_coordinates else whole._in_shapes(whole, shapes, n_modes)
+
+    def with_static_responses(self) -> IntrinsicBody:
+        """The same body with the static responses to forces and moments at root, tips and branching points.
+
+        They are further Ritz vectors, for joints there. A body with all modes is unchanged.
+        """
+        whole, n_lowest = self.complete, self.n_coordinates - self.modes.n_second_order
+        if whole is None:
+            return self
+        shapes = second_order_shapes(whole.modes, n_lowest)
+        shapes = with_static_shapes(whole.modes, shapes, n_lowest, self.line.tree.ends)
         if shapes.shape[1] == whole.n_coordinates:
-            return whole
+            return replace(self, modes=whole.modes, expansion=whole.expansion, complete=None)
+        return self._in_shapes(whole, shapes, n_lowest)
+
+    def _in_shapes(self, whole: IntrinsicBody, shapes: Array, n_lowest: int) -> IntrinsicBody:
+        """The body in some shapes of all its modes; see `completed_modes`."""
         expansion = replace(
             whole.expansion,
             modes=read_only(whole.expansion.modes @ shapes),
             warping=read_only(whole.expansion.warping @ shapes),
         )
-        modes = completed_modes(whole.modes, shapes, n_modes)
-        return replace(whole, modes=modes, expansion=expansion, complete=whole)
+        modes = completed_modes(whole.modes, shapes, n_lowest)
+        return replace(self, modes=modes, expansion=expansion, complete=whole)
 
     def forces_of(self, coordinates: ArrayLike) -> Array:
         """Amplitudes q_2 (..., e) of the internal forces from elastic amplitudes (..., e)."""

@@ -68,6 +68,12 @@ class LoadPathTree:
         """Whether the stations follow one another without a branch."""
         return bool(np.array_equal(self.inner, np.arange(self.n - 1)))
 
+    @property
+    def ends(self) -> NDArray[np.intp]:
+        """Ends of the load paths: the root, the tips, and the branching points."""
+        children = np.bincount(self.inner, minlength=self.n)
+        return np.flatnonzero((children != 1) | (np.arange(self.n) == 0))
+
     @cached_property
     def ancestors(self) -> tuple[NDArray[np.intp], ...]:
         """Ancestors 1, 2, 4, .. segments nearer the root, (n,) each; the root where there is none."""

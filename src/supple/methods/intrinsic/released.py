@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from supple.algebra import read_only
-from supple.errors import ModelError
+from supple.errors import AccuracyError, ModelError
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody
 from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes, checked_modes
 from supple.methods.intrinsic.root_support import FREE
@@ -31,11 +31,20 @@ def released(body: IntrinsicBody) -> IntrinsicBody:
         V^T M V = L L^T,     L^-1 [0; w] = U S W^T,
         w <- S,     Phi_1 <- V L^-T U,     Phi_2 <- Phi_2 W,     C Phi_2 <- C Phi_2 W
 
-    Ratios of ModalDamping remain those of the modes on the support.
+    Phi_1 includes the static responses to forces and moments at the ends of the load paths, so that a joint
+    there meets the compliance of the whole line. They are omitted if the modes with them include rigid motion
+    or are not orthonormal. Ratios of ModalDamping remain those of the modes on the support.
 
     Raises ModelError if the elastic modes already include rigid motion; AccuracyError as `intrinsic_modes`.
     Source: [CraigBampton1968] for the choice of modes.
     """
+    try:
+        return _with_rigid_motion(body.with_static_responses())
+    except (ModelError, AccuracyError):  # as for a root without mass
+        return _with_rigid_motion(body)
+
+
+def _with_rigid_motion(body: IntrinsicBody) -> IntrinsicBody:
     modes, line = body.modes, body.line
     e = modes.n_elastic
     omega = modes.omega[modes.n_rigid :]
@@ -80,6 +89,6 @@ def released(body: IntrinsicBody) -> IntrinsicBody:
 def _released_or_none(whole: IntrinsicBody) -> IntrinsicBody | None:
     """The released body with all modes; None if these include rigid motion because the root has no mass."""
     try:
-        return released(whole)
+        return _with_rigid_motion(whole)
     except ModelError:
         return None

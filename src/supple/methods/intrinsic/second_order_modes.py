@@ -17,12 +17,14 @@ from scipy import linalg
 from supple.algebra import read_only
 from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes, checked_modes
 
-__all__ = ["completed_modes", "second_order_shapes"]
+__all__ = ["completed_modes", "second_order_shapes", "with_static_shapes"]
 
 Array = NDArray[np.float64]
 
 SMALLEST = 1e-3
 """Smallest second-order motion relative to the largest; smaller ones are omitted."""
+SMALLEST_STRAIN = 1e-3
+"""Smallest strain of a static response outside the modes, relative to its whole strain; less is omitted."""
 
 
 def completed_modes(whole: IntrinsicModes, shapes: Array, n_lowest: int) -> IntrinsicModes:
@@ -101,12 +103,38 @@ def second_order_shapes(whole: IntrinsicModes, n_lowest: int) -> Array:
     squares, directions = np.linalg.eigh(gram)
     squares, directions = squares[::-1], directions[:, ::-1]
     number = int(np.count_nonzero(squares > SMALLEST**2 * squares[0])) if squares[0] > 0 else 0
-    columns = np.linalg.qr(linalg.solve_triangular(sizes, directions[:, :number]))[0]
+    return _ritz_shapes(omega, linalg.solve_triangular(sizes, directions[:, :number]), n_lowest)
+
+
+def with_static_shapes(
+    whole: IntrinsicModes, shapes: Array, n_lowest: int, stations: NDArray[np.intp]
+) -> Array:
+    """The shapes, extended by the static responses to forces and moments at some stations.
+
+    The response to a force F at a station has the amplitudes Phi_1^T F / w^2. Its part outside the shapes is
+    added, so that the compliance of these stations is that of all modes.
+
+    whole, shapes, n_lowest : as for `completed_modes`
+    Source: [CraigBampton1968], and its dual with attachment modes.
+    """
+    omega = whole.omega[whole.n_rigid :]
+    at_stations = whole.velocities[stations][..., whole.n_rigid :].reshape(-1, len(omega))
+    strains = (at_stations / omega).T
+    sizes = np.linalg.norm(strains, axis=0)
+    known = np.linalg.qr(omega[:, None] * shapes)[0]
+    added = strains[:, sizes > 0] / sizes[sizes > 0]
+    for _ in range(2):  # twice for round-off
+        added = added - known @ (known.T @ added)
+    directions, parts, _ = np.linalg.svd(added, full_matrices=False)
+    directions = directions[n_lowest:, parts > SMALLEST_STRAIN] / omega[n_lowest:, None]
+    return _ritz_shapes(omega, np.hstack([shapes[n_lowest:, n_lowest:], directions]), n_lowest)
+
+
+def _ritz_shapes(omega: Array, columns: Array, n_lowest: int) -> Array:
+    """The n lowest modes, and the Ritz vectors in the span of columns (e - n, j) of the other modes."""
+    columns = np.linalg.qr(columns)[0]
     squared = columns.T @ (omega[n_lowest:, None] ** 2 * columns)
     ritz = columns @ np.linalg.eigh(0.5 * (squared + squared.T))[1]
     largest = np.abs(ritz).argmax(axis=0)
-    ritz = ritz * np.sign(ritz[largest, np.arange(number)])  # a fixed sign, independent of the solver
-    shapes = np.zeros((e, n_lowest + number))
-    shapes[:n_lowest, :n_lowest] = np.eye(n_lowest)
-    shapes[n_lowest:, n_lowest:] = ritz
-    return shapes
+    ritz = ritz * np.sign(ritz[largest, np.arange(ritz.shape[1])])  # a fixed sign, independent of the solver
+    return linalg.block_diag(np.eye(n_lowest), ritz)
