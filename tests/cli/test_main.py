@@ -206,3 +206,40 @@ def test_resuming_a_complete_run_is_refused(finished):
 
 def test_version():
     assert call("--version").strip() == f"supple {__version__}"
+
+
+def test_info_of_a_case_names_all_that_acts_in_it(pendulum):
+    """Elements, sensors, controllers and the spin, besides bodies, joints, loads and springs."""
+    more = """control = "law.py:controllers"
+[spin]
+rate = 2.0
+axis = [0.0, 0.0, 1.0]
+[[element]]
+kind = "angle-stop"
+name = "buffer"
+first = "ground"
+second = "bob.pin"
+axis = [0.0, 1.0, 0.0]
+lower = -1.0
+upper = 1.0
+stiffness = 10.0
+[[sensor]]
+kind = "position"
+name = "pin"
+at = "bob.pin"
+[[sensor]]
+kind = "energy"
+name = "all"
+"""
+    (pendulum.parent / "law.py").write_text("")
+    first, rest = pendulum.read_text().split("\n\n", 1)
+    pendulum.write_text(f"{first}\n{more}\n{rest}")
+    shown = call("info", pendulum).replace("│ ", "")
+    for words in (
+        "element buffer angle-stop: ground - bob.pin",
+        "control law.py:controllers",
+        "sensor pin position at bob.pin",
+        "sensor all energy",
+        "spin 2 rad/s about [0.0, 0.0, 1.0]: all bodies",
+    ):
+        assert words in shown

@@ -77,8 +77,20 @@ def _describe_case(path: Path) -> Iterator[Row]:
         yield "tie", f"{tie.nodes} on {tie.on}"
     for contact in case.contact:
         yield "contact", f"{contact.nodes} with {getattr(contact.obstacle, 'kind', contact.surface)}"
-    for spring in case.spring:
-        yield "spring", f"{spring.chosen}: {spring.first} - {spring.second}"
+    for support in case.support:
+        yield "support", f"{support.nodes}, fixed in {support.axes}"
+    for spring in (*case.spring, *case.element):
+        what = "spring" if spring in case.spring else "element"
+        yield f"{what} {spring.name or ''}".strip(), f"{spring.chosen}: {spring.first} - {spring.second}"
+    if case.control is not None:
+        yield "control", case.control
+    for sensor in case.sensor:
+        place = getattr(sensor, "at", None)
+        yield f"sensor {sensor.name}", sensor.chosen if place is None else f"{sensor.chosen} at {place}"
+    if case.spin is not None:
+        spin, unit = case.spin, read.units.angular_velocity
+        turned = ", ".join(spin.bodies or ()) or "all bodies"
+        yield "spin", f"{with_unit(f'{spin.rate:g}', unit)} about {list(spin.axis)}: {turned}"
     run = case.simulation
     yield (
         "simulation",
