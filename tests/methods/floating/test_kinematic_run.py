@@ -125,7 +125,7 @@ def test_a_dead_point_ends_the_run_with_its_time(rod):
 @pytest.mark.slow
 def test_a_step_that_is_too_long_is_warned_of(rod):
     """Between instants the crank turns by 1.2 rad: another configuration may be nearer than the right one."""
-    with pytest.warns(ResolutionWarning, match="rotates by"):
+    with pytest.warns(ResolutionWarning, match=r"rotates by .* or less$"):  # no adaptive steps exist here
         simulate(slider_crank(rod, angle=ConstantRate(1.0)), Run(6.0, 1.2, method=Kinematic()))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from supple.equations.checks.strictness import warn_or_raise
 from supple.errors import ResolutionWarning
-from supple.integrate import FixedStep, Run, Statistics
+from supple.integrate import FixedStep, Kinematic, Run, Statistics
 
 __all__ = ["report_step_length"]
 
@@ -30,8 +30,9 @@ def report_step_length(statistics: Statistics, run: Run) -> None:
         found.append(f"a body rotates by {statistics.largest_turn:.2g} rad within it")
         shorter = min(shorter, LARGEST_TURN / statistics.largest_turn)
     if found:
+        instead = "" if isinstance(run.method, Kinematic) else ", or adaptive steps"
         message = (
             f"the fixed step of {step.size:.3g} is too long for this motion: {' and '.join(found)}. Take "
-            f"{step.size * shorter:.1g} or less, or adaptive steps"
+            f"{step.size * shorter:.1g} or less{instead}"
         )
         warn_or_raise(message, ResolutionWarning, run.validity)
