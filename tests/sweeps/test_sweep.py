@@ -10,14 +10,14 @@ import pytest
 from fixtures.swept_pendulum import TABLE
 from scipy.integrate import solve_ivp
 
-from supple.cases import read_case
+from supple.cases import read_case, run_case
 from supple.errors import CaseError, ResultFileError, SuppleError
 from supple.quantities import read_sensors
 from supple.simulation import simulate
 from supple.sweeps import CaseTable, read_sweep, sweep, sweep_status, swept_case, write_parquet
 from supple.sweeps.channel_statistics import STATISTICS, channel_statistics
 from supple.sweeps.part_file import CaseStatus, part_path, read_part
-from supple.sweeps.plan import make_plan, read_plan
+from supple.sweeps.plan import changed_inputs, make_plan, read_plan
 from supple.sweeps.read_sweep import SweepColumns
 from supple.sweeps.sweep_file import SweepOutput
 
@@ -240,3 +240,29 @@ def test_a_parquet_file_has_a_row_a_case(pendulum, tmp_path):
     for statistic in ("mean", "time of maximum"):
         expected = read.statistics.sel(channel="joint hinge.Fx", statistic=statistic).values
         assert np.array_equal(table[f"joint hinge.Fx {statistic}"].to_numpy(), expected)
+
+
+def test_files_that_a_machine_file_includes_are_inputs(tmp_path):
+    """A changed mass in an included file is a changed input of the sweep, as in a run."""
+    pytest.importorskip("mujoco")
+    body = '<mujoco><worldbody><body name="a"><joint name="hip" type="hinge" axis="0 1 0"/>'
+    inertial = '<inertial pos="1 0 0" mass="{}" diaginertia="1 1 1"/></body></worldbody></mujoco>'
+    (tmp_path / "arm.xml").write_text('<mujoco><include file="body.xml"/></mujoco>')
+    (tmp_path / "body.xml").write_text(body + inertial.format(2))
+    path = tmp_path / "arm.toml"
+    run = "[simulation]\nduration = 0.1\noutput_step = 0.05\nstep = 0.05\n"
+    path.write_text('title = "arm"\nbody = []\n[machine]\nmujoco = "arm.xml"\n' + run)
+    table = CaseTable({"gravity[2]": [-9.81, -1.0]})
+    first = make_plan(path, table, SweepOutput())
+    assert not changed_inputs(first, make_plan(path, table, SweepOutput()))
+    (tmp_path / "body.xml").write_text(body + inertial.format(3))
+    assert "the machine" in changed_inputs(first, make_plan(path, table, SweepOutput()))
+
+
+def test_cases_that_start_at_different_times_have_the_durations_of_their_runs(pendulum, tmp_path):
+    run_case(read_case(pendulum), tmp_path / "before", errors=False)
+    start = 'step = 0.01\nstart = { file = "before/pendulum.h5", time = 0.05 }'
+    pendulum.write_text(pendulum.read_text().replace("\nstep = 0.01", "\n" + start))
+    sweep(pendulum, CaseTable({"simulation.start.time": [0.0, 0.05, 0.1]}), tmp_path / "out", executor=Here())
+    columns = SweepColumns(tmp_path / "out")
+    assert columns.of_cases("end_time") - columns.plan.start_times == pytest.approx([0.2, 0.2, 0.2])

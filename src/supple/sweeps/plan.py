@@ -91,10 +91,13 @@ class SweepPlan:
         return {place: row[path] for path, place in self.places.items()}
 
     @property
-    def start_time(self) -> float:
-        """Start time of the cases: 0, or the time of the state that they continue."""
-        start = tomllib.loads(self.case_text)["simulation"].get("start")
-        return float(start["time"]) if isinstance(start, Mapping) else 0.0
+    def start_times(self) -> NDArray[np.float64]:
+        """Start time of each case, (n,): 0, or the time of the state that it continues."""
+        start: Any = tomllib.loads(self.case_text)["simulation"].get("start")
+        for path, place in self.places.items():
+            if place == ("simulation", "start", "time"):
+                return np.asarray(self.table.columns[path], dtype=np.float64)
+        return np.full(self.n_cases, float(start["time"]) if isinstance(start, Mapping) else 0.0)
 
     def representative(self, group: int) -> int:
         """The case of a group whose bodies are reduced for all cases.
@@ -256,6 +259,8 @@ def _inputs(family: CaseFamily, table: CaseTable, places: Mapping[str, KeyPath])
         for value in set(table.columns[path]):
             files |= set(family.files({places[path]: value}))
     found = {"the case": digest_of(family.text.encode()), "the table": digest_of(_table_text(table).encode())}
+    if family.raw.get("machine"):  # its file may include others; all that is used of them is in the tables
+        found["the machine"] = digest_of(repr(family.raw).encode())
     return found | digests_of_files(sorted(files), family.path.parent)
 
 

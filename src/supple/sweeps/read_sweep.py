@@ -118,7 +118,7 @@ class SweepColumns:
             raise ResultFileError(
                 f"{self.folder} has no lifetime: give [output.fatigue.lifetime] and run it again"
             )
-        durations = self.of_cases("end_time") - self.plan.start_time
+        durations = self.of_cases("end_time") - self.plan.start_times
         whole = np.isfinite(durations) & (durations > 0)
         life = fatigue.lifetime.of(self.table, np.where(whole, durations, 1.0))
         found = np.full((len(fatigue.statistics), len(self.channels["name"])), np.nan)
