@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from supple.blas_threads import one_blas_thread
-from supple.errors import ConvergenceError
+from supple.errors import ConvergenceError, ModelError
 from supple.integrate.engine import Engine, Progress, Recorder
 from supple.integrate.solution import Solution, Statistics, concatenate
 
@@ -49,6 +49,7 @@ def run(
     Raises
     ------
     ValueError          no output time is left to simulate
+    ModelError          `resume` without the state of the engine, where the engine needs it
     ConvergenceError    the run ended early, with `check` or before any output time was reached; the results
                         until then were passed to `record`
     """
@@ -59,7 +60,16 @@ def run(
         legs = [times[:1], *_legs(times, times[1:], engine.least_leg)]
     else:
         left = _times_left(times, float(resume.times[-1]))
-        state = engine.resumed(resume)
+        try:
+            state = engine.resumed(resume)
+        except KeyError as error:
+            if str(error.args[0]) in resume.engine_state:
+                raise
+            raise ModelError(
+                f"cannot continue from this solution: the state of its engine lacks {error}. Give the "
+                "solution that `simulate` returned for this run, or its file: `at` omits that state. To "
+                "begin a new run from a motion, use Start(solution, time)"
+            ) from error
         legs = _legs(times, left, engine.least_leg)
     preparing = Statistics(compile_seconds=perf_counter() - began)
     parts: list[Solution] = []

@@ -10,6 +10,7 @@ from typing import Any
 from supple.errors import ResultFileError
 from supple.integrate import Progress, Run, Solution
 from supple.machine import System
+from supple.methods.intrinsic.report_truncation import truncation_parts
 from supple.simulation.description import inputs_of
 from supple.simulation.interruption import noted_interruption
 from supple.simulation.recorded_columns import check_columns, columns_of
@@ -135,7 +136,8 @@ def simulate_recorded(
     if header.complete:
         if progress is not None:
             progress(1.0)
-        return read_solution(path)
+        whole = read_solution(path)
+        return replace(whole, truncation=truncation_parts(system, whole))
     return continue_recorded(system, run, path, **marching)
 
 
@@ -160,18 +162,19 @@ def recorded(
 ) -> Solution:
     """Simulate the missing part of a run and append it to its result file; returns the whole run."""
     start = file.last_instant() if file.header.n_times else None
-    stopped, truncation = None, {}
+    stopped, truncation = None, None
     # A run interrupted after its last output time only has to be marked as complete.
     if start is None or _is_something_left(run, start):
         with noted_interruption(file):
             done = watched_run(system, run, resume=start, record=file.append, progress=progress, check=check)
         stopped = done.stopped
-        truncation = done.truncation if start is None else {}  # a resumed run estimates only its part
+        truncation = done.truncation if start is None else None  # a resumed run estimates only its part
     # From the open file, under its lock: the motion cannot be that of another run.
     whole = file.solution()
     if stopped is None:
         file.finish()
-    return replace(whole, stopped=stopped, truncation=truncation)
+    whole = replace(whole, stopped=stopped)
+    return replace(whole, truncation=truncation_parts(system, whole) if truncation is None else truncation)
 
 
 def _is_something_left(run: Run, reached: Solution) -> bool:

@@ -36,6 +36,9 @@ from supple.methods.intrinsic.expansion import expansion_of_stations
 from supple.methods.intrinsic.intrinsic_body import body_of
 from supple.methods.intrinsic.truncation_error import TruncationError
 from supple.simulation import simulate, simulate_batch
+from supple.simulation.description import inputs_of
+from supple.simulation.recorded_run import simulate_recorded
+from supple.storage import ResultFile
 
 LINE = beam_line(straight(1.0, 8), EA=1e4, EI=1.0, GJ=1.0, mass_per_length=1.0, radius=0.05)
 CLAMP = Fixed(first="ground", second="beam.root")
@@ -255,6 +258,21 @@ def test_the_part_of_the_modes_is_computed_once_a_run(whole, monkeypatch, tmp_pa
     stated = state_errors(system, RUN, solution, study).errors["beam"]
     assert stated.basis == solution.truncation["beam"]
     assert stated.basis.value > 0
+
+
+def test_a_stored_or_continued_run_states_the_part_of_the_modes(whole, tmp_path):
+    """That of the same run in memory."""
+    system = System([whole.truncated(4)], [CLAMP], [DeadForce(at="beam.tip", force=(0.0, 0.0, 1.0))])
+    path, legs = tmp_path / "run.h5", []
+    expected = simulate(system, RUN, record=legs.append)
+    with ResultFile.create(path, case="beam", inputs=inputs_of(system, RUN, "beam")) as file:
+        for leg in legs[:3]:
+            file.append(leg)
+    for _ in ("continued", "read"):
+        found = simulate_recorded(system, RUN, path, case="beam")
+        assert found.truncation["beam"].value == pytest.approx(expected.truncation["beam"].value, rel=1e-9)
+    with pytest.raises(ModelError, match=r"cannot continue from this solution: .* `at` omits that state"):
+        simulate(system, RUN, resume=expected.at(slice(3)))
 
 
 @pytest.mark.slow
