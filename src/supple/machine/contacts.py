@@ -42,7 +42,7 @@ class SurfaceContact:
 
     nodes : At(part, node set)
     surface : At(part, node set)    outer faces with all corners in the set; choose the coarser, or
-        stiffer, side
+        stiffer, side; a shell is touched from the side on which a node starts
     stiffness : N/m per node; default `fraction * m omega_max^2` of the node, with omega_max as in `Contact`,
         or less where a node of `surface` permits less
     fraction : in (0, 1]; the default stiffness divides the stable time step by at most sqrt(1 + 2 fraction)

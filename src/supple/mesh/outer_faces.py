@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from supple.mesh.cell_type import CellType
 from supple.mesh.mesh import Mesh
 
-__all__ = ["FACE_TRIANGLES", "outer_faces", "outer_triangles"]
+__all__ = ["FACE_TRIANGLES", "is_shell", "outer_faces", "outer_triangles"]
 
 IntArray = NDArray[np.int64]
 
@@ -50,6 +50,11 @@ def outer_faces(mesh: Mesh, *, middles: bool = False) -> list[IntArray]:
             once = np.split(count[own.ravel()] == 1, ends)
             found += [faces[outer] for (_, faces), outer in zip(rows, once, strict=True)]
     return found
+
+
+def is_shell(mesh: Mesh) -> bool:
+    """Whether the faces of a mesh are those of shells, which have two sides."""
+    return all(kind.dimension < 3 for kind in mesh.cells)
 
 
 def outer_triangles(mesh: Mesh, nodes: IntArray) -> IntArray:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from supple.machine import System
 from supple.machine.obstacles import Obstacle
-from supple.mesh.outer_faces import outer_triangles
+from supple.mesh.outer_faces import is_shell, outer_triangles
 from supple.methods.explicit.march.touching_surface import projected, touching_surface
 
 __all__ = ["clear_of_contact"]
@@ -41,12 +41,14 @@ def clear_of_contact(
     for contact in system.surface_contacts:
         first, second = contact.nodes.body, contact.surface.body
         nodes = system.node_numbers(contact.nodes)
-        faces = outer_triangles(system.mesh_of(second), system.node_numbers(contact.surface))
+        mesh = system.mesh_of(second)
+        faces = outer_triangles(mesh, system.node_numbers(contact.surface))
         surface = None
         for mine, theirs in zip(shown[first], shown[second], strict=True):
             x = np.concatenate([theirs, mine[nodes]])
             numbers = len(theirs) + np.arange(len(nodes))
-            surface = surface or touching_surface(numbers, np.ones(len(nodes)), faces, x)
+            centre = mine.mean(axis=0) if is_shell(mesh) else None
+            surface = surface or touching_surface(numbers, np.ones(len(nodes)), faces, x, centre)
             at = projected(surface, jnp.asarray(x.T))
             gap = np.asarray(at.gap)
             depth = np.where(gap > -float(surface.reach), np.maximum(clear - gap, 0.0), 0.0)

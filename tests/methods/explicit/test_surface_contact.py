@@ -7,18 +7,20 @@ from fixtures.frame_momentum import nodal_momentum as modal_momentum
 
 from supple.body import flexible_body
 from supple.errors import ModelError
-from supple.fem import Isotropic, solid_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.integrate import Run, run
 from supple.machine import (
     At,
     Placed,
+    Support,
     SurfaceContact,
     System,
 )
-from supple.mesh import CellType, block
+from supple.mesh import CellType, Mesh, block, strip
 from supple.methods.explicit import (
     ENERGIES,
     ExplicitEngine,
+    explicit_shell,
     explicit_subdomain,
     modal_subdomain,
 )
@@ -156,3 +158,36 @@ def test_what_cannot_touch_is_refused():
         SurfaceContact(At("first", "tip"), At("first", "root"))
     with pytest.raises(ModelError, match="stiffness of a contact"):
         rods(cells=4, stiffness=-1.0)
+
+
+def sheet(turned=(), back=False):
+    """A held sheet of 4 x 4 in the plane z = 0, normals along z; some triangles are turned over, or all."""
+    mesh = strip(4.0, 4.0, 4, 4)
+    cells = mesh.cells[CellType.TRIANGLE3].copy()
+    cells[list(turned)] = cells[list(turned), ::-1]
+    cells = cells[:, ::-1] if back else cells
+    x, y = (mesh.nodes[:, :2] - mesh.nodes[:, :2].mean(axis=0)).T
+    edge = np.flatnonzero(np.isclose(np.maximum(np.abs(x), np.abs(y)), 2.0))
+    sets = {"all": np.arange(len(mesh.nodes)), "edge": edge}
+    nodes = np.column_stack([x, y, np.zeros(len(x))])
+    model = shell_model(
+        Mesh(nodes, {CellType.TRIANGLE3: cells}, sets), HomogeneousSection(Isotropic(1e3, 0.3, 1.0), 0.2)
+    )
+    return explicit_shell(model, name="sheet")
+
+
+@pytest.mark.parametrize("options", [{}, {"back": True}, {"turned": (3, 12, 13, 20)}], ids=str)
+@pytest.mark.parametrize("gap", [0.0, 1.0])
+def test_a_shell_is_touched_from_the_side_on_which_the_nodes_start(options, gap):
+    """The faces of a shell have two sides: the same motion from below, whatever the normals of the mesh."""
+    cube = explicit_subdomain(solid_model(block(1.0, 1.0, 1.0, 1, 1, 1, CellType.HEXA8), SOFT), name="cube")
+    below = cube.nodes[:, 2].max() + gap
+    centred = (-cube.nodes[:, 0].mean(), 0.0, -below)
+    flying = Placed(cube, position=centred, velocity=(0.0, 0.0, 0.5))
+    touch = SurfaceContact(At("cube", "z_max"), At("sheet", "all"))
+    system = System([flying, sheet(**options)], contacts=[touch], supports=[Support(At("sheet", "edge"))])
+    span = Run(2 * gap + 2.0, gap + 1.0)
+    solution = run(ExplicitEngine(system, span), span.times)
+    at = solution.bodies["cube"]
+    assert at.nodes[..., 2].max() < 0.4
+    assert at.velocities[-1, :, 2].mean() < 0.0

@@ -12,18 +12,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.equations.compiler_options import STARTING
 from supple.errors import ModelError
 from supple.machine import SurfaceContact, System
-from supple.mesh.outer_faces import outer_triangles
+from supple.mesh.outer_faces import is_shell, outer_triangles
 from supple.methods.explicit.march.touching_surface import (
     TouchingSurface,
     corner_stiffness,
-    projected,
+    located,
     touching_surface,
 )
 from supple.methods.explicit.modal_frame import ModalFrame
-from supple.programs.program_cache import CachedProgram
+from supple.methods.explicit.start_motion import undeformed
 
 __all__ = ["ModalSkin", "TiedNodes", "modal_skins", "touching_surfaces"]
 
@@ -90,7 +89,8 @@ def touching_surfaces(
     surfaces = []
     for contact in system.surface_contacts:
         nodes = number[contact.nodes.body][system.node_numbers(contact.nodes)]
-        faces = outer_triangles(system.mesh_of(contact.surface.body), system.node_numbers(contact.surface))
+        mesh = system.mesh_of(contact.surface.body)
+        faces = outer_triangles(mesh, system.node_numbers(contact.surface))
         if not len(faces):
             raise ModelError(
                 f"contact with '{contact.surface}': no outer face has all its corners in this node set; "
@@ -98,7 +98,9 @@ def touching_surfaces(
             )
         corners = number[contact.surface.body][faces]
         stiffness = _stiffness(contact, bears, nodes, corners, x)
-        surface = touching_surface(nodes, stiffness, corners, x)
+        whole = undeformed(system.placed(contact.nodes.body))
+        centre = whole.mean(axis=0) if is_shell(mesh) else None
+        surface = touching_surface(nodes, stiffness, corners, x, centre)
         _check_outside(contact, surface, x)
         surfaces.append(surface)
         np.add.at(on_nodes, nodes, stiffness)
@@ -144,11 +146,8 @@ def _stiffness(
     return contact.fraction * np.minimum(bears[nodes], weakest)
 
 
-_projected = CachedProgram(projected, STARTING)
-
-
 def _check_outside(contact: SurfaceContact, surface: TouchingSurface, x: FloatArray) -> None:
-    gap = np.asarray(_projected(surface, x.T).gap)
+    gap = np.asarray(located(surface, x.T).gap)
     size = float(np.linalg.norm(np.ptp(x[np.asarray(surface.corners).ravel()], axis=0)))
     inside = (gap < -1e-6 * size) & (gap > -float(surface.reach))
     if inside.any():

@@ -6,6 +6,9 @@ with the area coordinates w of the node's projection and the face's normal n. Th
 and act at the projection of the node, so linear and angular momentum are conserved exactly. Each step
 searches for the nearest node of the surface, then among the faces around it and around its neighbours.
 
+A shell has two sides: each node touches the side on which it starts. The faces of a shell are turned so that
+neighbours have normals on one side, because the normals of a mesh of shells may differ.
+
 (u_node - sum w u)^2 <= 2 u_node^2 + 2 sum w u^2, so with all contacts closed the largest squared frequency
 grows by no more than twice the largest of k / m of a node and sum_nodes k w_i / m_i of a corner (Gershgorin).
 """
@@ -18,12 +21,18 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import breadth_first_order
 from scipy.spatial import KDTree
+
+from supple.equations.compiler_options import STARTING
+from supple.programs.program_cache import CachedProgram
 
 __all__ = [
     "Projection",
     "TouchingSurface",
     "corner_stiffness",
+    "located",
     "projected",
     "pushes",
     "surface_penalty",
@@ -36,6 +45,9 @@ IntArray = NDArray[np.int64]
 BEYOND = 0.05
 """Largest distance of a node beyond the edge of a face, in area coordinates, for contact with this face."""
 
+ON_SHELL = 1e-6
+"""Largest distance from a shell, over the size of its faces, of nodes that start on it."""
+
 
 class TouchingSurface(NamedTuple):
     """Nodes, and the faces that they must not penetrate.
@@ -44,6 +56,7 @@ class TouchingSurface(NamedTuple):
     corners : (T, 3) corners of the faces, counter-clockwise about the outward normals
     masters : (M,) nodes of the faces;   about : (M, r) faces near each of them, padded by repetition
     reach : largest penetration that counts as contact, m
+    side : (n,) 1, or -1 for nodes that touch the back of a shell
     """
 
     nodes: Array
@@ -52,6 +65,7 @@ class TouchingSurface(NamedTuple):
     masters: Array
     about: Array
     reach: Array
+    side: Array
 
 
 class Projection(NamedTuple):
@@ -68,9 +82,18 @@ class Projection(NamedTuple):
 
 
 def touching_surface(
-    nodes: IntArray, stiffness: FloatArray, corners: IntArray, x: FloatArray
+    nodes: IntArray,
+    stiffness: FloatArray,
+    corners: IntArray,
+    x: FloatArray,
+    centre: FloatArray | None = None,
 ) -> TouchingSurface:
-    """Arrays of a contact; x (N, 3) at the start determines the reach: half an edge."""
+    """Arrays of a contact; x (N, 3) at the start determines the reach, half an edge, and the side of a shell.
+
+    centre : (3,) of the part of the nodes, where the faces are those of a shell; None: of solids
+    """
+    if centre is not None:
+        corners = _oriented(corners)
     masters, local = np.unique(corners, return_inverse=True)
     local = local.reshape(corners.shape)
     ring: list[set[int]] = [set() for _ in masters]
@@ -81,14 +104,60 @@ def touching_surface(
     width = max(map(len, near))
     about = np.array([own + own[-1:] * (width - len(own)) for own in near])
     edges = np.linalg.norm(x[corners] - x[np.roll(corners, 1, axis=1)], axis=2)
-    return TouchingSurface(
+    made = TouchingSurface(
         jnp.asarray(nodes),
         jnp.asarray(stiffness),
         jnp.asarray(corners),
         jnp.asarray(masters),
         jnp.asarray(about),
         jnp.asarray(0.5 * edges.mean()),
+        jnp.ones(len(nodes)),
     )
+    return made if centre is None else _on_their_sides(made, x, centre)
+
+
+def _oriented(corners: IntArray) -> IntArray:
+    """The faces (T, 3), turned so that neighbours have normals on one side."""
+    ends = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
+    _, edge, count = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True)
+    order = np.argsort(edge.ravel(), kind="stable")
+    pairs = order[count[edge.ravel()[order]] == 2].reshape(-1, 2)
+    one, two = (pairs // 3).T
+    # Neighbours with normals on one side run along their common edge in opposite directions.
+    alike = ends[pairs[:, 0], 0] != ends[pairs[:, 1], 0]
+    links = sparse.csr_array((np.where(alike, 1, 2), (one, two)), shape=(len(corners), len(corners)))
+    links, turned = links.maximum(links.T), np.full(len(corners), -1)
+    for first in range(len(corners)):
+        if turned[first] >= 0:
+            continue
+        turned[first] = 0
+        reached, before = breadth_first_order(links, first, directed=False)
+        for face in reached[1:]:
+            turned[face] = turned[before[face]] ^ (links[face, before[face]] == 2)
+    return np.where(turned[:, None] == 1, corners[:, ::-1], corners)
+
+
+def _on_their_sides(surface: TouchingSurface, x: FloatArray, centre: FloatArray) -> TouchingSurface:
+    """The surface of a shell, touched by each node from the side on which it starts.
+
+    Nodes on the shell are on the side of the centre (3,) of their part.
+    """
+    points, masters, corners = (
+        np.asarray(each) for each in (surface.nodes, surface.masters, surface.corners)
+    )
+    points = x[points]
+    seen = located(surface, x.T)
+    height = np.asarray(seen.gap)
+    # Beside the surface, the normal at the nearest node decides.
+    normals = np.zeros_like(x)
+    A, B, C = (x[corners[:, i]] for i in range(3))
+    np.add.at(normals, corners.ravel(), np.repeat(np.cross(B - A, C - A), 3, axis=0))
+    nearest = masters[KDTree(x[masters]).query(points)[1]]
+    beside = ((points - x[nearest]) * normals[nearest]).sum(axis=1)
+    inward = ((centre - points) * np.asarray(seen.normals).T).sum(axis=1)
+    size = float(np.linalg.norm(np.ptp(x[masters], axis=0)))
+    place = np.where(np.isinf(height), beside, np.where(np.abs(height) < ON_SHELL * size, inward, height))
+    return surface._replace(side=jnp.asarray(np.where(place < 0, -1.0, 1.0)))
 
 
 def corner_stiffness(
@@ -144,9 +213,12 @@ def projected(surface: TouchingSurface, x: Array) -> Projection:
     return Projection(
         jnp.take_along_axis(corners, best[:, None, None], axis=1)[:, 0],
         chosen(weights),
-        jnp.where(touched, chosen(height), jnp.inf),
-        chosen(normal / jnp.sqrt(square)),
+        jnp.where(touched, surface.side * chosen(height), jnp.inf),
+        surface.side * chosen(normal / jnp.sqrt(square)),
     )
+
+
+located = CachedProgram(projected, STARTING)
 
 
 def pushes(surface: TouchingSurface, at: Projection) -> Array:
