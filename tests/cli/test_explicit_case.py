@@ -153,6 +153,9 @@ def test_every_mistake_is_listed_with_its_line(bar):
     assert "exactly one of obstacle, surface" in told
     assert "did you mean 'nose'" in told
     assert "needs factor and exponent" in told
+    path = bar(('nodes = "nose.TIP"', 'nodes = "nose.TIP"\nstiffness = 1e6\nfraction = 0.1'))
+    with pytest.raises(CaseError, match="so the fraction has no effect; remove one of the two"):
+        read_case(path)
     path = bar(('nodes = "nose.JOINT"', 'nodes = "rest.JOINT"'), ('on = "rest"', 'on = "nose"'))
     with pytest.raises(CaseError, match="a modal part cannot be tied to an explicit one"):
         read_case(path)

@@ -144,6 +144,12 @@ def _touches_one_thing(path: KeyPath, contact: Raw) -> Mistakes:
         yield path, f"a contact needs exactly one of obstacle, surface; this one has {seen}"
 
 
+def _is_stiff_by_one_key(path: KeyPath, contact: Raw) -> Mistakes:
+    if "stiffness" in contact and "fraction" in contact:
+        message = "the stiffness is given, so the fraction has no effect; remove one of the two"
+        yield (*path, "fraction"), message
+
+
 def _part_places(raw: Raw) -> Iterator[tuple[KeyPath, Any]]:
     """Every BODY.NODE_SET of ties, contacts and supports, with the path of its key."""
     for section in ("tie", "contact", "support"):
@@ -194,4 +200,4 @@ def _suit_their_parts(raw: Raw) -> Mistakes:
             yield (*path, "continuity"), message
 
 
-RULES = (on_each("contact", _touches_one_thing), _suit_their_parts)
+RULES = (on_each("contact", _touches_one_thing), on_each("contact", _is_stiff_by_one_key), _suit_their_parts)
