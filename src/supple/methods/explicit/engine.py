@@ -233,14 +233,14 @@ class ExplicitEngine:
                 drift = sum(e.values()) - 2 * e["external"] - initial
                 worst = max((name for name in e if name != "external"), key=lambda name: abs(e[name]))
                 return (
-                    f"the energy balance has an error of {drift:.3g} J at {when}, more than 1 %; the "
-                    f"largest term is {worst} ({e[worst]:.3g} J), the interface lost {e['interface']:.3g} "
-                    "J: take shorter steps, or a smaller largest_ratio"
+                    f"the energy balance has an error of {drift:.3g} at {when}, more than 1 %; the "
+                    f"largest term is {worst} ({e[worst]:.3g}), the interface lost {e['interface']:.3g}: "
+                    "take shorter steps, or a smaller largest_ratio"
                 )
             case 5:
                 verb = "lost" if e["interface"] > 0 else "gained"
                 return (
-                    f"the interface energy drifts: {abs(e['interface']):.3g} J were {verb} between parts "
+                    f"the interface energy drifts: {abs(e['interface']):.3g} were {verb} between parts "
                     f"with different steps until {when}, more than 1 %; take a smaller largest_ratio"
                 )
             case _:
@@ -251,7 +251,7 @@ class ExplicitEngine:
                     else "the step is above the stability limit; take"
                 )
                 return (
-                    f"the {worst} energy is negative ({e[worst]:.3g} J) at {when}: spurious energy, because "
+                    f"the {worst} energy is negative ({e[worst]:.3g}) at {when}: spurious energy, because "
                     f"{why} {shorter}"
                 )
 

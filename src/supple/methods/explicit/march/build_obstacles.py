@@ -49,5 +49,5 @@ def check_outside(contact: Contact, points: FloatArray, part: FloatArray) -> Non
         worst = int(gap.argmin())
         raise ModelError(
             f"contact of '{contact.nodes}': the node at {np.array2string(points[worst], precision=6)} starts "
-            f"{-gap[worst]:.3g} m inside the {type(contact.obstacle).__name__}; move the parts apart"
+            f"{-gap[worst]:.3g} inside the {type(contact.obstacle).__name__}; move the parts apart"
         )

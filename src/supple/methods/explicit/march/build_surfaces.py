@@ -155,5 +155,5 @@ def _check_outside(contact: SurfaceContact, surface: TouchingSurface, x: FloatAr
         point = np.array2string(x[np.asarray(surface.nodes)[worst]], precision=6)
         raise ModelError(
             f"contact of '{contact.nodes}' with '{contact.surface}': the node at {point} starts "
-            f"{-gap[worst]:.3g} m inside the surface; move the parts apart"
+            f"{-gap[worst]:.3g} inside the surface; move the parts apart"
         )

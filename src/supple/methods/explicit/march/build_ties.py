@@ -52,7 +52,7 @@ def check_velocities(tie: Tie, one: FloatArray, two: FloatArray, rounding: float
     if sides[2] > rounding * max(sides[:2]):
         raise ModelError(
             f"tie of '{tie.nodes}' on '{tie.on}': the initial velocities of the two sides differ by "
-            f"{sides[2]:.3g} m/s; give both the velocity and angular velocity of one rigid motion, that of "
+            f"{sides[2]:.3g}; give both the velocity and angular velocity of one rigid motion, that of "
             "their joints if these move a part from the start"
         )
 
@@ -61,7 +61,7 @@ def check_positions(tie: Tie, apart: float, allowed: float) -> None:
     """Raise ModelError if a side of a tie starts deformed, or joints moved it from the other side."""
     if apart > allowed:
         raise ModelError(
-            f"tie of '{tie.nodes}' on '{tie.on}': the two sides start {apart:.3g} m apart, as a modal "
+            f"tie of '{tie.nodes}' on '{tie.on}': the two sides start {apart:.3g} apart, as a modal "
             "part has coordinates or was moved to close its joints; leave out its coordinates, and place it "
             "so that joints are closed"
         )
