@@ -17,6 +17,7 @@ from supple.errors import ModelError, StepCutWarning
 from supple.integrate import FixedStep, Progress, Recorder, Run, Solution, Statistics, StepControl
 from supple.integrate import run as march_through
 from supple.machine import System
+from supple.methods.explicit.deleted_faces import deletion_watch
 from supple.methods.explicit.yielding import yield_watch
 from supple.methods.intrinsic.report_truncation import report_truncation
 from supple.simulation.engines import engine_for, is_explicit
@@ -39,7 +40,11 @@ def watched_run(
     times = run.times
     check_laws_cover(system, times[0], times[-1])
     warn_of_unseen_laws(system, run)
-    watches = watch(system, run.validity), yield_watch(system, run.validity)
+    watches = (
+        watch(system, run.validity),
+        yield_watch(system, run.validity),
+        deletion_watch(system, run.validity),
+    )
     peaks: list[Any] = [{} for _ in watches]
 
     def observed(leg: Solution) -> None:

@@ -6,9 +6,9 @@ from fixtures.explicit_bars import SOFT, stepped
 from fixtures.frame_momentum import nodal_momentum as modal_momentum
 
 from supple.body import flexible_body
-from supple.errors import ModelError
+from supple.errors import ModelError, ValidityWarning
 from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
-from supple.integrate import Run, run
+from supple.integrate import Run, Solution, Statistics, Validity, run
 from supple.machine import (
     At,
     Placed,
@@ -20,11 +20,16 @@ from supple.mesh import CellType, Mesh, block, strip
 from supple.methods.explicit import (
     ENERGIES,
     ExplicitEngine,
+    J2Plasticity,
+    LinearHardening,
     explicit_shell,
     explicit_subdomain,
     modal_subdomain,
 )
+from supple.methods.explicit.deleted_faces import deletion_watch
+from supple.methods.explicit.motions import NodalMotion
 from supple.reduction import NormalModes
+from supple.simulation import simulate
 
 ROD = Isotropic(100.0, 0.0, 1.0)  # no lateral strain: a 1-D bar
 SPEED_OF_SOUND = 10.0
@@ -192,3 +197,39 @@ def test_a_shell_is_touched_from_the_side_on_which_the_nodes_start(options, gap)
     at = solution.bodies["cube"]
     assert at.nodes[..., 2].max() < 0.4
     assert at.velocities[-1, :, 2].mean() < 0.0
+
+
+def breaking(nodes, surface):
+    """A cube flies into a held bar of two elements that break early."""
+    law = J2Plasticity(SOFT, LinearHardening(1.0, 0.0))
+    mesh = block(2.0, 1.0, 1.0, 2, 1, 1, CellType.HEXA8)
+    mesh = Mesh(mesh.nodes, mesh.cells, {**mesh.node_sets, "all": np.arange(len(mesh.nodes))})
+    held = explicit_subdomain(solid_model(mesh, SOFT), law, name="bar", deletion=0.3)
+    heavy = solid_model(block(1.0, 1.0, 1.0, 1, 1, 1, CellType.HEXA8), Isotropic(100.0, 0.3, 20.0))
+    cube = Placed(explicit_subdomain(heavy, name="cube"), position=(-1.0, 0, 0), velocity=(1.0, 0, 0))
+    return System(
+        [held, cube],
+        contacts=[SurfaceContact(At(*nodes.split(".")), At(*surface.split(".")))],
+        supports=[Support(At("bar", "tip"))],
+    )
+
+
+@pytest.mark.slow
+def test_a_run_warns_of_elements_deleted_below_the_faces_of_a_contact():
+    """The faces of the element behind are not in the contact: the cube passes through it."""
+    with pytest.warns(
+        ValidityWarning, match="'bar.root': elements below its faces are deleted.*all nodes of"
+    ):
+        simulate(breaking("cube.tip", "bar.root"), Run(1.0, 0.5))
+
+
+@pytest.mark.parametrize(("deleted", "found"), [(0, [0.5]), (1, [])])
+def test_only_elements_below_the_faces_of_a_contact_are_watched(deleted, found):
+    alive = np.ones((3, 2))
+    alive[1:, deleted] = 0.0
+    none = np.zeros((3, 0, 3))
+    motion = NodalMotion(none, none, none, 0 * alive, alive, 0 * alive)
+    leg = Solution(np.array([0.0, 0.5, 1.0]), {"bar": motion}, {}, Statistics())
+    watch = deletion_watch(breaking("cube.tip", "bar.root"), Validity())
+    assert list(watch.observe({}, leg).values()) == found
+    assert not deletion_watch(breaking("bar.all", "cube.tip"), Validity()).below
