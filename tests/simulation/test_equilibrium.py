@@ -10,10 +10,14 @@ from supple.equations import StaticSearch
 from supple.errors import ConvergenceError, ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.integrate import FixedStep, Run, Tolerances
+from supple.linearization import linearize
 from supple.machine import (
     GROUND,
+    AngleServo,
     At,
     Ball,
+    ConstantRate,
+    Controller,
     DeadForce,
     Fixed,
     Placed,
@@ -22,6 +26,7 @@ from supple.machine import (
     Ramp,
     Revolute,
     Scaled,
+    Sine,
     Spin,
     SpringDamper,
     System,
@@ -210,3 +215,37 @@ def test_what_nothing_holds_has_no_equilibrium():
 def test_a_search_needs_positive_numbers():
     with pytest.raises(ValueError, match="largest_move of a static search must be positive"):
         StaticSearch(largest_move=0.0)
+
+
+def wheel(*loads, controllers=()):
+    body = Placed(RigidBody("wheel", 2.0, [0, 0, 0], 0.7 * np.eye(3), {"hub": (0, 0, 0)}))
+    hinge = Revolute(first="ground", second="wheel.hub", axis=(0, 0, 1))
+    return System([body], [hinge], loads, controllers=controllers)
+
+
+ABOUT_HUB = {"first": "ground", "second": "wheel.hub", "axis": (0, 0, 1)}
+
+
+@pytest.mark.parametrize("is_driven", [False, True])
+def test_a_servo_rests_at_its_set_point_however_fast_that_moves(is_driven):
+    """With its rate, 2 rad/s, the damper alone would exceed the limit, and the spring have no effect."""
+    law = Sine(0.5, 2 / np.pi)
+    servo = AngleServo(**ABOUT_HUB, angle=law, stiffness=10.0, damping=5.0, limit=8.0)
+    controller = Controller(reads={}, drives={"servo": servo}, outputs=lambda *_: {"servo": np.zeros(2)})
+    machine = wheel(controllers=[controller]) if is_driven else wheel(servo)
+    for time in (0.0, 0.3):
+        linear = linearize(machine, time=time)
+        turned = linear.system.bodies[0].rotation
+        np.testing.assert_allclose(np.arctan2(turned[1, 0], turned[0, 0]), 0.5 * np.sin(4 * time), atol=1e-9)
+        ratios = [linear.stiffness[0, 0], linear.damping[0, 0]] / linear.mass[0, 0]
+        np.testing.assert_allclose(ratios, [10 / 0.7, 5 / 0.7])
+    assert linear.system.loads == machine.loads
+    assert [own.drives for own in linear.system.controllers] == [own.drives for own in machine.controllers]
+
+
+def test_a_servo_drives_a_rotor_at_the_rate_of_its_law():
+    """Its damper balances a drag: 3 (5 - 3) = 2 . 3."""
+    drive = AngleServo(**ABOUT_HUB, angle=ConstantRate(5.0), stiffness=0.0, damping=3.0)
+    drag = AngleServo(**ABOUT_HUB, angle=0.0, stiffness=0.0, damping=2.0)
+    found = equilibrium(wheel(drive, drag), spin=Spin(3.0, (0, 0, 1)))
+    np.testing.assert_allclose(found.system.bodies[0].angular_velocity, [0, 0, 3.0])

@@ -62,8 +62,9 @@ def linearize(
 
     Parameters
     ----------
-    time : time at which loads and laws are evaluated, as constants; a driven joint between rotating and
-        standing bodies has the spin's rate, whatever its law
+    time : time at which loads and laws are evaluated, as constants, and set-points of servos have
+        the rate zero; between rotating and standing bodies a driven joint has the spin's rate, whatever its
+        law, and the set-point of a servo that of its law
     spin : Spin             of the machine, or of the bodies listed in it
     search, fulls, progress : as for `equilibrium`; with the full bodies `machine_modes` gives the basis
         errors of the reduced ones

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 
 from supple.equations.static_search import Equations
 from supple.equations.steady_motion import SteadyRotation
-from supple.machine import System
+from supple.machine import GROUND, AngleServo, Controller, SlideServo, System
 from supple.methods.explicit.check_machine import check_spin_stiffness
 from supple.methods.floating import compiled_statics, full_statics
 from supple.methods.intrinsic.line_statics import line_statics
 from supple.simulation.machine_with_stations import machine_with_stations
 
-__all__ = ["equations_of"]
+__all__ = ["equations_of", "with_held_servos"]
 
 
 def equations_of(
@@ -28,8 +31,37 @@ def equations_of(
     """
     if turning is not None and np.any(turning.angular_velocities):
         check_spin_stiffness(system)
+    system = with_held_servos(system, turning, time)
     kinds = {placed.body.kind for placed in system.bodies}
     if "full" in kinds or ("intrinsic" in kinds and system.controllers):
         return full_statics(machine_with_stations(system), turning, time, known)
     method = line_statics if "intrinsic" in kinds else compiled_statics
     return method(system, turning, time, known)
+
+
+def with_held_servos(system: System, turning: SteadyRotation | None, time: float) -> System:
+    """The machine with the set-points of its servos at a time as constants.
+
+    At rest, the rate of a set-point is zero. Between a rotating and a standing body it is that of the law,
+    because the relative rate of the bodies is not zero either.
+    """
+    still = np.zeros((len(system.bodies), 3)) if turning is None else turning.angular_velocities
+    spins = {placed.body.name: own for placed, own in zip(system.bodies, still, strict=True)}
+    spins[GROUND.body] = np.zeros(3)
+
+    def held(load: Any) -> Any:
+        if not isinstance(load, AngleServo | SlideServo):
+            return load
+        return (
+            load.held(time)
+            if np.array_equal(*(spins[end.body] for end in (load.first, load.second)))
+            else load
+        )
+
+    controllers = tuple(
+        replace(own, drives={name: held(each) for name, each in own.drives.items()})
+        if isinstance(own, Controller)
+        else own
+        for own in system.controllers
+    )
+    return replace(system, loads=tuple(map(held, system.loads)), controllers=controllers)

@@ -34,6 +34,7 @@ from supple.machine import System
 from supple.methods.floating.full.statics import FullStatics, full_statics
 from supple.quantities.quantity_of_interest import largest_displacement
 from supple.reduction import Condensation, ReducedBody, ReductionBasis
+from supple.simulation.equations_of import with_held_servos
 from supple.simulation.machine_with_stations import machine_with_stations
 from supple.simulation.resting_state import RestingState, placed_at_rest
 from supple.simulation.stored_basis import stored_bases
@@ -172,8 +173,9 @@ def full_rest(
         else placed
         for placed in reduced.system.bodies
     )
-    machine = machine_with_stations(replace(reduced.system, bodies=bodies))
     turning = reduced.turning if np.any(reduced.turning.angular_velocities) else None
+    whole = replace(reduced.system, bodies=bodies)
+    machine = machine_with_stations(with_held_servos(whole, turning, time))
     statics = full_statics(machine, turning, time, reduced.equations.model.active)
     # Frame conditions transmit no force: the frame's own six equations balance the sum of the nodal forces.
     start = reduced.state._replace(
@@ -196,7 +198,8 @@ def full_rest(
                 state, _ = search_equilibrium(statics, statics.start(), time, search)
             except ConvergenceError:
                 return FullEquilibrium(None, bases, began, second)
-    found = reduced._replace(system=statics.machine.system, state=state, equations=statics)
+    system = replace(statics.machine.system, loads=whole.loads, controllers=whole.controllers)
+    found = reduced._replace(system=system, state=state, equations=statics)
     return FullEquilibrium(found, bases, began, second)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import jax
@@ -25,7 +25,8 @@ class AngleServo(AxialElement):
     """Moment `k (phi_0 - phi) + c (dphi_0/dt - dphi/dt)` about a hinge, limited in magnitude.
 
     The difference `phi_0 - phi` is wrapped to (-pi, pi]: the number of revolutions is not limited, but the
-    magnitude of the difference must stay below pi.
+    magnitude of the difference must stay below pi. In statics and modes the set-point is held constant,
+    `dphi_0/dt = 0`, except between a body that rotates with a `Spin` and one that does not.
 
     angle : phi_0(t), rad, a number or a law of time        limit : largest moment, default infinite
     stiffness : k, moment per rad
@@ -49,6 +50,10 @@ class AngleServo(AxialElement):
         """The angle and its rate."""
         return WithRate(as_time_law(self.angle))
 
+    def held(self, time: float) -> AngleServo:
+        """The servo with the set-point of this time as a constant."""
+        return replace(self, angle=float(self.law(time)[0]))
+
     @property
     def parameters(self) -> tuple[float, ...]:
         """`(k, c, limit)`."""
@@ -66,6 +71,8 @@ class AngleServo(AxialElement):
 @dataclass(frozen=True, kw_only=True)
 class SlideServo(AxialElement):
     """Force `k (x_0 - x) + c (dx_0/dt - dx/dt)` along an axis of the first end, limited in magnitude.
+
+    In statics and modes the set-point is held constant, as that of an `AngleServo`.
 
     slide : x_0(t), a number or a law of time, for `x = z_1 . (r_2 - r_1)`
     limit : largest force, default infinite
@@ -89,6 +96,10 @@ class SlideServo(AxialElement):
     def law(self) -> TimeLaw:
         """The slide and its rate."""
         return WithRate(as_time_law(self.slide))
+
+    def held(self, time: float) -> SlideServo:
+        """The servo with the set-point of this time as a constant."""
+        return replace(self, slide=float(self.law(time)[0]))
 
     @property
     def parameters(self) -> tuple[float, ...]:
