@@ -263,6 +263,19 @@ def test_a_servo_is_held_within_its_limit_and_counts_whole_turns():
     np.testing.assert_allclose(servo.wrenches(still, still, servo.law(3.01), limited)[1].moment[2], 0.7)
 
 
+@pytest.mark.parametrize(("angle", "depth"), [(3.2, 0.1), (-0.4, -0.2), (1.5, 0.0)])
+def test_a_stop_near_half_a_revolution_pushes_back_beyond_it(angle, depth):
+    """At 3.2 rad the wrapped angle, -3.08, is far below the lower limit, on the other side of the range."""
+    stop = m.AngleStop(
+        **ENDS, axis=(0, 0, 1), lower=-0.2, upper=3.1, penalty=m.Penalty(stiffness=50.0, dissipation=0.5)
+    )
+    still = Pose(jnp.zeros(3), jnp.eye(3), jnp.zeros(3), jnp.zeros(3))
+    turned = still._replace(axes=rotation_exp(jnp.array([0, 0, angle])))
+    _, on_second = stop.wrenches(still, turned, None, stop.parameters)
+    np.testing.assert_allclose(on_second.moment[2], -50 * depth, atol=1e-12)
+    np.testing.assert_allclose(stop.energy(still, turned, None, stop.parameters), 25 * depth**2, atol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [

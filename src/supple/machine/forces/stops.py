@@ -13,7 +13,7 @@ from supple.errors import ModelError
 from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.force_element import ForceElement, check_anchor
 from supple.machine.forces.penalty import Penalty, penalty_energy, penalty_force
-from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair
+from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair, wrapped
 from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
 
 __all__ = ["AngleStop", "DistanceStop", "SlideStop"]
@@ -22,6 +22,8 @@ __all__ = ["AngleStop", "DistanceStop", "SlideStop"]
 @dataclass(frozen=True, kw_only=True)
 class AngleStop(AxialElement):
     """Moment that limits the angle of the second end about the first end's axis to `lower <= phi <= upper`.
+
+    The angle is counted from -pi to pi about the middle of both limits, so that it does not jump near one.
 
     lower, upper : limits of the angle, rad, between -pi and pi
     penalty : Penalty, whose depth is the angle beyond a limit, rad
@@ -48,12 +50,12 @@ class AngleStop(AxialElement):
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """A moment towards the range between the limits."""
         motion = axial_motion(first, second)
-        return moment_pair(first, _push(motion.angle, motion.rate, parameters))
+        return moment_pair(first, _push(_near_limits(motion.angle, parameters), motion.rate, parameters))
 
     @staticmethod
     def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
         """Energy of the penalty."""
-        return _stored(axial_motion(first, second).angle, parameters)
+        return _stored(_near_limits(axial_motion(first, second).angle, parameters), parameters)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,6 +138,12 @@ class DistanceStop(ForceElement):
         """Energy of the penalty."""
         between = second.point - first.point
         return _stored(jnp.sqrt(between @ between), parameters)
+
+
+def _near_limits(angle: jax.Array, parameters: Parameters) -> jax.Array:
+    """The angle, by whole revolutions within pi of the middle of both limits."""
+    middle = (parameters[0] + parameters[1]) / 2
+    return middle + wrapped(angle - middle)
 
 
 def _push(place: jax.Array, rate: jax.Array, parameters: Parameters) -> jax.Array:

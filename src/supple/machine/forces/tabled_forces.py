@@ -18,7 +18,10 @@ __all__ = ["TabledForce", "TabledTorque"]
 
 @dataclass(frozen=True, kw_only=True)
 class TabledTorque(AxialElement):
-    """Torque on the second end about an axis of the first, a table over angle (rows) and rate (columns)."""
+    """Torque on the second end about an axis of the first, a table over angle (rows) and rate (columns).
+
+    The angle is in (-pi, pi]: rows beyond are not reached.
+    """
 
     torque: Surface
 
