@@ -288,6 +288,8 @@ def test_a_stop_near_half_a_revolution_pushes_back_beyond_it(angle, depth):
             "width of a friction law must be a positive velocity",
         ),
         (lambda: m.RevoluteFriction(**AXIS, moment=1.0, width=0.0), "width must be finite and positive"),
+        (lambda: m.RevoluteFriction(**AXIS, moment=-1.0, width=0.1), "moment must not be negative"),
+        (lambda: m.PrismaticFriction(**AXIS, force=-1, width=0.1), "force must not be negative"),
         (lambda: m.Bushing(**ENDS, stiffness=np.ones(5)), r"must be \(6,\) or \(6, 6\) finite numbers"),
         (lambda: m.Bushing(**ENDS, stiffness=SQUARE), "must be symmetric"),
         (lambda: m.Bushing(**ENDS, stiffness=[1, 1, -1, 1, 1, 1]), "must not be negative"),

@@ -13,6 +13,7 @@ from supple.arguments import NotNegative, Positive, check_fields
 from supple.errors import ModelError
 from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair
+from supple.machine.laws.constant import Constant
 from supple.machine.laws.time_law import TimeLaw, as_time_law
 from supple.machine.pose import Parameters, Pose, Wrenches
 
@@ -57,12 +58,16 @@ class RevoluteFriction(AxialElement):
     M does not depend on the joint force. For a preload N at a radius r, `M = mu N r`. For friction that
     depends on the joint force use `HingeFriction`, or contacts.
 
-    moment : M, a number or a law of time
+    moment : M, a number that is not negative, or a law of time
     width : w, rad per time; for |v| below w the friction acts as a damper
     """
 
     moment: Any
     width: Positive
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_resists(self, "moment", self.law)
 
     @property
     def law(self) -> TimeLaw:
@@ -88,12 +93,16 @@ class PrismaticFriction(AxialElement):
     F does not depend on the joint force. For a preload N, `F = mu N`. For friction that depends on the joint
     force use `SlideFriction`, or contacts.
 
-    force : F, a number or a law of time
+    force : F, a number that is not negative, or a law of time
     width : w, a velocity; for |v| below w the friction acts as a damper
     """
 
     force: Any
     width: Positive
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_resists(self, "force", self.law)
 
     @property
     def law(self) -> TimeLaw:
@@ -111,3 +120,11 @@ class PrismaticFriction(AxialElement):
         speed = axial_motion(first, second).speed
         force = -value * regularized_direction(speed, parameters[0]) * first.axes[:, 2]
         return force_pair(first, second, force, jnp.zeros(3))
+
+
+def _check_resists(element: AxialElement, what: str, law: TimeLaw) -> None:
+    if isinstance(law, Constant) and np.any(np.asarray(law.value) < 0):
+        raise ModelError(
+            f"{element.label}: the {what} must not be negative, got {law.value}: friction would drive the "
+            "motion. Give its magnitude; it acts against either direction"
+        )
