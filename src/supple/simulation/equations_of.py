@@ -52,11 +52,8 @@ def with_held_servos(system: System, turning: SteadyRotation | None, time: float
     def held(load: Any) -> Any:
         if not isinstance(load, AngleServo | SlideServo):
             return load
-        return (
-            load.held(time)
-            if np.array_equal(*(spins[end.body] for end in (load.first, load.second)))
-            else load
-        )
+        turn_alike = np.array_equal(spins[load.first.body], spins[load.second.body])
+        return load.held(time) if turn_alike else load
 
     controllers = tuple(
         replace(own, drives={name: held(each) for name, each in own.drives.items()})
