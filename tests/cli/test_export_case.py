@@ -50,6 +50,41 @@ def test_what_the_deck_leaves_out_is_printed(case_folder, tmp_path):
     assert "without the case's springs (1), steady rotation" in " ".join(result.output.split())
 
 
+POST = """
+[[body]]
+name = "post"
+rigid = { mass = 1.0, inertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]] }
+position = [0.6, 0, -0.8]
+
+[[body.interface]]
+name = "eye"
+position = [0, 0, 0]
+
+[[joint]]
+kind = "fixed"
+first = "ground"
+second = "post.eye"
+
+[[joint]]
+kind = "ball"
+first = "post.eye"
+second = "strip.tip"
+"""
+
+
+def test_the_weight_of_an_assembled_body_is_along_its_new_axes(case_folder, tmp_path):
+    """Assembly turns the strip about y until its tip is at (0.6, 0, -0.8)."""
+    case = case_folder / "strip.toml"
+    text = case.read_text().replace("duration", "assemble = true\nduration")
+    text = text.replace('kind = "fixed"', 'kind = "revolute"\naxis = [0, 1, 0]')
+    tip = '[[body.interface]]\nname = "tip"\nnodes = "TIP"\n\n[[joint]]'
+    case.write_text(text.replace("[[joint]]", tip, 1) + POST)
+    result = exported(case, "-o", tmp_path / "deck.inp", "--body", "strip")
+    assert result.exit_code == 0, result.output
+    assert f"{0.8 * WEIGHT:.6g}" in result.output
+    assert f"{-0.6 * WEIGHT:.6g}" in result.output
+
+
 OTHER = """
 [[body]]
 name = "other"

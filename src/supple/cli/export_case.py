@@ -7,9 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from supple.cases import Case, read_case
 from supple.cases.outputs import check_not_an_input
+from supple.cases.static_case import assembled_system
 from supple.cli.chosen_body import chosen_body
 from supple.errors import CaseError
 from supple.export import ABAQUS, CALCULIX, resultant, static_load, write_static_deck
@@ -22,6 +24,7 @@ def export_case(
 ) -> None:
     """Write a body of the case at `path`, clamped at its joints, under its loads at one time.
 
+    The orientation of the body is that of the case, after assembly if the case requests it.
     The deck contains no springs, force elements, ties, contacts, controllers or rotation of the case; a line
     states which of them act on the body.
 
@@ -34,6 +37,7 @@ def export_case(
     CaseError           mistakes in the case file; no such body, or several to choose from; a body without
                         joints
     ModelError          contents that a deck cannot have
+    ConvergenceError    joints that cannot be closed
     ResultFileError     a file that cannot be written
     """
     with shown_step("reading") as notify:
@@ -55,9 +59,11 @@ def export_case(
             for load in case.tables.load
             if getattr(load, "at", name).partition(".")[0] == name
         ]
-        nodal = static_load(
-            flexible, loads, time=instant, rotation=table.rotation, gravity=case.tables.gravity
-        )
+        rotation = table.rotation
+        if case.tables.simulation.assemble:
+            turn = assembled_system(case).placed(name).rotation
+            rotation = Rotation.from_matrix(turn).as_rotvec()
+        nodal = static_load(flexible, loads, time=instant, rotation=rotation, gravity=case.tables.gravity)
         held = {
             place
             for joint in case.tables.joint

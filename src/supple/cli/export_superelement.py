@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from supple.body import BodyForm
 from supple.cases import Case, read_case
 from supple.cases.outputs import check_not_an_input
+from supple.cases.static_case import assembled_system
 from supple.cli.chosen_body import chosen_body
 from supple.errors import ArgumentError, CaseError
 from supple.export import (
@@ -138,7 +139,7 @@ def _write_blade(target: Path, case: Case, body: IntrinsicBody) -> None:
 
 def _downwards(case: Case, name: str) -> NDArray[np.float64]:
     """Gravity in the axes of the body's mesh, in which the matrices are; CaseError unless it is along -z."""
-    gravity = np.asarray(case.tables.gravity) @ case.system.placed(name).rotation
+    gravity = np.asarray(case.tables.gravity) @ assembled_system(case).placed(name).rotation
     if np.hypot(*gravity[:2]) > _UPRIGHT * np.linalg.norm(gravity) or gravity[2] > 0:
         raise CaseError(
             f"{case.path}: gravity is along ({_listed(gravity)}) in the mesh axes of body '{name}', and "
