@@ -70,6 +70,17 @@ def test_no_estimate_is_no_number():
     assert Certificate({}, (stated(0, 1e-14, 1e-17, 1e-17),)).effectivity("beam") == 1.0
 
 
+def test_a_part_that_is_not_requested_is_the_reason_without_a_sum():
+    """With `integration = false` the basis error is known and the sum is not."""
+    certificate = Certificate({}, (stated(3, 2e-4, np.nan, 1e-4, others=np.nan),))
+    error = certificate.case_error(0, {"beam": ErrorIndicator(1e-4, 0.2)})
+    assert np.isnan(error.estimated)
+    assert error.basis == pytest.approx(2e-4)
+    assert "remove integration = false" in certificate.why_no_estimate
+    assert "indicator could not be computed" in Certificate({}, ROWS).why_no_estimate
+    assert Certificate(reason="no body is elastic").why_no_estimate == "no body is elastic"
+
+
 def test_a_certificate_is_kept(tmp_path):
     full = FullBody(soft_strip("beam", 1.0), NODAL)
     rng = np.random.default_rng(1)

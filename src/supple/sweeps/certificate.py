@@ -93,6 +93,16 @@ class Certificate:
     targets: Mapping[str, SelfCorrection] = field(default_factory=dict)
     reason: str = ""
 
+    @property
+    def why_no_estimate(self) -> str:
+        """Why a case that ran has no estimate of its total error."""
+        if not self.reason and any(np.isnan(each.others) for each in self.representatives):
+            return (
+                "the error of the step or of the model is not estimated, only that of the basis: remove "
+                "integration = false and model = false from [error]"
+            )
+        return self.reason or "the error indicator could not be computed"
+
     def effectivity(self, body: str) -> float:
         """Largest ratio of an estimated basis error to its indicator; 1 if all errors are negligible."""
         return max((ratio for each in self._of(body) for ratio in each.ratios), default=1.0)

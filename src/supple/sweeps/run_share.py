@@ -101,7 +101,7 @@ def run_cases(
                     SuppleWarning,
                     stacklevel=1,
                 )
-            reason = group.certificate.reason or "the error indicator could not be computed"
+            reason = group.certificate.why_no_estimate
             with one_core(), one_blas_thread():  # the other processes use the other cores
                 results = [
                     replace(each, no_estimate=reason) if each.lacks_estimate else each
