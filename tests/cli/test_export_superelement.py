@@ -86,6 +86,9 @@ def test_of_a_case_the_interface_that_no_joint_holds_is_where_a_tower_begins(cas
     assert result.exit_code == 0, result.output
     assert "at top, all other interfaces clamped" in (tmp_path / "x.dat").read_text()
     upright = case.read_text()
+    case.write_text('units = { length = "mm", mass = "t", time = "s" }\n' + upright)
+    small = exported(case, "-o", tmp_path / "y.dat")
+    assert "units of the case are mm, t, s, and OpenFAST reads m, kg, s" in " ".join(small.output.split())
     case.write_text(upright.replace('name = "strip"\n', 'name = "strip"\nrotation = [0, -1.57, 0]\n', 1))
     lying = exported(case, "-o", tmp_path / "y.dat")
     assert "mesh axes of body 'strip', and ExtPtfm needs z upwards" in " ".join(lying.output.split())

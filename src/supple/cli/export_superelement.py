@@ -49,6 +49,7 @@ _OF_BODIES: dict[str, Callable[[Path, ReducedBody], object]] = {
     ".npz": lambda path, body: write_exudyn(path, _linear(body)),
 }
 _OPENFAST, _CLOSED = ".dat", ".mnf"
+_SI = ("m", "kg", "s")
 _UPRIGHT = 1e-2
 """Largest angle, rad, between gravity and the z axis of a mesh for OpenFAST: angles may be rounded."""
 _NONE = (
@@ -68,8 +69,8 @@ def export_superelement(path: Path, target: Path, *, body: Sequence[str] | None,
     Raises
     ------
     ArgumentError       a closed format
-    CaseError           mistakes in the case file; no such body, or several to choose from; for OpenFAST, a
-                        body whose mesh axis z is not upwards
+    CaseError           mistakes in the case file; no such body, or several to choose from; for OpenFAST,
+                        units other than m, kg and s, or a body whose mesh axis z is not upwards
     ModelError          contents that the format cannot have
     ResultFileError     a file that cannot be read or written
     """
@@ -88,6 +89,8 @@ def export_superelement(path: Path, target: Path, *, body: Sequence[str] | None,
             return
         case = read_case(path, notify)
         check_not_an_input(case, [target])
+        if suffix == _OPENFAST:
+            _check_si(case)
         chosen = _chosen(case, body, ("reduced", "intrinsic") if suffix == _OPENFAST else ("reduced",))
         if chosen.kind == "intrinsic":
             _write_blade(target, case, cast("IntrinsicBody", chosen))
@@ -135,6 +138,16 @@ def _write_blade(target: Path, case: Case, body: IntrinsicBody) -> None:
     )
     say(title)
     say(f"written to {primary} and {blade}")
+
+
+def _check_si(case: Case) -> None:
+    """CaseError for a case in other units than m, kg and s, which OpenFAST reads."""
+    given = (case.units.length, case.units.mass, case.units.time)
+    if any(given) and given != _SI:
+        raise CaseError(
+            f"{case.path}: the units of the case are {', '.join(given)}, and OpenFAST reads "
+            f"{', '.join(_SI)}: give mesh and case in these units"
+        )
 
 
 def _downwards(case: Case, name: str) -> NDArray[np.float64]:
