@@ -1,5 +1,8 @@
 """Damage-equivalent loads of the cases of a sweep: those of their histories, kept, read and summed."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 from fixtures.swept_pendulum import TABLE
@@ -12,8 +15,11 @@ from supple.errors import CaseError
 from supple.fatigue import Residue, damage_equivalent_load, rainflow
 from supple.sweeps import CaseTable, FatigueLoads, read_sweep, read_sweep_file, sweep
 from supple.sweeps.fatigue_loads import class_of, range_of, summed_spectra
+from supple.sweeps.plan import SweepPlan
 from supple.sweeps.planned_channels import planned_channels
 from supple.sweeps.read_sweep import SweepColumns
+from supple.sweeps.sweep_file import SweepOutput
+from supple.units import UnitSystem
 
 LOADS = FatigueLoads(exponents=[4, 10], channels=["joint *"], reference_frequency=2.0, residue="closed")
 NAMES = ["damage-equivalent range, m = 4", "damage-equivalent range, m = 10"]
@@ -107,3 +113,22 @@ def test_the_table_of_the_file(pendulum, tmp_path):
     ):
         with pytest.raises(ValidationError):
             FatigueLoads.model_validate(wrong)
+
+
+def test_the_duration_of_a_case_is_counted_from_its_own_start():
+    """Start times that vary between cases; the lifetime divides by end time less start time."""
+    path, place = "simulation.start.time", ("simulation", "start", "time")
+    whole = np.zeros(2, dtype=np.int64)
+    plan = SweepPlan(
+        case_file=Path("case.toml"),
+        case_text='[simulation]\nstart = { file = "a.h5", time = 0.2 }\n',
+        table=CaseTable({path: [0.2, 0.6]}),
+        places={path: place},
+        group=whole,
+        share=whole,
+        output=SweepOutput(),
+        inputs={},
+        units=UnitSystem(),
+    )
+    np.testing.assert_array_equal(plan.start_times, [0.2, 0.6])
+    np.testing.assert_array_equal(replace(plan, places={}).start_times, [0.2, 0.2])

@@ -46,6 +46,11 @@ MARCHED_AT_ONCE = 16
 IntArray = NDArray[np.int64]
 
 
+def _time_of(start: Any) -> float:
+    """Start time of a run by `simulation.start`: that of a state of an earlier run, otherwise 0."""
+    return float(start["time"]) if isinstance(start, Mapping) else 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class SweepPlan:
     """The plan of a sweep.
@@ -92,12 +97,15 @@ class SweepPlan:
 
     @property
     def start_times(self) -> NDArray[np.float64]:
-        """Start time of each case, (n,): 0, or the time of the state that it continues."""
-        start: Any = tomllib.loads(self.case_text)["simulation"].get("start")
+        """Start times (n,) of the cases: 0, or the times of the states that they continue."""
+        found = np.full(self.n_cases, _time_of(tomllib.loads(self.case_text)["simulation"].get("start")))
         for path, place in self.places.items():
-            if place == ("simulation", "start", "time"):
-                return np.asarray(self.table.columns[path], dtype=np.float64)
-        return np.full(self.n_cases, float(start["time"]) if isinstance(start, Mapping) else 0.0)
+            column = self.table.columns[path]
+            if place == ("simulation", "start"):
+                found[:] = [_time_of(start) for start in column]
+            elif place == ("simulation", "start", "time"):
+                found[:] = column
+        return found
 
     def representative(self, group: int) -> int:
         """The case of a group whose bodies are reduced for all cases.
