@@ -85,6 +85,19 @@ def test_a_deck_without_density_or_with_faults_ends_well(bar):
     assert "no mass: " in call("info", bar, "--modes", 3)
 
 
+def test_a_deck_without_sections_is_described_and_verified_as_a_mesh(tmp_path):
+    """The nodes of its elements are used; a mesh in two parts is refused, as in a `shell` body."""
+    mesh = tmp_path / "mesh.inp"
+    whole = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,1,1,0\n*ELEMENT, TYPE=S3, ELSET=A\n1,1,2,3\n2,2,4,3\n"
+    mesh.write_text(whole)
+    said = call("info", mesh)
+    assert "2 cells" in said
+    assert "LEFT OUT" not in said
+    assert "unused" not in said
+    mesh.write_text(whole.replace("*ELEMENT", "5,5,0,0\n6,6,0,0\n7,5,1,0\n*ELEMENT") + "3,5,6,7\n")
+    assert "2 disconnected parts" in call("info", mesh, code=2)
+
+
 def test_json_is_of_decks(tmp_path):
     (tmp_path / "a.toml").touch()
     assert "--json, --modes and --held are for decks" in call("info", tmp_path / "a.toml", "--held", code=2)

@@ -9,6 +9,7 @@ from supple.cases import read_case
 from supple.cli.deck_report import deck_report, deck_rows, write_deck_report
 from supple.errors import ArgumentError, ImportFormatError
 from supple.importers import DECK_SUFFIXES, MESH_SUFFIXES, read_deck, read_mesh
+from supple.importers.deck import Deck
 from supple.results.descriptions import describe_result
 from supple.storage import holds_reduced_body, read_reduced_body
 from supple.summary import Row
@@ -34,7 +35,11 @@ def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: 
             raise ArgumentError("--held is for frequencies: give their number as well, such as --modes 6")
         if json is not None and json.resolve() == path.resolve():
             raise ArgumentError(f"cannot write {json}: it is the deck itself and would be lost")
-        report = deck_report(read_deck(path), n_modes=n_modes, held=held)
+        deck = read_deck(path)
+        if json is None and not n_modes and _is_only_a_mesh(deck):
+            print_rows(f"Mesh {path}", read_mesh(path).summary().rows)
+            return
+        report = deck_report(deck, n_modes=n_modes, held=held)
         print_rows(f"Deck {path}", deck_rows(report))
         if json is not None:
             write_deck_report(report, json)
@@ -54,6 +59,14 @@ def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: 
     else:
         known = ", ".join((".toml", ".h5", *MESH_SUFFIXES))
         raise ImportFormatError(f"{path}: unknown kind of file; give one that ends in {known}")
+
+
+def _is_only_a_mesh(deck: Deck) -> bool:
+    """Whether a deck has elements, but no sections, masses, springs or ties: the mesh of a `shell` or `solid`."""
+    model = (deck.elements, deck.properties, deck.masses, deck.stiffnesses, deck.springs, deck.inertias)
+    connected = (deck.constraints, deck.rigid, deck.means, deck.superelements)
+    sectionless = (each.meaning.startswith("elements without a section") for each in deck.left_out)
+    return not any(map(len, (*model, *connected))) and bool(deck.left_out) and all(sectionless)
 
 
 def _describe_case(path: Path) -> Iterator[Row]:
