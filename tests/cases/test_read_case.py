@@ -200,6 +200,16 @@ ONE_MISTAKE = {
         "stiffness = inf",
         "should be a finite number, got inf (k, force per length)",
     ),
+    "number instead of a row": (
+        "[[1, 0, 0], [0, 1, 0], [0, 0, 1]]",
+        "[0.5, [0, 1, 0], [0, 0, 1]]",
+        "body[2].rigid.inertia[1]: 3 items in brackets, [.., ..], are needed, got 0.5",
+    ),
+    "text instead of a table": (
+        '{ kind = "mean-axis" }',
+        '"mean-axis"',
+        "body[1].frame: a table, { key = value, .. }, is needed, got 'mean-axis'",
+    ),
     "short vector": ("[0.0, 0.0, -9.81]", "[0.0, 0.0]", "gravity: 3 items are needed, got [0.0, 0.0]"),
     "long vector": (
         "[0.0, 0.0, -9.81]",

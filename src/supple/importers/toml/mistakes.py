@@ -78,7 +78,7 @@ def _schema_mistake(root: type[CheckedTable], item: ErrorDetails) -> tuple[KeyPa
     """
     tree = _tree(root)
     place, schema = _follow(tree, item["loc"])
-    kind, seen, context = item["type"], item["input"], item.get("ctx", {})
+    kind, seen = item["type"], item["input"]
     unit = f" ({schema['description']})" if "description" in schema else ""
     if kind == "extra_forbidden":
         known = _follow(tree, item["loc"][:-1])[1].get("properties", {})
@@ -90,9 +90,20 @@ def _schema_mistake(root: type[CheckedTable], item: ErrorDetails) -> tuple[KeyPa
         return place, f"this key is missing; add it{unit}"
     if kind in ("union_tag_not_found", "union_tag_invalid", "literal_error"):
         return _wrong_choice(place, item, schema)
+    return place, f"{_wanted(item, schema)}, got {_shown(seen)}" + (unit if kind != "too_long" else "")
+
+
+def _wanted(item: ErrorDetails, schema: _Schema) -> str:
+    """What a value of a wrong form or size must be instead."""
+    kind = item["type"]
+    if kind == "tuple_type":
+        items = f"{schema['minItems']} items" if schema.get("minItems") else "items"
+        return f"{items} in brackets, [.., ..], are needed"
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        return "a table, { key = value, .. }, is needed"
     if kind == "too_long":
-        return place, f"at most {context['max_length']} items are taken, got {_shown(seen)}"
-    return place, f"{item['msg'].removeprefix('Input ')}, got {_shown(seen)}{unit}"
+        return f"at most {item['ctx']['max_length']} items are taken"
+    return item["msg"].removeprefix("Input ")
 
 
 def _wrong_choice(place: KeyPath, item: ErrorDetails, schema: _Schema) -> tuple[KeyPath, str]:
