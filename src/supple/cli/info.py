@@ -62,7 +62,7 @@ def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: 
 
 
 def _is_only_a_mesh(deck: Deck) -> bool:
-    """Whether a deck has elements, but no sections, masses, springs or ties: the mesh of a `shell` or `solid`."""
+    """Whether a deck has elements, but no sections, masses, springs or ties, as the mesh of a `shell`."""
     model = (deck.elements, deck.properties, deck.masses, deck.stiffnesses, deck.springs, deck.inertias)
     connected = (deck.constraints, deck.rigid, deck.means, deck.superelements)
     sectionless = (each.meaning.startswith("elements without a section") for each in deck.left_out)
