@@ -134,7 +134,7 @@ def test_info_of_case_mesh_and_result(finished):
     folder, _ = finished
     assert "shell, basis rubin; interfaces: root" in call("info", folder / "strip.toml")
     mesh = call("info", folder / "strip.inp")
-    assert "27 nodes" in mesh
+    assert "nodes │ 27 │" in mesh
     assert "node set TIP" in mesh
     result = call("info", folder / "out" / "strip.h5")
     assert "complete" in result
