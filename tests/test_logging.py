@@ -4,7 +4,6 @@ import logging
 import time
 
 import pytest
-from fixtures.moving_machines import MESH
 from typer.testing import CliRunner
 
 import supple as sp
