@@ -217,9 +217,7 @@ def breaking(nodes, surface):
 @pytest.mark.slow
 def test_a_run_warns_of_elements_deleted_below_the_faces_of_a_contact():
     """The faces of the element behind are not in the contact: the cube passes through it."""
-    with pytest.warns(
-        ValidityWarning, match="'bar.root': elements below its faces are deleted.*all nodes of"
-    ):
+    with pytest.warns(ValidityWarning, match="'bar.root': elements below its faces are deleted"):
         simulate(breaking("cube.tip", "bar.root"), Run(1.0, 0.5))
 
 

