@@ -15,7 +15,9 @@ SMOOTH = np.radians(60.0)
 """Largest angle between neighbours of one wall; plates that meet at a larger one keep their own sides."""
 
 
-def turned_over(nodes: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.bool_]:
+def turned_over(
+    nodes: NDArray[np.float64], triangles: NDArray[np.int64], *, crease: float = SMOOTH
+) -> NDArray[np.bool_]:
     """Whether the normal of each triangle (E,) points to the other side than most normals of its wall.
 
     A wall are triangles that meet at smooth edges. If both sides have equal numbers of normals, the first
@@ -23,11 +25,12 @@ def turned_over(nodes: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDA
 
     nodes : float array (N, 3)
     triangles : int array (E, 3)    with an area
+    crease : float                  largest angle between neighbours of one wall, rad
     """
     corners = nodes[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    across = sides_across(triangles, normals, SMOOTH).ravel()
+    across = sides_across(triangles, normals, crease).ravel()
     side = np.flatnonzero(across >= 0)
     start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
     # Triangles of equal orientation run along their common edge in opposite directions.

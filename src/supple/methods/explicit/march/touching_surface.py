@@ -21,11 +21,10 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from numpy.typing import NDArray
-from scipy import sparse
-from scipy.sparse.csgraph import breadth_first_order
 from scipy.spatial import KDTree
 
 from supple.equations.compiler_options import STARTING
+from supple.mesh.shell_sides import turned_over
 from supple.programs.program_cache import CachedProgram
 
 __all__ = [
@@ -93,7 +92,8 @@ def touching_surface(
     centre : (3,) of the part of the nodes, where the faces are those of a shell; None: of solids
     """
     if centre is not None:
-        corners = _oriented(corners)
+        over = turned_over(x, corners, crease=np.pi)
+        corners = np.where(over[:, None], corners[:, ::-1], corners)
     masters, local = np.unique(corners, return_inverse=True)
     local = local.reshape(corners.shape)
     ring: list[set[int]] = [set() for _ in masters]
@@ -114,27 +114,6 @@ def touching_surface(
         jnp.ones(len(nodes)),
     )
     return made if centre is None else _on_their_sides(made, x, centre)
-
-
-def _oriented(corners: IntArray) -> IntArray:
-    """The faces (T, 3), turned so that neighbours have normals on one side."""
-    ends = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
-    _, edge, count = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True)
-    order = np.argsort(edge.ravel(), kind="stable")
-    pairs = order[count[edge.ravel()[order]] == 2].reshape(-1, 2)
-    one, two = (pairs // 3).T
-    # Neighbours with normals on one side run along their common edge in opposite directions.
-    alike = ends[pairs[:, 0], 0] != ends[pairs[:, 1], 0]
-    links = sparse.csr_array((np.where(alike, 1, 2), (one, two)), shape=(len(corners), len(corners)))
-    links, turned = links.maximum(links.T), np.full(len(corners), -1)
-    for first in range(len(corners)):
-        if turned[first] >= 0:
-            continue
-        turned[first] = 0
-        reached, before = breadth_first_order(links, first, directed=False)
-        for face in reached[1:]:
-            turned[face] = turned[before[face]] ^ (links[face, before[face]] == 2)
-    return np.where(turned[:, None] == 1, corners[:, ::-1], corners)
 
 
 def _on_their_sides(surface: TouchingSurface, x: FloatArray, centre: FloatArray) -> TouchingSurface:
