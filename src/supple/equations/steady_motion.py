@@ -32,6 +32,7 @@ from supple.equations.control_linearization import LinearControl, control_at_res
 from supple.equations.joint_force import joint_rows
 from supple.equations.machine_model import Model
 from supple.integrate import StepFactors
+from supple.machine import GROUND
 from supple.programs.program_cache import CachedProgram
 
 __all__ = [
@@ -62,6 +63,11 @@ class SteadyRotation(NamedTuple):
     def slowed(self, share: float) -> SteadyRotation:
         """The rotation at a share of its rate."""
         return self._replace(angular_velocities=share * np.asarray(self.angular_velocities))
+
+    def by_body(self, names: Sequence[str]) -> dict[str, np.ndarray]:
+        """Angular velocity (3,) of each body, by name, and that of the ground, zero."""
+        rates = dict(zip(names, np.asarray(self.angular_velocities), strict=True))
+        return rates | {GROUND.body: np.zeros(3)}
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ import numpy as np
 
 from supple.equations.static_search import Equations
 from supple.equations.steady_motion import SteadyRotation
-from supple.machine import GROUND, AngleServo, Controller, SlideServo, System
+from supple.machine import AngleServo, Controller, SlideServo, System
 from supple.methods.explicit.check_machine import check_spin_stiffness
 from supple.methods.floating import compiled_statics, full_statics
 from supple.methods.intrinsic.line_statics import line_statics
@@ -45,9 +45,8 @@ def with_held_servos(system: System, turning: SteadyRotation | None, time: float
     At rest, the rate of a set-point is zero. Between a rotating and a standing body it is that of the law,
     because the relative rate of the bodies is not zero either.
     """
-    still = np.zeros((len(system.bodies), 3)) if turning is None else turning.angular_velocities
-    spins = {placed.body.name: own for placed, own in zip(system.bodies, still, strict=True)}
-    spins[GROUND.body] = np.zeros(3)
+    still = SteadyRotation(np.zeros((len(system.bodies), 3)), np.zeros(3))
+    spins = (turning or still).by_body([placed.body.name for placed in system.bodies])
 
     def held(load: Any) -> Any:
         if not isinstance(load, AngleServo | SlideServo):

@@ -35,9 +35,7 @@ def check_joints_permit(system: System, turning: SteadyRotation, time: float) ->
     if rates.all() or not rates.any():
         return
     length = system_length(system)
-    spins = {
-        placed.body.name: w for placed, w in zip(system.bodies, turning.angular_velocities, strict=True)
-    } | {GROUND.body: np.zeros(3)}
+    spins = turning.by_body([placed.body.name for placed in system.bodies])
     others = {
         each.body.name for each in system.bodies if each.body.kind == "intrinsic" or not each.body.has_frame
     }

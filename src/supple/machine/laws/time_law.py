@@ -60,10 +60,12 @@ class _UsersLaw:
 
     @property
     def begin(self) -> float:
+        """Begin of the user's law."""
         return self.law.begin
 
     @property
     def end(self) -> float:
+        """End of the user's law."""
         return self.law.end
 
 
