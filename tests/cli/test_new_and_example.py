@@ -75,6 +75,9 @@ def test_a_new_case_is_read_and_built(mesh, kind, tmp_path):
     assert len(held) < len(case.flexible[body.name].nodes) / 2
     assert case.flexible[body.name].n > 0
     assert case.run.times[-1] == 1.0
+    assert body.condense is not None  # both are slender
+    assert (body.interface[0].nodes, body.interface[1].nodes) == ("ROOT", "TIP")
+    assert case.tables.output.track == ("wing.tip" if kind == "shell" else "rod.tip",)
 
 
 def test_a_mesh_beside_the_case_is_named_relative_to_it(tmp_path):

@@ -201,6 +201,23 @@ def test_an_accuracy_of_a_stress_is_met_and_true(beam):
     assert 0.7 < last.estimated_error / true < 1.4
 
 
+@pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")
+def test_kinematics_that_exceed_the_target_end_the_first_round(beam):
+    """No motion outside the basis is computed for a target that no basis can meet."""
+    full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
+    announced = []
+    with pytest.raises(SelfCorrectionError, match="error of its kinematics alone") as raised:
+        self_correct(
+            pushed(full, 8.0),
+            Run(0.3, 0.02, step=FixedStep(0.01)),
+            SelfCorrection(relative=1e-5),
+            study=ErrorStudy(),
+            announce=announced.append,
+        )
+    assert raised.value.rounds == ()
+    assert not announced
+
+
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::supple.errors.ValidityWarning")  # which is what it is about
 def test_a_model_that_costs_more_than_is_allowed_is_named(beam):

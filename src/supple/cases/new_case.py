@@ -16,13 +16,19 @@ from supple.storage.file_errors import file_errors
 
 __all__ = ["write_new_case"]
 
+SLENDER = 8.0
+"""Smallest ratio of the length of a slender body to its next largest size."""
+AT_END = 0.01
+"""Largest distance of the nodes of a set from the end of a slender body, relative to its length."""
+
 
 def write_new_case(mesh_file: Path, path: Path) -> None:
     """Write a case of one body to `path`: clamped at a node set of its mesh, loaded by gravity.
 
     The node set is the first with fewer than half of the nodes; without such a set, interface and joint are
-    written as comments. Every guess is marked: units, gravity, clamped set, times, and, unless the file is a
-    deck with properties, material and thickness.
+    written as comments. A slender mesh with node sets at both ends is condensed to stations between them;
+    other bodies are reduced with an allowed error. Every guess is marked: units, gravity, clamped set, times,
+    and, unless the file is a deck with properties, material and thickness.
 
     Raises
     ------
@@ -41,12 +47,18 @@ def write_new_case(mesh_file: Path, path: Path) -> None:
 
 @dataclass(frozen=True)
 class _Model:
-    """Data of a body from its file."""
+    """Data of a body from its file.
 
-    size: float
+    spans : sizes along the principal axes, the longest first
+    sets : names of the sets for supports or output, with fewer than half of the nodes
+    ends : names of one set at each end of a slender body
+    kind : `solid` or `shell`; `nastran` or `abaqus` where the file has properties
+    """
+
+    spans: tuple[float, float, float]
     sets: Sequence[str]
+    ends: tuple[str, str] | None
     kind: str
-    """`solid` or `shell`; `nastran` or `abaqus` where the file has properties"""
 
 
 def _read(file: Path) -> _Model:
@@ -54,29 +66,41 @@ def _read(file: Path) -> _Model:
         deck = read_deck(file)
         if deck.properties:
             kind = "abaqus" if file.suffix.lower() == ".inp" else "nastran"
-            return _Model(_size(deck.nodes), _places(deck.node_sets, len(deck.nodes)), kind)
+            return _model(deck.nodes, deck.node_sets, kind)
     mesh = read_mesh(file)
     solid = any(kind.dimension == 3 for kind in mesh.cells)
-    places = _places(mesh.node_sets, len(mesh.nodes))
-    return _Model(_size(mesh.nodes), places, "solid" if solid else "shell")
+    return _model(mesh.nodes, mesh.node_sets, "solid" if solid else "shell")
 
 
-def _places(sets: Mapping[str, np.ndarray], n_nodes: int) -> list[str]:
-    """Names of the sets for supports or output, with fewer than half of the nodes."""
-    return [name for name, nodes in sets.items() if 0 < len(nodes) < n_nodes / 2]
+def _model(nodes: np.ndarray, node_sets: Mapping[str, np.ndarray], kind: str) -> _Model:
+    sets = {name: own for name, own in node_sets.items() if 0 < len(own) < len(nodes) / 2}
+    axes = np.linalg.svd(nodes - nodes.mean(axis=0), full_matrices=False)[2]
+    along = nodes @ axes.T
+    longest, second, third = (float(each) for each in np.sort(np.ptp(along, axis=0))[::-1])
+    slender = longest >= SLENDER * second
+    return _Model((longest, second, third), list(sets), _ends(along[:, 0], sets) if slender else None, kind)
 
 
-def _size(nodes: np.ndarray) -> float:
-    return float(np.max(np.ptp(nodes, axis=0)))
+def _ends(along: np.ndarray, sets: Mapping[str, np.ndarray]) -> tuple[str, str] | None:
+    """The first set at an end of the axis, and the first one at its other end."""
+    length = np.ptp(along)
+
+    def at(end: float) -> list[str]:
+        return [name for name, own in sets.items() if np.abs(along[own] - end).max() <= AT_END * length]
+
+    low, high = at(along.min()), at(along.max())
+    if not low or not high:
+        return None
+    root, tip = sorted((low[0], high[0]), key=list(sets).index)
+    return root, tip
 
 
 def _case(name: str, named: str, model: _Model) -> str:
-    basis = "craig-bampton" if model.sets else "normal-modes"
     return f"""\
 # {name} under its weight. Lines marked GUESS are yours to set; `supple info {named}` lists sets and sizes.
 
 title = "{name} under its weight"
-# GUESS: the mesh is {model.size:.4g} long; nothing is converted, so mesh and numbers need the same units.
+# GUESS: the mesh is {model.spans[0]:.4g} long; nothing is converted, so mesh and numbers need the same units.
 units = {{ length = "m", mass = "kg", time = "s", force = "N", stress = "Pa" }}
 gravity = [0.0, 0.0, -9.81]   # GUESS
 
@@ -84,11 +108,9 @@ gravity = [0.0, 0.0, -9.81]   # GUESS
 name = "{name}"
 mesh = "{named}"
 {_material(model)}
-frame = {{ kind = "mean-axis" }}
-# Tolerance, step and basis are refined until the estimated error is at most 1e-3 of the largest displacement.
-reduction = {{ basis = "{basis}", accuracy = {{ relative = 1e-3 }} }}
+{_reduction(model)}
 
-{_support(name, model.sets)}
+{_support(name, model)}
 [simulation]
 duration = 1.0       # GUESS
 output_step = 0.01   # GUESS: at least ten per period of the motion of interest
@@ -101,7 +123,19 @@ start = "equilibrium"
 # at = "{name}.SET"
 # vector = [0.0, 0.0, 1000.0]
 # law = {{ kind = "ramp", value = 1.0, duration = 0.5 }}
-{_output(name, model.sets)}"""
+{_output(name, model)}"""
+
+
+def _reduction(model: _Model) -> str:
+    if model.ends is not None:
+        return """\
+# A slender body: stations along its length, for bending of any size. Other bodies take frame and reduction.
+condense = { root = "root", tip = "tip", stations = 21, modes = 12 }"""
+    basis = "craig-bampton" if model.sets else "normal-modes"
+    return f"""\
+frame = {{ kind = "mean-axis" }}
+# Tolerance, step and basis are refined until the estimated error is at most 1e-3 of the largest displacement.
+reduction = {{ basis = "{basis}", accuracy = {{ relative = 1e-3 }} }}"""
 
 
 def _material(model: _Model) -> str:
@@ -109,26 +143,37 @@ def _material(model: _Model) -> str:
     if model.kind == "solid":
         return f"solid = {{ {steel} }}   # GUESS: steel"
     if model.kind == "shell":
-        wall = f"thickness = {model.size / 100:.3g}"
-        return f"# GUESS: steel, a hundredth of its length thick\nshell = {{ {wall}, {steel} }}"
+        wall = f"thickness = {model.spans[1] / 100:.3g}"
+        return f"# GUESS: steel, a hundredth of its width thick\nshell = {{ {wall}, {steel} }}"
     return f"{model.kind} = {{}}   # materials, sections and connections are those of the file"
 
 
-def _support(name: str, sets: Sequence[str]) -> str:
-    known = ", ".join(sets[:20]) or "none: name the nodes in the mesher, or give node_indices = [..] here"
+def _support(name: str, model: _Model) -> str:
+    known = (
+        ", ".join(model.sets[:20]) or "none: name the nodes in the mesher, or give node_indices = [..] here"
+    )
+    root, tip = model.ends or ((model.sets or ["SET"])[0], None)
     held = f"""\
 # Node sets with fewer than half of the nodes (at most 20): {known}
 [[body.interface]]
 name = "root"
-nodes = "{sets[0] if sets else "SET"}"   # GUESS: where the body is clamped
-
+nodes = "{root}"   # GUESS: where the body is clamped
+"""
+    if tip is not None:
+        held += f"""
+[[body.interface]]
+name = "tip"
+nodes = "{tip}"
+kind = "averaging"   # its section may deform
+"""
+    held += f"""
 [[joint]]
 name = "support"
 kind = "fixed"
 first = "ground"
 second = "{name}.root"
 """
-    if sets:
+    if model.sets:
         return held
     return (
         "\n".join(f"# {line}".rstrip() if not line.startswith("#") else line for line in held.splitlines())
@@ -136,6 +181,7 @@ second = "{name}.root"
     )
 
 
-def _output(name: str, sets: Sequence[str]) -> str:
-    """The table [output], which tracks the last set; empty without a second set, as the first is clamped."""
-    return f'\n[output]\ntrack = ["{name}.{sets[-1]}"]\n' if len(sets) > 1 else ""
+def _output(name: str, model: _Model) -> str:
+    """The table [output], which tracks the tip or the last set; empty where only the clamped set exists."""
+    place = "tip" if model.ends is not None else model.sets[-1] if len(model.sets) > 1 else None
+    return f'\n[output]\ntrack = ["{name}.{place}"]\n' if place else ""

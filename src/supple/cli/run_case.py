@@ -82,7 +82,8 @@ def _run(
                 progress=steps.share,
             )
         except SelfCorrectionError as error:
-            print_table(*correction_table(correction_numbers(error.rounds), case.units))
+            if error.rounds:
+                print_table(*correction_table(correction_numbers(error.rounds), case.units))
             raise
         steps.finish()
     numbers = result.numbers

@@ -73,6 +73,7 @@ def model_errors(
     solution: Solution,
     quantities: Sequence[QuantityOfInterest],
     *,
+    instants: int = INSTANTS,
     progress: Progress | None = None,
 ) -> dict[str, ErrorPart]:
     """Errors of a finished run caused by the kinematics of the model, by name of the quantity.
@@ -86,13 +87,14 @@ def model_errors(
     quantities : the error of positions of a body in `fulls` is the RMS of the computed change of its nodes;
         for another quantity it is the size of the quantity times the relative error of its body, or times
         the largest relative error of all bodies if the quantity has no body
+    instants : number of times at which forces are compared (`widest_instants`)
     """
     seen_bodies = [full for name, full in fulls.items() if full.body.model is not None and name in bases]
     if system.controllers:  # their forces are known during the run only
         seen_bodies = []
     changes: _Changes | None = None
     if seen_bodies:
-        changes = _with_exact_rotations(system, seen_bodies, bases, solution, progress)
+        changes = _with_exact_rotations(system, seen_bodies, bases, solution, instants, progress)
     missed = {} if changes is None else changes.corrections
     limits = model_errors_by_limit(system, solution, but=missed)
     errors = {**limits, **{body: float(own.rms.max()) for body, own in missed.items()}}
@@ -127,10 +129,11 @@ def _with_exact_rotations(
     fulls: Sequence[FullBody],
     bases: Mapping[str, ReductionBasis],
     solution: Solution,
+    parts: int,
     progress: Progress | None,
 ) -> _Changes:
     """Quasi-static change of the motion if elements rotate exactly, at the largest rotations."""
-    instants = widest_instants(system, solution)
+    instants = widest_instants(system, solution, parts)
     seen = expanded_states(system, fulls, bases, solution, instants)
     search = MissingMotionSearch(seen.prepared, seen.by_position)
     further = search
@@ -215,15 +218,15 @@ def model_errors_by_limit(
     return found
 
 
-def widest_instants(system: System, solution: Solution) -> np.ndarray:
-    """Indices of the output times of largest rotation, one in each of `INSTANTS` parts of the run."""
+def widest_instants(system: System, solution: Solution, parts: int = INSTANTS) -> np.ndarray:
+    """Indices of the output times of largest rotation, one in each of these parts of the run."""
     turns = np.zeros(len(solution.times))
     for placed in system.bodies:
         if placed.body.n_coordinates:
             own = _largest_rotation(placed.body, solution.motion(placed.body.name, FramedMotion))
             turns = np.maximum(turns, own / max(float(own.max(initial=0.0)), 1e-300))
-    parts = np.array_split(np.arange(len(turns)), min(INSTANTS, len(turns)))
-    return np.array([part[np.argmax(turns[part])] for part in parts])
+    split = np.array_split(np.arange(len(turns)), min(parts, len(turns)))
+    return np.array([part[np.argmax(turns[part])] for part in split])
 
 
 def _largest_rotation(body: BodyForm, motion: FramedMotion) -> np.ndarray:

@@ -155,6 +155,6 @@ def _corrected(
                 study=study,
             )
     except SelfCorrectionError as error:
-        best = archive.motion(best_round(correction_numbers(rounds)))
+        best = archive.motion(best_round(correction_numbers(rounds)) if rounds else 0)
         raise SelfCorrectionError(f"{error}; the best round is in {best}", tuple(rounds)) from error
     return corrected, rounds

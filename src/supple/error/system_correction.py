@@ -40,6 +40,9 @@ Announce = Callable[[Round], None]
 Accepted = Callable[[CorrectedSystem], None]
 """Called with the run whose basis meets the target, before other parts of the error are estimated."""
 
+Simulated = Callable[[System, RoundBases, Solution], None]
+"""Called with the very first run, if it is complete, before its error is estimated."""
+
 MOST_PADDED_STEPS = 20_000
 """Largest number of steps of a run with padding coordinates (`padded`). Padding lets rounds share a compiled
 program; in longer runs it costs more time than another compilation."""
@@ -58,6 +61,7 @@ class Problem:
     spent : part of the allowed error reserved for errors other than that of the basis, by body
     confirmed : bodies whose estimates an earlier pass has confirmed
     besides : further quantities of interest for which the error of the accepted run is stated
+    simulated : as `Simulated`
     """
 
     system: System
@@ -73,6 +77,7 @@ class Problem:
     accepted: Accepted | None = None
     confirmed: frozenset[str] = frozenset()
     besides: tuple[QuantityOfInterest, ...] = ()
+    simulated: Simulated | None = None
 
     def report(self, step: str, fraction: float) -> None:
         """Report the completed fraction of a step."""
@@ -145,6 +150,8 @@ def correct(problem: Problem) -> CorrectedSystem:
     _check_load_band(problem, model, estimator)
     while True:
         run = _simulated(problem, model)
+        if problem.simulated is not None and model.number == 0 and run.complete:
+            problem.simulated(run.model.system, run.model.bases, run.solution)
         allowed = {name: _allowed(problem, name, run) for name in problem.fulls}
         agree = {name: _agree(problem, name, past[name], before, run, allowed[name]) for name in past}
         if before is not None and _awaits_second_run(past):

@@ -7,7 +7,8 @@ iterations, a shorter step costs steps, a smaller error of the basis costs round
 difference between the allowed error and the error of the model, times `ROOM`, is divided into shares; no part
 is reduced below its share. As soon as the sum is small enough, the remaining parts stay unchanged. The next
 pass starts from the existing bases; if no other part changes, they are enriched first. No run can reduce the
-error of the model: if it exceeds `ROOM` times the allowed error, SelfCorrectionError is raised.
+error of the model: if it exceeds `ROOM` times the allowed error, SelfCorrectionError is raised, after the
+first run if it is `HOPELESS`.
 """
 
 from __future__ import annotations
@@ -22,10 +23,12 @@ from supple.error.basis_error import ASK_FOR_LESS
 from supple.error.correction_rounds import CorrectedSystem, Round, SelfCorrected, SelfCorrectionError
 from supple.error.error_study import ErrorStudy, quantities_of_interest, statements
 from supple.error.integration_error import TIGHTEST, with_shorter_steps, with_tolerance
+from supple.error.model_error import model_errors
 from supple.error.round_archive import RoundBases
 from supple.error.system_correction import Problem, correct
 from supple.errors import StepCutWarning
 from supple.integrate import ErrorPart, ErrorStatement, Run, Solution
+from supple.machine import System
 
 __all__ = ["correct_wholly"]
 
@@ -33,6 +36,8 @@ SHARES = {"newton": 0.1, "step": 0.4, "basis": 0.5}
 """Shares of the parts in `ROOM` times (allowed error - error of the model), the cheapest part first."""
 ROOM = 0.8
 """Safety factor on the target of the sum, so that one reduction is enough."""
+HOPELESS = 2.0
+"""Ratio of the error of the model in a first run to the allowed error; a larger one is final."""
 SHORTEST = 1 / 8
 """Smallest factor on the step in one pass; errors that fall more slowly than h^2 take several passes."""
 PASSES = 6
@@ -59,6 +64,10 @@ def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
                             passes, or a further pass would repeat the last one. Its `rounds` are those of all
                             passes; an error raised by `correct` has the rounds of its own pass only
     """
+    problem = replace(
+        problem,
+        simulated=lambda system, bases, solution: _check_first_run(problem, study, system, bases, solution),
+    )
     before: dict[str, tuple[Round, ...]] = {name: () for name in problem.fulls}
     unmet: dict[str, ErrorStatement] = {}
     attempt, asked_run = 0, problem.run
@@ -219,14 +228,38 @@ def _needed(stated: ErrorStatement) -> _Reductions:
     return _Reductions(tolerance, step, basis)
 
 
+def _check_first_run(
+    problem: Problem, study: ErrorStudy, system: System, bases: RoundBases, solution: Solution
+) -> None:
+    """Raise SelfCorrectionError where the kinematics alone exceed the target, before the rounds are computed.
+
+    They are assessed at the largest rotation. The basis of a first run may be poor: only an error above
+    `HOPELESS` times the allowed one ends the self-correction.
+    """
+    if not study.model:
+        return
+    quantities = {name: problem.target(name).quantity(name) for name in problem.fulls}
+    found = model_errors(system, problem.fulls, bases.bases, solution, list(quantities.values()), instants=1)
+    for name, quantity in quantities.items():
+        allowed = problem.target(name).allowed(quantity.size(system, solution))
+        if found[quantity.name].value > HOPELESS * allowed:
+            raise SelfCorrectionError(_beyond_kinematics(name, found[quantity.name], allowed), ())
+
+
+def _beyond_kinematics(name: str, model: ErrorPart, allowed: float) -> str:
+    return (
+        f"self-correction of body '{name}': the error of its kinematics alone is {model.value:.2g}, and the "
+        f"allowed sum of errors is {allowed:.2g}; no basis or step reduces it: {model.remedy}, or allow a "
+        "larger error"
+    )
+
+
 def _check_model(unmet: Mapping[str, ErrorStatement], rounds: Mapping[str, tuple[Round, ...]]) -> None:
     for name, each in unmet.items():
         if each.model is not None and each.allowed is not None and each.model.value > ROOM * each.allowed:
             raise SelfCorrectionError(
-                f"self-correction of body '{name}': the error of its kinematics alone is "
-                f"{each.model.value:.2g}, and the allowed sum of errors is {each.allowed:.2g}; no basis or "
-                f"step reduces it: {each.model.remedy}, or allow a larger error. The rounds are in the "
-                "attribute `rounds` of this error",
+                f"{_beyond_kinematics(name, each.model, each.allowed)}. The rounds are in the attribute "
+                "`rounds` of this error",
                 tuple(one for own in rounds.values() for one in own),
             )
 
