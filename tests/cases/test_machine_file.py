@@ -151,3 +151,22 @@ def test_what_the_case_says_itself_holds(read):
     off = BODY.replace('"knee", node_indices = [9]', '"knee", node_indices = [8], position = [0.875, 0, 0]')
     with pytest.raises(ModelError, match="knee"):
         simulate(read(CASE + off).system, read().run)
+
+
+@pytest.mark.parametrize(
+    "joints",
+    [
+        '<joint name="j" type="ball" stiffness="2" damping="0.5"/>',
+        '<joint name="j" axis="0 0 1" stiffness="2" range="-1 1" limited="true"/>'
+        '<joint name="k" type="slide" axis="0 0 1" stiffness="3" range="-1 1" limited="true"/>',
+    ],
+)
+def test_a_joint_may_have_several_springs_and_stops(read, tmp_path, joints):
+    (tmp_path / "arm.xml").write_text(
+        f'<mujoco><compiler angle="radian"/><worldbody><body name="b">{joints}'
+        '<inertial pos="0 0 0.1" mass="1" diaginertia="1 1 1"/></body></worldbody></mujoco>'
+    )
+    loads = read_mujoco(tmp_path / "arm.xml").loads
+    kinds = sorted(type(load).__name__ for load in loads)
+    assert len(kinds) == 4
+    assert sorted(type(load).__name__ for load in read().system.loads) == kinds

@@ -222,6 +222,30 @@ def test_loops_are_closed():
     np.testing.assert_allclose(system.bodies[1].body.points["end"], [1, 0, 0])
 
 
+def test_unnamed_bodies_and_joints_are_named_by_number():
+    """Each joint of a chain has an interface of its own: at its place in both bodies."""
+    inertial = '<inertial pos="0 0 -0.2" mass="1" diaginertia="1 1 1"/>'
+    inside = f'<body pos="0 0 -0.5"><joint axis="0 1 0"/>{inertial}</body>'
+    text = f"<body><joint/>{inertial}{inside}</body>"
+    system = read_mujoco(f"<mujoco><worldbody>{text}</worldbody></mujoco>")
+    assert [joint.name for joint in system.joints] == ["body_1_joint", "body_2_joint"]
+    points = system.bodies[0].body.points
+    np.testing.assert_allclose([points["body_1_joint"], points["body_2_joint"]], [[0, 0, 0], [0, 0, -0.5]])
+
+
+def test_a_loop_may_have_the_name_of_a_joint():
+    """Names differ within one kind of object only; the interfaces of both keep their places."""
+    system = read_mujoco(
+        with_joints(
+            '<joint name="j" axis="0 1 0"/>',
+            more='<equality><connect name="j" body1="b" anchor="1 0 0"/></equality>',
+        )
+    )
+    assert [joint.name for joint in system.joints] == ["j", "j_loop"]
+    points = system.bodies[0].body.points
+    np.testing.assert_allclose([points["j"], points["j_loop"]], [[0, 0, 0], [1, 0, 0]])
+
+
 def test_urdf(tmp_path):
     (tmp_path / "arm.urdf").write_text(
         """<robot name="arm"><link name="base"/>

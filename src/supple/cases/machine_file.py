@@ -66,10 +66,13 @@ def with_machine(raw: Raw, folder: Path) -> tuple[Raw, list[Mistake]]:
     for number, body in enumerate(_listed(raw, "body")):
         own = made.pop(str(body.get("name")), None) if isinstance(body, Mapping) else None
         bodies.append(body if own is None else _in_its_place(body, own, ("body", number), mistakes))
+    loads = _with_names(
+        [_spring(load) if isinstance(load, TorsionSpringDamper) else _element(load) for load in system.loads]
+    )
     added = {
         "joint": [_joint(joint) for joint in system.joints],
-        "spring": [_spring(load) for load in system.loads if isinstance(load, TorsionSpringDamper)],
-        "element": [_element(load) for load in system.loads if not isinstance(load, TorsionSpringDamper)],
+        "spring": [load for load in loads if load["kind"] == "torsion"],
+        "element": [load for load in loads if load["kind"] != "torsion"],
     }
     tables = {section: [*_listed(raw, section), *new] for section, new in added.items()}
     gravity = {} if "gravity" in raw else {"gravity": [float(g) for g in system.gravity]}
@@ -128,6 +131,16 @@ def _joint(joint: Joint) -> dict[str, Any]:
     elif (axis := getattr(joint, "axis", None)) is not None:
         axes = {"axis": _numbers(axis)}
     return {"kind": kind, "name": joint.name, **_ends(joint), **axes}
+
+
+def _with_names(loads: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The tables with numbers after names that occur again, as of the springs of one ball joint."""
+    names = [load["name"] for load in loads]
+    earlier = [names[:place].count(name) for place, name in enumerate(names)]
+    return [
+        {**load, "name": f"{load['name']} {count + 1}"} if count else load
+        for load, count in zip(loads, earlier, strict=True)
+    ]
 
 
 def _spring(spring: TorsionSpringDamper) -> dict[str, Any]:

@@ -193,6 +193,10 @@ class _Reader:
         found = bytes(self.model.names)[addresses[number] :].split(b"\0")[0].decode()
         return found or else_
 
+    def body_name(self, body: int) -> str:
+        """The name of a body; a name with its number for an unnamed body."""
+        return self.label(self.model.name_bodyadr, body, f"body_{body}")
+
     def groups(self) -> dict[int, _Group]:
         """Groups of welded bodies, by the number of their first body, without bodies welded to the ground."""
         model, data = self.model, self.data
@@ -213,7 +217,7 @@ class _Reader:
             )
             axes = data.xmat[first].reshape(3, 3)
             place = np.array(data.xpos[first])
-            name = self.label(model.name_bodyadr, first, f"body_{first}")
+            name = self.body_name(first)
             inertia = axes.T @ (about + steiner).sum(axis=0) @ axes
             result[first] = _Group(
                 name, place, np.array(axes), mass, axes.T @ (centre - place), 0.5 * (inertia + inertia.T)
@@ -245,7 +249,7 @@ class _Reader:
         forces = model.jnt_stiffness[own].any() or model.dof_damping[model.jnt_dofadr[own]].any()
         if kinds == [_FREE] and not forces:
             return
-        name = self.label(model.name_jntadr, own[0], f"{self.label(model.name_bodyadr, body, 'body')}_joint")
+        name = self.label(model.name_jntadr, own[0], f"{self.body_name(body)}_joint")
         anchors, axes = data.xanchor[own], data.xaxis[own]
         ends = {
             "first": self.end(groups, parent, name, anchors[0]),
@@ -271,7 +275,7 @@ class _Reader:
         else:
             words = {_FREE: "free", _BALL: "ball", _SLIDE: "slide", _HINGE: "hinge"}
             raise ModelError(
-                f"{self.name}: body '{self.label(model.name_bodyadr, body, str(body))}' has the joints "
+                f"{self.name}: body '{self.body_name(body)}' has the joints "
                 f"{' and '.join(words[kind] for kind in kinds)}, which no single joint combines; put a body "
                 "of small mass between them"
             )
@@ -368,6 +372,8 @@ class _Reader:
                     for body, place in zip(bodies, at, strict=True)
                 ]
             name = self.label(model.name_eqadr, number, f"loop_{number + 1}")
+            if any(joint.name == name for joint in joints):  # MuJoCo's names differ within one kind only
+                name = f"{name}_loop"
             apart = held - axes[0].reshape(3, 3).T @ axes[1].reshape(3, 3)
             if kind == _WELD and np.abs(apart).max() > _TURNED:
                 raise ModelError(
