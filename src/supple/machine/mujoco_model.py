@@ -312,6 +312,12 @@ class _Reader:
                 TorsionSpringDamper(first=first, second=second, axis=tuple(each), damping=c) for each in axes
             ]
         elif kind == _HINGE and (k or c):
+            if k and abs(rest) >= np.pi and not is_limited:
+                raise ModelError(
+                    f"{self.name}: the spring of joint '{self.label(model.name_jntadr, j, str(j))}' is free "
+                    f"at {rest:.4g} rad from its position in the file; without limits, this must be within "
+                    "half a revolution: change springref or ref, or limit the joint"
+                )
             found.append(TorsionSpringDamper(**ends, axis=axis, stiffness=k, damping=c, rest_angle=rest))
         elif kind == _SLIDE and (k or c):
             found.append(
