@@ -262,6 +262,20 @@ def test_exodus_sides_of_surfaces(tmp_path, word, axes, n, side, nodes):
     np.testing.assert_array_equal(read_mesh(tmp_path / "part.e").nodes_of("sideset_1"), nodes)
 
 
+def test_exodus_names_of_sets_beside_empty_ones(tmp_path):
+    """Empty blocks and sets have a number, id and name, but no variable of members."""
+    made = exodus_variables(CUBE[:4], [("quad", [[0, 1, 2, 3]])], ["none", "wall"], [[0, 1], [2]])
+    made["connect2"], made["eb_prop1"] = made.pop("connect1"), np.array([10, 20], np.int32)
+    made["node_ns3"] = made.pop("node_ns1")
+    made["ns_names"] = np.array([list(name.ljust(8, "\0")) for name in ("left", "top", "foot")], "S1")
+    write_exodus(tmp_path / "part.g", made, "hdf5")
+    mesh = read_mesh(tmp_path / "part.g")
+    assert list(mesh.cell_sets) == ["wall"]
+    np.testing.assert_array_equal(mesh.nodes_of("foot"), [0, 1])
+    np.testing.assert_array_equal(mesh.nodes_of("top"), [2])
+    assert "left" not in mesh.node_sets
+
+
 def test_exodus_shells_are_cut_and_sets_are_checked(tmp_path):
     x = CUBE[:4]
     write_exodus(tmp_path / "part.g", exodus_variables(x, [("quad", [[0, 1, 2, 3]])]), "hdf5")

@@ -119,8 +119,7 @@ def _file_mesh(path: Path, parts: Mapping[str, tuple[Any, str]]) -> Any:
     first = 0
     n_cells = sum(len(parts[name][0]) for name in _numbered(parts, "connect"))
     ids = _values(parts, "elem_num_map", np.arange(1, n_cells + 1))
-    names = _names(parts, "eb", "block", len(_numbered(parts, "connect")))
-    for name, label in zip(_numbered(parts, "connect"), names, strict=True):
+    for name, label in _named(parts, "connect", "eb", "block"):
         cells, given = parts[name]
         cells = np.asarray(cells, dtype=np.int64) - 1
         word = "".join(letter for letter in given.upper() if letter.isalpha())
@@ -145,11 +144,9 @@ def _file_mesh(path: Path, parts: Mapping[str, tuple[Any, str]]) -> Any:
             shapes[-1] = (*shapes[-1][:2], cells)
         blocks.append(CellBlock(kind, cells, own, {label: np.ones(len(cells), dtype=bool)}))
     sets = {}
-    known = _names(parts, "ns", "nodeset", len(_numbered(parts, "node_ns")))
-    for name, label in zip(_numbered(parts, "node_ns"), known, strict=True):
+    for name, label in _named(parts, "node_ns", "ns", "nodeset"):
         sets[label] = np.unique(np.asarray(parts[name][0], dtype=np.int64) - 1)
-    known = _names(parts, "ss", "sideset", len(_numbered(parts, "elem_ss")))
-    for name, label in zip(_numbered(parts, "elem_ss"), known, strict=True):
+    for name, label in _named(parts, "elem_ss", "ss", "sideset"):
         sides = np.asarray(parts[name.replace("elem_", "side_")][0], dtype=np.int64) - 1
         sets[label] = _on_sides(shapes, np.asarray(parts[name][0], dtype=np.int64) - 1, sides)
     for label, members in sets.items():
@@ -182,8 +179,14 @@ def _values(parts: Mapping[str, tuple[Any, str]], name: str, else_: IntArray) ->
     return found if len(np.unique(found)) == len(else_) else else_
 
 
-def _names(parts: Mapping[str, tuple[Any, str]], kind: str, word: str, n: int) -> list[str]:
-    """Names of blocks or sets, from their ids if the file has no names; repeated names get a number."""
+def _named(parts: Mapping[str, tuple[Any, str]], prefix: str, kind: str, word: str) -> list[tuple[str, str]]:
+    """Variables PREFIX1, PREFIX2, .. with the names of their blocks or sets, or their ids if without names.
+
+    Empty blocks and sets have a number, id and name, but no variable. Repeated names get a number.
+    """
+    variables = _numbered(parts, prefix)
+    numbers = [int(name[len(prefix) :]) for name in variables]
+    n = max(numbers, default=0)
     ids = np.asarray(parts[f"{kind}_prop1"][0]).tolist() if f"{kind}_prop1" in parts else range(1, n + 1)
     given = [""] * n
     if f"{kind}_names" in parts:
@@ -191,7 +194,8 @@ def _names(parts: Mapping[str, tuple[Any, str]], kind: str, word: str, n: int) -
     found = [
         name.split("\0")[0].strip() or f"{word}_{number}" for name, number in zip(given, ids, strict=False)
     ]
-    return [name if found.count(name) == 1 else f"{name}_{i + 1}" for i, name in enumerate(found)]
+    labels = [name if found.count(name) == 1 else f"{name}_{i + 1}" for i, name in enumerate(found)]
+    return [(name, labels[number - 1]) for name, number in zip(variables, numbers, strict=True)]
 
 
 def _on_sides(
