@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -18,8 +19,9 @@ from supple.algebra.constraint_rows import dense_rows
 from supple.body.checks import checked_grounded_stiffness
 from supple.body.interface import BodyInterface, interface_named, moves_rigidly_with
 from supple.body.internal_force import LinearForce, QuadraticStrainForce
-from supple.errors import ModelError
+from supple.errors import BasisWarning, ModelError
 from supple.fem import Assembly, FiniteElementModel
+from supple.mesh.mesh import no_ids
 from supple.summary import Summarized, Summary, place_text
 
 __all__ = ["FlexibleBody"]
@@ -55,6 +57,8 @@ class FlexibleBody(Summarized):
     linearized_from : the body with quadratic strains from which `linearized` made this body; None otherwise
     n_modal : number of modal coordinates in q, of a condensed model. They belong to no node, and their mass
         is not in `nodal_mass`. They enter centrifugal and Coriolis terms only by masses of recovered points
+    massless : numbers (k,) of nodes with displacements without mass, which follow the other nodes statically:
+        a force on them causes no deflection relative to the others
     """
 
     name: str
@@ -72,6 +76,7 @@ class FlexibleBody(Summarized):
     rotation_limit: float
     threes: tuple[sparse.csc_array, sparse.csc_array] | None = field(default=None, repr=False)
     n_modal: int = 0
+    massless: NDArray[np.int64] = field(default_factory=no_ids, repr=False)
     damping: sparse.csc_array | None = field(default=None, repr=False)
     linearized_from: FlexibleBody | None = field(default=None, repr=False, compare=False)
 
@@ -104,6 +109,20 @@ class FlexibleBody(Summarized):
     def interface(self, name: str) -> BodyInterface:
         """The interface of that name; the ModelError for an unknown name lists the nearest name, or all."""
         return interface_named(self.name, name, self.interfaces)
+
+    def warn_of_massless(self, what: str, nodes: ArrayLike) -> None:
+        """Warn if some nodes, on which `what` exerts forces, have no mass."""
+        bare = np.intersect1d(np.asarray(nodes, dtype=np.int64), self.massless)
+        if bare.size:
+            ids = () if self.model is None else self.model.mesh.node_ids
+            number = ids[bare[0]] if len(ids) else bare[0]
+            warnings.warn(
+                f"{what}: node {number} (one of {bare.size}) has no mass. It follows the others statically: "
+                "a force on it does not move it relative to them, and its deflection is too small; "
+                "give its material a density, or the node a mass",
+                BasisWarning,
+                stacklevel=4,
+            )
 
     @cached_property
     def independent_interfaces(self) -> tuple[BodyInterface, ...]:

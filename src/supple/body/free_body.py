@@ -84,6 +84,7 @@ def free_body(
         n_modal=n_modal,
         tolerance=rigid_tolerance,
     )
+    displaced = made.bare[(made.bare < len(nodes) * dofs_per_node) & (made.bare % dofs_per_node < 3)]
     M, K = made.mass, made.stiffness
     # The check needs the nodal matrices: the eliminations change the size of the forces that cancel.
     R = np.vstack([nodal_rigid_modes(nodes, dofs_per_node), np.zeros((n_modal, 6))])
@@ -132,8 +133,12 @@ def free_body(
         rotation_limit=rotation_limit,
         threes=threes,
         n_modal=n_modal,
+        massless=np.unique(displaced // dofs_per_node),
         damping=C,
     )
+    for node in virtual:
+        if not node.is_rigid:
+            body.warn_of_massless(f"body '{name}', interface '{node.name}'", node.node_ids)
     _ = body.grounded_stiffness  # computed now, so that a mechanism is reported when the body is built
     return body
 

@@ -27,7 +27,7 @@ from supple.errors import CaseError, ModelError, SuppleError
 from supple.fem import FiniteElementModel, stress_recovery
 from supple.importers.toml import KeyPath, LineIndex, listed_mistakes, nearest_hint
 from supple.integrate import Run
-from supple.machine import At, ForceElement, SplitBody, System
+from supple.machine import At, ForceElement, NodalLoad, SplitBody, System
 from supple.mesh import CellType, Mesh
 from supple.mesh.outer_faces import outer_triangles
 from supple.quantities import Place, Quantity, QuantityOfInterest
@@ -264,6 +264,9 @@ class Case:
         joints = [table.build(self.folder) for table in tables.joint]
         unloaded = System(tuple(bodies), tuple(joints), gravity=np.array(tables.gravity))
         loads = [table.build(self.folder, self.place, self.pressed) for table in tables.load]
+        for load in loads:
+            if isinstance(load, NodalLoad) and load.body in self.flexible:
+                self.flexible[load.body].warn_of_massless(load.label, load.nodes)
         forces = [table.build(self.folder) for table in (*tables.spring, *tables.element)]
         frictions = [
             table.friction.build(joint)
