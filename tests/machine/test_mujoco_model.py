@@ -246,6 +246,21 @@ def test_a_loop_may_have_the_name_of_a_joint():
     np.testing.assert_allclose([points["j"], points["j_loop"]], [[0, 0, 0], [1, 0, 0]])
 
 
+def test_bodies_of_motion_capture_are_ground():
+    """A hand welded to such a body is held by the ground; a joint on it is one to the ground."""
+    inertial = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+    system = read_mujoco(f"""<mujoco><worldbody>
+    <body name="target" mocap="true" pos="0 0 1"><geom size="0.1"/>
+      <body name="arm"><joint name="j"/>{inertial}</body></body>
+    <body name="hand" pos="0 0 1"><freejoint/>{inertial}</body>
+    </worldbody><equality><weld name="hold" body1="target" body2="hand"/></equality></mujoco>""")
+    assert [placed.body.name for placed in system.bodies] == ["arm", "hand"]
+    assert [(joint.name, str(joint.first)) for joint in system.joints] == [
+        ("j", "ground"),
+        ("hold", "ground"),
+    ]
+
+
 def test_urdf(tmp_path):
     (tmp_path / "arm.urdf").write_text(
         """<robot name="arm"><link name="base"/>

@@ -84,8 +84,9 @@ def read_mujoco(
     Bodies are rigid; welded ones are merged. Hinges, slides and balls become joints of the same name, on
     interfaces of the same name. A slide and a hinge along one axis become a cylindrical joint, two
     perpendicular hinges at one point a universal joint. The constraints connect and weld become ball and
-    fixed joints. Limits become stops with the stiffness of MuJoCo; stiffness and damping of joints become
-    springs and dampers; those of balls and free joints become a bushing and a torsion damper about each axis.
+    fixed joints. Bodies of motion capture (mocap) belong to the ground. Limits become stops with the
+    stiffness of MuJoCo; stiffness and damping of joints become springs and dampers; those of balls and free
+    joints become a bushing and a torsion damper about each axis.
     Shapes of bodies are not read, so the machine has no contacts.
 
     Parameters
@@ -113,7 +114,7 @@ def read_mujoco(
     for body in range(1, model.nbody):
         own = list(range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body]))
         if own:
-            parent = model.body_weldid[model.body_parentid[body]]
+            parent = reader.weldid[model.body_parentid[body]]
             reader.connect(groups, parent, body, own, joints, loads, limits="limits" not in leave_out)
     reader.close_loops(groups, joints)
     placed = [_placed(group, (bodies or {}).get(group.name)) for group in groups.values()]
@@ -187,6 +188,9 @@ class _Reader:
     def __init__(self, model: Any, data: Any) -> None:
         self.model, self.data = model, data
         self.name = bytes(model.names).split(b"\0")[0].decode() or "the machine"
+        # Bodies of motion capture stand still unless a program moves them.
+        weldid = np.array(model.body_weldid)
+        self.weldid = np.where(model.body_mocapid[weldid] >= 0, 0, weldid)
 
     def label(self, addresses: Any, number: int, else_: str) -> str:
         """The name of an object in the file; `else_` for an unnamed object."""
@@ -201,10 +205,10 @@ class _Reader:
         """Groups of welded bodies, by the number of their first body, without bodies welded to the ground."""
         model, data = self.model, self.data
         result = {}
-        for first in np.unique(model.body_weldid[1:]).tolist():
+        for first in np.unique(self.weldid[1:]).tolist():
             if first == 0:
                 continue
-            members = np.flatnonzero(model.body_weldid == first)
+            members = np.flatnonzero(self.weldid == first)
             masses, centres = model.body_mass[members], data.xipos[members]
             turns = data.ximat[members].reshape(-1, 3, 3)
             mass = float(masses.sum())
@@ -226,7 +230,7 @@ class _Reader:
 
     def end(self, groups: dict[int, _Group], body: int, name: str, point: Array) -> At:
         """Add an interface to a body and return its end; the ground for a body welded to the ground."""
-        group = groups.get(int(self.model.body_weldid[body]))
+        group = groups.get(int(self.weldid[body]))
         if group is None:
             return GROUND
         group.points[name] = group.local(point)
