@@ -91,6 +91,12 @@ def test_the_wing_is_a_valid_case():
     [
         ('tip = "tip"', 'tip = "top"', "there is no interface named 'top', did you mean 'tip'"),
         ("modes = 4", 'modes = 4, support = "hinged"', "a hinged root needs body_axis"),
+        (
+            "modes = 4",
+            'modes = 4, support = "released"',
+            "'released' is not known; choose one of clamped, free",
+        ),
+        ("modes = 4", 'modes = 4, support = ["ball"]', "condense.support: "),
         ("modes = 4", "modes = 4, body_axis = [0, 0, 1]", "only a hinged or sliding root has a body_axis"),
         ("modes = 4", 'modes = 4, support = "hinged", axis = [0, 0, 1]', "axis is now body_axis"),
         (CONDENSE, CONDENSE + WHOLE[0], "takes no frame; remove the key"),

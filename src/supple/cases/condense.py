@@ -178,7 +178,7 @@ def _path_is_between_interfaces(path: KeyPath, body: Raw) -> Mistakes:
 
 def _axis_suits_the_support(path: KeyPath, body: Raw) -> Mistakes:
     given = table(body, "condense")
-    needs = given.get("support") in _WITH_AXIS
+    needs = str(given.get("support")) in _WITH_AXIS
     if needs and "body_axis" not in given:
         yield (
             (*path, "condense"),
@@ -195,7 +195,10 @@ def _joints_suit_the_supports(raw: Raw) -> Mistakes:
     for path, body in tables(raw, "body"):
         given, name = table(body, "condense"), str(body.get("name"))
         root = f"{name}.{given.get('root')}"
-        if not is_condensed(body) or given.get("released") is True or given.get("support") == "free":
+        if not is_condensed(body) or given.get("released") is True:
+            continue
+        # A free root has no joints to suit; an unknown support is a mistake of its own.
+        if str(given.get("support", "clamped")) not in _HELD_BY:
             continue
         joints = [(at, own) for at, own in tables(raw, "joint") if name in map(_body, _ends(own))]
         remedy = (
