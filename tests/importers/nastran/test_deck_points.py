@@ -143,6 +143,12 @@ def test_a_rigid_direction_of_a_bushing_has_no_stiffness_and_the_others_have_the
     assert "rigid directions of a CBUSH (K = RIGID) are not read" in left.meaning
 
 
+def test_a_group_of_a_bushing_in_the_wrong_field_is_left_out(deck):
+    (left,) = deck(GRIDS + "CBUSH,1,7,1,2,0.,0.,1.\nPBUSH,7,K,5.\n,B,1.\n").left_out
+    assert left.card == "PBUSH"
+    assert "without its K, B or M in the third field" in left.meaning
+
+
 # --- masses
 
 

@@ -151,6 +151,8 @@ def _bush(card: BulkCard, known: BulkCard, reading: DeckReading) -> None:
             reading.leave_out(
                 known, "rigid directions of a CBUSH (K = RIGID) are not read: they have no stiffness"
             )
+        elif kind == "MISPLACED":
+            reading.leave_out(known, "a line without its K, B or M in the third field is not read")
         elif kind in rows:
             collected, factor = rows[kind]
             for place, value in enumerate(values[:6]):
@@ -162,12 +164,15 @@ def _bush(card: BulkCard, known: BulkCard, reading: DeckReading) -> None:
 def _bush_values(known: BulkCard) -> dict[str, list[float]]:
     """Six values of each group K, B, M of a PBUSH.
 
-    A value RIGID counts as zero, and the key "RIGID" is added.
+    A value RIGID counts as zero, and the key "RIGID" is added; "MISPLACED" for a line that starts with a word
+    in the second field.
     """
     found: dict[str, list[float]] = {}
     for start in range(0, len(known.fields), 8):
         kind = known.word(start + 1)
-        if kind in ("K", "B", "M") or (not start and kind):
+        if start and known.word(start):
+            found["MISPLACED"] = []
+        elif kind in ("K", "B", "M") or (not start and kind):
             rigid = [known.word(start + 2 + i) == "RIGID" for i in range(6)]
             if any(rigid):
                 found["RIGID"] = []
