@@ -253,7 +253,9 @@ def test_bodies_of_motion_capture_are_ground():
     <body name="target" mocap="true" pos="0 0 1"><geom size="0.1"/>
       <body name="arm"><joint name="j"/>{inertial}</body></body>
     <body name="hand" pos="0 0 1"><freejoint/>{inertial}</body>
-    </worldbody><equality><weld name="hold" body1="target" body2="hand"/></equality></mujoco>""")
+    <body name="base" pos="0 0 1"/>
+    </worldbody><equality><weld name="hold" body1="target" body2="hand"/>
+    <weld name="none" body1="target" body2="base"/></equality></mujoco>""")
     assert [placed.body.name for placed in system.bodies] == ["arm", "hand"]
     assert [(joint.name, str(joint.first)) for joint in system.joints] == [
         ("j", "ground"),

@@ -390,6 +390,8 @@ class _Reader:
                     f"{self.name}: the weld '{name}' holds its bodies at another relative rotation than that "
                     "in the file (relpose, or the axes of its sites): place the bodies at this rotation"
                 )
+            if len({int(self.weldid[body]) for body in bodies}) == 1:  # within the ground or a welded group
+                continue
             ends = [self.end(groups, body, name, point) for body, point in zip(bodies, points, strict=True)]
             first, second = ends if ends[1] != GROUND else ends[::-1]
             joints.append((Ball if kind == _CONNECT else Fixed)(first=first, second=second, name=name))
