@@ -24,9 +24,12 @@ _ROUNDING = 1e-12
 
 
 def laws_of(system: System) -> list[tuple[str, TimeLaw]]:
-    """Names and laws of all prescribed motions and loads that have a law, in that order."""
+    """Names and laws of all prescribed motions and loads that have a law, in that order.
+
+    The loads include the force elements that controllers drive.
+    """
     every = [(f"joint '{joint.name}'", joint.law) for joint in system.joints]
-    every += [(load.label, load.law) for load in system.loads]
+    every += [(load.label, load.law) for load in system.acting]
     return [(name, law) for name, law in every if law is not None]
 
 

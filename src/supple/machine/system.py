@@ -292,6 +292,12 @@ class System(Summarized):
                     "independently: give one contact the nodes of both, or each contact its own obstacle"
                 )
 
+    @property
+    def acting(self) -> tuple[Load, ...]:
+        """All loads, then the force elements that controllers drive."""
+        driven = (element for each in self.controllers for element in each.drives.values())
+        return (*self.loads, *driven)
+
     def check_has_frames(self) -> None:
         """Raise ModelError for explicit finite elements, which only explicit runs support."""
         for body in (placed.body for placed in self.bodies):

@@ -98,8 +98,7 @@ def joint_marks(system: System, solution: Solution) -> Iterator[JointMark]:
 
 def links_of(system: System, solution: Solution) -> Iterator[Link]:
     """Force elements between two points except contacts, including those driven by controllers."""
-    driven = [element for each in system.controllers for element in each.drives.values()]
-    for load in (*system.loads, *driven):
+    for load in system.acting:
         if isinstance(load, ForceElement) and not isinstance(load, (*_ALONE, SphereContact)):
             first, second = both_ends(system, solution, load, load.label)
             yield Link(load.label, _place(system, load.first, first), _place(system, load.second, second))

@@ -13,6 +13,7 @@ from supple.equations.checks.redundant_joints import check_redundant_joints
 from supple.equations.checks.step_length import report_step_length
 from supple.equations.checks.step_resolution import warn_of_missed_loads
 from supple.equations.checks.validity import watch
+from supple.equations.stops import laws_of
 from supple.errors import ModelError, StepCutWarning
 from supple.integrate import FixedStep, Progress, Recorder, Run, Solution, Statistics, StepControl
 from supple.integrate import run as march_through
@@ -80,15 +81,13 @@ def warn_of_unseen_laws(system: System, run: Run) -> None:
 
 def check_laws_cover(system: System, begin: float, end: float) -> None:
     """Raise ModelError for a table that begins after the start of the run or ends before its end."""
-    laws = [(f"joint '{joint.name}'", joint.law) for joint in system.joints]
-    laws += [(load.label, load.law) for load in system.loads]
-    for what, law in laws:
-        if law is not None and law.begin > begin:
+    for what, law in laws_of(system):
+        if law.begin > begin:
             raise ModelError(
                 f"{what}: its table begins at t = {law.begin:g}, after the run does (t = {begin:g}). "
                 "Extend the table backwards"
             )
-        if law is not None and law.end < end * (1 - 1e-12):
+        if law.end < end * (1 - 1e-12):
             raise ModelError(
                 f"{what}: its table ends at t = {law.end:g}, before the run does (t = {end:g}). "
                 "Extend the table or shorten the run"

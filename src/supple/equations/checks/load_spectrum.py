@@ -97,7 +97,7 @@ def load_spectra(system: System, times: np.ndarray) -> tuple[LoadSpectrum, ...]:
     if len(times) < 3 or not np.allclose(steps, steps[:1], rtol=1e-6, atol=0.0):
         raise ModelError("spectrum of the loads: give at least three evenly spaced times")
     histories = [
-        (load.label, law_samples(law, times)[0]) for load in system.loads if _varies(law := load.law)
+        (load.label, law_samples(law, times)[0]) for load in system.acting if _varies(law := load.law)
     ] + [
         (f"joint '{joint.name}'", law_samples(law, times, order=2)[2])
         for joint in system.joints

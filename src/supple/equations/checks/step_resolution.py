@@ -62,7 +62,7 @@ def jumps_in_steps(system: System, run: Run) -> bool:
     if not isinstance(run.step_control, FixedStep):
         return False
     begin, end, step = float(run.times[0]), float(run.times[-1]), fixed_step(run)
-    loads = [(load.law, 0) for load in system.loads]
+    loads = [(load.law, 0) for load in system.acting]
     motions = [(joint.law, 2) for joint in system.joints]
     return any(
         law is not None and not isinstance(law, Constant) and _jumps_in(law, begin, end, step, derivative)
@@ -129,7 +129,7 @@ def warn_of_missed_loads(system: System, run: Run, *, besides: Collection[str] =
     for joint in system.joints:
         if joint.name not in besides:
             _warn(f"joint '{joint.name}'", joint.law, run, of_motion=True)
-    for load in system.loads:
+    for load in system.acting:
         _warn(load.label, load.law, run, of_motion=False)
 
 

@@ -218,7 +218,7 @@ def watch(system: System, validity: Validity) -> ValidityMonitor:
 def _carrying_moments(system: System) -> set[At]:
     """Interfaces where a joint fixes a rotation, or where a force element other than a line spring acts."""
     holding = [joint for joint in system.joints if not all(row.startswith("position") for row in joint.rows)]
-    loads = [load for load in system.loads if isinstance(load, ForceElement) and not load.acts_along_line]
+    loads = [load for load in system.acting if isinstance(load, ForceElement) and not load.acts_along_line]
     return {end for element in (*holding, *loads) for end in (element.first, element.second)}
 
 

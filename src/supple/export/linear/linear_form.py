@@ -230,7 +230,7 @@ def _check(system: System, inputs: Mapping[str, Any]) -> None:
                 f"'{placed.body.name}' is {placed.body.kind}, and a linear machine has rigid and reduced "
                 "bodies only: reduce it, or export the nonlinear machine"
             )
-    for load in system.loads:
+    for load in system.acting:
         if hasattr(load, "penalty") or isinstance(load, JointFriction | RevoluteFriction | PrismaticFriction):
             raise ModelError(
                 f"{load.label}: stops, contacts and friction have no linear form; leave it out, or export "

@@ -14,8 +14,9 @@ from scipy.integrate import solve_ivp
 from supple import machine as m
 from supple.body import RigidBody
 from supple.equations import balances
+from supple.equations.checks.step_resolution import warn_of_missed_loads
 from supple.equations.stops import stepping_instants
-from supple.errors import ConvergenceError, ModelError
+from supple.errors import ConvergenceError, ModelError, ResolutionWarning
 from supple.integrate import AdaptiveStep, FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.linearization import linearize, machine_modes
 from supple.simulation import equilibrium, simulate, simulate_batch
@@ -280,6 +281,27 @@ def integrating(_time, reads, memory):
 SAMPLED = m.SampledController(
     reads=READS, drives=DRIVES, law=integrating, every=PERIOD, memory={"total": np.zeros(2), "calls": 0}
 )
+
+
+def driven_at_rest(torque):
+    """The arm with a controller that adds nothing to a torque over time on its shoulder."""
+    shoulder = replace(DRIVES["shoulder"], torque=torque)
+    return arm(m.Controller(reads={}, drives={"shoulder": shoulder}, outputs=lambda *_: {"shoulder": 0.0}))
+
+
+def test_the_own_law_of_a_driven_element_covers_the_run_and_stops_its_steps():
+    """A controller adds to the law of its element; loads have the same checks."""
+    short = m.Table([0.0, 0.3], [0.0, 5.0])
+    with pytest.raises(ModelError, match=r"its table ends at t = 0\.3, before the run does"):
+        simulate(driven_at_rest(short), Run(duration=1.0, output_step=0.5))
+    with pytest.raises(ModelError, match=r"its value is needed at t = 0\.5"):
+        equilibrium(driven_at_rest(short), time=0.5)
+    pulse = m.Table([0.0, 0.61, 0.612, 0.614, 1.0], [0.0, 0.0, 9.0, 0.0, 0.0])
+    system = driven_at_rest(pulse)
+    run = Run(duration=1.0, output_step=0.25, step=AdaptiveStep(1e-3))
+    np.testing.assert_allclose(stepping_instants([system], run), [0.61, 0.612, 0.614])
+    with pytest.warns(ResolutionWarning, match="TorqueBetween on ground: within a step"):
+        warn_of_missed_loads(system, replace(run, step=FixedStep(0.05)))
 
 
 @pytest.mark.slow
