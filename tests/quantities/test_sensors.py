@@ -20,6 +20,7 @@ from supple.machine import (
     BaseAcceleration,
     Controller,
     Fixed,
+    FollowerForce,
     Placed,
     PrescribedRotation,
     Prismatic,
@@ -30,6 +31,7 @@ from supple.machine import (
     SpringDamper,
     System,
     TorqueBetween,
+    Unbalance,
 )
 from supple.mesh import strip
 from supple.methods.explicit.motions import NodalMotion
@@ -119,6 +121,17 @@ def test_readings_of_parts_are_those_of_the_whole(spun):
         np.testing.assert_allclose(one.values, other.values, rtol=1e-12, atol=1e-12)
     with pytest.raises(ModelError, match="there is no output time to read"):
         read_in_parts(sensors, system, [])
+
+
+def test_loads_on_one_end_are_read_there(spun):
+    """They have no force on a second end: U w^2 outwards, and a force that rotates with the root."""
+    angle, rate = read(JointMotionSensor("hub", "hub"), spun)[:, :2].T
+    outwards = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    heavy = read(SpringForceSensor("heavy", Unbalance(first="blade.root", moment=(0.2, 0.0, 0.0))), spun)
+    np.testing.assert_allclose(heavy[:, :2], 0.2 * rate[:, None] ** 2 * outwards, atol=1e-7)
+    np.testing.assert_allclose(heavy[:, 2:], 0.0, atol=1e-7)
+    pull = read(SpringForceSensor("pull", FollowerForce(first="blade.root", force=(3.0, 0.0, 0.0))), spun)
+    np.testing.assert_allclose(pull[:, :2], 3.0 * outwards, atol=1e-7)
 
 
 def test_a_deflection_is_a_position_seen_from_the_root(spun):

@@ -100,7 +100,7 @@ class _OfElement:
         check_fields(self)
 
     def _read(self, system: System, solution: Solution) -> Array:
-        """Force and moment on the second end (global), stored energy, and power on both ends, (t, 8)."""
+        """The six of `SpringForceSensor`, stored energy, and power on both ends, (t, 8)."""
         element = self.element.assembled(*initial_points(system, self.element))
         ends = both_ends(system, solution, element, self.name)
         law, parameters = element.law, jax.tree.map(jnp.asarray, element.parameters)
@@ -113,6 +113,8 @@ class _OfElement:
 
 class SpringForceSensor(_OfElement):
     """Force and moment of a force element on its second end, global components, (t, 6).
+
+    For an element that acts on its first end alone, such as an `Unbalance`, they are those on the first end.
 
     element : ForceElement      a load of the machine, or a hypothetical element; not one that a controller
         drives, whose output the sensor cannot compute
@@ -166,7 +168,7 @@ def _of_element(
         loads = kind.wrenches(one, other, value, parameters)
         stored = jnp.asarray(kind.energy(one, other, value, parameters), dtype=float)
         power = _power(one, loads[0]) + _power(other, loads[1])
-        return jnp.concatenate([*loads[1], jnp.stack([stored, power])])
+        return jnp.concatenate([*loads[0 if kind.acts_on_first_alone else 1], jnp.stack([stored, power])])
 
     return jax.vmap(at)(first, second, times, carried)
 

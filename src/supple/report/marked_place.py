@@ -18,15 +18,11 @@ from supple.machine import (
     GROUND,
     At,
     DeadForce,
-    DeadTorque,
-    FollowerForce,
-    FollowerTorque,
     ForceElement,
     NodalLoad,
     Pose,
     SphereContact,
     System,
-    Unbalance,
 )
 from supple.quantities import contact_forces, node_positions
 from supple.quantities.end_motion import both_ends
@@ -35,8 +31,6 @@ from supple.value_content import UserFunction
 __all__ = ["Arrow", "JointMark", "Link", "MarkedPlace", "arrows_of", "joint_marks", "links_of"]
 
 Array = NDArray[np.float64]
-_ALONE = (DeadTorque, FollowerForce, FollowerTorque, Unbalance)
-"""Elements that act on one interface only."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +93,7 @@ def joint_marks(system: System, solution: Solution) -> Iterator[JointMark]:
 def links_of(system: System, solution: Solution) -> Iterator[Link]:
     """Force elements between two points except contacts, including those driven by controllers."""
     for load in system.acting:
-        if isinstance(load, ForceElement) and not isinstance(load, (*_ALONE, SphereContact)):
+        if isinstance(load, ForceElement) and not _is_arrow(load):
             first, second = both_ends(system, solution, load, load.label)
             yield Link(load.label, _place(system, load.first, first), _place(system, load.second, second))
 
@@ -109,12 +103,16 @@ def arrows_of(system: System, solution: Solution) -> Iterator[Arrow]:
     for load in system.loads:
         if isinstance(load, NodalLoad):
             yield _arrow_of_nodes(system, solution, load)
-        elif isinstance(load, (*_ALONE, SphereContact)):
+        elif isinstance(load, ForceElement) and _is_arrow(load):
             yield from _arrows_of_element(system, solution, load)
     axes = np.broadcast_to(np.eye(3), (len(solution.times), 3, 3))
     for contact in contact_forces(system, solution):
         place = MarkedPlace("", contact.place, contact.place[0], axes)
         yield Arrow(contact.name, "contact", place, contact.force)
+
+
+def _is_arrow(load: ForceElement) -> bool:
+    return load.acts_on_first_alone or isinstance(load, SphereContact)
 
 
 def _arrows_of_element(system: System, solution: Solution, load: ForceElement) -> Iterator[Arrow]:

@@ -275,7 +275,7 @@ def _element(seen: SensedMachine, sensor: SpringForceSensor | ElementEnergySenso
             value = jnp.asarray(one_of(group.law, 0)(motion.time))
         loads = kind.wrenches(first, second, value, parameters)
         if not energy:
-            return jnp.concatenate([loads[1].force, loads[1].moment])
+            return jnp.concatenate(loads[0 if kind.acts_on_first_alone else 1])
         stored = jnp.asarray(kind.energy(first, second, value, parameters), dtype=float)
         power = sum(
             load.force @ end.velocity + load.moment @ end.angular_velocity

@@ -312,6 +312,14 @@ def test_a_stop_near_half_a_revolution_pushes_back_beyond_it(angle, depth):
         (lambda: m.JournalBearing(**AXIS, stiffness=np.eye(2), speeds=(1, 0)), "speeds must be two or more"),
         (lambda: m.Unbalance(first="a.eye", moment=(1, 2)), "three finite numbers"),
         (
+            lambda: m.Unbalance(first="ground", second="a.eye", moment=(1, 2, 3)),
+            r"on its first end alone, so on the ground it has no effect: give first='a\.eye'",
+        ),
+        (
+            lambda: m.FollowerTorque(first="ground", second="a.eye", torque=(1, 2, 3)),
+            "on its first end alone, so on the ground it has no effect",
+        ),
+        (
             lambda: m.SphereInCylinder(**AXIS, radius=1.0, cylinder_radius=0.5, penalty=PENALTY),
             "must be more than the sphere's",
         ),

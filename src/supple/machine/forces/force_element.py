@@ -35,12 +35,20 @@ class ForceElement(ABC):
     reads_reaction: ClassVar[bool] = False
     """True if the `value` of `wrenches` is a joint force instead of a law's value, as in `JointFriction`."""
 
+    acts_on_first_alone: ClassVar[bool] = False
+    """True if the element has no wrench on its second end, as a `FollowerForce`."""
+
     def __post_init__(self) -> None:
         check_fields(self)
         object.__setattr__(self, "first", as_end(self.first))
         object.__setattr__(self, "second", as_end(self.second))
         if GROUND == self.first == self.second:
             raise ModelError(f"{self.label} acts on the ground alone: give a body's interface")
+        if self.acts_on_first_alone and self.first == GROUND:
+            raise ModelError(
+                f"{self.label} acts on its first end alone, so on the ground it has no effect: give "
+                f"first='{self.second}', and leave out second"
+            )
         check_law_kind(self.label, self)
         check_ranges(self.label, self)
 

@@ -27,6 +27,7 @@ class FollowerForce(ForceElement):
     """(3,) components along the interface's axes, which in the initial configuration are the global ones."""
 
     value_shape: ClassVar[tuple[int, ...]] = (3,)
+    acts_on_first_alone: ClassVar[bool] = True
 
     @property
     def law(self) -> TimeLaw:
@@ -47,6 +48,7 @@ class FollowerTorque(ForceElement):
     """(3,) components along the interface's axes, which in the initial configuration are the global ones."""
 
     value_shape: ClassVar[tuple[int, ...]] = (3,)
+    acts_on_first_alone: ClassVar[bool] = True
 
     @property
     def law(self) -> TimeLaw:
@@ -67,6 +69,7 @@ class DeadTorque(ForceElement):
     """(3,) global components."""
 
     value_shape: ClassVar[tuple[int, ...]] = (3,)
+    acts_on_first_alone: ClassVar[bool] = True
 
     @property
     def law(self) -> TimeLaw:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -26,6 +27,8 @@ class Unbalance(ForceElement):
     """
 
     moment: tuple[float, float, float]
+
+    acts_on_first_alone: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
