@@ -22,6 +22,7 @@ from supple.methods.explicit.deleted_faces import deletion_watch
 from supple.methods.explicit.yielding import yield_watch
 from supple.methods.intrinsic.report_truncation import report_truncation
 from supple.simulation.engines import engine_for, is_explicit
+from supple.simulation.half_revolutions import report_half_revolutions
 from supple.simulation.recorded_columns import measured_columns
 
 __all__ = ["check_laws_cover", "report_resolution", "warn_of_unseen_laws", "watched_run"]
@@ -61,6 +62,7 @@ def watched_run(
     _report_rejected_steps(solution.statistics, run.step_control)
     for own, found in zip(watches, peaks, strict=True):
         own.report(found)
+    report_half_revolutions(system, run, solution)
     report_resolution(system, run, solution)
     return replace(report_truncation(system, run, solution), columns=measured_columns(system))
 

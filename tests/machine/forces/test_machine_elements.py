@@ -243,6 +243,18 @@ def test_tables_in_one_variable_and_in_two():
     np.testing.assert_allclose([surface(-1, 5), surface(9, -9)], [3, 5])
 
 
+@pytest.mark.parametrize("first_row", [0.0, -np.pi, -0.5 * np.pi])
+@pytest.mark.parametrize("angle", [0.1, 1.9, 3.3, 6.1, -0.7, 11.0])
+def test_a_table_of_torque_over_one_revolution_is_periodic(first_row, angle):
+    rows = first_row + np.linspace(0.0, 2 * np.pi, 721)
+    table = m.Surface(rows, [-1, 1], np.stack([np.sin(rows), np.sin(rows)], axis=1))
+    element = m.TabledTorque(**ENDS, axis=(0, 0, 1), torque=table)
+    still = Pose(jnp.zeros(3), jnp.eye(3), jnp.zeros(3), jnp.zeros(3))
+    turned = still._replace(axes=rotation_exp(jnp.array([0, 0, angle])))
+    _, on_second = element.wrenches(still, turned, None, element.parameters)
+    np.testing.assert_allclose(on_second.moment[2], np.sin(angle), atol=2e-5)
+
+
 def test_a_motor_gives_what_its_curve_says():
     element, value = put_together(OTHERS["motor with a command"])
     still = Pose(jnp.zeros(3), jnp.array(element.initial_axes), jnp.zeros(3), jnp.zeros(3))

@@ -7,34 +7,47 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.characteristic import Surface, surface_at
-from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair
+from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair, wrapped
 from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["TabledForce", "TabledTorque"]
+
+_ONE_REVOLUTION = 1e-2
+"""rad, largest rounding of the angles of a table of one revolution."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class TabledTorque(AxialElement):
     """Torque on the second end about an axis of the first, a table over angle (rows) and rate (columns).
 
-    The angle is in (-pi, pi]: rows beyond are not reached.
+    The angle is in (-pi, pi]: rows beyond are not reached. A table whose rows span one revolution, such as
+    0 to 2 pi, is periodic: the angle is counted from its first row to its last.
     """
 
     torque: Surface
 
     @property
+    def is_periodic(self) -> bool:
+        """Whether the rows span one revolution, up to rounding of the angles."""
+        return abs(self.torque.x[-1] - self.torque.x[0] - 2 * np.pi) < _ONE_REVOLUTION
+
+    @property
     def parameters(self) -> tuple[Any, ...]:
-        """Arrays of the table."""
-        return self.torque.parameters
+        """Arrays of the table, and the middle of the angle's range."""
+        middle = (self.torque.x[0] + self.torque.x[-1]) / 2 if self.is_periodic else 0.0
+        return (*self.torque.parameters, middle)
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """Equal and opposite moments about the first end's axis."""
         motion = axial_motion(first, second)
-        return moment_pair(first, surface_at(motion.angle, motion.rate, parameters))
+        *table, middle = parameters
+        angle = middle + wrapped(motion.angle - middle)
+        return moment_pair(first, surface_at(angle, motion.rate, table))
 
 
 @dataclass(frozen=True, kw_only=True)

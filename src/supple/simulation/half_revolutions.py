@@ -1,0 +1,111 @@
+"""Check that angles stay in the range of force elements that do not count revolutions."""
+
+from __future__ import annotations
+
+from functools import singledispatch
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra.rotation import rotation_log
+from supple.equations.checks.strictness import warn_or_raise
+from supple.errors import ValidityWarning
+from supple.integrate import Run, Solution
+from supple.machine import AngleServo, Bushing, ForceElement, System, TabledTorque, TorsionSpringDamper
+from supple.machine.forces.relative_motion import axial_motion, wrapped
+from supple.machine.pose import Pose
+from supple.quantities.end_motion import both_ends
+
+__all__ = ["report_half_revolutions"]
+
+_COUNTING = (
+    "For larger angles use a Controller, whose JointReading counts revolutions, with a TorqueBetween, or an "
+    "AngleServo for a rest angle that the motion follows"
+)
+
+
+def report_half_revolutions(system: System, run: Run, solution: Solution) -> None:
+    """Warn (ValidityWarning) of force elements whose moment jumps where an angle passes half a revolution.
+
+    Raises ValidityError instead in a strict run. Intervals between output times in which an angle changes by
+    half a revolution or more are not checked.
+    """
+    intervals = np.diff(solution.times)
+    for load in system.loads:  # the set-point of a servo that a controller drives is unknown
+        consequence = _consequence(load)
+        if not consequence or not isinstance(load, ForceElement):
+            continue
+        ends = both_ends(system, solution, load, load.label)
+        angles, rates = map(np.asarray, _angles(load, *ends, solution.times))
+        fastest = np.linalg.norm(rates, axis=1)
+        expected = angles[:-1] + intervals[:, None] * (rates[1:] + rates[:-1]) / 2
+        jumps = np.linalg.norm(angles[1:] - expected, axis=1) > np.pi
+        jumps &= intervals * np.maximum(fastest[1:], fastest[:-1]) < np.pi
+        if jumps.any():
+            time = float(solution.times[1:][jumps][0])
+            warn_or_raise(f"{load.label}: by t = {time:.6g} {consequence}", ValidityWarning, run.validity)
+
+
+@singledispatch
+def _consequence(load: Any) -> str:  # noqa: ARG001
+    """What a passed half revolution means, and the remedy; empty for loads without such a limit."""
+    return ""
+
+
+@_consequence.register
+def _(load: TorsionSpringDamper) -> str:
+    return (
+        f"its angle passes half a revolution, where its moment jumps. {_COUNTING}" if load.stiffness else ""
+    )
+
+
+@_consequence.register
+def _(load: TabledTorque) -> str:
+    torques = np.asarray(load.torque.z)
+    varies = not load.is_periodic and bool(np.ptp(torques, axis=0).any())
+    return f"its angle passes half a revolution, where its row jumps. {_COUNTING}" if varies else ""
+
+
+@_consequence.register
+def _(load: AngleServo) -> str:
+    return (
+        "the difference from its set-point passes half a revolution, where its moment changes sign. Give a "
+        "slower law, or a larger limit or stiffness"
+        if load.stiffness
+        else ""
+    )
+
+
+@_consequence.register
+def _(load: Bushing) -> str:
+    resists = np.any(np.asarray(load.stiffness)[3:, 3:]) or np.any(np.asarray(load.damping)[3:, 3:])
+    return (
+        "its rotation passes half a revolution, where its moment jumps. For a bearing that turns give a "
+        "Revolute joint or a JournalBearing"
+        if resists
+        else ""
+    )
+
+
+def _angles(load: ForceElement, first: Pose, second: Pose, times: np.ndarray) -> Any:
+    """Angles (t, k) that the element limits to half a revolution, and their rates."""
+    if isinstance(load, Bushing):
+        return _turns(first, second)
+    motion = _axial_motions(first, second)
+    angle, rate = motion.angle[:, None], motion.rate[:, None]
+    if isinstance(load, AngleServo):
+        target = jax.vmap(load.law)(jnp.asarray(times))
+        return wrapped(target[:, :1] - angle), target[:, 1:] - rate
+    return angle, rate
+
+
+_axial_motions = jax.jit(jax.vmap(axial_motion))
+
+
+@jax.jit
+@jax.vmap
+def _turns(first: Pose, second: Pose) -> Any:
+    spin = first.axes.T @ (second.angular_velocity - first.angular_velocity)
+    return rotation_log(first.axes.T @ second.axes), spin
