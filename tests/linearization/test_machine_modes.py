@@ -12,9 +12,11 @@ from supple.fem import BeamSection, HomogeneousSection, Isotropic, shell_model
 from supple.linearization import campbell_diagram, linearize, machine_modes, mode_motion
 from supple.machine import (
     GROUND,
+    AngleServo,
     At,
     Ball,
     Bushing,
+    ConstantRate,
     Cylindrical,
     Fixed,
     Placed,
@@ -325,3 +327,25 @@ def test_a_spin_in_which_no_point_moves_turns_by_a_radian():
     modes = machine_modes(linearize(System([bob], [ball], gravity=(0, 0, -9.81))), 3)
     rotation = mode_motion(modes, 0, amplitude=0.1).bodies["bob"].rotation
     assert np.trace(rotation, axis1=1, axis2=2).min() == pytest.approx(1 + 2 * np.cos(1.0), rel=1e-6)
+
+
+@pytest.mark.parametrize(("ends", "time"), [(("ground", "rotor.hub"), 0.0), (("rotor.hub", "ground"), 0.7)])
+def test_a_rotor_that_a_servo_drives_at_its_spin_swings_about_the_set_point(ends, time):
+    """Its set-point rotates on with the rotor; that of another speed does not."""
+    axis, spin = np.array([2.0, -1.0, 2.0]) / 3, 7.0
+    rotor = RigidBody("rotor", 2.0, np.zeros(3), 0.3 * np.eye(3), {"hub": np.zeros(3)})
+    hinge = Revolute(first=GROUND, second="rotor.hub", axis=tuple(axis))
+    rate = spin if ends[0] == "ground" else -spin
+
+    def driven(rate):
+        law = ConstantRate(rate, start=0.4)
+        servo = AngleServo(
+            first=ends[0], second=ends[1], axis=tuple(axis), angle=law, stiffness=100.0, damping=2.0
+        )
+        return linearize(System([rotor], [hinge], [servo]), time=time, spin=Spin(spin, axis))
+
+    machine = driven(rate)
+    np.testing.assert_allclose(machine.stiffness / machine.mass, 100.0 / 0.3, rtol=1e-9)
+    np.testing.assert_allclose(machine.damping / machine.mass, 2.0 / 0.3, rtol=1e-9)
+    with pytest.raises(ModelError, match="change as the machine rotates"):
+        driven(0.9 * rate)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from supple.equations.static_search import carried_state
 from supple.equations.steady_motion import LinearEquations
 from supple.errors import ModelError
-from supple.machine import GROUND, At, Joint, PrescribedRotation, Spin, System
+from supple.machine import GROUND, AngleServo, At, ConstantRate, Joint, PrescribedRotation, Spin, System
 from supple.machine.laws.with_rate import WithRate
 from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.equations_of import equations_of
@@ -67,7 +67,9 @@ def equations_turned_on(found: RestingState, time: float, spin: Spin, angle: flo
 
 
 def _turned_on(found: RestingState, time: float, spin: Spin, angle: float) -> System:
-    """The machine with its rotating bodies rotated by an angle, and its driven joints at matching angles."""
+    """The machine with its rotating bodies rotated by an angle, its driven joints at matching angles, and the
+    set-points of its servos where they are by then.
+    """
     turn = Rotation.from_rotvec(angle * spin.axis).as_matrix()
     turning = turning_bodies(found, spin)
     system = placed_at_rest(found)
@@ -89,4 +91,18 @@ def _turned_on(found: RestingState, time: float, spin: Spin, angle: float) -> Sy
         sense = np.sign(np.dot(joint.axis, spin.axis)) * (float(second) - float(first))
         return replace(joint, angle=float(joint.law(time)) + sense * angle)
 
-    return replace(system, bodies=tuple(bodies), joints=tuple(map(driven_on, system.joints)))
+    def followed_on(load: Any) -> Any:
+        if not isinstance(load, AngleServo) or _turns(load.first, found, turning) == _turns(
+            load.second, found, turning
+        ):
+            return load
+        value, rate = map(float, load.law(time))
+        now = value + rate * angle / spin.rate
+        return replace(load, angle=ConstantRate(rate, now - rate * time))
+
+    return replace(
+        system,
+        bodies=tuple(bodies),
+        joints=tuple(map(driven_on, system.joints)),
+        loads=tuple(map(followed_on, system.loads)),
+    )
