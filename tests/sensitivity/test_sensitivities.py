@@ -18,12 +18,14 @@ from supple.machine import (
     DeadForce,
     HingeFriction,
     JointReading,
+    Penalty,
     Placed,
     PrescribedRotation,
     Prismatic,
     Revolute,
     SampledController,
     Sine,
+    SlideStop,
     SpringDamper,
     System,
     Table,
@@ -39,6 +41,7 @@ from supple.quantities import (
     SpringForceSensor,
 )
 from supple.sensitivity import Statistic, sensitivities
+from supple.sensitivity.parameter_changes import parameter_changes
 from supple.simulation import equilibrium, simulate
 
 DOWN = np.array([0.0, 0.0, -9.81])
@@ -293,6 +296,25 @@ def test_chains_are_eliminated_along_their_tree():
 
     run = Run(0.2, 0.05, FixedStep(0.01), tolerances=EXACT)
     assert_as_differences(build, {"length": 0.5}, run, [JointForceSensor("force", "j0")])
+
+
+def test_a_limit_beside_an_infinite_one_has_a_derivative():
+    """A buffer at either end of a slide: the limits of both are one array, and three of its entries stay."""
+
+    def buffered(parameters):
+        block = RigidBody("block", MASS, np.zeros(3), np.eye(3), {"centre": np.zeros(3)})
+        ends = {"first": "ground", "second": "block.centre", "axis": (1, 0, 0)}
+        penalty = Penalty(stiffness=1e3)
+        stops = [
+            SlideStop(**ends, upper=parameters["end"], penalty=penalty),
+            SlideStop(**ends, lower=-0.1, penalty=penalty),
+        ]
+        slide = Prismatic(first="ground", second="block.centre", axis=(1, 0, 0), name="slide")
+        return System([block], [slide], loads=stops)
+
+    found = parameter_changes(buffered, {"end": 0.2}, {"end": 0.2}, Run(0.1, 0.05))
+    (changed,) = [own for own in found.changes.model if own is not None]
+    np.testing.assert_allclose(changed, [[1.0, 0.0]], rtol=1e-12)
 
 
 def test_what_has_no_derivatives_is_refused():

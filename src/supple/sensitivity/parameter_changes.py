@@ -199,7 +199,11 @@ def _derivatives(
         if all(np.array_equal(own, leaf) for own in values):
             found.append(None)
             continue
-        if not np.issubdtype(values[0].dtype, np.floating) or not looks_smooth(leaf, values, magnitude):
+        is_real = np.issubdtype(values[0].dtype, np.floating)
+        # A leaf contains the limits of several elements; an infinite limit remains infinite.
+        unlimited = np.isinf(leaf) & np.all([own == leaf for own in values], axis=0)
+        middle_value, *values = (np.where(unlimited, 0.0, own) for own in (leaf, *values))
+        if not is_real or not looks_smooth(middle_value, values, magnitude):
             raise ModelError(
                 f"the machine is not smooth in parameter '{name}': with changes of {step:.3g} there "
                 f"is a jump or a kink in {jax.tree_util.keystr(path)}. Reduce bodies outside the function, "
