@@ -12,6 +12,7 @@ from supple.errors import ConvergenceError, ModelError
 from supple.integrate import AdaptiveStep, FixedStep, Run, Tolerances, concatenate
 from supple.machine import GROUND, At, DeadForce, Placed, Revolute, System, Table
 from supple.simulation import simulate
+from supple.simulation.watched_run import check_laws_cover
 
 
 @pytest.fixture(scope="module")
@@ -191,3 +192,10 @@ def test_table_that_begins_after_the_run(pendulum):
     )
     with pytest.raises(ModelError, match=r"its table begins at t = 0.2, after the run does \(t = 0\)"):
         simulate(loaded, Run(duration=1.0, output_step=0.1))
+
+
+@pytest.mark.parametrize(("begin", "end"), [(0.1 + 0.2, 1.0), (-2.0, -1.0), (-0.7, -0.1 - 0.2)])
+def test_a_table_may_begin_and_end_with_the_run_up_to_rounding(pendulum, begin, end):
+    force = Table([begin, end], np.zeros((2, 3)))
+    loaded = replace(pendulum, loads=(DeadForce(body="bob", at="hinge", force=force),))
+    check_laws_cover(loaded, round(begin, 9), round(end, 9))

@@ -16,6 +16,7 @@ from supple.importers.text_file import is_file
 from supple.importers.time_table import read_time_table
 from supple.importers.toml import Mistakes, Positive, Raw, table, tables
 from supple.machine import TimeLaw
+from supple.machine.laws.time_law import begins_after, ends_before
 
 Constant = table_of(
     machine.Constant, "constant", value=Key(float, "constant angle or slide of a joint, or factor of a load")
@@ -107,12 +108,12 @@ def tables_suit_the_run(raw: Raw, folder: Path) -> Mistakes:
             except (ImportFormatError, ModelError) as error:
                 yield place, str(error)
                 continue
-            if made.begin > begin:
+            if begins_after(made, begin):
                 yield (
                     place,
                     f"the table begins at t = {made.begin:g}, after the run does; extend it backwards",
                 )
-            if isinstance(duration, int | float) and made.end < (begin + duration) * (1.0 - 1e-12):
+            if isinstance(duration, int | float) and ends_before(made, begin + duration):
                 yield (
                     place,
                     f"the table ends at t = {made.end:g}, before the run does (t = {begin + duration:g}); "

@@ -18,6 +18,7 @@ from supple.errors import ModelError, StepCutWarning
 from supple.integrate import FixedStep, Progress, Recorder, Run, Solution, Statistics, StepControl
 from supple.integrate import run as march_through
 from supple.machine import System
+from supple.machine.laws.time_law import begins_after, ends_before
 from supple.methods.explicit.deleted_faces import deletion_watch
 from supple.methods.explicit.yielding import yield_watch
 from supple.methods.intrinsic.report_truncation import report_truncation
@@ -84,12 +85,12 @@ def warn_of_unseen_laws(system: System, run: Run) -> None:
 def check_laws_cover(system: System, begin: float, end: float) -> None:
     """Raise ModelError for a table that begins after the start of the run or ends before its end."""
     for what, law in laws_of(system):
-        if law.begin > begin:
+        if begins_after(law, begin):
             raise ModelError(
                 f"{what}: its table begins at t = {law.begin:g}, after the run does (t = {begin:g}). "
                 "Extend the table backwards"
             )
-        if law.end < end * (1 - 1e-12):
+        if ends_before(law, end):
             raise ModelError(
                 f"{what}: its table ends at t = {law.end:g}, before the run does (t = {end:g}). "
                 "Extend the table or shorten the run"

@@ -119,10 +119,19 @@ def check_law_shape(what: str, law: TimeLaw, *shapes: tuple[int, ...]) -> None:
         raise ModelError(f"{what}: its values over time have shape {found.shape}; they must have {wanted}")
 
 
+def begins_after(law: TimeLaw, time: float) -> bool:
+    """Whether a law is not yet defined at a time; a difference of rounding does not count."""
+    return law.begin > time + 1e-12 * abs(time)
+
+
+def ends_before(law: TimeLaw, time: float) -> bool:
+    """Whether a law is no longer defined at a time; a difference of rounding does not count."""
+    return law.end < time - 1e-12 * abs(time)
+
+
 def check_law_covers(what: str, law: TimeLaw, time: float) -> None:
     """Raise ModelError, beginning with `what`, for a law that is not defined at a time."""
-    rounding = 1e-12 * abs(time)
-    if not law.begin - rounding <= time <= law.end + rounding:
+    if begins_after(law, time) or ends_before(law, time):
         raise ModelError(
             f"{what}: its table is from t = {law.begin:g} to {law.end:g}, and its value is needed at "
             f"t = {time:g}. Give a time within the table, or extend the table"
