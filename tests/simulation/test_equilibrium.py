@@ -18,6 +18,7 @@ from supple.machine import (
     Ball,
     ConstantRate,
     Controller,
+    Cylindrical,
     DeadForce,
     Fixed,
     Placed,
@@ -27,6 +28,7 @@ from supple.machine import (
     Revolute,
     Scaled,
     Sine,
+    SlideServo,
     Spin,
     SpringDamper,
     System,
@@ -249,3 +251,13 @@ def test_a_servo_drives_a_rotor_at_the_rate_of_its_law():
     drag = AngleServo(**ABOUT_HUB, angle=0.0, stiffness=0.0, damping=2.0)
     found = equilibrium(wheel(drive, drag), spin=Spin(3.0, (0, 0, 1)))
     np.testing.assert_allclose(found.system.bodies[0].angular_velocity, [0, 0, 3.0])
+
+
+@pytest.mark.parametrize("spin", [None, Spin(3.0, (0, 0, 1))])
+def test_a_slide_of_a_rotor_rests_at_its_set_point_however_fast_that_moves(spin):
+    """The slide of a steady rotation has no rate, so the damper has no force."""
+    body = RigidBody("rotor", 1.0, np.zeros(3), np.eye(3), {"hub": np.zeros(3)})
+    ends = {"first": "ground", "second": "rotor.hub", "axis": (0, 0, 1)}
+    servo = SlideServo(**ends, slide=ConstantRate(2.0), stiffness=100.0, damping=5.0)
+    found = equilibrium(System([body], [Cylindrical(**ends)], [servo]), time=0.4, spin=spin)
+    np.testing.assert_allclose(found.system.bodies[0].position, [0, 0, 0.8], atol=1e-8)

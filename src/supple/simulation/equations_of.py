@@ -42,8 +42,8 @@ def equations_of(
 def with_held_servos(system: System, turning: SteadyRotation | None, time: float) -> System:
     """The machine with the set-points of its servos at a time as constants.
 
-    At rest, the rate of a set-point is zero. Between a rotating and a standing body it is that of the law,
-    because the relative rate of the bodies is not zero either.
+    The rate of a set-point is zero. Only that of an angle between a rotating and a standing body is the
+    rate of its law, because the relative rate of the bodies is not zero either; a steady slide has no rate.
     """
     still = SteadyRotation(np.zeros((len(system.bodies), 3)), np.zeros(3))
     spins = (turning or still).by_body([placed.body.name for placed in system.bodies])
@@ -52,7 +52,7 @@ def with_held_servos(system: System, turning: SteadyRotation | None, time: float
         if not isinstance(load, AngleServo | SlideServo):
             return load
         turn_alike = np.array_equal(spins[load.first.body], spins[load.second.body])
-        return load.held(time) if turn_alike else load
+        return load.held(time) if turn_alike or isinstance(load, SlideServo) else load
 
     controllers = tuple(
         replace(own, drives={name: held(each) for name, each in own.drives.items()})

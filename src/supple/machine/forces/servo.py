@@ -72,7 +72,7 @@ class AngleServo(AxialElement):
 class SlideServo(AxialElement):
     """Force `k (x_0 - x) + c (dx_0/dt - dx/dt)` along an axis of the first end, limited in magnitude.
 
-    In statics and modes the set-point is held constant, as that of an `AngleServo`.
+    In statics and modes the set-point is held constant.
 
     slide : x_0(t), a number or a law of time, for `x = z_1 . (r_2 - r_1)`
     limit : largest force, default infinite
