@@ -61,7 +61,7 @@ def simulate(
 
     Warns
     -----
-    ValidityWarning             a motion beyond the range of the kinematics
+    ValidityWarning             a motion beyond the range of the kinematics, or of the angle of an element
     StartWarning                initial positions or velocities that the joints do not allow
     ResolutionWarning           steps, or output times, too far apart for loads and motions
     StepCutWarning              fixed steps that were shortened
