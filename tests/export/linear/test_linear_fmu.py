@@ -28,6 +28,7 @@ from supple.export.fmu.write_fmu import linear_sources, write_linear_fmu
 from supple.export.linear.linear_form import linear_form
 from supple.integrate import FixedStep, Run
 from supple.machine import (
+    Bushing,
     Controller,
     ForceBetween,
     JointReading,
@@ -41,6 +42,7 @@ from supple.machine import (
 )
 from supple.quantities import (
     AccelerationSensor,
+    AngularVelocitySensor,
     JointForceSensor,
     JointMotionSensor,
     PositionSensor,
@@ -296,3 +298,44 @@ def test_libraries_of_the_package_need_no_compiler(tmp_path, monkeypatch):
         assert archive.read("binaries/x86_64-linux/machine.so") == b"a library"
     with pytest.raises(ModelError, match="no-such-compiler"):
         write_linear_fmu(tmp_path / "machine.fmu", form, "machine", fmi=2)
+
+
+def rotor(sensor, spring=None):
+    """A rotor at 10 rad/s on a hinge, or on a spring of its centre alone; one second of it."""
+    rates = np.array([0.0, 0.0, 10.0])
+    places = {"hub": np.zeros(3), "rim": np.array([0.1, 0.0, 0.0])}
+    body = Placed(
+        RigidBody("rotor", 2.0, np.zeros(3), np.diag([2.0, 2.0, 3.0]), places), angular_velocity=rates
+    )
+    hinge = Revolute(first="ground", second="rotor.hub", axis=(0, 0, 1), name="shaft")
+    motor = TorqueBetween(first="ground", second="rotor.hub", torque=0.0, axis=(0, 0, 1))
+    joints, loads = ([hinge], [motor]) if spring is None else ([], [motor, spring])
+    return System([body], joints, loads=loads), run(FixedStep(0.01), 1.0), [sensor], {"motor": motor}
+
+
+def test_a_drive_train_may_rotate_by_any_angle():
+    form = formed(rotor(JointMotionSensor("shaft", "shaft")))
+    after = form.rest + form.c @ scipy.linalg.expm(form.a) @ form.state
+    np.testing.assert_allclose(after[:2], [10.0, 10.0], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("sensor", "spring"),
+    [
+        # Without the check this point moves on a straight line, to a distance of 10 m from the axis.
+        (PositionSensor("point", "rotor.rim"), None),
+        # The gyroscopic moment couples the tilts of the rotor.
+        (
+            AngularVelocitySensor("rate", "rotor.hub"),
+            Bushing(
+                first="ground",
+                second="rotor.hub",
+                stiffness=(1e4, 1e4, 1e4, 1e3, 1e3, 0.0),
+                damping=(0.0,) * 6,
+            ),
+        ),
+    ],
+)
+def test_a_rotation_that_changes_the_matrices_is_refused(sensor, spring):
+    with pytest.raises(ModelError, match="rotates by more than one radian"):
+        formed(rotor(sensor, spring))

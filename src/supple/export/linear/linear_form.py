@@ -12,6 +12,7 @@ import scipy.linalg
 
 from supple.algebra.rotation import rotation_log
 from supple.equations.compiled_machine import CompiledStart, compiled_start
+from supple.equations.configuration import advance
 from supple.equations.steady_motion import in_turning_axes
 from supple.errors import ModelError
 from supple.export.linear.small_motions import MotionChanges, SmallMotions, small_motions, varies_in_time
@@ -30,6 +31,12 @@ __all__ = ["LinearForm", "linear_form"]
 Array = np.ndarray
 _SMALL = 0.1
 """Largest relative difference of linear and nonlinear accelerations at the start; above it, ModelError."""
+_TURNED = 1.0
+"""Rotation of a body, rad, at which the matrices are compared with those at the equilibrium."""
+_INSTANTS = 100
+"""Number of times at which the rotation of the bodies is examined."""
+_CHANGED, _ROUNDING = 0.01, 1e-9
+"""Relative change of the matrices above which they are not constant, and that which counts as rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +90,7 @@ def linear_form(
     ------
     ModelError          no linear form: bodies that are neither rigid nor reduced, stops, friction, prescribed
                         motions as inputs, loads that vary with time and are no inputs; a start far from the
-                        equilibrium; no output
+                        equilibrium; bodies that rotate so far that the matrices change; no output
     ConvergenceError    no equilibrium is found
     """
     _check(system, inputs)
@@ -112,6 +119,9 @@ def linear_form(
             f"differ by {100 * deviation:.0f} % from the linear ones; start closer to the equilibrium "
             '(start = "equilibrium"), or export the nonlinear machine'
         )
+    turned = _turned(a, state, changes, rest, run.duration)
+    if turned is not None:
+        _check_unchanged(changes, small, small_motions(turned, run.start, given, sensed), turned)
     c, d = read[:, :m] * scale, read[:, m:]
     state = state / scale
     first = small.rest + c @ state
@@ -207,6 +217,62 @@ def _start(
     carried = np.linalg.solve(machine.full_mass, small.residual.reactions @ rest.multipliers)
     most = size(carried) + size(np.abs(changes.acceleration[:, : len(state)]) @ np.abs(state))
     return state, size(own - linear) / max(size(own), 1e-6 * most, 1e-300)
+
+
+def _turned(
+    a: Array, state: Array, changes: MotionChanges, rest: CompiledStart, duration: float
+) -> CompiledStart | None:
+    """The machine when its free motion has rotated a body by one radian; None if no body rotates so far."""
+    model, m = rest.model, len(state)
+    places = [part.start + 3 + k for part in model.slices for k in range(3)]
+
+    def angle(at: Array) -> float:
+        return float(np.linalg.norm((changes.position[places, :m] @ at).reshape(-1, 3), axis=1).max())
+
+    size = duration / _INSTANTS
+    step = scipy.linalg.expm(a * size)
+    for _ in range(_INSTANTS):
+        after = step @ state
+        if angle(after) > _TURNED:
+            begun = angle(state)
+            part = np.clip((_TURNED - begun) / (angle(after) - begun), 0.0, 1.0)
+            state = scipy.linalg.expm(a * size * part) @ state
+            axes = in_turning_axes(model, rest.configuration)
+            moved = advance(model, rest.configuration, axes @ (changes.position[:, :m] @ state))
+            return rest._replace(
+                configuration=moved,
+                velocity=in_turning_axes(model, moved) @ (changes.velocity[:, :m] @ state),
+            )
+        state = after
+    return None
+
+
+def _check_unchanged(
+    changes: MotionChanges, small: SmallMotions, other: SmallMotions, turned: CompiledStart
+) -> None:
+    """ModelError for matrices that depend on the rotation of the bodies, or on their speed.
+
+    The matrices of a drive train depend on neither: it may rotate by any angle.
+    """
+    k = changes.position.shape[1] - changes.control.shape[0] - changes.inputs.shape[0]
+    shapes = changes.position[:, : k // 2]
+    axes = in_turning_axes(turned.model, turned.configuration)
+    rates = axes.T @ turned.velocity
+    speed = max(float(np.linalg.norm(rates[part.start + 3 : part.start + 6])) for part in turned.model.slices)
+    for name, power in (("position", 2), ("velocity", 1)):
+        one, two = (np.asarray(getattr(each.residual, name)) @ shapes for each in (small, other))
+        force, forced = shapes.T @ one, shapes.T @ two
+        allowed = _CHANGED * speed**power + _ROUNDING * np.abs(force).max(initial=0.0)
+        read, seen = (np.asarray(getattr(each.outputs, name)) @ shapes for each in (small, other))
+        size = np.maximum(np.abs(read), np.abs(seen))
+        shown = _CHANGED * size.max(axis=1, keepdims=True) + _ROUNDING * size.max(initial=0.0)
+        if (np.abs(forced - force) > allowed).any() or (np.abs(seen - read) > shown).any():
+            raise ModelError(
+                "a body rotates by more than one radian within the run, due to its speed at the start, and "
+                "equations or outputs of the machine change with this rotation or its speed, while the "
+                "matrices of a linear machine are constant: start at rest (no velocities, no [spin]), or "
+                "export the nonlinear machine"
+            )
 
 
 def _apart(rest: CompiledStart, begun: CompiledStart) -> Array:
