@@ -11,7 +11,9 @@ import pytest
 from fixtures.compiled_c import MachineInC, needs_compiler
 from typer.testing import CliRunner
 
+from supple.cases import read_case
 from supple.cases.result_machine import result_machine
+from supple.cli.export_machine import chosen_inputs
 from supple.cli.main import app
 from supple.quantities import PositionSensor
 from supple.storage import read_solution
@@ -185,6 +187,26 @@ def test_what_is_no_number_of_the_march_is_refused(case, tmp_path, path, message
     result = exported(case, "-o", tmp_path / "rod.fmu")
     assert result.exit_code != 0
     assert message in " ".join(result.output.split())
+
+
+@pytest.mark.parametrize(
+    ("element", "unit"),
+    [
+        ('kind = "angle-servo"\nlaw = { kind = "constant", value = 0.1 }\nstiffness = 5.0', "rad"),
+        ('kind = "slide-servo"\nlaw = { kind = "constant", value = 0.1 }\nstiffness = 5.0', "mm"),
+        ('kind = "hinge-friction"\nvalue = 2.0\nwidth = 0.1', "N mm"),
+        ('kind = "slide-friction"\nvalue = 2.0\nwidth = 0.1', "N"),
+        ('kind = "force-between"\nvalue = 2.0', "N"),
+        ('kind = "motor"\nspeeds = [0.0, 9.0]\ntorques = [2.0, 1.0]', ""),
+    ],
+)
+def test_an_input_has_the_unit_of_the_law_it_replaces(case, element, unit):
+    text = PENDULUM.replace('length = "m", mass = "kg"', 'length = "mm", mass = "t"')
+    text = text.replace('"revolute"', '"cylindrical"')
+    case.write_text(text.replace('kind = "torque-between"', element).replace("value = 3.0\n", ""))
+    found = read_case(case)
+    _, units = chosen_inputs(found, found.system, ["motor"])
+    assert units == {"motor": unit}
 
 
 @needs_compiler

@@ -21,13 +21,19 @@ from supple.export.fmu.platforms import PLATFORMS, Platform
 from supple.export.fmu.write_fmu import write_fmu, write_linear_fmu
 from supple.export.linear.linear_form import linear_form
 from supple.machine import (
+    AngleServo,
     Cylindrical,
+    ForceBetween,
     Joint,
     PrescribedRotation,
     PrescribedTranslation,
     Prismatic,
+    PrismaticFriction,
     Revolute,
+    RevoluteFriction,
+    SlideServo,
     System,
+    TorqueBetween,
 )
 from supple.quantities import JointMotionSensor, PositionSensor, Quantity
 from supple.stepping import StepProgram, Variable, step_program
@@ -35,7 +41,7 @@ from supple.stepping.parameters import Exported, MachineParameters
 from supple.sweeps.body_numbers import number_of_run
 from supple.terminal import print_rows, say, shown_step
 
-__all__ = ["export_c", "export_fmu", "machine_outputs"]
+__all__ = ["chosen_inputs", "export_c", "export_fmu", "machine_outputs"]
 
 
 def export_c(
@@ -135,7 +141,7 @@ def _export_linear(
                 "export one machine for each value"
             )
         notify("linearising")
-        chosen, units = _inputs(case, system, inputs)
+        chosen, units = chosen_inputs(case, system, inputs)
         sensors = machine_outputs(case, system)
         form = linear_form(system, case.run, sensors, chosen, input_units=units, units=case.units)
         notify("writing")
@@ -174,7 +180,7 @@ def _machine(path: Path, case_file: Path | None, allow_code: bool, notify: Any) 
     return case, starting_system(case, allow_code=allow_code)
 
 
-def _inputs(case: Case, system: System, names: Sequence[str]) -> tuple[dict[str, Any], dict[str, str]]:
+def chosen_inputs(case: Case, system: System, names: Sequence[str]) -> tuple[dict[str, Any], dict[str, str]]:
     """The elements whose laws are inputs, and the units of the inputs, by name."""
     known = _elements(case, system)
     for name in names:
@@ -187,7 +193,7 @@ def _inputs(case: Case, system: System, names: Sequence[str]) -> tuple[dict[str,
 
 
 def _step(case: Case, system: System, inputs: Sequence[str]) -> StepProgram:
-    chosen, units = _inputs(case, system, inputs)
+    chosen, units = chosen_inputs(case, system, inputs)
     return step_program(
         system,
         case.run,
@@ -235,12 +241,17 @@ def _elements(case: Case, system: System) -> dict[str, Any]:
 
 
 def _unit(case: Case, element: Any) -> str:
-    if isinstance(element, PrescribedRotation):
-        return "rad"
-    if isinstance(element, PrescribedTranslation):
-        return case.units.length
-    kind = type(element).__name__
-    return case.units.moment if "Torque" in kind else case.units.force if "Force" in kind else ""
+    units = case.units
+    match element:
+        case PrescribedRotation() | AngleServo():
+            return "rad"
+        case PrescribedTranslation() | SlideServo():
+            return units.length
+        case TorqueBetween() | RevoluteFriction():
+            return units.moment
+        case ForceBetween() | PrismaticFriction():
+            return units.force
+    return ""
 
 
 def machine_outputs(case: Case, system: System) -> list[Quantity]:
