@@ -119,7 +119,7 @@ def linear_form(
             f"differ by {100 * deviation:.0f} % from the linear ones; start closer to the equilibrium "
             '(start = "equilibrium"), or export the nonlinear machine'
         )
-    turned = _turned(a, state, changes, rest, run.duration)
+    turned = _turned(balanced, scale, state, changes, rest, run.duration)
     if turned is not None:
         _check_unchanged(changes, small, small_motions(turned, run.start, given, sensed), turned)
     c, d = read[:, :m] * scale, read[:, m:]
@@ -220,16 +220,20 @@ def _start(
 
 
 def _turned(
-    a: Array, state: Array, changes: MotionChanges, rest: CompiledStart, duration: float
+    a: Array, scale: Array, state: Array, changes: MotionChanges, rest: CompiledStart, duration: float
 ) -> CompiledStart | None:
-    """The machine when its free motion has rotated a body by one radian; None if no body rotates so far."""
+    """The machine when its free motion has rotated a body by one radian; None if no body rotates so far.
+
+    a : A for the states divided by `scale`, whose exponential is accurate
+    """
     model, m = rest.model, len(state)
     places = [part.start + 3 + k for part in model.slices for k in range(3)]
+    position, velocity = changes.position[:, :m] * scale, changes.velocity[:, :m] * scale
 
     def angle(at: Array) -> float:
-        return float(np.linalg.norm((changes.position[places, :m] @ at).reshape(-1, 3), axis=1).max())
+        return float(np.linalg.norm((position[places] @ at).reshape(-1, 3), axis=1).max())
 
-    size = duration / _INSTANTS
+    state, size = state / scale, duration / _INSTANTS
     step = scipy.linalg.expm(a * size)
     for _ in range(_INSTANTS):
         after = step @ state
@@ -238,10 +242,10 @@ def _turned(
             part = np.clip((_TURNED - begun) / (angle(after) - begun), 0.0, 1.0)
             state = scipy.linalg.expm(a * size * part) @ state
             axes = in_turning_axes(model, rest.configuration)
-            moved = advance(model, rest.configuration, axes @ (changes.position[:, :m] @ state))
+            moved = advance(model, rest.configuration, axes @ (position @ state))
             return rest._replace(
                 configuration=moved,
-                velocity=in_turning_axes(model, moved) @ (changes.velocity[:, :m] @ state),
+                velocity=in_turning_axes(model, moved) @ (velocity @ state),
             )
         state = after
     return None
