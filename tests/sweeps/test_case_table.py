@@ -42,6 +42,35 @@ def test_columns_of_different_lengths_are_refused():
         CaseTable({"a": [1, 2], "b": [1, 2, 3]})
 
 
+def test_columns_may_be_arrays_and_have_the_values_of_a_case_file():
+    table = CaseTable(
+        {
+            "modes": np.arange(4, 6),
+            "gravity": np.array([[0.0, 0.0, -9.81], [0.0, 0.0, 1.0]]),
+            "law": [{"kind": "ramp", "value": np.float32(2)}, {"kind": np.str_("sine")}],
+        }
+    )
+    assert table.columns == {
+        "modes": (4, 5),
+        "gravity": ([0.0, 0.0, -9.81], [0.0, 0.0, 1.0]),
+        "law": ({"kind": "ramp", "value": 2.0}, {"kind": "sine"}),
+    }
+    assert {type(value) for value in table.columns["modes"]} == {int}
+
+
+@pytest.mark.parametrize("column", [1.0, "revolute", {"a": 1}, iter([1.0])])
+def test_a_column_that_is_no_list_is_refused(column):
+    with pytest.raises(CaseError, match="a: give a list with one value per case, not"):
+        CaseTable({"a": column})
+
+
+def test_a_value_that_no_case_file_has_is_refused():
+    with pytest.raises(
+        CaseError, match=r"a: a case file has numbers, texts, lists and tables, not \(1\+2j\)"
+    ):
+        CaseTable({"a": [1 + 2j]})
+
+
 def test_a_latin_hypercube_has_one_point_in_each_slice():
     table = sampled({"x": Uniform(2.0, 4.0), "y": Uniform(-1.0, 0.0)}, LatinHypercube(50, seed=3))
     for column, low, width in (("x", 2.0, 2.0), ("y", -1.0, 1.0)):

@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from supple.arguments import check_fields
+from supple.arguments import check_fields, given
 from supple.errors import CaseError
 from supple.fatigue import Weibull
 
@@ -36,19 +36,24 @@ Array = NDArray[np.float64]
 class CaseTable:
     """The table of a sweep, with a case in each row; columns by path, such as `joint.shaft.law.speed`.
 
-    Raises CaseError for columns of different lengths.
+    Columns may be arrays. Raises CaseError for columns of different lengths, a column that is no list, and
+    values that a case file cannot have.
     """
 
     columns: Mapping[str, Sequence[Any]]
 
     def __post_init__(self) -> None:
+        for path, column in self.columns.items():
+            if isinstance(column, str | Mapping) or not hasattr(column, "__len__"):
+                raise CaseError(f"{path}: give a list with one value per case, not {given(column)}")
         lengths = {path: len(column) for path, column in self.columns.items()}
         if len(set(lengths.values())) > 1:
             listed = ", ".join(f"{path} {length}" for path, length in lengths.items())
             raise CaseError(
                 f"the columns of a table of cases have different lengths: {listed}; give one value per case"
             )
-        object.__setattr__(self, "columns", {path: tuple(own) for path, own in self.columns.items()})
+        plain = {path: tuple(_plain(path, value) for value in own) for path, own in self.columns.items()}
+        object.__setattr__(self, "columns", plain)
 
     def __len__(self) -> int:
         return next((len(column) for column in self.columns.values()), 0)
@@ -56,6 +61,19 @@ class CaseTable:
     def row(self, case: int) -> dict[str, Any]:
         """The values of a case, by path."""
         return {path: column[case] for path, column in self.columns.items()}
+
+
+def _plain(path: str, value: Any) -> Any:
+    """A value as in a case file; those of NumPy as numbers, texts and lists of Python."""
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [_plain(path, each) for each in value]
+    if isinstance(value, Mapping):
+        return {key: _plain(path, each) for key, each in value.items()}
+    if value is None or isinstance(value, str | int | float):
+        return value
+    raise CaseError(f"{path}: a case file has numbers, texts, lists and tables, not {given(value)}")
 
 
 class Distribution(Protocol):
