@@ -14,7 +14,15 @@ from supple.cases import read_case, run_case
 from supple.errors import CaseError, ResultFileError, SuppleError
 from supple.quantities import read_sensors
 from supple.simulation import simulate
-from supple.sweeps import CaseTable, read_sweep, sweep, sweep_status, swept_case, write_parquet
+from supple.sweeps import (
+    CaseTable,
+    FatigueLoads,
+    read_sweep,
+    sweep,
+    sweep_status,
+    swept_case,
+    write_parquet,
+)
 from supple.sweeps.channel_statistics import STATISTICS, channel_statistics
 from supple.sweeps.part_file import CaseStatus, part_path, read_part
 from supple.sweeps.plan import changed_inputs, make_plan, read_plan
@@ -218,6 +226,22 @@ def test_what_no_case_can_be_is_refused_before_anything_runs(pendulum, tmp_path)
         with pytest.raises(CaseError, match=r"replaces the value that .* varies: keep one of the columns"):
             sweep(pendulum, twice, tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+def test_labels_have_no_names_of_results(pendulum, tmp_path):
+    """All names in the data set besides paths are refused; a label `unit` replaced the units of channels."""
+    fatigue = FatigueLoads(
+        exponents=(4.0,), lifetime={"speed": "wind", "wind": {"scale": 9.6}, "duration": 1.0, "cut_in": 0.0}
+    )
+    table = {"gravity[2]": [-9.81, -4.0], "wind": [8.0, 12.0]}
+    sweep(pendulum, table, tmp_path / "out", executor=Here(), labels=["wind"], fatigue=fatigue)
+    names = {*map(str, read_sweep(tmp_path / "out").variables)} - table.keys()
+    assert {"unit", "lifetime", "runs"} < names
+    for name in names:
+        with pytest.raises(
+            CaseError, match=f"labels: '{name}' is the name of a result .*: rename the column"
+        ):
+            sweep(pendulum, {**table, name: [1, 2]}, tmp_path / "other", labels=["wind", name])
 
 
 def test_the_table_of_a_case_file_is_that_of_its_own_run(pendulum, tmp_path):

@@ -125,6 +125,12 @@ _NUMBERS = {
 }
 """Data sets with a number for each case: field of `CaseRecord`, and type."""
 
+NAMES_OF_RESULTS = frozenset(
+    {"case", "channel", "statistic", "statistics", "runs", "fatigue", "lifetime"}
+    | {*CHANNEL_KINDS[1:], *WORDS, *_NUMBERS} - {"cases"}
+)
+"""Names in the data set of a sweep besides those of the columns of its table."""
+
 
 def part_path(folder: Path, share: int) -> Path:
     """Path of the part of a share."""

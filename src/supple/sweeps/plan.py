@@ -31,6 +31,7 @@ from supple.storage.run_inputs import Inputs, changes, digest_of
 from supple.storage.sealed_hdf5 import open_sealed, writing_sealed
 from supple.sweeps.body_numbers import DAMPING_NUMBERS, is_number_of_run
 from supple.sweeps.case_table import CaseTable
+from supple.sweeps.part_file import NAMES_OF_RESULTS
 from supple.sweeps.sweep_file import SweepOutput
 from supple.units import UnitSystem
 
@@ -202,8 +203,10 @@ def make_plan(
 
 
 def _check_columns(table: CaseTable, output: SweepOutput, raw: Raw) -> None:
-    """CaseError for labels and seeds that are no columns, and for labels that are paths of the case file."""
+    """CaseError for labels and seeds that are no columns, and for labels named as a path or a result."""
     for name in output.labels:
+        if name in NAMES_OF_RESULTS:
+            raise CaseError(f"labels: {name!r} is the name of a result (read_sweep): rename the column")
         if _stands(name, raw):
             raise CaseError(
                 f"labels: {name!r} is a path of the case file, so that the column varies it: remove the label"
