@@ -17,6 +17,7 @@ from supple.simulation import simulate
 from supple.sweeps import (
     CaseTable,
     FatigueLoads,
+    plan_sweep,
     read_sweep,
     sweep,
     sweep_status,
@@ -242,6 +243,36 @@ def test_labels_have_no_names_of_results(pendulum, tmp_path):
             CaseError, match=f"labels: '{name}' is the name of a result .*: rename the column"
         ):
             sweep(pendulum, {**table, name: [1, 2]}, tmp_path / "other", labels=["wind", name])
+
+
+def test_files_in_tables_of_a_column_are_inputs(pendulum, tmp_path):
+    """A file that a whole table of a column names is an input, like a file in a column of texts."""
+    load = '[[load]]\nkind = "force"\nat = "bob.pin"\nvector = [1.0, 0.0, 0.0]\n\n[simulation]'
+    pendulum.write_text(pendulum.read_text().replace("[simulation]", load))
+    for name in ("a.csv", "b.csv"):
+        (tmp_path / name).write_text("0,0\n1,1\n")
+    laws = [{"kind": "table", "file": name} for name in ("a.csv", "b.csv")]
+    first = make_plan(pendulum, CaseTable({"load[0].law": laws}), SweepOutput())
+    (tmp_path / "b.csv").write_text("0,0\n1,2\n")
+    now = make_plan(pendulum, CaseTable({"load[0].law": laws}), SweepOutput())
+    assert changed_inputs(first, now) == "the file b.csv has changed"
+
+
+def test_a_case_with_a_changed_file_is_not_simulated_again(pendulum, tmp_path):
+    """The second case has a file that the first case of its group does not read."""
+    load = '[[load]]\nkind = "force"\nat = "bob.pin"\nvector = [1.0, 0.0, 0.0]\n\n[simulation]'
+    pendulum.write_text(pendulum.read_text().replace("[simulation]", load))
+    pendulum.write_text(
+        pendulum.read_text().replace("\n\n[sim", '\nlaw = { kind = "table", file = "a.csv" }\n\n[sim')
+    )
+    for name in ("a.csv", "b.csv"):
+        (tmp_path / name).write_text("0,0\n1,1\n")
+    table = CaseTable({"load[0].law.file": ["a.csv", "b.csv"]})
+    plan_sweep(make_plan(pendulum, table, SweepOutput()), tmp_path / "out")
+    (tmp_path / "b.csv").write_text("0,0\n1,2\n")
+    assert swept_case(tmp_path / "out", 0).system.loads
+    with pytest.raises(ResultFileError, match=r"planned with other files \(the file b.csv has changed\)"):
+        swept_case(tmp_path / "out", 1)
 
 
 def test_the_table_of_a_case_file_is_that_of_its_own_run(pendulum, tmp_path):

@@ -264,15 +264,21 @@ def _shares(group: IntArray, size: int | None) -> IntArray:
 
 def _inputs(family: CaseFamily, table: CaseTable, places: Mapping[str, KeyPath]) -> dict[str, str]:
     """Digests of all inputs by name: the text of the case, the table, and all files that any case reads."""
-    naming = [path for path in places if isinstance(table.columns[path][0], str)]
     files = set(family.files({}))
-    for path in naming:
-        for value in set(table.columns[path]):
-            files |= set(family.files({places[path]: value}))
+    for path, place in places.items():
+        for value in {repr(own): own for own in table.columns[path] if _has_text(own)}.values():
+            files |= set(family.files({place: value}))
     found = {"the case": digest_of(family.text.encode()), "the table": digest_of(_table_text(table).encode())}
     if family.raw.get("machine"):  # its file may include others; all that is used of them is in the tables
         found["the machine"] = digest_of(repr(family.raw).encode())
     return found | digests_of_files(sorted(files), family.path.parent)
+
+
+def _has_text(value: Any) -> bool:
+    """Whether a value may name a file: a text, or a table or list with texts."""
+    if isinstance(value, Mapping):
+        return any(map(_has_text, value.values()))
+    return isinstance(value, str) or (isinstance(value, list) and any(map(_has_text, value)))
 
 
 def _table_text(table: CaseTable) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -70,9 +70,12 @@ class SweptGroup:
     def case(self, number: int) -> SweptCase:
         """A case of the group, by its number.
 
-        Raises CaseError for values that are invalid in the case file; errors of building and starting it.
+        Raises CaseError for values that are invalid in the case file; ResultFileError for an input file that
+        was changed since the sweep was planned; errors of building and starting it.
         """
-        return self.with_values(self.plan.values(number))
+        values = self.plan.values(number)
+        _check_files(self.plan, set(self.plan.family.files(values)) - self._files)
+        return self.with_values(values)
 
     def with_values(self, values: Mapping[KeyPath, Any]) -> SweptCase:
         """A case with any numbers of its run, by keys in the case file; errors as for `case`."""
@@ -122,6 +125,11 @@ class SweptGroup:
         return starting_system(case, allow_code=self.plan.allow_code)
 
     @cached_property
+    def _files(self) -> frozenset[str]:
+        """Names of the files of the representative case."""
+        return frozenset(self.like.files)
+
+    @cached_property
     def _rigid(self) -> Mapping[str, tuple[str, BodyForm]]:
         """Rigid bodies of the representative case, with their contents as text."""
         tables = {table.name: table for table in self.like.parts.body}
@@ -157,17 +165,22 @@ def swept_group(folder: Path, plan: SweepPlan, number: int) -> SweptGroup:
     SuppleError         errors of its bodies and reductions
     """
     values = plan.values(plan.representative(number))
-    files = digests_of_files(plan.family.files(values), plan.case_file.parent)
-    if changed := changes({name: plan.inputs[name] for name in files.keys() & plan.inputs.keys()}, files):
-        raise ResultFileError(
-            f"{folder} was planned with other files ({changed}): restore them, or run the sweep again with "
-            "--force"
-        )
+    _check_files(plan, plan.family.files(values))
     fresh = plan.family.variant(values)
     bodies = bodies_of_group(fresh, folder)
     like = fresh.varied(fresh.tables, bodies.reduced)
     _check_functions(like, allow_code=plan.allow_code)
     return SweptGroup(plan, like, bodies, fresh)
+
+
+def _check_files(plan: SweepPlan, names: Iterable[str]) -> None:
+    """ResultFileError for an input file that was changed since the sweep was planned."""
+    files = digests_of_files(names, plan.case_file.parent)
+    if changed := changes({name: plan.inputs[name] for name in files.keys() & plan.inputs.keys()}, files):
+        raise ResultFileError(
+            f"the sweep of {plan.case_file} was planned with other files ({changed}): restore them, or run "
+            "the sweep again with --force"
+        )
 
 
 def _check_functions(case: Case, *, allow_code: bool) -> None:
