@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from concurrent.futures import Future
 from dataclasses import replace
 
@@ -28,6 +29,7 @@ from supple.sweeps.channel_statistics import STATISTICS, channel_statistics
 from supple.sweeps.part_file import CaseStatus, part_path, read_part
 from supple.sweeps.plan import changed_inputs, make_plan, read_plan
 from supple.sweeps.read_sweep import SweepColumns
+from supple.sweeps.run_share import run_cases
 from supple.sweeps.sweep_file import SweepOutput
 
 
@@ -273,6 +275,22 @@ def test_a_case_with_a_changed_file_is_not_simulated_again(pendulum, tmp_path):
     assert swept_case(tmp_path / "out", 0).system.loads
     with pytest.raises(ResultFileError, match=r"planned with other files \(the file b.csv has changed\)"):
         swept_case(tmp_path / "out", 1)
+
+
+def test_no_part_of_a_sweep_that_was_replaced_meanwhile_is_written(pendulum, tmp_path, monkeypatch):
+    """A share that still runs when another table is planned in its folder is none of the new sweep."""
+    folder, table = tmp_path / "out", CaseTable({"gravity[2]": [-9.81]})
+    other = make_plan(pendulum, CaseTable({"gravity[2]": [-1.0]}), SweepOutput())
+
+    def replaced(*given, **options):
+        part = run_cases(*given, **options)
+        plan_sweep(other, folder, force=True)
+        return part
+
+    monkeypatch.setattr(sys.modules[run_cases.__module__], "run_cases", replaced)
+    with pytest.raises(ResultFileError, match=r"another sweep was planned here .*\(the table has changed\)"):
+        sweep(pendulum, table, folder, executor=Here())
+    assert sweep_status(folder).missing == (0,)
 
 
 def test_the_table_of_a_case_file_is_that_of_its_own_run(pendulum, tmp_path):

@@ -18,7 +18,7 @@ from supple.sweeps.fatigue_loads import summed_spectra
 from supple.sweeps.isolated_share import isolated_share
 from supple.sweeps.march_cases import Began, march_cases
 from supple.sweeps.part_file import CaseRecord, CaseStatus, Part, part_path, write_part
-from supple.sweeps.plan import read_plan
+from supple.sweeps.plan import changed_inputs, read_plan
 from supple.sweeps.sweep_shares import MOST_LEVELS, sweep_shares
 
 __all__ = ["run_cases", "run_share"]
@@ -35,20 +35,26 @@ def run_share(folder: str, share: int, allow_code: bool = False) -> None:
 
     Raises
     ------
-    ResultFileError         the part cannot be written; the inputs of the sweep were changed
+    ResultFileError         the part cannot be written; the inputs of the sweep were changed; meanwhile
+                            another sweep was planned in the folder
     MemoryShortageError     not enough memory is left
     """
     where = Path(folder).resolve()
     target = part_path(where, share)
     if is_whole(target):
         return
-    attempts = Attempts(where, share)
+    attempts, planned = Attempts(where, share), read_plan(where)
     cases, level = _cases_of(where, share)
     try:
         if attempts.are_many:
             part = isolated_share(where, cases, level, allow_code=allow_code)
         else:
             part = run_cases(where, cases, level, attempts.begin, allow_code=allow_code)
+        if changed := changed_inputs(planned, read_plan(where)):
+            raise ResultFileError(
+                f"{where}: another sweep was planned here with --force while this one ran ({changed}); give "
+                "each sweep its own folder"
+            )
         write_part(target, part)
     except BaseException:
         attempts.withdraw()

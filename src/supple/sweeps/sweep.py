@@ -102,6 +102,7 @@ def plan_sweep(plan: SweepPlan, folder: Path, *, force: bool = False) -> None:
                     "choose another folder with -o FOLDER"
                 )
             return
+        plan_path(folder).unlink(missing_ok=True)  # from now on, no process writes a part of the former sweep
         for name in ("parts", "attempts", "cases", "certificates"):
             shutil.rmtree(folder / name, ignore_errors=True)
         write_plan(folder, plan)
