@@ -84,6 +84,51 @@ def test_the_case_with_the_most_extremes_has_a_report(pendulum, tmp_path):
     assert not (folder / address).exists()
 
 
+BEAM = """\
+*NODE
+1, 0.0, 0.0, 0.0
+2, 1.0, 0.0, 0.0
+*ELEMENT, TYPE=B31, ELSET=ALL
+1, 1, 2
+*NSET, NSET=ROOT
+1
+*MATERIAL, NAME=STEEL
+*ELASTIC
+2e11, 0.3
+*DENSITY
+7800.0
+*BEAM SECTION, ELSET=ALL, MATERIAL=STEEL, SECTION=RECT
+0.02, 0.01
+0.0, 0.0, 1.0
+"""
+BEAM_CASE = """\
+title = "beam"
+
+[[body]]
+name = "beam"
+mesh = "beam.inp"
+abaqus = {}
+frame = { kind = "mean-axis" }
+reduction = { basis = "normal-modes", modes = 1 }
+
+[simulation]
+duration = 0.001
+output_step = 0.001
+step = 0.001
+"""
+
+
+def test_a_report_of_a_case_draws_beams_as_the_report_of_a_run_does(tmp_path):
+    """A rectangular section: a prism of one element has 12 triangles."""
+    (tmp_path / "beam.inp").write_text(BEAM)
+    path = tmp_path / "beam.toml"
+    path.write_text(BEAM_CASE)
+    sweep(path, CaseTable({"gravity": [[0.0, 0.0, -9.81]]}), tmp_path / "out", executor=Here())
+    write_sweep_report(tmp_path / "out", n_reports=1)
+    page = ReadPage(tmp_path / "out" / "cases" / "00000.html")
+    assert page.array(page.body("beam")["triangles"]).shape == (3, 12)
+
+
 def test_round_off_of_a_unit_is_no_extreme():
     units = np.array(["N", "N", "N", "m", "m"], dtype=object)
     low = np.array([[-3.0, -1e-14, np.nan, 0.0, 2.0], [-5.0, 0.0, np.nan, -1e-12, 2.0]])

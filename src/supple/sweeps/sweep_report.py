@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
-from supple.cases.run_page import coloured_elements
+from supple.cases.run_page import coloured_elements, page_looks
 from supple.integrate import Progress
 from supple.quantities import read_sensors, tracked_places
 from supple.report import (
@@ -151,7 +151,7 @@ def _write_case_report(folder: Path, number: int, target: Path, varied: str, *, 
         target,
         system,
         solution,
-        case.meshes,
+        page_looks(case),
         title=f"{case.title or case.path.stem}, case {number}",
         tracked=tracked_places(system, solution, places, case.bases),
         readings=read_sensors(case.sensors, system, solution),
