@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from supple.cases import read_case
+from fixtures.bar_of_every_form import LIFT, RUN, write_case
 from supple.simulation import simulate
 from supple.sweeps import CaseTable, full_factorial, read_sweep, sweep
 from supple.sweeps.plan import make_plan
@@ -41,6 +42,15 @@ def test_damping_speed_and_loads_share_a_body_and_thickness_does_not(strip_case)
 
 def test_damping_of_several_bodies_is_never_scaled_from_none(strip_case):
     """The first case has the largest ratio of one body and none of the other: the second needs its own."""
+def test_a_case_whose_trial_runs_determine_its_modes_shares_no_body(tmp_path):
+    """The first case, with a small load, would determine the modes of a case with a large one."""
+    path = write_case(tmp_path, "intrinsic", LIFT, RUN)
+    table = CaseTable({"load[0].vector": [[0.0, 0.0, 1e-3], [0.0, 0.0, 60.0]]})
+    for more, groups in (("modes = 12", [0, 0]), ("accuracy = {}", [0, 1])):
+        path.write_text(re.sub(r"released = true.*}", f"released = true, {more} }}", path.read_text()))
+        assert make_plan(path, table, SweepOutput.model_validate({})).group.tolist() == groups
+
+
     text = strip_case.read_text()
     body = text[text.index("[[body]]") : text.index("[[joint]]")].replace('"strip"', '"other"', 1)
     strip_case.write_text(text.replace("[[joint]]", body + "[[joint]]", 1))

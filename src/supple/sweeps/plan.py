@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import combinations
@@ -180,6 +180,7 @@ def make_plan(
     _check_columns(table, output, family.raw)
     places = {path: parameter_path(path, family.raw) for path in table.columns if path not in output.labels}
     _check_places(places)
+    finds_modes = _finds_modes(family.raw, places.values())
     apart = [
         path
         for path, place in places.items()
@@ -222,6 +223,14 @@ def _check_places(places: Mapping[str, KeyPath]) -> None:
     for (one, first), (other, second) in combinations(places.items(), 2):
         if first[: len(second)] == second:
             raise CaseError(f"{other} replaces the value that {one} varies: keep one of the columns")
+
+
+def _finds_modes(raw: Raw, places: Iterable[KeyPath]) -> bool:
+    """Whether trial runs determine the number of modes of a condensed body, so that each case has its own."""
+    given = [body["condense"] for body in raw["body"] if "condense" in body]
+    return any("accuracy" in own for own in given) or any(
+        place[2:4] == ("condense", "accuracy") for place in places
+    )
 
 
 def _is_ratio(place: KeyPath) -> bool:
