@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from supple.errors import CaseError
+from supple.errors import CaseError, ImportFormatError
 from supple.sweeps import (
     CaseTable,
     LatinHypercube,
@@ -69,6 +69,30 @@ def test_a_value_that_no_case_file_has_is_refused():
         CaseError, match=r"a: a case file has numbers, texts, lists and tables, not \(1\+2j\)"
     ):
         CaseTable({"a": [1 + 2j]})
+
+
+@pytest.mark.parametrize(
+    ("text", "columns"),
+    [
+        ("a,b\n1,2.5\n2,3\n", {"a": (1, 2), "b": (2.5, 3.0)}),
+        ("a,b\ntrue,x\nfalse,7\n", {"a": (True, False), "b": ("x", "7")}),
+        ("a,b\nx,1\n,2\n", {"a": ("x", ""), "b": (1, 2)}),
+    ],
+)
+def test_a_csv_table_has_numbers_truth_values_or_texts(tmp_path, text, columns):
+    (tmp_path / "t.csv").write_text(text)
+    (tmp_path / "case.toml").write_text("")
+    (tmp_path / "s.toml").write_text('case = "case.toml"\ntable = "t.csv"\n')
+    assert read_sweep_file(tmp_path / "s.toml").table.columns == columns
+
+
+def test_an_empty_entry_in_a_column_of_numbers_is_named_with_its_line(tmp_path):
+    """It made a column of texts of all numbers, so that every case failed."""
+    (tmp_path / "t.csv").write_text("a,b\n1,2\n,3\n")
+    (tmp_path / "case.toml").write_text("")
+    (tmp_path / "s.toml").write_text('case = "case.toml"\ntable = "t.csv"\n')
+    with pytest.raises(ImportFormatError, match=r"t\.csv, line 3: a is empty; every case needs a value"):
+        read_sweep_file(tmp_path / "s.toml")
 
 
 def test_a_latin_hypercube_has_one_point_in_each_slice():

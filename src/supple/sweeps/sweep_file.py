@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from supple.cases.read_case import checked_file
-from supple.errors import CaseError
+from supple.errors import CaseError, ImportFormatError
 from supple.importers.csv_table import CsvTable, read_csv_table
 from supple.importers.plain_number import number_of_word, plain_integer
 from supple.importers.text_file import file_lines
@@ -34,6 +34,7 @@ from supple.sweeps.fatigue_loads import FatigueLoads
 __all__ = ["SweepFile", "SweepOutput", "read_sweep_file"]
 
 MOST_CASES = 10_000_000
+_TRUTH = {"true": True, "false": False}
 
 
 class SweepOutput(CheckedTable):
@@ -269,7 +270,11 @@ def _of_sample(table: _Sample) -> CaseTable:
 
 
 def _of_csv(path: Path) -> CaseTable:
-    """The table in a CSV file; a column has numbers if all its entries are numbers, otherwise texts."""
+    """The table in a CSV file.
+
+    A column has numbers if all its entries are numbers, true and false if all entries are these words,
+    otherwise texts. ImportFormatError for a column of numbers with empty entries.
+    """
     head = next((line for line in file_lines(path) if line.strip() and not line.startswith("#")), "")
     names = [word.strip().strip('"') for word in head.split(",")]
     read = read_csv_table(path, required=names)
@@ -278,9 +283,14 @@ def _of_csv(path: Path) -> CaseTable:
 
 def _column(read: CsvTable, name: str) -> Sequence[Any]:
     words = read.words(name)
-    for kind in (plain_integer, number_of_word):
+    given = [word for word in words if word]
+    for kind in (plain_integer, number_of_word, _TRUTH.__getitem__):
         try:
-            return [kind(word) for word in words]
-        except ValueError:
+            found = [kind(word) for word in given]
+        except (ValueError, KeyError):
             continue
+        if given and len(given) < len(words):
+            line = read.lines[words.index("")]
+            raise ImportFormatError(f"{read.path}, line {line}: {name} is empty; every case needs a value")
+        return found
     return words
