@@ -247,6 +247,14 @@ def test_labels_have_no_names_of_results(pendulum, tmp_path):
             sweep(pendulum, {**table, name: [1, 2]}, tmp_path / "other", labels=["wind", name])
 
 
+def test_cases_to_keep_are_numbers_or_a_word(pendulum, tmp_path):
+    table = {"gravity[2]": [-9.81, -4.0]}
+    sweep(pendulum, table, tmp_path / "out", executor=Here(), keep=np.arange(1, 2))
+    assert len(SweepColumns(tmp_path / "out").motion(1)["times"]) == 21
+    with pytest.raises(CaseError, match="keep: 'last' is not known; choose one of none, all"):
+        sweep(pendulum, table, tmp_path / "other", keep="last")
+
+
 def test_files_in_tables_of_a_column_are_inputs(pendulum, tmp_path):
     """A file that a whole table of a column names is an input, like a file in a column of texts."""
     load = '[[load]]\nkind = "force"\nat = "bob.pin"\nvector = [1.0, 0.0, 0.0]\n\n[simulation]'

@@ -8,7 +8,10 @@ from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future,
 from pathlib import Path
 from typing import Any
 
-from supple.errors import ResultFileError, SuppleError
+import numpy as np
+
+from supple.errors import CaseError, ResultFileError, SuppleError
+from supple.importers.toml import checked
 from supple.integrate import Progress
 from supple.progress import by_fraction, with_progress_bar
 from supple.storage.exclusive_lock import ExclusiveLock
@@ -69,17 +72,19 @@ def sweep(
     Raises
     ------
     CaseError           a path that does not exist, columns of different lengths; unknown channels, nodes,
-                        labels or seeds
+                        labels, seeds or cases to keep
     ResultFileError     the folder has a sweep with other inputs, or cannot be written
     SuppleError         processes that end before they run a task: a script must call `sweep` under
                         `if __name__ == "__main__":`; a cluster that loses its scheduler
     """
     folder = Path(folder)
     table = table if isinstance(table, CaseTable) else CaseTable(table)
-    kept = keep if isinstance(keep, str) else list(keep)
-    output = SweepOutput.model_validate(
-        {"keep": kept, "fatigue": fatigue, "labels": list(labels), "seeds": list(seeds)}
+    kept = keep if isinstance(keep, str) else np.asarray(keep).tolist()
+    output, mistakes = checked(
+        SweepOutput, {"keep": kept, "fatigue": fatigue, "labels": list(labels), "seeds": list(seeds)}, []
     )
+    if output is None:
+        raise CaseError("sweep: " + "; ".join(f"{place[0]}: {message}" for place, message in mistakes))
     plan_sweep(make_plan(Path(case), table, output, allow_code=allow_code), folder, force=force)
     executors = LocalProcesses() if executor is None else Given(executor)
     return run_sweep(folder, executors, progress, allow_code=allow_code)

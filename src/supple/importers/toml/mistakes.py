@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import reprlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
@@ -109,7 +110,9 @@ def _wanted(item: ErrorDetails, schema: _Schema) -> str:
 def _wrong_choice(place: KeyPath, item: ErrorDetails, schema: _Schema) -> tuple[KeyPath, str]:
     context = item.get("ctx", {})
     if item["type"] == "literal_error":
-        choices, seen = [str(choice) for choice in schema.get("enum", [schema.get("const")])], item["input"]
+        # A word of a union is in no `enum` of the schema at this place, but in the words of the error.
+        words = re.findall("'([^']*)'", context["expected"])
+        choices, seen = [str(choice) for choice in schema.get("enum", words)], item["input"]
     else:
         key = context["discriminator"].strip("'")
         place, choices = (*place, key), list(schema["discriminator"]["mapping"])
