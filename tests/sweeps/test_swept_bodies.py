@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
+from fixtures.bar_of_every_form import LIFT, RUN, write_case
 
 from supple.cases import read_case
-from fixtures.bar_of_every_form import LIFT, RUN, write_case
 from supple.simulation import simulate
 from supple.sweeps import CaseTable, full_factorial, read_sweep, sweep
 from supple.sweeps.plan import make_plan
@@ -40,8 +42,6 @@ def test_damping_speed_and_loads_share_a_body_and_thickness_does_not(strip_case)
     assert [plan.representative(group) for group in range(3)] == [6, 15, 24]
 
 
-def test_damping_of_several_bodies_is_never_scaled_from_none(strip_case):
-    """The first case has the largest ratio of one body and none of the other: the second needs its own."""
 def test_a_case_whose_trial_runs_determine_its_modes_shares_no_body(tmp_path):
     """The first case, with a small load, would determine the modes of a case with a large one."""
     path = write_case(tmp_path, "intrinsic", LIFT, RUN)
@@ -51,6 +51,8 @@ def test_a_case_whose_trial_runs_determine_its_modes_shares_no_body(tmp_path):
         assert make_plan(path, table, SweepOutput.model_validate({})).group.tolist() == groups
 
 
+def test_damping_of_several_bodies_is_never_scaled_from_none(strip_case):
+    """The first case has the largest ratio of one body and none of the other: the second needs its own."""
     text = strip_case.read_text()
     body = text[text.index("[[body]]") : text.index("[[joint]]")].replace('"strip"', '"other"', 1)
     strip_case.write_text(text.replace("[[joint]]", body + "[[joint]]", 1))

@@ -184,7 +184,7 @@ def make_plan(
     apart = [
         path
         for path, place in places.items()
-        if not all(is_number_of_run(place, value, family.raw) for value in table.columns[path])
+        if finds_modes or not all(is_number_of_run(place, value, family.raw) for value in table.columns[path])
     ]
     keys = [list(map(repr, table.columns[path])) for path in apart]
     ratios = [path for path, place in places.items() if path not in apart and _is_ratio(place)]
