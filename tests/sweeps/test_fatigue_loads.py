@@ -84,6 +84,14 @@ def test_a_name_that_matches_no_channel_is_refused_before_anything_runs(pendulum
     assert not (tmp_path / "out").exists()
 
 
+def test_brackets_are_part_of_the_name_of_a_channel():
+    times, values = np.arange(4.0), np.array([[0.0, 0.0], [1.0, 2.0], [0.0, 0.0], [1.0, 2.0]])
+    for name in ("gauge[1]", "gau*[1]"):
+        loads, _ = FatigueLoads(exponents=[4], channels=[name]).of(["gauge1", "gauge[1]"], times, values)
+        # Three half cycles of range 2 in three units of time.
+        assert loads[0] == pytest.approx([np.nan, 2.0 * 0.5**0.25], nan_ok=True)
+
+
 def test_names_of_channels_are_known_before_bodies_are_reduced(case_folder, monkeypatch):
     case = read_case(case_folder / "strip.toml")
     names = [

@@ -104,7 +104,8 @@ class FatigueLoads(CheckedTable):
 
     def _matches(self, names: Sequence[str]) -> NDArray[np.bool_]:
         """Whether each name (c) matches each entry (p) of `channels`, (c, p)."""
-        found = np.array([[fnmatchcase(name, own) for own in self.channels] for name in names], dtype=bool)
+        patterns = [own.replace("[", "[[]") for own in self.channels]  # a bracket is part of a name
+        found = np.array([[fnmatchcase(name, own) for own in patterns] for name in names], dtype=bool)
         return found.reshape(len(names), len(self.channels))
 
     def of(self, names: Sequence[str], times: Array, values: Array) -> tuple[Array, Array]:
