@@ -9,7 +9,17 @@ from fixtures.swept_pendulum import TABLE
 from sweeps.test_sweep import Here
 
 from supple.errors import ResultFileError
-from supple.sweeps import CaseTable, FatigueLoads, read_sweep, sweep, sweep_extremes, write_sweep_report
+from supple.sweeps import (
+    CaseTable,
+    FatigueLoads,
+    plan_sweep,
+    read_sweep,
+    sweep,
+    sweep_extremes,
+    write_sweep_report,
+)
+from supple.sweeps.plan import make_plan
+from supple.sweeps.sweep_file import SweepOutput
 from supple.sweeps.sweep_report import _moves
 
 
@@ -48,6 +58,15 @@ def test_failed_cases_are_named_with_their_cause(pendulum, tmp_path):
     assert "1 ran, 1 failed" in text
     assert "mass" in re.search(r"<td>1</td><td>failed</td><td>(.*?)</td>", text, re.DOTALL).group(1)
     assert np.isnan(columns["joint hinge.Fx, maximum (N)"][1])
+
+
+def test_a_sweep_that_begins_anew_has_no_page_of_the_former_one(pendulum, tmp_path):
+    folder = tmp_path / "out"
+    sweep(pendulum, CaseTable({"gravity[2]": [-9.81]}), folder, executor=Here(), seeds=["gravity[2]"])
+    write_sweep_report(folder)
+    assert {"sweep.html", "conditions.html"} <= {path.name for path in folder.iterdir()}
+    plan_sweep(make_plan(pendulum, CaseTable({"gravity[2]": [-1.0]}), SweepOutput()), folder, force=True)
+    assert not list(folder.glob("*.html"))
 
 
 def test_extremes_are_those_of_the_data_set(pendulum, tmp_path):

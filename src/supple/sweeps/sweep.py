@@ -108,6 +108,8 @@ def plan_sweep(plan: SweepPlan, folder: Path, *, force: bool = False) -> None:
                 )
             return
         plan_path(folder).unlink(missing_ok=True)  # from now on, no process writes a part of the former sweep
+        for name in ("sweep.html", "conditions.html"):  # of the former sweep
+            (folder / name).unlink(missing_ok=True)
         for name in ("parts", "attempts", "cases", "certificates"):
             shutil.rmtree(folder / name, ignore_errors=True)
         write_plan(folder, plan)
