@@ -17,7 +17,7 @@ from supple.body import (
     nodal_matrices,
 )
 from supple.errors import ModelError
-from supple.fem import Isotropic, solid_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.importers import LabelledMatrix, NodeTable
 from supple.mesh import CellType, Mesh, block
 
@@ -137,6 +137,16 @@ def test_a_stiffness_that_is_not_positive(solid):
 def test_three_masses(solid):
     M = csc_array(diags_array(np.tile([1.0, 1.0, 2.0], solid.mesh.n_nodes)))
     assert "a body has one positive mass" in refused(changed(solid, M=M))["mass"].remedy
+
+
+def test_no_mass_at_all(shell):
+    """As of a deck without a density."""
+    massless = shell_model(shell.mesh, HomogeneousSection(Isotropic(2.1e11, 0.3, 0.0), 0.01))
+    (found,) = refused(check_elements(massless)).values()
+    assert (found.what, found.seen) == ("mass", "none")
+    assert "give the materials a density" in found.remedy
+    (found,) = refused(changed(shell, M=0 * shell.mass)).values()
+    assert "export the mass matrix" in found.remedy
 
 
 def test_an_inertia_that_no_body_has(shell):

@@ -139,6 +139,12 @@ def check_model(
             "finite entries", "infinite, or not numbers", Verdict.REFUSED, "export the matrices again"
         )
         return ModelCheck((broken,), MassProperties(0.0, np.zeros(3), np.zeros((3, 3))), np.zeros(6))
+    if not M.data.any():
+        remedy = "export the mass matrix as well"
+        if mesh_mass is not None:
+            remedy = "give the materials a density, or add concentrated masses"
+        massless = Finding("mass", "none", Verdict.REFUSED, remedy)
+        return ModelCheck((massless,), MassProperties(0.0, np.zeros(3), np.zeros((3, 3))), np.zeros(6))
     labels = np.arange(len(nodes)) if node_ids is None else node_ids
     R = nodal_rigid_modes(nodes, dofs_per_node)
     n_modal = K.indptr.size - 1 - len(R)
