@@ -129,6 +129,16 @@ def test_a_mesh_without_materials_is_no_whole_model(folder):
     assert "write a case: supple new" in output
 
 
+def test_a_mesh_of_elements_without_sections_is_no_whole_model(tmp_path):
+    mesh = tmp_path / "plate.inp"
+    mesh.write_text("*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n*ELEMENT, TYPE=S3, ELSET=A\n1,1,2,3\n")
+    said = call("check", mesh, code=2)
+    assert "a mesh without sections is not a complete model" in said
+    assert "supple new" in said
+    mesh.write_text(mesh.read_text() + "*SHELL SECTION, ELSET=A, MATERIAL=STEAL\n0.01\n")
+    assert "of material 'STEAL', which is not defined, are missing" in call("check", mesh, code=2)
+
+
 def test_bodies_without_elements_are_named(pendulum):
     assert "not checked, because they have no elements or matrices here: 'bob'" in call("check", pendulum)
 

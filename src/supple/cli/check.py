@@ -14,8 +14,9 @@ from supple.body.model_check import LOWEST_FREQUENCIES
 from supple.cases import Case, read_case
 from supple.cases.bodies import Body
 from supple.cases.notify import silent
+from supple.cli.info import is_only_a_mesh
 from supple.errors import ImportFormatError, ModelError
-from supple.importers import DECK_SUFFIXES, HDF5_SUFFIXES
+from supple.importers import DECK_SUFFIXES, HDF5_SUFFIXES, read_deck
 from supple.terminal import LOGGER, PrintedMessage, say, words
 from supple.units import UNNAMED, UnitSystem, with_unit
 
@@ -87,7 +88,16 @@ def _has_no_model(body: Body, case: Case) -> bool:
 def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, UnitSystem]]:
     suffix = path.suffix.lower()
     if suffix in DECK_SUFFIXES:
-        yield str(path), deck_source(path).check(n_frequencies), UNNAMED
+        try:
+            source = deck_source(path)
+        except ModelError:
+            if is_only_a_mesh(read_deck(path)):
+                raise ImportFormatError(
+                    f"{path}: a mesh without sections is not a complete model; write a case with its "
+                    f"material: supple new {path}"
+                ) from None
+            raise
+        yield str(path), source.check(n_frequencies), UNNAMED
     elif suffix in HDF5_SUFFIXES:
         source = labelled_matrices_source(MatrixFiles(path, path, path))
         yield str(path), source.check(n_frequencies), UNNAMED

@@ -36,7 +36,7 @@ def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: 
         if json is not None and json.resolve() == path.resolve():
             raise ArgumentError(f"cannot write {json}: it is the deck itself and would be lost")
         deck = read_deck(path)
-        if json is None and not n_modes and _is_only_a_mesh(deck):
+        if json is None and not n_modes and is_only_a_mesh(deck):
             print_rows(f"Mesh {path}", read_mesh(path).summary().rows)
             return
         report = deck_report(deck, n_modes=n_modes, held=held)
@@ -61,11 +61,11 @@ def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: 
         raise ImportFormatError(f"{path}: unknown kind of file; give one that ends in {known}")
 
 
-def _is_only_a_mesh(deck: Deck) -> bool:
+def is_only_a_mesh(deck: Deck) -> bool:
     """Whether a deck has elements, but no sections, masses, springs or ties, as the mesh of a `shell`."""
     model = (deck.elements, deck.properties, deck.masses, deck.stiffnesses, deck.springs, deck.inertias)
     connected = (deck.constraints, deck.rigid, deck.means, deck.superelements)
-    sectionless = (each.meaning.startswith("elements without a section") for each in deck.left_out)
+    sectionless = (each.meaning == "elements without a section are missing" for each in deck.left_out)
     return not any(map(len, (*model, *connected))) and bool(deck.left_out) and all(sectionless)
 
 

@@ -101,7 +101,13 @@ def test_elements_of_materials_that_are_not_read_are_left_out(deck, below):
     made = deck(CUBE + SECTION + "*MATERIAL, NAME=M\n" + below)
     assert made.elements == ()
     assert made.left_out[-1].card == "*ELEMENT, TYPE=C3D8"
-    assert made.left_out[-1].meaning == "elements without a section that is read are missing"
+    cause = "which has no elasticity that is read"
+    assert made.left_out[-1].meaning == f"elements of material 'M', {cause}, are missing"
+
+
+def test_a_section_of_a_material_that_is_not_defined(deck):
+    made = deck(CUBE + SECTION.replace("MATERIAL=M", "MATERIAL=STEAL") + STEEL)
+    assert made.left_out[-1].meaning == "elements of material 'STEAL', which is not defined, are missing"
 
 
 def test_the_elastic_law_that_calculix_brings_as_a_program(deck):

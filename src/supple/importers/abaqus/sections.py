@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from dataclasses import fields as dataclass_fields
 
@@ -75,7 +75,9 @@ def read_elements(
     materials = read_materials(model)
     n_elements = len(model.element_labels.ids)
     section_of = np.full(n_elements, -1, dtype=np.int64)
+    defined = {each.block.options.get("NAME", "") for each in model.blocks if each.block.key == "MATERIAL"}
     sections: list[tuple[str, Section | None]] = []
+    unread: list[str] = []
     placed_sections = tuple(model.named(*_SECTIONS))
     walls = [each.block for each in placed_sections if each.block.key in _OF_WALLS]
     thicknesses = thickness_of_sections(model, walls)
@@ -86,6 +88,9 @@ def read_elements(
         section_of[members] = len(sections)
         key = public_name(model, placed.scope, name, model.element_sets)
         sections.append((key, _section(model, placed, materials, orientations, thicknesses)))
+        material = block.options.get("MATERIAL", "")
+        unread.append(_unread(material, materials, defined))
+    unread.append("without a section")  # of elements with the number -1
     builder = _Builder(model, ids, read_releases(model))
     of_solids = np.zeros(len(model.positions), dtype=bool)
     for block in model.elements:
@@ -108,11 +113,10 @@ def read_elements(
                 if not len(places):
                     continue
             if section is None or not isinstance(section, _FITS[block.type.family]):
-                meaning = "without a section that is read" if number >= 0 else "without a section"
                 model.report.leave_out(
                     f"*ELEMENT, TYPE={block.type.name}",
                     int(block.lines[places[0]]),
-                    f"elements {meaning} are missing",
+                    f"elements {unread[number]} are missing",
                     len(places),
                 )
             else:
@@ -122,6 +126,15 @@ def read_elements(
                 f"elements {block.type.name} are integrated fully, with incompatible modes for bending"
             )
     return tuple(builder.elements), builder.properties
+
+
+def _unread(material: str, materials: Mapping[str, DeckMaterial], defined: Iterable[str]) -> str:
+    """Words for `left_out` on elements whose section cannot be read: its material, if that is the cause."""
+    if not material or material.upper() in materials:
+        return "without a section that is read"
+    known = material.upper() in {name.upper() for name in defined}
+    cause = "has no elasticity that is read" if known else "is not defined"
+    return f"of material '{material}', which {cause},"
 
 
 def _section(
