@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from supple import cases
 from supple.cases.read_case import read_case
 from supple.cli.main import app
-from supple.errors import ArgumentError
+from supple.errors import ArgumentError, MeshError, ModelError
 from supple.importers import read_mesh
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -87,6 +87,47 @@ def test_a_mesh_beside_the_case_is_named_relative_to_it(tmp_path):
     assert 'mesh = "rod.inp"' in (tmp_path / "rod.toml").read_text()
     with pytest.raises(ArgumentError, match="exists already"):
         cases.write_new_case(mesh, tmp_path / "rod.toml")
+
+
+def test_cells_that_a_case_of_the_mesh_cannot_use_are_refused_with_a_remedy(tmp_path):
+    rod = tmp_path / "rod.inp"
+    rod.write_bytes((EXAMPLES / "rod.inp").read_bytes())
+    case = tmp_path / "rod.toml"
+    cases.write_new_case(rod, case)
+    case.write_text(case.read_text().replace("solid = {", "shell = { thickness = 1.0,"))
+    with pytest.raises(ModelError, match=r"TETRA10 cells: solids are a body with solid = "):
+        assert read_case(case).flexible
+    line = tmp_path / "line.msh"
+    line.write_text(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2\n1 0 0 0\n2 1 0 0\n$EndNodes\n"
+        "$Elements\n1\n1 1 2 1 1 1 2\n$EndElements\n"
+    )
+    with pytest.raises(ArgumentError, match="no cross-sections of beams: give a deck"):
+        cases.write_new_case(line, tmp_path / "line.toml")
+
+
+def test_one_of_several_parts_of_a_mesh_is_a_body(tmp_path):
+    """Two plates of 1 m2 that are not connected; one is the body, of 78.5 kg."""
+    mesh = tmp_path / "two.inp"
+    corners = [(left + x, y) for left in (0, 2) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    mesh.write_text(
+        "*NODE\n"
+        + "".join(f"{i},{x},{y},0\n" for i, (x, y) in enumerate(corners, 1))
+        + "*ELEMENT, TYPE=S4, ELSET=A\n1,1,2,3,4\n*ELEMENT, TYPE=S4, ELSET=B\n2,5,6,7,8\n"
+        + "*NSET, NSET=EDGE\n5,8\n"
+    )
+    with pytest.raises(MeshError, match="cells = 'CELL SET'"):
+        cases.write_new_case(mesh, tmp_path / "two.toml")
+    case = tmp_path / "two.toml"
+    case.write_text(
+        'title = "one of two"\n[[body]]\nname = "b"\nmesh = "two.inp"\ncells = "B"\n'
+        "shell = { thickness = 0.01, youngs_modulus = 2e11, poissons_ratio = 0.3, density = 7850.0 }\n"
+        'frame = { kind = "mean-axis" }\n[[body.interface]]\nname = "edge"\nnodes = "EDGE"\n'
+        "[simulation]\nduration = 1.0\noutput_step = 0.1\nstep = 0.1\n"
+    )
+    body = read_case(case).flexible["b"]
+    assert body.nodes[:, 0].tolist() == [2, 3, 3, 2]
+    assert read_case(case).sources["b"].check(0).mass.mass == pytest.approx(78.5)
 
 
 DECK = """\

@@ -22,6 +22,7 @@ from supple.body import (
     section_beams_source,
 )
 from supple.cases.shared_rules import FileName
+from supple.errors import MeshError, ModelError
 from supple.fem import (
     GREEN_LAGRANGE,
     VON_KARMAN,
@@ -91,7 +92,13 @@ class Homogeneous(ElasticKind):
 
     def source(self, folder: Path, mesh: str, cells: str | None = None, /) -> BodySource:
         """The source of the body: the mesh file, with elements on its cells."""
-        read = read_mesh(folder / mesh)
+        try:
+            read = read_mesh(folder / mesh)
+        except MeshError:
+            if cells is None:
+                raise
+            # The bodies of a mesh of several need not be connected.
+            read = read_mesh(folder / mesh, only=cells)
         if cells is not None:
             part = mesh_part(read, read.cells_of(cells))
             inside = {name: nodes[np.isin(nodes, part.nodes)] for name, nodes in read.node_sets.items()}
@@ -120,8 +127,25 @@ class Shell(Homogeneous):
 
     def model(self, mesh: Mesh, material: Isotropic) -> FiniteElementModel:
         """Shells of one thickness."""
+        _check_cells(mesh, 2)
         section = HomogeneousSection(material, self.thickness, shear_factor=self.shear_factor)
         return shell_model(mesh, section, kinematics=_KINEMATICS[self.kinematics])
+
+
+_FORMS = {
+    1: "a mesh has no cross-sections of beams: give a deck with them (nastran = {}, abaqus = {}), or a "
+    "section_table",
+    2: "shells are a body with shell = { thickness = .., .. }",
+    3: "solids are a body with solid = {..}",
+}
+"""What cells of a dimension need in a case file."""
+
+
+def _check_cells(mesh: Mesh, dimension: int) -> None:
+    """Raise ModelError for cells of another dimension."""
+    for kind in mesh.cells:
+        if kind.dimension != dimension:
+            raise ModelError(f"the mesh has {kind.name} cells: {_FORMS[kind.dimension]}")
 
 
 class Solid(Homogeneous):
@@ -129,6 +153,7 @@ class Solid(Homogeneous):
 
     def model(self, mesh: Mesh, material: Isotropic) -> FiniteElementModel:
         """Solids of one material."""
+        _check_cells(mesh, 3)
         return solid_model(mesh, material)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from supple.cases.result_machine import path_from
 from supple.errors import ArgumentError
 from supple.importers import DECK_SUFFIXES, read_deck, read_mesh
+from supple.mesh import CellType
 from supple.storage.file_errors import file_errors
 
 __all__ = ["write_new_case"]
@@ -32,7 +33,7 @@ def write_new_case(mesh_file: Path, path: Path) -> None:
 
     Raises
     ------
-    ArgumentError       a file that exists already
+    ArgumentError       a file that exists already; a mesh of beams
     ImportFormatError, MeshError    a mesh that cannot be read
     ResultFileError     a file that cannot be written
     """
@@ -68,6 +69,11 @@ def _read(file: Path) -> _Model:
             kind = "abaqus" if file.suffix.lower() == ".inp" else "nastran"
             return _model(deck.nodes, deck.node_sets, kind)
     mesh = read_mesh(file)
+    if CellType.LINE2 in mesh.cells:
+        raise ArgumentError(
+            f"{file}: the mesh has lines, and a mesh has no cross-sections of beams: give a deck with them "
+            "(.bdf, .inp), or write a case with a section_table"
+        )
     solid = any(kind.dimension == 3 for kind in mesh.cells)
     return _model(mesh.nodes, mesh.node_sets, "solid" if solid else "shell")
 

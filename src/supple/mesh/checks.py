@@ -148,7 +148,9 @@ def _check_orphan_nodes(
         raise MeshError(
             f"{_some('orphan node', names.node_ids[bad])}: no cell uses them; node "
             f"{names.node_ids[bad[0]]} is at "
-            f"{_point(nodes[bad[0]])}; drop unused nodes (readers: unused_nodes=UnusedNodes.DROP)"
+            f"{_point(nodes[bad[0]])}; remove unused nodes in the mesher (Gmsh: define physical "
+            "groups; only their nodes are then saved), or in Python: "
+            "read_mesh(.., unused_nodes=UnusedNodes.DROP)"
         )
 
 
@@ -269,8 +271,8 @@ def _check_connected(
         raise MeshError(
             f"the mesh falls into {n_parts} disconnected parts, of {_first_few(sizes)} nodes; node "
             f"{names.node_ids[first]} at {_point(nodes[first])} is not in the largest; merge coincident "
-            "nodes, or make each part its "
-            "own mesh (readers: only='name of its cell set')"
+            "nodes, or make each part a body of its own: cells = 'CELL SET' of a body in a case file, "
+            "read_mesh(.., only='CELL SET') in Python"
         )
 
 
