@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from fixtures.beam_lines import beam_line, straight
 
 from supple.machine import GROUND, At, Placed, Revolute, System
+from supple.methods.intrinsic import CLAMPED, FREE, intrinsic_body
 from supple.quantities import joint_loads, tracked_motion
 from supple.results import summarize
+from supple.results.run_summary import body_numbers
+from supple.results.run_tables import body_table
 
 
 @pytest.fixture
@@ -40,3 +44,18 @@ def test_the_summary_finds_the_largest_values_and_their_times(hinged):
     assert numbers["bodies"]["rod"] == {"kind": "rigid", "mass": 1.0}
     np.testing.assert_array_equal(numbers["tracked"]["rod.right"]["last position"], place.position[-1])
     assert numbers["statistics"]["cuts"] == solution.statistics.rejected_steps
+
+
+@pytest.mark.parametrize(
+    ("support", "place", "factor"), [(CLAMPED, "root", 3.516), (FREE, "floating frame", 22.373)]
+)
+def test_frequencies_of_an_intrinsic_body_name_its_support(support, place, factor):
+    """The first frequency of a uniform beam is factor / 2 pi sqrt(E I / m) / L^2, clamped and free."""
+    line = beam_line(
+        straight(1.0, 30), name="line", EA=1e6, EI=14.0, GJ=10.0, mass_per_length=1.5, radius=0.01
+    )
+    numbers = body_numbers(intrinsic_body(line, support, 12))
+    (row,) = body_table({"units": {}, "bodies": {"line": numbers}}).rows
+    assert row[6] == place
+    first = float(row[7].split()[0])
+    assert first == pytest.approx(factor / (2 * np.pi) * (14.0 / 1.5) ** 0.5, rel=0.02)

@@ -181,13 +181,19 @@ def _lowest(full: FullBody, constraint: Any) -> np.ndarray:
 
 def _numbers_of_intrinsic(body: IntrinsicBody, units: UnitSystem, _: Any) -> dict[str, Any]:
     first, second = body.modes.orthonormality
+    hertz, free = units.frequency_shown.unit, body.support.free.shape[1]
+    lowest = _shown(body.modes.frequencies[:N_FREQUENCIES], units)
+    root = next((name for name, station in body.stations.items() if station == 0), "root")
+    held = root if free == 0 else f"{root}, with {free} free motions"
     return {
         "mass": body.mass,
         "nodes": len(body.nodes),
         "stations": body.line.n,
         "coordinates": body.n_coordinates,
-        headed("frequencies in the frame", units.frequency_shown.unit): _shown(
-            body.modes.frequencies[:N_FREQUENCIES], units
+        **(
+            {headed("frequencies in the frame", hertz): lowest}
+            if free == 6
+            else {headed("frequencies held", hertz): {held: lowest}}
         ),
         "orthonormality": {"velocities": first, "forces": second},
     }

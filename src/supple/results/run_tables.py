@@ -144,12 +144,11 @@ def _body_rows(name: str, body: Mapping[str, Any], hertz: str) -> Iterable[list[
     held |= body.get(headed("frequencies held", hertz), {})
     damped = body.get("damping ratios held", {})
     of_basis = ", basis" if body.get("frequencies of") == "the basis" else ""
-    for row, (place, frequencies) in enumerate(held.items()):
+    found = {place + of_basis: (place, each) for place, each in held.items() if len(each)}
+    for row, (shown, (place, frequencies)) in enumerate((found or {"": ("", ())}).items()):
         head = cells if row == 0 else [""] * len(cells)
-        if len(frequencies) or row == 0:
-            ratios = _vector([100 * ratio for ratio in damped.get(place, ())], digits=3)
-            shown = place + of_basis if len(frequencies) else ""
-            yield [*head, shown, _vector(frequencies, digits=4), ratios]
+        ratios = _vector([100 * ratio for ratio in damped.get(place, ())], digits=3)
+        yield [*head, shown, _vector(frequencies, digits=4), ratios]
 
 
 def motion_table(numbers: Mapping[str, Any]) -> TextTable:
