@@ -175,7 +175,7 @@ def refuse_omitted_cards(deck: Deck, allowed: Sequence[str] = ()) -> None:
         listed = "; ".join(
             f"{each.count} {each.card} (first on line {each.line}): {each.meaning}" for each in left[:8]
         )
-        names = ", ".join(f'"{each.card}"' for each in left)
+        names = ", ".join(dict.fromkeys(f'"{each.card}"' for each in left))
         raise ModelError(
             f"{deck.path}: the file has cards that are not read and would change the body: {listed}. To omit "
             f"them: leave_out = [{names}]"

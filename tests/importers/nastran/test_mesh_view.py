@@ -125,7 +125,7 @@ def test_an_element_without_volume_is_named_with_its_line(read):
 
 
 def test_a_mesh_with_holes_is_refused(read):
-    with pytest.raises(ImportFormatError, match="line 6: CTRIA3: 1 elements left out: their property 8"):
+    with pytest.raises(ImportFormatError, match=r"line 6: CTRIA3: 1 elements .*property 8.* add the cards"):
         read(SQUARE.replace("CTRIA3,2,7", "CTRIA3,2,8"))
 
 

@@ -100,9 +100,11 @@ def _refuse_holes(deck: Deck) -> None:
     for each in deck.left_out:
         where = f"{deck.path}, line {each.line}: {each.card}: "
         if each.meaning.startswith("elements left out") or each.card in CELLS_NOT_READ:
+            remedy = "correct them, or remove them"
+            if "property" in each.meaning:
+                remedy = "a mesh, too, needs property and material (PSHELL or PSOLID, MAT1): add the cards"
             raise ImportFormatError(
-                f"{where}{each.count} {each.meaning}; without them the mesh has holes: correct them, or "
-                "remove them"
+                f"{where}{each.count} {each.meaning}; without them the mesh has holes: {remedy}"
             )
         if each.meaning.endswith(CARDS_NOT_READ) or each.card == "SEBULK":
             raise ImportFormatError(
