@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -9,9 +10,11 @@ import pytest
 
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
 from supple.equations.checks.validity import watch
+from supple.error import ErrorStudy, state_errors
 from supple.error.model_error import model_errors, model_errors_by_limit
+from supple.errors import ValidityError, ValidityWarning
 from supple.fem import HomogeneousSection, Isotropic, shell_model
-from supple.integrate import FloatingMotion, Solution, Statistics, Validity
+from supple.integrate import FloatingMotion, Run, Solution, Statistics, Validity
 from supple.machine import GROUND, At, Fixed, Placed, System
 from supple.mesh import strip
 from supple.quantities import PositionSensor, WholeBody
@@ -53,6 +56,24 @@ def test_a_linear_body_lacks_its_shortening(linear, turn, known):
     slope = turn * (1 - (1 - x / LENGTH) ** 2)
     shortening = float(np.trapezoid(slope**2 / 2, x))
     assert shortening < stated < 2 * shortening
+
+
+@pytest.mark.parametrize(("turn", "warned"), [(0.05, False), (0.5, True)])
+def test_a_large_error_of_the_model_is_a_warning(linear, turn, warned):
+    """theta^2 / 2 of the length over the displacement 2 theta / 3 of a cantilever: 3/4 theta of it."""
+    system, bend = System((Placed(linear),)), bent(linear, turn)
+    study = ErrorStudy(basis=False, integration=False)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        (stated,) = state_errors(system, Run(1.0, 1.0), bend, study).errors.values()
+    messages = [str(each.message) for each in caught if each.category is ValidityWarning]
+    assert [message.startswith("body 'beam': the kinematics") for message in messages] == [True] * warned
+    assert ("intrinsic body" in stated.advice) == warned
+    assert stated.model.value / stated.size == pytest.approx(0.75 * turn, rel=0.03)
+    if warned:
+        strict = Run(1.0, 1.0, validity=Validity(strict=True))
+        with pytest.raises(ValidityError, match="kinematics of the model"):
+            state_errors(system, strict, bend, study)
 
 
 def test_a_linear_body_is_held_to_a_tenth_of_a_radian(linear):

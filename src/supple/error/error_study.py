@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 from supple.arguments import check_fields, check_members, checked_arguments
 from supple.body.full_body import FullBody
+from supple.equations.checks.strictness import warn_or_raise
 from supple.error.basis_part import basis_parts
 from supple.error.integration_error import integration_errors
 from supple.error.line_parts import line_parts
 from supple.error.model_error import model_errors
-from supple.errors import ModelError
+from supple.errors import ModelError, ValidityWarning
 from supple.integrate import ErrorPart, ErrorStatement, Kinematic, Run, Solution, StepProgress
 from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody, with_chosen_step
@@ -21,7 +22,7 @@ from supple.reduction import ReductionBasis
 from supple.simulation.engines import refuse_explicit
 from supple.simulation.stored_basis import stored_bases
 
-__all__ = ["ErrorStudy", "state_errors"]
+__all__ = ["ErrorStudy", "state_errors", "warn_of_model"]
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,9 @@ def state_errors(
     ------
     ModelError      a quantity of an unknown body or joint, a full body that does not belong to this machine,
         an explicit run
+
+    Warns (ValidityWarning; an error in a strict run) of bodies whose error of the model exceeds 5 % of their
+    displacement.
     """
     if isinstance(run.method, Kinematic):  # no integration, and no body deforms
         return solution
@@ -93,9 +97,19 @@ def state_errors(
     if study.basis and bases and solution.stopped is None:
         of_basis = basis_parts(system, run, solution, known, bases, quantities, progress=progress)
     of_basis = {**of_basis, **line_parts(system, solution)}  # at negligible cost
-    return solution.with_errors(
+    solution = solution.with_errors(
         statements(system, run, solution, study, known, bases, of_basis, progress=progress)
     )
+    warn_of_model(system, run, solution)
+    return solution
+
+
+def warn_of_model(system: System, run: Run, solution: Solution) -> None:
+    """Warn of elastic bodies whose error of the model is large; in a strict run raise ValidityError."""
+    for name in (placed.body.name for placed in system.bodies if placed.body.n_coordinates):
+        stated = solution.errors.get(name)
+        if stated is not None and stated.model_warning:
+            warn_or_raise(f"body '{name}': {stated.model_warning}", ValidityWarning, run.validity)
 
 
 def quantities_of_interest(system: System, study: ErrorStudy) -> list[QuantityOfInterest]:

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from supple.equations.checks.validity import watch
 from supple.error.correction_folder import CorrectionFolder
 from supple.error.correction_rounds import CorrectedSystem, ReductionStart, Round, SelfCorrectionError
-from supple.error.error_study import ErrorStudy
+from supple.error.error_study import ErrorStudy, warn_of_model
 from supple.error.round_table import best_round, correction_numbers
 from supple.error.self_correction import self_correct
 from supple.error.system_correction import Accepted, Announce
@@ -92,6 +92,7 @@ def correct_recorded(
         )
     limits = watch(corrected.system, run.validity)
     limits.report(limits.observe({}, corrected.solution))
+    warn_of_model(corrected.system, run, corrected.solution)
     stepped = replace(corrected.run or run, validity=run.validity)
     warn_of_unseen_laws(corrected.system, stepped)
     report_resolution(corrected.system, stepped, corrected.solution)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.error.correction_rounds import CorrectedSystem, ReductionStart, SelfCorrection
-from supple.error.error_study import ErrorStudy, quantities_of_interest
+from supple.error.error_study import ErrorStudy, quantities_of_interest, warn_of_model
 from supple.error.round_archive import InMemoryArchive, RoundArchive
 from supple.error.system_correction import Accepted, Announce, Problem, correct
 from supple.error.whole_correction import correct_wholly
@@ -76,6 +76,7 @@ def self_correct(
     Warns
     -----
     LoadSpectrumWarning     the loads excite modes outside a start basis; and warnings of `simulate`
+    ValidityWarning         an error of the model above 5 % of a body's displacement
     """
     starts = _starts(system, target)
     if not starts:
@@ -94,6 +95,7 @@ def self_correct(
         return _without_padding(correct(problem))
     problem = replace(problem, besides=tuple(quantities_of_interest(system, study)))
     corrected = correct_wholly(problem, study)
+    warn_of_model(corrected.system, run, corrected.solution)
     return _without_padding(corrected)
 
 

@@ -14,6 +14,9 @@ __all__ = ["PARTS", "ErrorPart", "ErrorStatement"]
 PARTS = ("basis", "step", "newton", "model")
 """Parts of the error of a run, in the order of tables."""
 
+LARGE_MODEL = 0.05
+"""Ratio of the model part to the size of the quantity, above which the kinematics do not suffice."""
+
 
 @dataclass(frozen=True)
 class ErrorPart:
@@ -94,11 +97,32 @@ class ErrorStatement(Summarized):
         return max(known, key=lambda name: known[name])
 
     @property
+    def model_warning(self) -> str:
+        """Sentence with the model part and its remedies where it exceeds 5 % of the size; otherwise empty."""
+        if self.model is None or not self.model.value > LARGE_MODEL * self.size:
+            return ""
+        share = f" ({self.model.value / self.size:.0%} of its size)" if self.size else ""
+        remedies = "use an intrinsic body if it is slender, or explicit elements"
+        return (
+            f"the kinematics of the model cause an error of about {self.model.value:.2g}{share}, which no "
+            "basis and no step reduces, and whose estimate holds for small errors only: "
+            + (f"{self.model.remedy}, or {remedies}" if self.model.remedy else remedies)
+        )
+
+    @property
     def advice(self) -> str:
-        """Sentence with the largest part, its ratio to the second largest, and its remedy; may be empty."""
+        """Sentence with the largest part, its ratio to the second largest, and its remedy; may be empty.
+
+        A sentence about the model part precedes it if that part is large.
+        """
         name = self.largest
         if name is None:
             return ""
+        if self.model_warning:
+            return self.model_warning if name == "model" else f"{self.model_warning}; {self._of(name)}"
+        return self._of(name)
+
+    def _of(self, name: str) -> str:
         values = {key: part.value for key, part in self.parts.items()}
         remedy = self.parts[name].remedy
         second = max((key for key in values if key != name), key=lambda key: values[key], default=None)
