@@ -17,11 +17,12 @@ from supple.body import FullBody
 from supple.equations import StaticSearch
 from supple.error.correction_rounds import ReductionStart, SelfCorrection, SelfCorrectionError
 from supple.error.start_deformation import with_reduced
-from supple.errors import BasisWarning, LockingWarning, ModelError
+from supple.errors import BasisWarning, LockingWarning, ModelError, ValidityWarning
 from supple.machine import Spin, System
 from supple.quantities.quantity_of_interest import quantity_distance
 from supple.reduction import ReducedBody, ReductionBasis, enrich, project, reduction_basis
 from supple.simulation import Equilibrium, equilibrium
+from supple.simulation.rest_limits import warn_of_rest_limits
 
 __all__ = [
     "MotionOutsideBasis",
@@ -97,6 +98,7 @@ def correct_at_rest(
         return missed_at_rest(found[-1], starts)
 
     corrected = correct_statically(system, starts, look)
+    warn_of_rest_limits(found[-1].system, found[-1].solution, starts)
     return found[-1], corrected
 
 
@@ -137,6 +139,7 @@ def correct_statically(
         with warnings.catch_warnings():
             # The rounds report the error.
             warnings.simplefilter("ignore", BasisWarning)
+            warnings.simplefilter("ignore", ValidityWarning)
             missed = look(reduced, fulls)
         for name, each in missed.items():
             rounds[name].append(each)

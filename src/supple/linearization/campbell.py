@@ -14,7 +14,7 @@ import scipy  # its parts are imported when first used
 
 from supple.arguments import checked_arguments
 from supple.body import FullBody
-from supple.errors import BasisWarning, ModelError
+from supple.errors import BasisWarning, ModelError, ValidityWarning
 from supple.linearization.linear_machine import STANDING, Array, LinearMachine
 from supple.linearization.linearize import linearize
 from supple.linearization.machine_modes import MachineModes, machine_modes
@@ -153,7 +153,8 @@ def campbell_diagram(
     ------
     ModelError          no speed; the errors of `linearize`
     ConvergenceError    no equilibrium at a speed
-    Warns BasisWarning of the speed with the largest basis error of modes or equilibrium, from 1 % on.
+    Warns BasisWarning of the speed with the largest basis error of modes or equilibrium, from 1 % on,
+    and ValidityWarning of the fastest speed at which a body exceeds a limit of its kinematics.
     """
     if not spins:
         raise ModelError("a Campbell diagram needs at least one speed")
@@ -161,15 +162,17 @@ def campbell_diagram(
     likeness: list[Array] = []
     errors: list[Array] = []
     messages: list[list[str]] = []
+    limits: list[list[str]] = []
     before: MachineModes | None = None
     wanted = n_modes
     senses: list[Array] = []
     in_space: list[Array] = []
     axes, names = STANDING, np.array([])
     for number, spin in enumerate(spins):
-        with _basis_warnings() as words:
+        with _held(ValidityWarning) as beyond, _held(BasisWarning) as words:
             linear = linearize(system, spin=spin, time=time, fulls=fulls)
         messages.append(words)
+        limits.append(beyond)
         # For a machine with full bodies, modes are matched among more than the requested number.
         modes = machine_modes(linear, 2 * n_modes + 6 if isinstance(linear, SparseMachine) else None)
         if before is None:
@@ -183,7 +186,7 @@ def campbell_diagram(
             rows, chosen = scipy.optimize.linear_sum_assignment(apart / size - table)
             likeness.append(_placed(len(table), rows, table[rows, chosen]))
         eigenvalues = _placed(wanted, rows, modes.eigenvalues[chosen])
-        with _basis_warnings() as words:
+        with _held(BasisWarning) as words:
             errors.append(_placed(wanted, rows, _errors(linear, chosen)))
         messages[-1] += words
         # A mode without a match (it may have become two real ones) keeps its last shape for later speeds.
@@ -204,6 +207,7 @@ def campbell_diagram(
         progress((number + 1) / len(spins))
     rates, known = np.array([spin.rate for spin in spins]), np.array(errors)
     _warn_of_worst(rates, known, messages)
+    _warn_of_limits(rates, limits)
     return CampbellDiagram(
         rates,
         np.array(followed),
@@ -237,14 +241,14 @@ def _errors(linear: LinearMachine | SparseMachine, chosen: np.ndarray) -> Array:
 
 
 @contextmanager
-def _basis_warnings() -> Iterator[list[str]]:
-    """Messages of BasisWarnings within the block; all other warnings pass."""
+def _held(category: type[Warning]) -> Iterator[list[str]]:
+    """Messages of warnings of a category within the block; all other warnings pass."""
     words: list[str] = []
     with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", BasisWarning)
+        warnings.simplefilter("always", category)
         yield words
     for each in caught:
-        if issubclass(each.category, BasisWarning):
+        if issubclass(each.category, category):
             words.append(str(each.message))
         else:
             warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
@@ -260,6 +264,16 @@ def _warn_of_worst(rates: Array, errors: Array, messages: Sequence[Sequence[str]
     speeds = f"at {len(warned)} of {len(rates)} speeds, most at {rates[worst]:.4g} rad per unit of time"
     for words in messages[worst]:
         warnings.warn(f"{speeds}: {words}", BasisWarning, stacklevel=4)
+
+
+def _warn_of_limits(rates: Array, messages: Sequence[Sequence[str]]) -> None:
+    """ValidityWarnings of the fastest speed at which a limit of the kinematics is exceeded."""
+    warned = [number for number, words in enumerate(messages) if words]
+    if not warned:
+        return
+    worst = max(warned, key=lambda number: abs(rates[number]))
+    for words in messages[worst]:
+        warnings.warn(f"at {len(warned)} of {len(rates)} speeds: {words}", ValidityWarning, stacklevel=4)
 
 
 def _placed(size: int, rows: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -27,6 +27,7 @@ from supple.machine import JointFriction, Spin, System
 from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.equilibrium import warn_of_rest
 from supple.simulation.full_rest import full_rest, known_fulls, rest_errors
+from supple.simulation.rest_limits import warn_of_rest_limits
 from supple.simulation.resting_state import RestingState, placed_at_rest, resting_state
 
 __all__ = ["linearize"]
@@ -75,6 +76,7 @@ def linearize(
                         drives of another speed, or with joint friction in rotation; with full bodies or
                         controllers, equations that vary
     ConvergenceError    no equilibrium
+    Warns ValidityWarning where a body exceeds a limit of its kinematics at the equilibrium.
     """
     frictions = [load for load in system.loads if isinstance(load, JointFriction)]
     if frictions and spin is not None and spin.rate:
@@ -84,6 +86,8 @@ def linearize(
         )
     known, search = known_fulls(system, fulls), search or StaticSearch()
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
+    still = found.equations.solution(found.state, time, found.iterations)
+    warn_of_rest_limits(placed_at_rest(found), still, known)
     if spin is not None and spin.rate:
         refuse_other_speeds(found, time, spin)
     equations = found.equations.linear_equations(found.state, time)

@@ -22,6 +22,7 @@ from supple.simulation.full_rest import (
     known_fulls,
     rest_errors,
 )
+from supple.simulation.rest_limits import warn_of_rest_limits
 from supple.simulation.rest_stability import is_stable
 from supple.simulation.resting_state import (
     RestingState,
@@ -121,7 +122,8 @@ def equilibrium(
                         prevents the spin; a joint between rotating and fixed bodies that prevents it; a
                         table that has no value at `time`
     ConvergenceError    no equilibrium was found, of the machine or of a controller's states
-    Warns BasisWarning where the error of a body is 1 % of its largest displacement or more, or unknown.
+    Warns BasisWarning where the error of a body is 1 % of its largest displacement or more, or unknown, and
+    ValidityWarning where a body exceeds a limit of its kinematics, which this error does not contain.
     Source: [KelleyKeyes1998] for the search.
     """
     search = search or StaticSearch()
@@ -131,9 +133,11 @@ def equilibrium(
     errors = {} if full is None else rest_errors(found, known, full)
     warn_of_rest(errors)
     balanced = None if full is None or full.found is None else full.found
+    placed, still = placed_at_rest(found), _one_instant(found, time)
+    warn_of_rest_limits(placed, still, known)
     return Equilibrium(
-        placed_at_rest(found),
-        _one_instant(found, time),
+        placed,
+        still,
         found.iterations,
         errors,
         None if balanced is None else (placed_at_rest(balanced), _one_instant(balanced, time)),
