@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
+from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
 from supple.equations.checks.validity import watch
 from supple.error import ErrorStudy, state_errors
 from supple.error.model_error import model_errors, model_errors_by_limit
@@ -74,6 +74,19 @@ def test_a_large_error_of_the_model_is_a_warning(linear, turn, warned):
         strict = Run(1.0, 1.0, validity=Validity(strict=True))
         with pytest.raises(ValidityError, match="kinematics of the model"):
             state_errors(system, strict, bend, study)
+
+
+def test_a_rigid_body_at_the_end_of_a_beam_has_the_error_of_the_beam(linear):
+    """It moves with the tip: its position is as wrong as that of the beam, and has its size."""
+    load = RigidBody("load", 1.0, np.zeros(3), np.eye(3), {"lug": np.zeros(3)})
+    system, bend = System((Placed(linear), Placed(load, position=(LENGTH, 0.0, 0.0)))), bent(linear, 0.05)
+    still, none = np.zeros((1, 3)), np.zeros((1, 0))
+    frame = FloatingMotion(still, np.eye(3)[None], none, still, still, none, still, still, none)
+    solution = replace(bend, bodies={**bend.bodies, "load": frame})
+    study = ErrorStudy(basis=False, integration=False, quantities=(PositionSensor("lug", "load.lug"),))
+    stated = state_errors(system, Run(1.0, 1.0), solution, study).errors
+    assert stated["lug"].size == stated["beam"].size > 0
+    assert stated["lug"].model.value == pytest.approx(stated["beam"].model.value)
 
 
 def test_a_linear_body_is_held_to_a_tenth_of_a_radian(linear):

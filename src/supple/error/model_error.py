@@ -86,7 +86,7 @@ def model_errors(
     bases : of the reduced bodies, by name
     quantities : the error of positions of a body in `fulls` is the RMS of the computed change of its nodes;
         for another quantity it is the size of the quantity times the relative error of its body, or times
-        the largest relative error of all bodies if the quantity has no body
+        the largest relative error of all bodies if the quantity has no body or a rigid one
     instants : number of times at which forces are compared (`widest_instants`)
     """
     seen_bodies = [full for name, full in fulls.items() if full.body.model is not None and name in bases]
@@ -249,7 +249,7 @@ def _part(
     errors: Mapping[str, float],
 ) -> ErrorPart:
     """The model part of a quantity; `errors` are those of the nodes of the bodies."""
-    name = quantity.body
+    name = quantity.body if quantity.body in errors else None  # the motion of a rigid body is that of all
     remedy = _remedy(system, name)
     exactly = "elements and ties rotated exactly"
     if changes is not None and name in changes.corrections:

@@ -77,8 +77,16 @@ class PositionSensor(_AtPlace):
         return self.place.points(body_named(system, self.body, self.name), solution.bodies[self.body])
 
     def size(self, system: System, solution: Solution) -> float:
-        """Largest displacement from the first interface, of the nodes; for an interface, of all nodes."""
+        """Largest displacement from the first interface, of the nodes; for an interface, of all nodes.
+
+        A rigid body moves with the elastic bodies: the largest displacement of these.
+        """
         form, nodes = body_named(system, self.body, self.name), self.place.at
+        if not form.n_coordinates:
+            elastic = [each.body for each in system.bodies if each.body.n_coordinates and each.body.has_frame]
+            moved = [solution.motion(each.name, FramedMotion).coordinates for each in elastic]
+            sizes = [largest_displacement(*each) for each in zip(elastic, moved, strict=True)]
+            return max(sizes, default=0.0)
         some = slice(None) if isinstance(nodes, str) else np.array(nodes)
         return largest_displacement(form, solution.motion(self.body, FramedMotion).coordinates, some)
 
