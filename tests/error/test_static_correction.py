@@ -7,11 +7,11 @@ import pytest
 
 from supple.body import FullBody, NodalFixedFrame, RigidInterface, flexible_body
 from supple.error import ReductionStart, SelfCorrection, SelfCorrectionError, correct_at_rest
-from supple.errors import ModelError
+from supple.errors import BasisWarning, ModelError
 from supple.fem import Isotropic, solid_model
-from supple.machine import GROUND, At, Fixed, System
+from supple.machine import GROUND, At, Fixed, Placed, System
 from supple.mesh import CellType, block
-from supple.reduction import CraigBampton, NoDerivatives
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, NormalModes, reduce
 from supple.simulation import equilibrium
 
 ROOT = NodalFixedFrame("root")
@@ -57,3 +57,24 @@ def test_what_is_not_reached_is_said_with_its_errors(full):
 def test_bodies_that_are_not_there_are_named(full, target, message):
     with pytest.raises(ModelError, match=message):
         correct_at_rest(System((full,), (CLAMP,)), target)
+
+
+def test_a_fixed_size_beside_a_corrected_body_is_warned_of(full):
+    """Both linear: the reduced bar lacks the shape under the force of the other, which moves with its tip."""
+    model = solid_model(block(1.0, 0.1, 0.05, 4, 1, 1, CellType.HEXA8), Isotropic(1e9, 0.3, 1000.0))
+    ends = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
+    inner = flexible_body("inner", model, ends).linearized()
+    poor = reduce(inner, ROOT, NormalModes(1), derivatives=NoDerivatives(), loads=NoLoads)
+
+    def machine(form):
+        wall = Fixed(name="wall", first=GROUND, second=At("inner", "root"))
+        elbow = Fixed(name="elbow", first=At("inner", "tip"), second=At("bar", "root"))
+        load = GRAVITY[0] / 10, GRAVITY[1] / 10, GRAVITY[2] / 10
+        return System((Placed(form), Placed(full, position=(1.0, 0.0, 0.0))), (wall, elbow), gravity=load)
+
+    with pytest.warns(BasisWarning, match="basis of 'inner' has a fixed size; its error"):
+        found, corrected = correct_at_rest(machine(poor), {"bar": start(relative=1e-4)})
+    exact = equilibrium(machine(FullBody(inner, ROOT)))
+    apart = found.system.bodies[1].positions() - exact.system.bodies[1].positions()
+    last = corrected.missed["bar"][-1]
+    assert np.sqrt(np.mean(np.sum(apart**2, axis=1))) > 10 * last.allowed > 10 * last.error

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import warnings
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from supple.algebra import read_only
 from supple.arguments import check_fields
-from supple.errors import AccuracyError, ModelError
+from supple.errors import AccuracyError, BasisWarning, ModelError
 from supple.integrate import ErrorPart, Run, Solution
 from supple.machine.system import System
 from supple.quantities.quantity_of_interest import QuantityOfInterest, WholeBody
@@ -31,6 +32,7 @@ __all__ = [
     "SelfCorrected",
     "SelfCorrection",
     "SelfCorrectionError",
+    "warn_of_fixed_sizes",
 ]
 
 
@@ -203,3 +205,20 @@ class SelfCorrectionError(AccuracyError):
     def __init__(self, message: str, rounds: tuple[Round, ...]) -> None:
         super().__init__(message)
         self.rounds = rounds
+
+
+def warn_of_fixed_sizes(system: System, corrected: Container[str]) -> None:
+    """BasisWarning of reduced bodies beside corrected ones, whose known missing motion no error contains."""
+    fixed = [
+        f"'{name}'"
+        for name, body in system.bodies_of(ReducedBody).items()
+        if name not in corrected and body.full is not None and body.r < body.full.n_coordinates - 6
+    ]
+    if fixed:
+        warnings.warn(
+            f"self-correction: the basis of {' and '.join(fixed)} has a fixed size; its error, which moves "
+            "the other bodies too, is in no estimated error. Let it correct itself too (accuracy = "
+            "{ relative = 1e-3 }; in Python a FullBody), or compare with a run with more modes",
+            BasisWarning,
+            stacklevel=4,
+        )

@@ -15,7 +15,12 @@ import numpy as np
 
 from supple.body import FullBody
 from supple.equations import StaticSearch
-from supple.error.correction_rounds import ReductionStart, SelfCorrection, SelfCorrectionError
+from supple.error.correction_rounds import (
+    ReductionStart,
+    SelfCorrection,
+    SelfCorrectionError,
+    warn_of_fixed_sizes,
+)
 from supple.error.start_deformation import with_reduced
 from supple.errors import BasisWarning, LockingWarning, ModelError, ValidityWarning
 from supple.machine import Spin, System
@@ -128,6 +133,7 @@ def correct_statically(
             if other is None
             else f"self-correction at rest: body '{other}' must be in the system as a FullBody"
         )
+    warn_of_fixed_sizes(system, starts)
     fulls = {name: fulls[name] for name in starts}
     bases = {
         name: reduction_basis(full.body, full.frame, starts[name].basis, derivatives=starts[name].derivatives)

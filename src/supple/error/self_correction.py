@@ -7,7 +7,12 @@ from dataclasses import replace
 
 from supple.arguments import checked_arguments
 from supple.body import FullBody
-from supple.error.correction_rounds import CorrectedSystem, ReductionStart, SelfCorrection
+from supple.error.correction_rounds import (
+    CorrectedSystem,
+    ReductionStart,
+    SelfCorrection,
+    warn_of_fixed_sizes,
+)
 from supple.error.error_study import ErrorStudy, quantities_of_interest, warn_of_model
 from supple.error.round_archive import InMemoryArchive, RoundArchive
 from supple.error.system_correction import Accepted, Announce, Problem, correct
@@ -76,11 +81,13 @@ def self_correct(
     Warns
     -----
     LoadSpectrumWarning     the loads excite modes outside a start basis; and warnings of `simulate`
+    BasisWarning            a reduced body beside the corrected ones, whose error is in no estimated error
     ValidityWarning         an error of the model above 5 % of a body's displacement
     """
     starts = _starts(system, target)
     if not starts:
         raise ModelError("self-correction: name at least one body of the system to reduce")
+    warn_of_fixed_sizes(system, starts)
     problem = Problem(
         system=system,
         fulls={name: _full(system, name) for name in starts},
