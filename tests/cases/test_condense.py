@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from supple.cases import modes_case, read_case, run_case, static_case
-from supple.errors import CaseError, ModelError
+from supple.errors import CaseError, ModelError, SuppleWarning
 from supple.methods.intrinsic import CLAMPED, IntrinsicBody, intrinsic_body
 
 WING = Path(__file__).parents[2] / "examples" / "wing.toml"
@@ -47,6 +47,27 @@ def test_a_condensed_strip_swings_as_the_whole_one(case_folder, tmp_path):
     report = json.loads((tmp_path / "condensed" / "strip.json").read_text())
     assert report["bodies"]["strip"]["kind"] == "intrinsic"
     assert report["bodies"]["strip"]["stations"] == 5
+
+
+@pytest.mark.slow
+def test_a_requested_error_of_a_basis_that_is_not_estimated_is_warned_of(case_folder, tmp_path):
+    """Of the reduced strip beside the condensed one, whose omitted modes are estimated."""
+    path = case_folder / "strip.toml"
+    text = path.read_text().replace("duration = 0.4", "duration = 0.004")
+    head, rest = text.split("[simulation]")
+    body, joint = head[head.index("[[body]]") :].split("[[joint]]")
+    for old in WHOLE:
+        body = body.replace(old, "")
+    body = body.replace("damping = {", CONDENSE.replace(" }", ", released = true }") + "damping = {")
+    other = (body + TIP + joint).replace('"strip"', '"arm"').replace("strip.root", "arm.root")
+    asked = "[error]\nbasis = true\nintegration = false\n"
+    path.write_text(f"{head}{other.replace('clamp', 'clasp')}{asked}[simulation]{rest}")
+    with pytest.warns(
+        SuppleWarning, match=r"basis = true: .* of 'strip' is not estimated: .* intrinsic"
+    ):
+        solution = run_case(read_case(path), tmp_path / "out").solution
+    assert solution.errors["strip"].basis is None
+    assert solution.errors["arm"].basis is not None
 
 
 def test_a_condensed_strip_rests_as_a_cantilever_under_its_weight(case_folder, tmp_path):

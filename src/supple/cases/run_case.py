@@ -26,6 +26,7 @@ from supple.error import Round, SelfCorrectionError, correct_recorded, correctio
 from supple.errors import CaseError, SuppleWarning
 from supple.integrate import Solution, StepProgress, Validity
 from supple.machine import System
+from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities import (
     Readings,
     TrackedMotion,
@@ -212,6 +213,22 @@ def _warn_of_unused_error(case: Case) -> None:
         )
 
 
+def _warn_of_unknown_bases(system: System, solution: Solution) -> None:
+    """Issue SuppleWarning of quantities whose error of the basis was requested and is not estimated."""
+    unknown = [f"'{name}'" for name, each in solution.errors.items() if each.basis is None]
+    if unknown:
+        why = (
+            "a machine with an intrinsic body has no error equation; repeat the run with more modes"
+            if system.bodies_of(IntrinsicBody)
+            else "the elements of some of its bodies are not known; compare with a model of more coordinates"
+        )
+        warnings.warn(
+            f"[error] basis = true: the error of the basis of {', '.join(unknown)} is not estimated: {why}",
+            SuppleWarning,
+            stacklevel=2,
+        )
+
+
 def _warn_of_damping(case: Case, system: System) -> None:
     """Warn of each reduced body whose clamped modes have other damping ratios than specified."""
     reduced = {body.name: body for body in reduced_bodies(system, case.made_here)}
@@ -284,6 +301,8 @@ def _simulated(
         known(system, solution)
         solution = state_errors(system, case.run, solution, case.study, fulls=case.fulls, progress=progress)
         write_errors(path, solution)
+        if solution.stopped is None and case.study.basis:
+            _warn_of_unknown_bases(system, solution)
     return system, solution
 
 
