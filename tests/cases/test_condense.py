@@ -62,9 +62,7 @@ def test_a_requested_error_of_a_basis_that_is_not_estimated_is_warned_of(case_fo
     other = (body + TIP + joint).replace('"strip"', '"arm"').replace("strip.root", "arm.root")
     asked = "[error]\nbasis = true\nintegration = false\n"
     path.write_text(f"{head}{other.replace('clamp', 'clasp')}{asked}[simulation]{rest}")
-    with pytest.warns(
-        SuppleWarning, match=r"basis = true: .* of 'strip' is not estimated: .* intrinsic"
-    ):
+    with pytest.warns(SuppleWarning, match=r"basis = true: .* of 'strip' is not estimated: .* intrinsic"):
         solution = run_case(read_case(path), tmp_path / "out").solution
     assert solution.errors["strip"].basis is None
     assert solution.errors["arm"].basis is not None

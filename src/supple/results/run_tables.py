@@ -240,11 +240,12 @@ def error_table(numbers: Mapping[str, Any]) -> TextTable:
 
 
 def error_lines(numbers: Mapping[str, Any]) -> list[str]:
-    """Description of each row of the error table, and the remedy for its largest part."""
-    return [
+    """Description of each row of the error table, the remedy for its largest part, and what is left out."""
+    lines = [
         f"{name}: {stated['of']}" + (f"; {stated['advice']}" if stated["advice"] else "")
         for name, stated in numbers["errors"].items()
     ]
+    return [*lines, "The errors of mesh, material and loads are not included"] if lines else []
 
 
 def cost_line(cost: Statistics) -> str:
