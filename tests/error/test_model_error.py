@@ -76,6 +76,25 @@ def test_a_large_error_of_the_model_is_a_warning(linear, turn, warned):
             state_errors(system, strict, bend, study)
 
 
+@pytest.mark.parametrize(("axis", "share"), [((0.0, 0.0, 1.0), 0.16), ((1.0, 0.0, 0.0), 0.0)])
+def test_a_linear_body_lacks_its_centrifugal_stiffness(linear, axis, share):
+    """At 0.4 of its lowest frequency, about an axis across its root; about its own axis it is a shaft."""
+    lowest = 1.875104**2 * np.sqrt(1e9 * 0.01**2 / 12 / (1000.0 * LENGTH**4))
+    still = bent(linear, 0.05)
+    spin = np.array([axis]) * 0.4 * lowest
+    turning = replace(still.motion("beam", FloatingMotion), angular_velocity=spin)
+    spun = replace(still, bodies={"beam": turning})
+    system, run = System((Placed(linear),)), Run(1.0, 1.0)
+    study = ErrorStudy(basis=False, integration=False)
+    standing = state_errors(system, run, still, study).errors["beam"]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ValidityWarning)
+        stated = state_errors(system, run, spun, study).errors["beam"]
+    added = (stated.model.value - standing.model.value) / stated.size
+    assert added == pytest.approx(share, rel=0.02, abs=1e-12)
+    assert "quadratic strains" in stated.model.remedy
+
+
 def test_a_rigid_body_at_the_end_of_a_beam_has_the_error_of_the_beam(linear):
     """It moves with the tip: its position is as wrong as that of the beam, and has its size."""
     load = RigidBody("load", 1.0, np.zeros(3), np.eye(3), {"lug": np.zeros(3)})

@@ -24,7 +24,8 @@ large residual from stretching alone (plate 4 mm thick, nodes displaced by 14 mm
 instead of 0.14 mm). The linear motion is therefore corrected to second order first; Newton's method continues
 from the result (`MissingMotionSearch`). Without elements or with controllers, the error of a linear body is
 theta^2 / 2 of its length L, with theta its largest rotation. Where rotations are unknown,
-theta = 3 u / (2 L), that of a cantilever with the same end displacement u.
+theta = 3 u / (2 L), that of a cantilever with the same end displacement u. The centrifugal stiffness that a
+linear body lacks, (spin / lowest frequency)^2 of its own, adds this share of the displacement.
 """
 
 from __future__ import annotations
@@ -38,6 +39,7 @@ import numpy as np
 from supple.body import BodyForm, FlexibleBody, MeanAxisFrame, smaller_rotations
 from supple.body.full_body import FullBody
 from supple.body.turned_elements import turned_force
+from supple.equations.checks.validity import is_rotor
 from supple.error.missing_motion import MissingMotionSearch
 from supple.error.residual_correction import (
     ExpandedStates,
@@ -193,8 +195,8 @@ def model_errors_by_limit(
 ) -> dict[str, float]:
     """Error of the nodes of every elastic body, from its largest rotation and its rotation limit.
 
-    The error of a linear body follows from rotation and length; without a rotation limit the error is zero.
-
+    The error of a linear body follows from rotation and length, and from its spin; without a rotation limit
+    the error of any other body is zero.
 
     but : names of bodies to leave out
     """
@@ -210,12 +212,21 @@ def model_errors_by_limit(
             length = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
             if body.rotation_rows is None:
                 turn = CANTILEVER * size / length if length else 0.0
-            found[body.name] = turn**2 / 2 * length
+            found[body.name] = turn**2 / 2 * length + _missing_stiffness(body, motion) * size
             continue
         known = np.isfinite(body.rotation_limit)
         share = AT_LIMIT * (turn / body.rotation_limit) ** 3 if known else 0.0
         found[body.name] = float(share) * size
     return found
+
+
+def _missing_stiffness(body: BodyForm, motion: FramedMotion) -> float:
+    """Centrifugal stiffness that a linear body lacks at its fastest, relative to its own; one at most."""
+    spins = np.linalg.norm(motion.angular_velocity, axis=1)
+    fastest = int(np.argmax(spins))
+    if not spins[fastest] or is_rotor(body, motion, fastest):
+        return 0.0
+    return min(float(spins[fastest] / body.lowest_frequency()) ** 2, 1.0)
 
 
 def widest_instants(system: System, solution: Solution, parts: int = INSTANTS) -> np.ndarray:
@@ -273,4 +284,7 @@ def _remedy(system: System, name: str | None) -> str:
     bodies = [placed.body for placed in system.bodies if placed.body.n_coordinates]
     frames = [getattr(body, "frame", None) for body in bodies if name in (None, body.name)]
     others = [frame for frame in frames if not isinstance(frame, MeanAxisFrame)]
-    return smaller_rotations((others or frames or [None])[0])
+    smaller = smaller_rotations((others or frames or [None])[0])
+    if any(body.is_linear for body in bodies if name in (None, body.name)):
+        return f"reduce it with modal derivatives, from a model with quadratic strains, or {smaller}"
+    return smaller

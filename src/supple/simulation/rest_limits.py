@@ -4,17 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Container
 
-import numpy as np
-
-from supple.equations.checks.validity import watch
-from supple.integrate import Solution, Validity
-from supple.machine import Placed, System
+from supple.equations.checks.validity import is_rotor, watch
+from supple.integrate import FramedMotion, Solution, Validity
+from supple.machine import System
 
 __all__ = ["warn_of_rest_limits"]
-
-ROUND = 0.1
-"""Difference of a body's two spreads across the spin axis, relative to all its spread, below which it is a
-rotor: centrifugal tension across the axis does not stiffen its bending."""
 
 
 def warn_of_rest_limits(system: System, solution: Solution, stated: Container[str]) -> None:
@@ -27,25 +21,8 @@ def warn_of_rest_limits(system: System, solution: Solution, stated: Container[st
     """
     monitor = watch(system, Validity())
     peaks = monitor.peaks(solution)
-    for placed in system.bodies:
-        body = placed.body
-        if body.name in peaks and (_is_rotor(placed) if body.is_linear else body.name in stated):
+    for body in (placed.body for placed in system.bodies if placed.body.name in peaks):
+        motion = solution.motion(body.name, FramedMotion)
+        if is_rotor(body, motion, 0) if body.is_linear else body.name in stated:
             peaks[body.name] = peaks[body.name]._replace(spin=0.0)
     monitor.report(peaks)
-
-
-def _is_rotor(placed: Placed) -> bool:
-    """Whether the nodes are spread about the axis of the body's rotation as in a shaft or a disc."""
-    if placed.angular_velocity is None or placed.velocity is None:
-        return False
-    turn = placed.rotation @ placed.angular_velocity
-    rate = float(np.linalg.norm(turn))
-    if not rate:
-        return False
-    point = placed.position + np.cross(turn, placed.velocity) / rate**2
-    arms = placed.position + placed.body.nodes @ placed.rotation.T - point
-    across = arms - np.outer(arms @ turn, turn) / rate**2
-    whole = float(np.sum((arms - arms.mean(axis=0)) ** 2)) + float(np.sum(across**2))
-    spread = np.linalg.eigvalsh(across.T @ across)  # ascending; zero along the axis
-    centre = len(arms) * float(np.sum(across.mean(axis=0) ** 2))
-    return bool(spread[2] - spread[1] <= ROUND * whole and centre <= ROUND * whole)

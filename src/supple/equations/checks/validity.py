@@ -26,7 +26,7 @@ from supple.integrate import FramedMotion, Solution, Validity
 from supple.machine import At, ForceElement
 from supple.machine.system import System
 
-__all__ = ["ExceededLimit", "Peaks", "ValidityMonitor", "watch"]
+__all__ = ["ExceededLimit", "Peaks", "ValidityMonitor", "is_rotor", "watch"]
 
 SOFTENED_LIMIT = 0.01
 """Estimated relative error of a deflection due to averaging interfaces, from which a warning is given."""
@@ -34,6 +34,10 @@ SOFTENED_LIMIT = 0.01
 LINEAR_ROTATION_LIMIT = 0.1
 """rad, rotation theta. Linear strains lack the shortening by bending, theta^2 / 2. At this rotation it is
 0.5 % of the length, a tenth of the deflection of such a body."""
+
+ROUND = 0.1
+"""Difference of a body's two spreads across its axis of rotation, relative to all its spread, below which it
+is a rotor."""
 
 _STIFFER = {"modal": "Give it stiffening=CentrifugalStiffness() (spin_stiffness = true in a case file)"}
 """Remedy for missing geometric stiffness, by kind of body; for other kinds modal derivatives."""
@@ -242,3 +246,21 @@ def _limits(body: BodyForm, validity: Validity, carrying: set[At]) -> _Limits:
         averaging=averaging,
         softness=softness,
     )
+
+
+def is_rotor(body: BodyForm, motion: FramedMotion, instant: int) -> bool:
+    """Whether nodes are spread about the axis of the rotation at an output time as in a shaft or a disc.
+
+    Centrifugal tension then does not stiffen the bending across this axis. False for a body that stands.
+    """
+    turn = motion.angular_velocity[instant]
+    rate = float(np.linalg.norm(turn))
+    if not rate:
+        return False
+    velocity = motion.rotation[instant].T @ motion.velocity[instant]
+    arms = body.nodes - np.cross(turn, velocity) / rate**2
+    across = arms - np.outer(arms @ turn, turn) / rate**2
+    whole = float(np.sum((arms - arms.mean(axis=0)) ** 2)) + float(np.sum(across**2))
+    spread = np.linalg.eigvalsh(across.T @ across)  # ascending; zero along the axis
+    centre = len(arms) * float(np.sum(across.mean(axis=0) ** 2))
+    return bool(spread[2] - spread[1] <= ROUND * whole and centre <= ROUND * whole)
