@@ -163,6 +163,7 @@ def test_the_error_of_a_rotor_on_unlike_bearings_is_that_of_its_basis():
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:body 'blade[012]' is linear")  # both machines have linear blades
 def test_the_error_of_blades_on_a_tower_is_that_of_their_basis():
     """The same blades with all their coordinates as a basis, in the same axes."""
     model = shell_model(strip(1.0, 0.1, 3, 2), HomogeneousSection(Isotropic(2e9, 0.3, 2000.0), 0.02))

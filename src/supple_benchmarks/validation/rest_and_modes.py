@@ -40,9 +40,7 @@ def spinning_bar() -> Sequence[Comparison]:
     rubin = reduce(bar, ROOT, Rubin(6), derivatives=NoDerivatives())
     bare = reduce(bar, ROOT, Rubin(6), derivatives=NoDerivatives(), loads=NoLoads)
     with warnings.catch_warnings():
-        warnings.simplefilter(
-            "ignore", ValidityWarning
-        )  # the bar is linear: its spin is too fast
+        warnings.simplefilter("ignore", ValidityWarning)  # the bar is linear: its spin is too fast
         corrected, _ = correct_at_rest(_on_hub(full), start, spin=_spin())
         as_it_comes = equilibrium(_on_hub(rubin), spin=_spin())
         warnings.simplefilter("ignore", BasisWarning)
