@@ -160,6 +160,11 @@ class BodyForm(Protocol):
         ...
 
     @property
+    def lumping_error(self) -> float | None:
+        """Relative error of deflections under inertia because stations carry the mass; None if unknown."""
+        ...
+
+    @property
     def missing_centrifugal_stiffness(self) -> np.ndarray:
         """Largest fraction of the stiffness that is missing per squared angular velocity, (3,), (rad/s)^-2.
 

@@ -75,6 +75,11 @@ class FormDefaults:
         return None
 
     @property
+    def lumping_error(self) -> float | None:
+        """Zero: the mass is that of the elements."""
+        return 0.0
+
+    @property
     def missing_centrifugal_stiffness(self) -> Array:
         """Zeros (3,): no centrifugal stiffness is missing."""
         return np.zeros(3)

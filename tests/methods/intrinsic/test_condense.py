@@ -75,6 +75,24 @@ def test_mass_first_and_second_moments_are_those_of_the_elements(name, path, req
     assert np.linalg.eigvalsh(line.station_masses).min() > 0
 
 
+@pytest.mark.parametrize("n_stations", [3, 5, 9])
+def test_the_lumping_error_is_that_of_the_deflection_under_the_weight(shell_strip, n_stations):
+    """Elements under their weight, and stations under that of their mass: the same places are compared."""
+    path = LoadPath("root", "tip", n_stations)
+    condensed = condense(shell_strip, path)
+    stations, _ = path.stations(shell_strip)
+    weight = shell_strip.mass @ shell_strip.rigid_modes[:, 2]
+    bent = shell_strip.constrained(stations[0].motion).solve(weight)
+    exact = np.array([each.motion @ bent for each in stations])
+    line = condensed.line
+    heavy = (line.mass @ line.twists[:, 2])[6:]
+    lumped = np.linalg.solve(line.stiffness[6:, 6:], heavy).reshape(-1, 6)
+    error = np.linalg.norm(lumped[:, 2] - exact[1:, 2]) / np.linalg.norm(exact[1:, 2])
+    assert condensed.lumping_error == pytest.approx(error, rel=1e-4)
+    # A uniform cantilever: moments of q h^2 / 12 at its tip bend it by (h / L)^2 / 3 of q L^4 / 8 EI.
+    assert 1 - lumped[-1, 2] / exact[-1, 2] == pytest.approx(1 / 3 / (n_stations - 1) ** 2, rel=0.5)
+
+
 def frequencies(body, number, constraint):
     return np.sqrt(lowest_modes(body.stiffness, body.mass, number, constraint=constraint).values)
 

@@ -10,7 +10,7 @@ from supple.arguments import checked_arguments
 from supple.body import Damping, FlexibleBody
 from supple.errors import ModelError
 from supple.fem import Attached, refuse_attached
-from supple.methods.intrinsic.condensed_line import condensed_line
+from supple.methods.intrinsic.condensed_line import CondensedLine, condensed_line
 from supple.methods.intrinsic.expansion import carried_by_stations
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody
 from supple.methods.intrinsic.intrinsic_modes import intrinsic_modes
@@ -20,6 +20,9 @@ from supple.methods.intrinsic.lumped_inertia import lumped_inertia
 from supple.methods.intrinsic.root_support import CLAMPED, RootSupport
 
 __all__ = ["condense"]
+
+SOFT = 1e-2
+"""Deflection under the weight relative to that in the softest direction, above which its error counts."""
 
 Array = NDArray[np.float64]
 
@@ -83,8 +86,31 @@ def condense(
     )
     names = {interface.name: number for number, interface in enumerate(interfaces)}
     names |= {f"station {number}": number for number in range(line.n)}
-    whole = IntrinsicBody(modes, expansion, names, damping)
+    whole = IntrinsicBody(modes, expansion, names, damping, lumping_error=_lumping_error(body, line, shapes))
     return whole if n_modes is None else whole.truncated(n_modes)
+
+
+def _lumping_error(body: FlexibleBody, line: CondensedLine, shapes: Array) -> float:
+    """Error of deflections under the weight of the body, clamped at its root, as stations carry the mass.
+
+    Forces Psi^T M a of the elements' mass deflect the line exactly as the elements, those of the lumped mass
+    do not. Norms are those of the displacements of stations; the largest ratio of three directions a, without
+    those in which the body is stiff.
+    """
+    directions = slice(0, 3)
+    exact = shapes.T @ (body.mass @ body.rigid_modes[:, directions])
+    lumped = line.mass @ line.twists[:, directions]
+    K = line.stiffness[6:, 6:]
+    scale = 1 / np.sqrt(np.diag(K))
+    factor = linalg.cho_factor(K * np.outer(scale, scale))
+
+    def deflection(forces: Array) -> Array:
+        moved = scale[:, None] * linalg.cho_solve(factor, scale[:, None] * forces[6:])
+        return np.linalg.norm(moved.reshape(-1, 6, 3)[:, :3], axis=(0, 1))
+
+    deflections, errors = deflection(exact), deflection(lumped - exact)
+    soft = deflections > SOFT * deflections.max(initial=0.0)
+    return float((errors[soft] / deflections[soft]).max(initial=0.0))
 
 
 def _statics(body: FlexibleBody, rows: sparse.csr_array) -> tuple[Array, Array]:

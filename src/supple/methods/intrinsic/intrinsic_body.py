@@ -79,6 +79,8 @@ class IntrinsicBody(FormDefaults, Summarized):
         the modes on its root support, also for a released body
     complete : IntrinsicBody | None     the same body with all its modes; None if this body has all
     supported : IntrinsicBody | None    for a released body: the body before release, on its root support
+    lumping_error : float | None    error of deflections under its weight, relative, because stations carry
+        the mass; None for a line that is not condensed from elements
     """
 
     modes: IntrinsicModes
@@ -87,6 +89,7 @@ class IntrinsicBody(FormDefaults, Summarized):
     damping: Damping | None = None
     complete: IntrinsicBody | None = field(default=None, repr=False)
     supported: IntrinsicBody | None = field(default=None, repr=False)
+    lumping_error: float | None = None
 
     def summary(self) -> Summary:
         """Stations, modes, mass and interfaces."""
