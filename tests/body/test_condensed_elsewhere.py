@@ -363,9 +363,7 @@ def test_recovered_points_tell_how_modal_coordinates_turn(beam, ours):
 
     def frequencies(body):
         machine = System([body], [Fixed(first=GROUND, second=At("beams", "root"))])
-        return machine_modes(
-            linearize(machine, spin=Spin(axis=(0, 0, 1), rate=9.6), fulls=()), 4
-        ).frequencies
+        return machine_modes(linearize(machine, spin=Spin(axis=(0, 0, 1), rate=9.6), fulls=()), 4).frequencies
 
     exact = frequencies(ours)
     without, with_points, with_few = (np.abs(frequencies(body) / exact - 1).max() for body in bodies)

@@ -15,9 +15,17 @@ from supple.body import (
     check_nodal_matrices,
     mesh_mass_properties,
     nodal_matrices,
+    stiff_cells,
 )
 from supple.errors import ModelError
-from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
+from supple.fem import (
+    HomogeneousSection,
+    Isotropic,
+    Section,
+    finite_element_model,
+    shell_model,
+    solid_model,
+)
 from supple.importers import LabelledMatrix, NodeTable
 from supple.mesh import CellType, Mesh, block
 
@@ -34,7 +42,8 @@ def model(request):
 def test_a_good_model_is_accepted_with_its_numbers(model):
     check = check_elements(model)
     assert check.is_accepted
-    assert all(finding.verdict is Verdict.OK and not finding.remedy for finding in check.findings)
+    others = [finding for finding in check.findings if finding.what != "solid cells of first order"]
+    assert all(finding.verdict is Verdict.OK and not finding.remedy for finding in others)
     assert check.n_zero_modes == 6
     assert check.rigid_energy.max() < 1e-12
     assert check.mass.mass == pytest.approx(mesh_mass_properties(model).mass)
@@ -205,8 +214,10 @@ def test_cells_that_lie_twice_are_doubtful(solid):
     cells = {kind: np.vstack([array, array[3:5]]) for kind, array in mesh.cells.items()}
     (kind,) = cells
     twice = solid_model(Mesh(mesh.nodes, cells), Isotropic(2.1e11, 0.3, 7850.0))
-    (found,) = (f for f in check_elements(twice, n_frequencies=0).findings if f.verdict is Verdict.DOUBTFUL)
-    assert found.what == "cells on the same nodes"
+    (found,) = (
+        f for f in check_elements(twice, n_frequencies=0).findings if f.what == "cells on the same nodes"
+    )
+    assert found.verdict is Verdict.DOUBTFUL
     assert found.seen == f"2 node groups with several {kind.name} cells, first at cell 3"
 
 
@@ -221,6 +232,26 @@ def test_linear_cells_on_quadratic_ones_are_doubtful():
     assert found.what == "linear cells on quadratic ones"
     assert found.seen.startswith("3 edges")
     assert found.seen.endswith("first at nodes 1 and 2")
+
+
+@pytest.mark.parametrize(
+    ("kind", "bends", "doubtful"),
+    [
+        (CellType.TETRA4, False, True),
+        (CellType.HEXA8, False, True),
+        (CellType.HEXA8, True, False),
+        (CellType.HEXA20, False, False),
+    ],
+)
+def test_solids_of_first_order_are_doubtful(kind, bends, doubtful):
+    mesh = block(2, 1, 1, 2, 1, 1, kind)
+    cells = np.arange(len(mesh.cells[kind]))
+    model = finite_element_model(
+        mesh, (Section(kind, cells, Isotropic(2.1e11, 0.3, 7850.0), incompatible=bends),)
+    )
+    found = [each for each in check_elements(model).findings if each.what == "solid cells of first order"]
+    assert [each.verdict for each in found] == [Verdict.DOUBTFUL] * doubtful
+    assert stiff_cells(model) == ({kind.name: len(cells)} if doubtful else {})
 
 
 def test_entries_that_are_no_numbers(solid):

@@ -26,7 +26,15 @@ from supple.errors import AccuracyError, ModelError
 from supple.fem import Attached, FiniteElementModel, consistent_mass
 from supple.mesh import Mesh
 
-__all__ = ["Finding", "ModelCheck", "Verdict", "check_elements", "check_model", "check_nodal_matrices"]
+__all__ = [
+    "Finding",
+    "ModelCheck",
+    "Verdict",
+    "check_elements",
+    "check_model",
+    "check_nodal_matrices",
+    "stiff_cells",
+]
 
 FloatArray = NDArray[np.float64]
 
@@ -186,7 +194,23 @@ def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> Mode
         mesh_mass=expected,
         attached=model.attached,
     )
-    return replace(check, findings=(*check.findings, _cells_twice(model.mesh), *_middle_nodes(model.mesh)))
+    cells = [_cells_twice(model.mesh), *_middle_nodes(model.mesh), *_first_order(model)]
+    return replace(check, findings=(*check.findings, *cells))
+
+
+def stiff_cells(model: FiniteElementModel) -> dict[str, int]:
+    """Numbers of solid cells that are too stiff in bending, by type: of first order, and more than others.
+
+    A bar of 20 x 2 x 2 boxes: its first frequency is 29 % too high with TETRA4, 7 % with HEXA8; with 40 x 4 x
+    4 boxes 8 % and 2 %. Incompatible modes (`Section.incompatible`) make HEXA8 exact in pure bending.
+    """
+    found: dict[str, int] = {}
+    for section in model.sections:
+        kind = section.cell_type
+        if kind.dimension == 3 and kind.n_nodes == kind.n_corners and not section.incompatible:
+            found[kind.name] = found.get(kind.name, 0) + len(section.cells)
+    solids = sum(len(section.cells) for section in model.sections if section.cell_type.dimension == 3)
+    return found if 2 * sum(found.values()) > solids else {}
 
 
 def check_nodal_matrices(
@@ -267,6 +291,16 @@ def _middle_nodes(mesh: Mesh) -> list[Finding]:
             "the cells separate along these edges; give both sides mid-side nodes, or neither",
         )
     ]
+
+
+def _first_order(model: FiniteElementModel) -> list[Finding]:
+    """Finding on solid cells that are too stiff in bending."""
+    found = stiff_cells(model)
+    if not found:
+        return []
+    seen = ", ".join(f"{number} {name}" for name, number in found.items())
+    remedy = "mesh parts that bend with second-order cells, or with four cells through their thickness"
+    return [Finding("solid cells of first order", f"{seen}: too stiff in bending", Verdict.DOUBTFUL, remedy)]
 
 
 def _check_sizes(n: int, K: sparse.csc_array, M: sparse.csc_array) -> None:

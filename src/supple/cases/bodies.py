@@ -19,6 +19,7 @@ from supple.body import (
     RigidBody,
     check_rigid_connections,
     rigid_mass_properties,
+    stiff_cells,
 )
 from supple.cases import (
     condense,
@@ -286,7 +287,9 @@ _ELASTIC_ONLY = ("frame", "reduction", "damping", "split", "linear", "condense")
 def checked_line(body: FlexibleBody) -> str:
     """One line on a body that has passed the model check, with its mass; the check is not repeated here."""
     found = rigid_mass_properties(body.nodal_mass, body.nodes, body.dofs_per_node)
-    return f"checked body '{body.name}': free, no mechanism, symmetric, mass {found.mass:.5g}"
+    stiff = stiff_cells(body.model) if body.model is not None else {}
+    cells = "".join(f"; {number} {name}: too stiff in bending" for name, number in stiff.items())
+    return f"checked body '{body.name}': free, no mechanism, symmetric, mass {found.mass:.5g}{cells}"
 
 
 def _bodies_are_there(raw: Raw) -> Mistakes:
