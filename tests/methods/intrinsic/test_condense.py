@@ -89,8 +89,8 @@ def test_the_lumping_error_is_that_of_the_deflection_under_the_weight(shell_stri
     lumped = np.linalg.solve(line.stiffness[6:, 6:], heavy).reshape(-1, 6)
     error = np.linalg.norm(lumped[:, 2] - exact[1:, 2]) / np.linalg.norm(exact[1:, 2])
     assert condensed.lumping_error == pytest.approx(error, rel=1e-4)
-    # A uniform cantilever: moments of q h^2 / 12 at its tip bend it by (h / L)^2 / 3 of q L^4 / 8 EI.
-    assert 1 - lumped[-1, 2] / exact[-1, 2] == pytest.approx(1 / 3 / (n_stations - 1) ** 2, rel=0.5)
+    # With rigid arms, moments of q h^2 / 12 at the tip bend a cantilever by (h / L)^2 / 3 too little.
+    assert error < 0.4 / 3 / (n_stations - 1) ** 2
 
 
 def frequencies(body, number, constraint):
@@ -113,13 +113,13 @@ def test_frequencies_of_a_solid_bar_that_flies_are_those_of_its_mesh(solid_bar):
     R = solid_bar.mass @ solid_bar.rigid_modes
     exact = frequencies(solid_bar, 3, R.T)
     errors = []
-    for n in (9, 17):
+    for n in (5, 9):
         modes = condense(solid_bar, LoadPath("root", "tip", n), support=FREE, n_modes=12).modes
         assert modes.n_rigid == 6
         assert max(modes.orthonormality) < 1e-11
         errors.append(np.abs(modes.omega[6:9] / exact - 1))
-    assert np.all(np.log2(errors[0] / errors[1]) > 1.2)
-    assert errors[1].max() < 0.04
+    assert np.all(np.log2(errors[0] / errors[1]) > 1.8)
+    assert errors[1].max() < 0.005
 
 
 def test_a_tree_of_beams_has_their_frequencies():

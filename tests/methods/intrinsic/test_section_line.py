@@ -44,8 +44,8 @@ def test_frequencies_of_a_coupled_cantilever_converge_to_the_second_order():
         intrinsic_body(section_line("beam", prismatic(L), n), CLAMPED).modes.frequencies[:6] / exact[:6] - 1
         for n in (11, 21, 41)
     ]
-    assert np.abs(errors[2][:3]).max() < 1e-3
-    assert np.abs(errors[2]).max() < 6e-3
+    assert np.abs(errors[0]).max() < 6e-3
+    assert np.abs(errors[2]).max() < 4e-4
     assert (np.abs(errors[0]) / np.abs(errors[1]) > 3.5).all()
 
 
@@ -61,14 +61,14 @@ def test_a_curved_twisted_tapering_beam_beside_its_integration():
     line = section_line("beam", helix_table(161), 41)
     weight = line.mass @ np.tile(np.append(gravity, np.zeros(3)), line.n)
     tip = np.linalg.solve(line.stiffness[6:, 6:], weight[6:])[-6:]
-    assert tip == pytest.approx(rest[:6], abs=2e-3 * np.abs(rest[:6]).max())
+    assert tip == pytest.approx(rest[:6], abs=1e-4 * np.abs(rest[:6]).max())
     # The root's force is the weight of the whole, its moment that about the root.
     root = weight.reshape(-1, 6)
     arms = line.tree.points - line.tree.points[0]
     moment = (root[:, 3:] + np.cross(arms, root[:, :3])).sum(axis=0)
     assert np.append(root[:, :3].sum(axis=0), moment) == pytest.approx(rest[6:], rel=1e-4, abs=1e-3)
     found = intrinsic_body(line, CLAMPED).modes.frequencies[:4]
-    assert found == pytest.approx(exact, rel=1.5e-3)
+    assert found == pytest.approx(exact, rel=1.5e-4)
 
 
 def test_the_static_flexibility_does_not_depend_on_the_stations():

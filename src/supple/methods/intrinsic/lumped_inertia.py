@@ -2,39 +2,138 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.algebra import read_only
 from supple.algebra.cross import cross_matrices
+from supple.body.rigid_motion import nodal_rigid_modes
 from supple.fem import CellMass, FiniteElementModel, cell_masses
 from supple.methods.intrinsic.expansion import shares_of_stations
 from supple.methods.intrinsic.load_path_tree import LoadPathTree
 
-__all__ = ["lumped_inertia"]
+__all__ = ["arm_terms", "lumped_inertia", "with_shorter_arms"]
 
 Array = NDArray[np.float64]
+
+LARGEST = 0.45
+"""Largest fraction by which arms are shortened; one half would leave beams without rotary inertia."""
+SAFETY = 0.9
+"""Part of the distance or fraction at which a mass is singular."""
+CORNERS = {
+    1: (1, 0.0),
+    2: (2, 3**-0.5),
+    3: (3, 0.5),
+    4: (4, 5**-0.5),
+    5: (5, 0.4),
+    6: (6, 0.5),
+    8: (8, 3**-0.5),
+    10: (4, 5**-0.5),
+    13: (5, 0.4),
+    15: (6, 0.5),
+    20: (8, 3**-0.5),
+}
+"""By number of nodes of a cell: number of corners, and distance from the centre, relative to that of a
+corner, at which equal masses have the second moments of the cell."""
+ROUNDING = 1e-12
+"""Mass and inertia relative to the largest; a smaller one is zero."""
 
 
 def lumped_inertia(tree: LoadPathTree, model: FiniteElementModel) -> Array:
     """Mass (n, 6, 6) of each station, for velocity and angular velocity there.
 
-    Every cell is rigidly attached to the two nearest stations, with weights that are linear along the
-    segment. Each block is the inertia of a rigid mass, so none is negative. Their sum equals the
-    consistent mass of the elements in any rigid motion.
+    The mass of a cell is divided into equal parts about points near its corners (`_parts`). Every part is
+    attached to the two nearest stations, with weights that are linear along the segment, and with shorter
+    arms (`with_shorter_arms`). No block is negative. Their sum equals the consistent mass of the elements in
+    any rigid motion.
 
-        M_i = sum_e w_ie R_ie^T M_e R_ie
+        M_i = sum_p w_ip (R_ip^T M_p R_ip - beta S_ip)
 
-    w_ie are weights, M_e is the mass of cell e, and R_ie the rigid motion of its nodes by that of station i.
+    w_ip are weights, M_p is the mass of part p, R_ip its rigid motion by that of station i, and S_ip as
+    `arm_terms`.
     """
-    blocks = np.zeros((tree.n, 6, 6))
+    rigid, change = np.zeros((tree.n, 6, 6)), np.zeros((tree.n, 6, 6))
     for mass in cell_masses(model):
         corners = model.mesh.nodes[mass.nodes]
-        stations, weights = shares_of_stations(tree, corners.mean(axis=1))
-        for end in range(2):
-            own = _rigid_inertia(mass, corners - tree.points[stations[:, end], None])
-            np.add.at(blocks, stations[:, end], weights[:, end, None, None] * own)
-    return read_only(0.5 * (blocks + blocks.swapaxes(1, 2)))
+        centres = corners.mean(axis=1)
+        for points, part in _parts(mass, corners - centres[:, None]):
+            stations, weights = shares_of_stations(tree, centres + points)
+            feet = np.einsum("ea,eai->ei", weights, tree.points[stations])
+            for end in range(2):
+                at, weight = stations[:, end], weights[:, end, None, None]
+                shift = nodal_rigid_modes(centres - tree.points[at], 6).reshape(-1, 6, 6)
+                own = shift.swapaxes(1, 2) @ part @ shift
+                np.add.at(rigid, at, weight * own)
+                np.add.at(change, at, weight * arm_terms(own, feet - tree.points[at]))
+    return with_shorter_arms(rigid, change, float(tree.lengths.mean()) if tree.n > 1 else 1.0)
+
+
+def _parts(mass: CellMass, nodes: Array) -> Iterator[tuple[Array, Array]]:
+    """Points (E, 3) and inertias (E, 6, 6) of equal parts of cells, about their centres.
+
+    A part is a point mass between a corner and the centre, and a share of what these masses lack in second
+    moments. The points are as far from the centre as this remainder is positive, but for `SAFETY`.
+
+    nodes : (E, k, 3)   of the cells, from their centres
+    """
+    whole = _rigid_inertia(mass, nodes)
+    n_corners, reach = CORNERS[nodes.shape[1]]
+    corners = nodes[:, :n_corners] - nodes[:, :n_corners].mean(axis=1, keepdims=True)
+    masses = whole[:, 0, 0] / n_corners
+    middle = np.stack([whole[:, 5, 1], whole[:, 3, 2], whole[:, 4, 0]], axis=1)
+    middle = middle / np.where(whole[:, 0, 0], whole[:, 0, 0], 1.0)[:, None]
+    points = middle[:, None] + SAFETY * reach * corners
+    modes = nodal_rigid_modes(points.reshape(-1, 3), 6).reshape(len(nodes), n_corners, 6, 6)[:, :, :3]
+    concentrated = masses[:, None, None, None] * (modes.swapaxes(2, 3) @ modes)
+    rest = (whole - concentrated.sum(axis=1)) / n_corners
+    for corner in range(n_corners):
+        yield points[:, corner], rest + concentrated[:, corner]
+
+
+def arm_terms(inertia: Array, along: Array) -> Array:
+    """S (E, 6, 6), by which rigid inertias (E, 6, 6) at a station change for a unit fraction beta.
+
+    The first moments s become s - beta m d, the second moments P = integral of a a^T dm become
+    P - beta (s d^T + d s^T).
+
+    along : (E, 3)  d, from the station to the foot of each mass on the segment: the weighted mean of its ends
+    """
+    mass = inertia[:, 0, 0]
+    first = np.stack([inertia[:, 5, 1], inertia[:, 3, 2], inertia[:, 4, 0]], axis=1)
+    turned = cross_matrices(mass[:, None] * along)
+    second = first[:, :, None] * along[:, None]
+    second = second + second.swapaxes(1, 2)
+    result = np.zeros((len(along), 6, 6))
+    result[:, :3, 3:], result[:, 3:, :3] = -turned, turned
+    result[:, 3:, 3:] = np.trace(second, axis1=1, axis2=2)[:, None, None] * np.eye(3) - second
+    return result
+
+
+def with_shorter_arms(rigid: Array, change: Array, length: float) -> Array:
+    """Masses (n, 6, 6) of stations, `rigid` - beta `change`, with beta as large as they stay positive.
+
+    As weights are linear along a segment, sum w d = 0, and mass, first and second moments of the body do not
+    depend on beta. For beta = 0 a segment of length h under its weight q per length turns its stations by
+    moments q h^2 / 6. For beta = 1/2 these are q h^2 / 12, as of a beam clamped at both stations, and the
+    line deflects as the beam does. A beam without rotary inertia allows beta = 0.37: its last half segment
+    needs its inertia.
+
+    length : m, scale of inertias to masses
+    """
+    scale = np.repeat([1.0, 1.0 / length], 3)
+    scaled, changed = (each * np.outer(scale, scale) for each in (rigid, change))
+    largest = float(np.abs(scaled).max(initial=0.0))
+    if not largest:
+        return read_only(rigid)
+    lower = np.linalg.cholesky(scaled + ROUNDING * largest * np.eye(6))
+    half = np.linalg.solve(lower, changed)
+    relative = np.linalg.solve(lower, half.swapaxes(1, 2))
+    steepest = float(np.linalg.eigvalsh(0.5 * (relative + relative.swapaxes(1, 2))).max())
+    beta = min(LARGEST, SAFETY / steepest) if steepest > 0 else LARGEST
+    mass = rigid - beta * change
+    return read_only(0.5 * (mass + mass.swapaxes(1, 2)))
 
 
 def _rigid_inertia(mass: CellMass, arms: Array) -> Array:

@@ -11,6 +11,7 @@ from supple.arguments import checked_arguments
 from supple.errors import ModelError
 from supple.importers import SectionTable
 from supple.methods.intrinsic.condensed_line import CondensedLine, condensed_line
+from supple.methods.intrinsic.lumped_inertia import arm_terms, with_shorter_arms
 
 __all__ = ["section_line"]
 
@@ -29,8 +30,8 @@ def section_line(name: str, table: SectionTable, n_stations: int) -> CondensedLi
         C = integral of T^T K^-1 T ds,    T W = the force W at s, along the axes of the section
         K_ab = B^T C^-1 B,                B u = motion of b relative to a, both moved to the middle
 
-    The inertia of each piece of the curve is rigidly attached to the two nearest stations, with linear
-    weights between them: mass, first and second moments are exact.
+    The inertia of each piece of the curve is attached to the two nearest stations, with linear weights
+    between them and shorter arms (`with_shorter_arms`): mass, first and second moments are exact.
 
     Parameters
     ----------
@@ -65,10 +66,14 @@ def section_line(name: str, table: SectionTable, n_stations: int) -> CondensedLi
         K[6 * k : 6 * k + 12, 6 * k : 6 * k + 12] += 0.5 * (own + own.T)
 
     share = (s - stations[segment]) / stations[1]
-    mass = np.zeros((n_stations, 6, 6))
+    feet = (1 - share)[:, None] * points[segment] + share[:, None] * points[segment + 1]
+    rigid, change = np.zeros((n_stations, 6, 6)), np.zeros((n_stations, 6, 6))
     for end, weight in enumerate((1 - share, share)):
         X = turned @ _moved(places - points[segment + end])
-        np.add.at(mass, segment + end, (weight * ds)[:, None, None] * (X.swapaxes(1, 2) @ inertia @ X))
+        own = (weight * ds)[:, None, None] * (X.swapaxes(1, 2) @ inertia @ X)
+        np.add.at(rigid, segment + end, own)
+        np.add.at(change, segment + end, arm_terms(own, feet - points[segment + end]))
+    mass = with_shorter_arms(rigid, change, float(stations[1]))
     return condensed_line(name, points, K, linalg.block_diag(*mass))
 
 
