@@ -87,7 +87,7 @@ def test_a_number_is_plain_also_where_it_is_rounded_up():
         ({"force": "newton"}, "unknown unit of force 'newton'"),
         ({"length": "ft", "time": "ms", "force": "dyn"}, "no known unit of mass matches ft, ms and dyn"),
         ({"length": "mm", "time": "s", "stress": "psi"}, "no known unit of mass matches mm, s and psi"),
-        ({"length": "m", "force": "N"}, "a unit of force is used with units of length and time: give these"),
+        ({"length": "m", "force": "N"}, "a unit of force needs units of length and time: give these"),
     ],
 )
 def test_units_that_are_no_set_are_refused(stated, message):

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from supple import errors as errors
 
-if TYPE_CHECKING:  # the same names once more, for editors and type checkers
+if TYPE_CHECKING:  # the same names as in _NAMES, for editors and type checkers
     from supple.body import AveragingInterface as AveragingInterface
     from supple.body import FullBody as FullBody
     from supple.body import MeanAxisFrame as MeanAxisFrame
@@ -166,7 +166,7 @@ _NAMES = {
     "supple.sweeps": "sweep read_sweep case_parameters",
     "supple.viz": "plot_mesh plot_contour animate displacement_magnitude stress_field",
 }
-"""The public names and the sub-packages that they come from."""
+"""Public names by sub-package, separated by spaces."""
 
 _HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}
 

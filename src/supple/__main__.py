@@ -1,4 +1,4 @@
-"""`python -m supple`: the command line for processes started by module, such as those of MPI."""
+"""Run the command line as `python -m supple`, for example in MPI processes."""
 
 from supple.cli.main import main
 

@@ -45,7 +45,7 @@ _NUMBERS = frozenset("iuf")
 
 
 def given(value: Any) -> str:
-    """Short description of a value for messages; contains the attribute `used_with` of its class, if any."""
+    """Short description of a value for messages, with the text `used_with` of its class, if any."""
     if isinstance(value, type):
         return f"the class {value.__name__} itself; make one: {value.__name__}(...)"
     if hasattr(value, "shape") and hasattr(value, "dtype") and getattr(value, "ndim", 0):
@@ -64,7 +64,7 @@ def check_instance(what: str, value: Any, kinds: type | tuple[type, ...], expect
 
 
 def check_members(what: str, value: Any, members: tuple[str, ...], expected: str) -> None:
-    """Raise unless the value, an object and not a class, has all the members."""
+    """Raise unless the value is an object, not a class, and has all the members."""
     if isinstance(value, type) or not all(hasattr(value, member) for member in members):
         raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
 
@@ -183,9 +183,9 @@ def _hints(of: Any) -> dict[str, Any]:
 
 
 def _checked(what: str, value: Any, hint: Any) -> Any:
-    """The value; a whole number as an integer, for which `range` and NumPy do not accept 3.0.
+    """Return the value, as an integer if the annotation is `int`: `range` and NumPy do not accept 3.0.
 
-    Raise unless it fits the annotation; annotations without a known check allow all values.
+    Raise unless the value fits the annotation; an annotation without a known check allows all values.
     """
     options = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
     if value is None and NoneType in options:

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 
-import scipy.linalg  # noqa: F401    JAX calls the LAPACK of SciPy, which must be loaded to be found
+import scipy.linalg  # noqa: F401    loads the LAPACK of SciPy, which JAX calls; only then is it found
 from threadpoolctl import ThreadpoolController
 
 __all__ = ["one_blas_thread"]

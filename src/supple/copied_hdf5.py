@@ -25,7 +25,7 @@ from supple.other_processes import python_command, python_environment
 SECONDS = 15.0
 _BYTES_PER_SECOND = 50e6
 _WAITING = 4
-"""Limit of the elapsed time, as a multiple of the limit of the processor time, for a busy computer."""
+"""Ratio of the limit of the elapsed time to that of the processor time; large enough for a busy computer."""
 MEMORY = 2 * 2**30
 _TIMES_ITS_SIZE = 20
 
@@ -64,7 +64,7 @@ def _copy_apart(path: Path, copy: Path, parts: Collection[str] | None) -> None:
     if code in (None, *_OUT_OF_TIME):
         raise OSError(f"HDF5 does not finish within {seconds:.0f} s, the limit")
     if code:
-        raise OSError(f"HDF5 crashes on it (exit code {code})")
+        raise OSError(f"HDF5 crashes on this file (exit code {code})")
 
 
 def _exit_of(words: list[str], seconds: float) -> tuple[int | None, str]:
@@ -115,7 +115,9 @@ def _copy_group(source: h5py.Group, target: h5py.Group, names: Collection[str]) 
 def _check_size(found: h5py.Dataset) -> None:
     claimed, limit = found.size * found.dtype.itemsize, _TIMES_ITS_SIZE * found.file.id.get_filesize()
     if claimed > limit:
-        raise ValueError(f"{found.name} claims {claimed} bytes; the limit for a file of this size is {limit}")
+        raise ValueError(
+            f"{found.name} should have {claimed} bytes; the limit for a file of this size is {limit}"
+        )
 
 
 def _limit(seconds: float, memory: int) -> None:
@@ -137,5 +139,5 @@ def _limit(seconds: float, memory: int) -> None:
 if __name__ == "__main__":
     status = copy_within_limits(*sys.argv[1:])
     sys.stdout.flush()
-    # HDF5's own cleanup may fail on damaged data.
+    # Without the cleanup of HDF5, which may fail on damaged data.
     os._exit(status)

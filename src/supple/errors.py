@@ -21,7 +21,7 @@ class MeshError(SuppleError, ValueError):
 class CellError(MeshError):
     """A mesh with an unusable cell: inverted, flat, or with a repeated node.
 
-    kind, number : the first such cell, by the name of its type and its number within the type
+    kind, number : type of the first unusable cell, and its number within the type
     """
 
     def __init__(self, message: str, kind: str, number: int) -> None:
@@ -70,7 +70,7 @@ class MissingPackageError(SuppleError, ModuleNotFoundError):
 
 
 class ForkedProcessError(SuppleError, RuntimeError):
-    """A simulation in a process that was forked after its parent had simulated."""
+    """A simulation in a forked process whose parent had simulated before the fork."""
 
 
 class SuppleWarning(UserWarning):

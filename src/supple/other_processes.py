@@ -44,8 +44,11 @@ def in_threads(function: Callable[[_Given], _Found], arguments: Sequence[_Given]
 
 
 def python_command(*words: str) -> list[str]:
-    """Command that runs a script or module in this Python, and not the script of the caller, which
-    `multiprocessing` would run again. The folder of the script is not on the import path (-P)."""
+    """Command that runs a script or module in this Python.
+
+    `multiprocessing` would also run the script of the caller again. The folder of the script is not on the
+    import path (-P).
+    """
     return [sys.executable, "-P", *words]
 
 

@@ -59,8 +59,8 @@ def with_progress_bar(
 ) -> Callable[[Callable[P, T]], Callable[P, T]]:
     """Decorator of a long computation: it shows a bar, and logs the title and the duration at the end.
 
-    adapter : from the `Share` of the bar to the argument `progress` of the decorated function; None: the bar
-        shows no fraction
+    adapter : converts the `Share` of the bar to the argument `progress` of the decorated function; None: the
+        bar shows no fraction
 
     No bar is shown if the caller passes `progress`.
     """
@@ -109,7 +109,7 @@ def _is_watched() -> bool:
 
 
 def _is_notebook() -> bool:
-    """Whether this process is a notebook kernel, and not only has IPython imported."""
+    """Whether this process is a notebook kernel; an import of IPython alone is not enough."""
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     return hasattr(shell, "kernel")
 
@@ -130,7 +130,7 @@ class _TerminalLine:
     """Line on standard error."""
 
     def __init__(self, title: str) -> None:
-        # Imported here: short work, and scripts without a terminal, do not need it.
+        # Imported here: short computations, and scripts without a terminal, do not need this module.
         from supple.terminal import error_console, progress_bars
 
         self._bars = progress_bars(error_console, transient=True)

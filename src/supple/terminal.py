@@ -115,8 +115,10 @@ def progress_bars(on: Console | None = None, *, transient: bool = False) -> Prog
 
 
 def plain(text: str) -> str:
-    """The text with control characters and undecodable bytes escaped; print the result by `words`, because
-    it may contain brackets."""
+    """The text with control characters and undecodable bytes escaped.
+
+    The result may contain brackets: print it by `words`.
+    """
     return "".join(
         sign if sign.isprintable() or sign == "\n" else sign.encode("unicode_escape").decode("ascii")
         for sign in text
@@ -147,7 +149,7 @@ def worded(step: str, detail: str = "") -> str:
 
 @contextmanager
 def shown_step(step: str) -> Iterator[Callable[..., None]]:
-    """Show a step with a spinner until the block ends; yields the function (step, detail) that shows another.
+    """Show a step with a spinner until the block ends; yield a function (step, detail) that shows a new step.
 
     The text is printed literally: brackets in names of bodies are not markup.
     """
@@ -254,7 +256,7 @@ def _message_of(error: Exception) -> tuple[str, int]:
 
 @contextmanager
 def reported_warnings() -> Iterator[None]:
-    """Print every warning of supple when it is issued, also repeated ones, without a source line."""
+    """Print every warning of supple when it is issued, even if repeated, without a source line."""
     with warnings.catch_warnings():
         warnings.simplefilter("always", SuppleWarning)
         show_others = warnings.showwarning

@@ -1,7 +1,7 @@
 """Unit system: the units of a model's numbers, and their names in pictures, tables and files.
 
-A model is computed in any consistent set of units, defined by the names of its units of length, mass and
-time. All other units follow; a unit that cannot be derived has no name, and is not written.
+A model is computed in any consistent set of units. The names of the units of length, mass and time define
+the set; all other units follow from these. A unit that cannot be derived has no name, and is not written.
 """
 
 from __future__ import annotations
@@ -111,7 +111,8 @@ class UnitSystem:
     def stated(cls, units: Mapping[str, str]) -> UnitSystem:
         """The system for given names of units of length, mass, time, force and stress.
 
-        By default the mass follows from length, time and force, or stress: slinch from in, s and lbf.
+        Without a unit of mass, this unit follows from length, time and force, or stress: slinch from in, s
+        and lbf.
 
         Raises
         ------
@@ -132,8 +133,7 @@ class UnitSystem:
         for key in derived:
             if not (length and time):
                 raise ModelError(
-                    f"a unit of {key} is used with units of length and time: give these, too, or leave out "
-                    f"the {key}"
+                    f"a unit of {key} needs units of length and time: give these, too, or leave out the {key}"
                 )
             mass = mass or _mass_of(length, time, key, given[key])
         system = cls(length, mass, time)

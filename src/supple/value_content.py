@@ -1,7 +1,8 @@
-"""Contents of values as bytes: values of equal content are interchangeable in a computation.
+"""Content of values as bytes: values with equal content give equal results in a computation.
 
-A function has the content of everything that its result depends on besides its arguments. A user may change a
-number that a function reads from its module, and the function is still the same object.
+The content of a function contains everything on which its result depends, except its arguments. Comparison of
+function objects is not enough: a function remains the same object if a number that it reads from its module
+changes.
 """
 
 from __future__ import annotations
@@ -32,10 +33,10 @@ Parts = Callable[[Any], Any]
 
 
 _PLAIN = (bool, int, float, complex, str, bytes, tuple, np.ndarray, np.generic)
-"""Types of values that a library's function takes from the functions around it, such as `in_axes` of vmap."""
+"""Types of closure variables that belong to the content of a library's function: `in_axes` of `jax.vmap`."""
 
 Names = frozenset[str] | None
-"""Names that the code around a value reads from it; None: any, because a library reads it."""
+"""Names that code reads from a value; None: any name, because a library reads the value."""
 
 
 def _itself(value: Any) -> Any:
@@ -45,29 +46,30 @@ def _itself(value: Any) -> Any:
 def content_of(value: Any, parts_of: Parts = _itself) -> Iterator[bytes]:
     """The numbers, names and functions in a value.
 
-    A function is represented by its code and by the values that the code reads: those of its closure, its
-    defaults and its module, and the functions it calls. An object of a user's class also has the values of
-    its class and the functions that are used. A user's module has the values that the code reads from it; a
-    module that a function imports when it is called has the text of its file. Modules, classes and functions
-    of libraries are represented by their names. Fields that are excluded from comparison are left out.
+    Function: its code and the values that the code reads, from closure, defaults and module, and the
+    functions it calls. Object: its fields, without those excluded from comparison; for an object of a user's
+    class also the values of the class and the methods that are used. User's module: the values that the code
+    reads from it; a module that a function imports when it is called: the text of its file. Module or class
+    of a library: its name. Function of a library: its name, and the functions and plain values of its
+    closure.
 
-    parts_of : the values that represent a value, where these are not all of its fields
+    parts_of : returns the values that represent a value, where these are not all of its fields
     """
     return _Content(parts_of).of(value, (), None)
 
 
 class _Content:
-    """The content of one value; what is used at several places is described once."""
+    """The content of one value; a function or object that is used in several places is described once."""
 
     def __init__(self, parts_of: Parts) -> None:
         self._parts_of = parts_of
         self._described: dict[Any, tuple[int, Any]] = {}
-        """Number of each function, and of each object of a user's class; the object itself keeps its id."""
+        """Number of each function and user's object, and the object itself, so that its id stays unique."""
 
     def of(self, value: Any, around: tuple[Any, ...], names: Names) -> Iterator[bytes]:
         """The content of a value.
 
-        around : mappings and objects that contain the value; a value within itself is not repeated
+        around : mappings and objects that contain the value; a value that contains itself is not repeated
         """
         if any(value is each for each in around):
             yield b"a value around this one"
@@ -139,7 +141,7 @@ class _Content:
         if is_dataclass(value):
             own += [(item.name, getattr(value, item.name)) for item in fields(value) if item.compare]
         else:
-            if name := getattr(value, "__name__", ""):  # of a library's function
+            if name := getattr(value, "__name__", ""):  # the name of a library's function
                 yield name.encode()
             own += _own(value).items()
         for name, item in own:
@@ -210,10 +212,10 @@ def _own(value: Any) -> dict[str, Any]:
 
 
 def _members(kind: type, names: Names) -> list[tuple[str, Any]]:
-    """Values of a user's class and of the user's classes it inherits from, and the functions that are used.
+    """Values of a user's class and of the user's classes it inherits from, and the methods that are used.
 
-    These are the functions with one of the names, those that Python calls, such as `__call__`, and those that
-    these functions name in turn.
+    Methods are used if they have one of the names, if Python calls them, such as `__call__`, or if the code
+    of a used method contains their name.
     """
     if issubclass(kind, Enum):
         return []
@@ -238,7 +240,7 @@ def _members(kind: type, names: Names) -> list[tuple[str, Any]]:
 
 
 def _functions_of(item: Any) -> tuple[FunctionType, ...]:
-    """The functions in a member of a class; none in a value."""
+    """The function in a member of a class, as a tuple; empty for a value."""
     match item:
         case staticmethod() | classmethod():
             item = item.__func__
@@ -299,7 +301,7 @@ def _arguments_of(instruction: str, code: CodeType) -> tuple[str, ...]:
 
 
 def _attributes(function: FunctionType) -> frozenset[str]:
-    """Names that a function reads from values, among them all names of attributes."""
+    """Names of globals and attributes in the code of a function and of the functions within it."""
     return _all_names(function.__code__)
 
 
@@ -328,17 +330,20 @@ def _is_library(module: str) -> bool:
 
 
 def _is_in_library(file: str) -> bool:
-    """Whether a file belongs to an installed package or to Python; a script may be called `profile.py`."""
+    """Whether a file belongs to an installed package or to Python.
+
+    The path decides: a user's script may have the name of a library module, such as `profile.py`.
+    """
     if any(folder in file for folder in ("site-packages", "dist-packages")):
         return True
     return any(file.startswith(sysconfig.get_path(each)) for each in ("stdlib", "platstdlib"))
 
 
 class UserFunction:
-    """A user's function, or class, as a fixed value of a compiled program: equal only if its content is.
+    """A user's function or class as a fixed value of a compiled program; equality includes the content.
 
-    JAX compares the fixed values of a program to find it again. A function alone would be equal to itself
-    after a number that it reads from its module has changed, and the old number would be used.
+    JAX finds a compiled program by its fixed values. A plain function is equal to itself even after a number
+    that it reads from its module has changed; JAX would then use the program with the old number.
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:

@@ -67,7 +67,7 @@ def test_what_takes_too_much_memory_is_refused(tmp_path):
     path = tmp_path / "k.h5"
     with h5py.File(path, "w") as file:
         file.create_dataset("nodes", shape=(10**9, 3), dtype=float, chunks=(1024, 3))
-    with pytest.raises(ImportFormatError, match=r"/nodes claims 24000000000 bytes; the limit .* is \d+"):
+    with pytest.raises(ImportFormatError, match=r"/nodes should have 24000000000 bytes; the limit .* is \d+"):
         read_nodes(path)
 
 
@@ -87,7 +87,7 @@ def test_a_process_that_ends_at_once_is_told_of(tmp_path, monkeypatch):
     (broken / "h5py.py").write_text("import os\nos.abort()\n")
     monkeypatch.setattr("sys.path", [str(broken), *sys.path])
     with (
-        pytest.raises(OSError, match=r"HDF5 crashes on it \(exit code -6\)"),
+        pytest.raises(OSError, match=r"HDF5 crashes on this file \(exit code -6\)"),
         open_copied(tmp_path / "k.h5"),
     ):
         pass
