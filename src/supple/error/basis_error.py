@@ -13,7 +13,7 @@ from supple.reduction.locking import TOLERATED
 __all__ = ["BasisError", "BodyError"]
 
 FIRST_ORDER = 1 / 3
-"""Ratio of the second correction to the first, above which the estimate is an order of magnitude only."""
+"""Ratio of the second correction to the first; above it only the order of magnitude of the error is known."""
 
 ENRICH = "keep more modes, or let the reduction correct itself (accuracy = { relative = 1e-3 })"
 """Remedy for a basis whose error is too large."""
@@ -32,7 +32,7 @@ class BodyError:
     worst_time : float      time of that error
     rest : float            largest RMS of corrections outside the error space, at times not used to build it
     second : float | None   ratio of a second correction to the first at the times of the largest errors;
-                            above a third the error is an order of magnitude only; None: not estimated
+                            above a third only the order of magnitude is known; None: not estimated
     history : (t,)          RMS over the nodes at the output times
     indicator : float       largest RMS over the nodes of the quasi-static motion outside the basis; infinite
                             where no equilibrium was found; 0: not estimated
@@ -68,7 +68,8 @@ class BodyError:
         The equation is linearised about the run. Example: a strip should buckle sideways, but locks and stays
         straight. This state is almost in equilibrium, so the estimated error is small.
 
-        limit : RMS over the nodes; doubtful only if `indicator` exceeds this limit (or the body locks)
+        limit : RMS over the nodes; unless the body locks, the estimate is doubtful only if `indicator`
+            exceeds both this limit and the estimate
         """
         return self.locking_loss > TOLERATED or not self.indicator <= max(self.estimate, limit)
 

@@ -1,8 +1,8 @@
 """Error of a finished run caused by its bases, from the error equation or from a run with richer bases.
 
 The error equation estimates the true motion to first order, and detects where first order is not enough
-(`BodyError.second` above a third). In that case a run with much richer bases is made instead. The same is
-done where the estimate is doubtful (`BodyError.is_doubtful`): for a run that locks, the equation can
+(`BodyError.second` above a third). In that case a run with much richer bases is made instead. Such a run is
+also made if the estimate is doubtful (`BodyError.is_doubtful`): for a run that locks, the equation can
 underestimate the error.
 """
 
@@ -92,7 +92,7 @@ def assessed_basis(
         system, run, solution, fulls, bases, asked, missed=missing.fields, progress=progress
     )
     for name, own in shapes.items():
-        # Weighted to count as much as all fields outside the basis together.
+        # The new fields together get the weight of all existing fields of this body.
         fields = {**fields, name: np.hstack([own * np.sqrt(fields[name].shape[1]), fields[name]])}
     return parts, fields
 
@@ -108,7 +108,7 @@ def _is_surely_doubtful(system: System, missing: MissingMotionAlongRun) -> bool:
 def stated_of(
     system: System, names: Collection[str], quantities: Sequence[QuantityOfInterest]
 ) -> list[QuantityOfInterest]:
-    """The quantities whose reduction error is known completely from the bases of some bodies.
+    """The quantities whose reduction error is known completely from the bases of the named bodies.
 
     names : bodies whose bases are assessed; quantities that depend on other elastic bodies are left out
     """

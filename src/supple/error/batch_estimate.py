@@ -74,7 +74,8 @@ def state_batch_errors(
         bodies = own.bodies.values()
         if solution.stopped is not None:
             parts = {}
-        elif any(each.is_doubtful(np.inf) or not each.is_converged for each in bodies):  # e.g. it locks
+        # The first condition holds for a body that locks.
+        elif any(each.is_doubtful(np.inf) or not each.is_converged for each in bodies):
             asked = stated_of(system, bases, quantities)
             parts, _ = check_run(system, run, solution, fulls, bases, asked)
         else:

@@ -49,8 +49,8 @@ Array = NDArray[np.float64]
 
 MORE = 12
 """Smallest number of error columns besides those of the motion; at most half of them are for the given
-fields. With 11 such columns, the estimate over the indicator was 1.8 and 1.4 in two runs of a blade; with 19
-columns it was 1.2 and 1.1."""
+fields. In two runs of a blade, the ratio of estimate to indicator was 1.8 and 1.4 with 11 such columns, and
+1.2 and 1.1 with 19."""
 SLOWNESS = 1e2
 """Length of a first step that brings all bodies to equilibrium, times their lowest frequency in rad/s."""
 AT_ONCE = 16

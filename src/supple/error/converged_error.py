@@ -26,7 +26,7 @@ SMALL_SECOND = 0.1
 """Ratio of the second correction to the first, below which the first-order error is accepted. For struck
 plates and strips, the converged error differs from the first order by a third to a tenth of this ratio."""
 SMALL_SECOND_LOCKED = 0.02
-"""The same for bodies that lock: their converged error can differ by twice this ratio."""
+"""`SMALL_SECOND` for bodies that lock: their converged error can differ by twice this ratio."""
 SMALL_CHANGE = 0.02
 """Largest relative change in the last iteration of large errors and of errors with kinks."""
 SWEEPS = 3
@@ -100,7 +100,7 @@ def deformed_rows(n_steps: int) -> np.ndarray:
 
 
 def deflection(history: ErrorHistory) -> float:
-    """Largest RMS over the nodes of the run's own deformation."""
+    """Largest RMS over the nodes of the deformation in the run itself."""
     motion = history.body.motion
     rows = deformed_rows(len(motion.coordinates))
     fields = history.body.full.expand(motion.vectors.T)

@@ -49,8 +49,8 @@ class SelfCorrection:
                             stiff direction causes locking and costs a further round
     largest_size : int      largest number of coordinates of the basis
     max_rounds : int        largest number of enrichments
-    of : QuantityOfInterest     quantity whose error is limited; by default the positions of all nodes. It
-                            determines the unit of absolute; relative refers to its size
+    of : QuantityOfInterest     quantity whose error is limited; by default the positions of all nodes. Its
+                            unit is that of absolute; relative is a fraction of its size
 
     Raises ModelError when both or none of absolute and relative are given, or a number is not positive.
     """
@@ -72,7 +72,10 @@ class SelfCorrection:
                 raise ModelError(f"self-correction: {name} must be a positive number, not {value}")
 
     def allowed(self, size: float) -> float:
-        """The target error; size : reference size of the quantity (whole body: its largest displacement)."""
+        """The target error, in the unit of the quantity of interest.
+
+        size : reference size of the quantity; for a whole body, its largest displacement
+        """
         return self.absolute or (self.relative or 0.0) * size
 
     def quantity(self, body: str) -> QuantityOfInterest:
@@ -208,7 +211,7 @@ class SelfCorrectionError(AccuracyError):
 
 
 def warn_of_fixed_sizes(system: System, corrected: Container[str]) -> None:
-    """BasisWarning of reduced bodies beside corrected ones, whose known missing motion no error contains."""
+    """BasisWarning if reduced bodies are not corrected: no estimated error contains their basis errors."""
     fixed = [
         f"'{name}'"
         for name, body in system.bodies_of(ReducedBody).items()
@@ -216,8 +219,8 @@ def warn_of_fixed_sizes(system: System, corrected: Container[str]) -> None:
     ]
     if fixed:
         warnings.warn(
-            f"self-correction: the basis of {' and '.join(fixed)} has a fixed size; its error, which moves "
-            "the other bodies too, is in no estimated error. Let it correct itself too (accuracy = "
+            f"self-correction: the basis of {' and '.join(fixed)} has a fixed size; its error changes the "
+            "motion of all bodies, and no estimated error contains it. Correct this basis too (accuracy = "
             "{ relative = 1e-3 }; in Python a FullBody), or compare with a run with more modes",
             BasisWarning,
             stacklevel=4,

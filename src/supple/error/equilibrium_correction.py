@@ -81,7 +81,7 @@ def correct_at_rest(
     spin: Spin | None = None,
     search: StaticSearch | None = None,
 ) -> tuple[Equilibrium, StaticallyCorrected]:
-    """The last equilibrium, and bodies of a system reduced together until their error in it is allowed.
+    """Equilibrium of a system, and its bodies, reduced together until their errors at rest are allowed.
 
     system : System     contains each body to reduce as a FullBody, with its frame and damping
     target : the target error of every full body (SelfCorrection), or also its start basis (ReductionStart);
@@ -162,7 +162,7 @@ def correct_statically(
 def _check_prospects(name: str, target: SelfCorrection, rounds: list[MotionOutsideBasis], size: int) -> None:
     """Raise SelfCorrectionError where the rounds or the allowed coordinates are used up."""
     if not np.isfinite(rounds[-1].error):
-        reason = "no equilibrium was found with all its coordinates, to compare with"
+        reason = "no equilibrium was found with all its coordinates, so that its error is unknown"
     elif size > target.largest_size:
         reason = f"the next basis would have {size} coordinates, more than {target.largest_size} allowed"
     elif len(rounds) > target.max_rounds:

@@ -70,8 +70,9 @@ class ErrorEstimate:
     histories : ErrorHistory, by body       the error at every step of the run
     missed : (n, m), by body                displacement fields outside the basis, with their size in the run
     corrections : ResidualCorrections, by body      the quasi-static motion outside the basis
-    corrected : the system reduced to the columns of the error, and the estimate of its true motion; its
-                distance from the run is the error of any quantity of interest; None without an estimate
+    corrected : the system reduced to the columns of the error, and the estimate of its true motion; the
+                distance of this motion from the run is the error of any quantity of interest; None without
+                an estimate
     factorizations : int    number of factorisations of the whole system or of a full body
     """
 
@@ -170,8 +171,8 @@ class ErrorEstimator:
         """Error of one run caused by its bases; parameters as for `estimate_error`.
 
         instants : number of times at which the residual is balanced, in addition to load peaks and kinks
-        largest_missing : RMS of the nodes, by body; if motion outside the bases exceeds it, the error is not
-            estimated, and infinite
+        largest_missing : RMS of the nodes, by body; if the motion outside a basis exceeds this limit, the
+            error is not estimated, and is infinite
         """
         missing = self.missing_motion(reduced, bases, solution, instants=instants, progress=progress)
         exceeded = any(

@@ -151,7 +151,9 @@ def _quiet(system: System, run: Run, words: str, progress: StepProgress | None) 
 
 def _remedy_of_step(run: Run, whole: float) -> str:
     if isinstance(run.step_control, FixedStep):
-        left = "a half, as a load jumps: adaptive steps stop there" if whole == AT_JUMPS else "a quarter"
+        left = (
+            "a half because a load jumps; adaptive steps stop at jumps" if whole == AT_JUMPS else "a quarter"
+        )
         return f"halve the step of {fixed_step(run):.3g}, which leaves {left}"
     return f"ask for a smaller local error than {run.step_control.tolerance:.3g}; an eighth leaves a quarter"
 

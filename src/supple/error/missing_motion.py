@@ -163,7 +163,7 @@ class MissingMotionSearch:
         )
 
     def _beginning(self, state: FullState) -> MissingMotion:
-        """Start value: the last deformation, without motion or forces of frames, which have moved since."""
+        """Start value: the last deformation, with zero motion and forces of frames: they have moved since."""
         none = self._none(state)
         if self._last is None:
             return none

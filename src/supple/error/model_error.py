@@ -29,8 +29,8 @@ large residual from stretching alone (plate 4 mm thick, nodes displaced by 14 mm
 instead of 0.14 mm). The linear motion is therefore corrected to second order first; Newton's method continues
 from the result (`MissingMotionSearch`). Without elements or with controllers, the error of a linear body is
 theta^2 / 2 of its length L, with theta its largest rotation. Where rotations are unknown,
-theta = 3 u / (2 L), that of a cantilever with the same end displacement u. The centrifugal stiffness that a
-linear body lacks, (spin / lowest frequency)^2 of its own, adds this share of the displacement.
+theta = 3 u / (2 L), that of a cantilever with the same end displacement u. A linear body lacks centrifugal
+stiffness, (spin / lowest frequency)^2 of its elastic stiffness; this fraction of the displacement is added.
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ def model_errors(
 
 
 def _is_known(quantity: QuantityOfInterest, system: System) -> bool:
-    """Whether the errors of all bodies are known that matter for a quantity: its own, or those of all."""
+    """Whether the error of the body of a quantity is known; without a body, those of all elastic bodies."""
     bodies = [placed.body for placed in system.bodies if placed.body.n_coordinates]
     own = [body for body in bodies if body.name == quantity.body]
     return all(body.lumping_error is not None for body in own or bodies)
@@ -208,8 +208,8 @@ def model_errors_by_limit(
 ) -> dict[str, float]:
     """Error of the nodes of every elastic body, from its largest rotation and its rotation limit.
 
-    The error of a linear body follows from rotation and length, and from its spin; without a rotation limit
-    the error of any other body is that of lumping its mass, if any.
+    The error of a linear body follows from rotation and length, and from its spin. The error of any other
+    body follows from its rotation limit, if it has one, and from the lumping of its mass, if any.
 
     but : names of bodies to leave out
     """
@@ -234,7 +234,7 @@ def model_errors_by_limit(
 
 
 def _missing_stiffness(body: BodyForm, motion: FramedMotion) -> float:
-    """Centrifugal stiffness that a linear body lacks at its fastest, relative to its own; one at most."""
+    """Missing centrifugal stiffness of a linear body at its fastest spin, over its stiffness; at most 1."""
     spins = np.linalg.norm(motion.angular_velocity, axis=1)
     fastest = int(np.argmax(spins))
     if not spins[fastest] or is_rotor(body, motion, fastest):
@@ -243,7 +243,7 @@ def _missing_stiffness(body: BodyForm, motion: FramedMotion) -> float:
 
 
 def widest_instants(system: System, solution: Solution, parts: int = INSTANTS) -> np.ndarray:
-    """Indices of the output times of largest rotation, one in each of these parts of the run."""
+    """Indices of the output times of largest rotation, one in each of `parts` equal parts of the run."""
     turns = np.zeros(len(solution.times))
     for placed in system.bodies:
         if placed.body.n_coordinates:
@@ -273,7 +273,7 @@ def _part(
     errors: Mapping[str, float],
 ) -> ErrorPart:
     """The model part of a quantity; `errors` are those of the nodes of the bodies."""
-    name = quantity.body if quantity.body in errors else None  # the motion of a rigid body is that of all
+    name = quantity.body if quantity.body in errors else None  # None: the largest error of all bodies
     remedy = _remedy(system, name)
     exactly = "elements and ties rotated exactly"
     if changes is not None and name in changes.corrections:

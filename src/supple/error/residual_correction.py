@@ -202,8 +202,8 @@ def displacements(
 ) -> np.ndarray:
     """Displacements (k, p, 3) of p nodes, or of an interface (p = 1), in changes `steps` (k, n) of k states.
 
-    If the joints fix all rigid motion they are global. Otherwise no static equilibrium determines the rigid
-    motion: they are those of the deformation in mean axes.
+    Displacements in space if the joints fix all rigid motion. Otherwise no static equilibrium determines the
+    rigid motion, and the displacements are those of the deformation in mean axes.
 
     index : of the body in the machine
     at : nodes, or the name of an interface

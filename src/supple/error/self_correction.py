@@ -81,7 +81,7 @@ def self_correct(
     Warns
     -----
     LoadSpectrumWarning     the loads excite modes outside a start basis; and warnings of `simulate`
-    BasisWarning            a reduced body beside the corrected ones, whose error is in no estimated error
+    BasisWarning            a reduced body that is not corrected; no estimated error contains its error
     ValidityWarning         an error of the model above 5 % of a body's displacement
     """
     starts = _starts(system, target)

@@ -91,7 +91,7 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class _Model:
-    """The system reduced to the bases of one round; padded in short runs, except `bodies`."""
+    """The system reduced to the bases of one round, in short runs with padding; `bodies` have no padding."""
 
     number: int
     bases: RoundBases
@@ -223,7 +223,8 @@ def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
 def _check_load_band(problem: Problem, model: _Model, estimator: ErrorEstimator) -> None:
     times = problem.run.times
     for name, full in problem.fulls.items():
-        estimator.modes(name)  # more modes than the check needs; it reads their frequencies from the body
+        # More modes than the check needs; the check reads their frequencies from the body.
+        estimator.modes(name)
         warn_of_missing_modes(model.system, times, full.body, model.bodies[name])
 
 
@@ -296,8 +297,8 @@ def _allowed_length(problem: Problem, name: str, run: _Run, allowed: float) -> f
 def _error(quantity: QuantityOfInterest, name: str, run: _Run, estimate: ErrorEstimate) -> float:
     """Error of a quantity, from the corrected motion and the part outside the error space.
 
-    Infinite without a second correction, or if it exceeds a third of the first: then at most an order of
-    magnitude is known.
+    Infinite without a second correction, or if the second exceeds a third of the first: then at most the
+    order of magnitude is known.
     """
     own = estimate.error.bodies[name]
     if estimate.corrected is None or own.second is None or own.second > FIRST_ORDER:

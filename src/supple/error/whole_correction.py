@@ -42,7 +42,7 @@ SHORTEST = 1 / 8
 """Smallest factor on the step in one pass; errors that fall more slowly than h^2 take several passes."""
 PASSES = 6
 MANY = 10
-"""Ratio of the number of steps to the given number; a warning is issued from this ratio on."""
+"""Smallest ratio of the number of steps to the given number at which a warning is issued."""
 
 
 @dataclass(frozen=True)
@@ -178,7 +178,7 @@ def _next_pass(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str,
 
 
 def _announce_steps(asked: Run, problem: Problem, following: Problem) -> None:
-    """Report the number of steps before a pass; warn where it is many times the given one."""
+    """Report the number of steps before a pass; warn from `MANY` times the given number on."""
     before, after, wanted = (round(each.n_steps) for each in (problem.run, following.run, asked))
     if after == before:
         return
@@ -233,8 +233,8 @@ def _check_first_run(
 ) -> None:
     """Raise SelfCorrectionError where the kinematics alone exceed the target, before the rounds are computed.
 
-    They are assessed at the largest rotation. The basis of a first run may be poor: only an error above
-    `HOPELESS` times the allowed one ends the self-correction.
+    The kinematics are assessed at the largest rotation. The basis of a first run may be poor: only an error
+    above `HOPELESS` times the allowed one ends the self-correction.
     """
     if not study.model:
         return
