@@ -36,7 +36,7 @@ __all__ = ["CertifiedGroup", "certified_group", "swept_case"]
 
 _CERTIFICATE = "certificate.h5"
 MANY = 256
-"""Number of cases of a group from which smaller bases are searched.
+"""Smallest number of cases of a group for which smaller bases are searched.
 
 For a blade, the search saves time from 150 cases on.
 """

@@ -1,11 +1,11 @@
 """Bases for the cases of a sweep, and their certificate, from full estimates of greedily chosen cases.
 
 Some cases of a group are simulated first. The error of the case with the largest motion is estimated in full.
-If it exceeds the accuracy, the bases are enriched for this case, and the search starts again. Otherwise the
-motion that the bases lack gives columns of an indicator, which estimates the errors of all cases. The next
-representative is the case with the largest estimate. If that case has a full estimate already, the second
-representative is the case with the smallest estimate; after the second, the search ends, unless another
-estimate exceeds the allowed error (docs/theory/greedy_certification.md).
+If this error exceeds the accuracy, the bases are enriched for this case, and the search starts again.
+Otherwise the motion that the bases lack gives columns of an indicator, which estimates the errors of all
+cases. The next representative case is that with the largest estimate. If this case has a full estimate
+already, the second representative is the case with the smallest estimate, and a later search ends, unless the
+estimate of another case exceeds the allowed error (docs/theory/greedy_certification.md).
 """
 
 from __future__ import annotations
@@ -140,9 +140,9 @@ class _Search:
         return None
 
     def _first(self, number: int | None) -> int:
-        """Index of the case `number`; if it is None or did not run, of the first case with a largest motion.
+        """Index of the case `number`; if it is None or did not run, of the case with the largest motion.
 
-        A largest motion is that of any one body over all cases.
+        This is the first case in which a body has its largest motion of all cases.
         """
         if number in self._numbers:
             return self._numbers.index(number)
@@ -219,9 +219,9 @@ class _Search:
         """Index of the next representative; None ends the search.
 
         The second representative is the case with the largest scaled indicator. If that case has a full
-        estimate, the second is the case with the smallest scaled indicator, which shows the spread. A third
-        has the largest scaled indicator of all cases. Further ones, up to `MOST_EXCEEDING`, exceed the
-        allowed error.
+        estimate, the second is the case with the smallest scaled indicator, which shows the spread. A later
+        one is the case without a full estimate that has the largest scaled indicator: the third if no case
+        with a full estimate has a larger one, and any up to `MOST_EXCEEDING` if it exceeds the allowed error.
         """
         stated = {each.case for each in self.certificate.representatives}
         errors = [self.certificate.scaled_indicator(own) for own in found]
@@ -242,7 +242,7 @@ class _Search:
 def _with_locking(
     system: System, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]
 ) -> System:
-    """The machine with the locking of each nonlinear body in its report, which files of bodies omit."""
+    """The machine with the locking indicator in the report of each nonlinear body, computed where missing."""
     bodies = []
     for each in system.bodies:
         placed, body = each, cast("Any", each.body)

@@ -10,7 +10,7 @@ with the fewest columns V S; a is the smallest relative accuracy of these cases,
 it. Stiff motion, such as that of a shell's membrane, is small, but without it the other motion locks; the
 energy norm gives it weight. The same cases run again with these columns. The largest a is chosen for which no
 case changes by more than a tenth of the allowed error.
-Source: this project's own, a proper orthogonal decomposition of the motions in the energy norm.
+Source: original to this project; a proper orthogonal decomposition of the motions in the energy norm.
 """
 
 from __future__ import annotations

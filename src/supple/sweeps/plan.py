@@ -189,7 +189,7 @@ def make_plan(
     keys = [list(map(repr, table.columns[path])) for path in apart]
     ratios = [path for path, place in places.items() if path not in apart and _is_ratio(place)]
     if len(ratios) > 1:
-        # A group scales the damping of one of its cases: no ratio of that case may be zero for others only.
+        # The damping of one case is scaled for all cases of a group: a ratio is zero in all cases or in none.
         keys += [[value == 0 for value in table.columns[path]] for path in ratios]
     group = numbered(list(zip(*keys, strict=True)), len(table))
     share = _shares(group, output.cases_per_share)
@@ -226,7 +226,7 @@ def _check_places(places: Mapping[str, KeyPath]) -> None:
 
 
 def _finds_modes(raw: Raw, places: Iterable[KeyPath]) -> bool:
-    """Whether trial runs determine the number of modes of a condensed body, so that each case has its own."""
+    """Whether trial runs determine the number of modes of a condensed body; cases then share no group."""
     given = [body["condense"] for body in raw["body"] if "condense" in body]
     return any("accuracy" in own for own in given) or any(
         place[2:4] == ("condense", "accuracy") for place in places
@@ -278,7 +278,7 @@ def _inputs(family: CaseFamily, table: CaseTable, places: Mapping[str, KeyPath])
         for value in {repr(own): own for own in table.columns[path] if _has_text(own)}.values():
             files |= set(family.files({place: value}))
     found = {"the case": digest_of(family.text.encode()), "the table": digest_of(_table_text(table).encode())}
-    if family.raw.get("machine"):  # its file may include others; all that is used of them is in the tables
+    if family.raw.get("machine"):  # its file may include others; the tables contain all data used
         found["the machine"] = digest_of(repr(family.raw).encode())
     return found | digests_of_files(sorted(files), family.path.parent)
 

@@ -98,7 +98,7 @@ def run_cases(
         warnings.simplefilter("always", SuppleWarning)
         try:
             began(cases)
-            # Other processes wait for the first certificate of a single group: this one can use their cores.
+            # Other processes wait for the first certificate of a single group: their cores are free.
             with one_core() if level or plan.group.any() else nullcontext():
                 group = certified_group(folder, plan, number, level, cases[0])
             if group.group.requests_errors and group.certificate.reason:

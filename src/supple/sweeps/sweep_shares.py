@@ -1,4 +1,4 @@
-"""The shares of a sweep: those of its plan, and of cases that run again, with enriched bases if needed.
+"""The shares of a sweep: those of its plan, and those of cases that run again, with enriched bases if needed.
 
 The cases that run again are determined from the stored parts only. Therefore every process finds the same
 cases, also after an interruption.
@@ -60,7 +60,7 @@ class SweepShares:
         return max((self.level[share] for share in self.whole if case in self.cases[share]), default=0)
 
     def is_certified_alone(self, case: int, level: int) -> bool:
-        """Whether a case that runs again at a level has an own certificate."""
+        """Whether a case that runs again at a level has a certificate for this case alone."""
         return 0 < len(self.cases_of_level(level, int(self.plan.group[case]))) <= CERTIFIED_ALONE
 
     def cases_of_level(self, level: int, group: int) -> list[int]:
