@@ -34,7 +34,7 @@ from supple.programs.program_worker import program_of_file
 __all__ = ["CachedProgram"]
 
 _MOST_AT_HAND = 16
-"""Programs of one function in the memory of a process; the least recently used is released first."""
+"""Largest number of programs of one function in memory; the least recently used is released first."""
 
 
 class CachedProgram:
@@ -107,7 +107,7 @@ class CachedProgram:
         def kept(*arguments: Any) -> Any:
             return self.function(*arguments)
 
-        # A name that JAX's cache does not contain: a program read from there cannot be serialised again.
+        # A name that JAX's cache does not contain: a program read from that cache cannot be serialised again.
         named = self.function.func if isinstance(self.function, partial) else self.function
         kept.__name__ = f"kept_{named.__name__.lstrip('_')}"  # ty: ignore[missing-attribute]
         lowered = jax.jit(kept).lower(*arguments)
@@ -126,7 +126,7 @@ class CachedProgram:
 
 
 def _type_of(leaf: Any) -> tuple[Any, ...]:
-    """Shape and type of an array or number, and whether the type is weak (gives way to another)."""
+    """Shape and type of an array or number, and whether the type is weak (other operands determine it)."""
     if isinstance(leaf, np.ndarray):  # ten times faster than JAX's own description
         return leaf.shape, _name(leaf.dtype), False
     own = jax.typeof(leaf)

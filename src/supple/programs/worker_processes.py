@@ -5,11 +5,11 @@ uses twice the processor time without benefit (`jax_settings`). The other cores 
 their own. A worker for a compiled program reads the program from the cache and needs nothing else: the
 functions in it, also a user's, need not be sent. The worker is ready as soon as JAX is imported.
 
-`concurrent.futures.ProcessPoolExecutor` is not used here. Its processes import the script of the caller again
-(JAX does not survive a fork), which runs it a second time unless everything is below
-`if __name__ == "__main__":`; a batch is also called from scripts and notebooks without this line. (`sweep`,
-where the caller provides the processes, requires the line and accepts such an executor.) A pool also blocks
-its caller, which here computes tasks as well. If one process of a pool fails, the whole pool fails.
+`concurrent.futures.ProcessPoolExecutor` is not used here. Its processes must be spawned, because JAX does not
+survive a fork. A spawned process runs the script of the caller again, except statements below
+`if __name__ == "__main__":`; scripts and notebooks that call a batch may lack this line. (`sweep`, where the
+caller provides the processes, requires the line and accepts such an executor.) A pool also blocks its caller,
+which here computes tasks as well. If one process of a pool fails, the whole pool fails.
 """
 
 from __future__ import annotations
@@ -68,11 +68,11 @@ class Work(Protocol):
         ...
 
     def greeting(self) -> Any:
-        """First message to a worker, which confirms it; None where no worker can be used."""
+        """First message to a worker, which confirms its receipt; None where no worker can be used."""
         ...
 
     def question(self, arguments: tuple[Any, ...]) -> Any:
-        """Message with some arguments; the worker replies with seconds and the input of `result`."""
+        """Message with the arguments of a task; the worker replies with seconds and the input of `result`."""
         ...
 
     def result(self, answer: Any) -> Any:

@@ -54,7 +54,7 @@ class ExclusiveLock:
         """Release the lock; a second call does nothing."""
         if self._descriptor is None:
             return
-        # Removed while locked: a process that has opened the file meanwhile finds it missing and creates one.
+        # Removed while locked: a process that opened it meanwhile finds it missing and creates a new file.
         self._neighbour.unlink(missing_ok=True)
         os.close(self._descriptor)
         self._descriptor = None
@@ -93,7 +93,7 @@ class ExclusiveLock:
                 os.truncate(descriptor, 0)
                 os.write(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode())
                 return descriptor
-            os.close(descriptor)  # the last process removed it after it was opened here
+            os.close(descriptor)  # the last holder removed the file after it was opened here
         raise OSError(errno.EAGAIN, os.strerror(errno.EAGAIN))
 
     def _without_lock(self, path: Path) -> int:

@@ -106,7 +106,7 @@ class _UnmarkedFile(io.RawIOBase):
 
 
 def _without_mark(file: BinaryIO) -> bytes:
-    """The first bytes of a file without the writer's mark, and with the actual length."""
+    """The first bytes of a file, without the mark, with the actual length; error if damaged or truncated."""
     first = file.read(_LENGTH)
     size = file.seek(0, io.SEEK_END)
     if len(first) < _LENGTH:

@@ -154,8 +154,8 @@ def mark_complete(file: h5py.File, ledger: Ledger) -> None:
 
 def open_single_writer(path: Path) -> h5py.File:
     """The file in single-writer mode, in which it can be read at any time."""
-    # The high-level constructor opens for writing first and then switches; killed in between, it leaves a
-    # file that only a repair tool opens. The low-level call enters the mode in one step.
+    # The high-level constructor opens for writing first and then switches; a process killed in between leaves
+    # a file that only a repair tool opens. The low-level call enters the mode in one step.
     access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
     access.set_libver_bounds(h5py.h5f.LIBVER_LATEST, h5py.h5f.LIBVER_LATEST)
     access.set_fclose_degree(h5py.h5f.CLOSE_STRONG)

@@ -14,7 +14,8 @@ FILE = "the file "
 """Prefix of a file name among inputs."""
 ORDER_OF_CONTROLLERS = "the order of the controllers"
 _MAY_BE_NEW = (FILE, ORDER_OF_CONTROLLERS)
-"""Names of inputs that older files lack; a run reads a further file only if another input has changed."""
+"""Names, or their beginnings, of inputs that older files lack. Such a new input is no change: a run reads a
+new file only if another input has changed."""
 _DIGEST = "sha256:"
 _MOST_NAMED = 5
 
