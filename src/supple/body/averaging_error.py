@@ -3,7 +3,7 @@
 The nodal forces that represent a moment m, F_a = w_a (J^-1 m) x r_a, keep their directions in the undeformed
 body. On a section rotated by phi about the axis n of m, these forces include a self-equilibrated part
 m phi p, p_a = - n x F_a(n), which deforms the section by d = phi m K^-1 p with the body's stiffness K. The
-mean rotation has the weights F_a(n) too, and so depends on d: the rotation of the joint is sin phi + phi p.d.
+mean rotation is weighted with F_a(n), too, and depends on d: the rotation of the joint is sin phi + phi p.d.
 With c = p K^-1 p, the strain energy U(phi) without d, and the potential
 
     Pi = U(phi) + d K d / 2 - m (phi + phi p.d),

@@ -96,7 +96,7 @@ def _check_free(body: str, given: Constraints, rows: sparse.csr_array, rigid_mod
 
 
 def _named(given: Constraints, expansion: sparse.csc_array) -> IntArray:
-    """For each row, the only coordinate (m,) on which its dependent freedom depends, or -1 if not one."""
+    """For each row, the coordinate (m,) that alone determines its dependent freedom; -1 if there is none."""
     rows = sparse.csr_array(expansion)
     counts, wanted = np.diff(rows.indptr), given.dependent
     one = (wanted >= 0) & (counts[wanted] == 1)

@@ -116,7 +116,7 @@ def rigid_sets(
     Rigid pieces and interfaces that share a node are merged.
 
     interfaces : (name, nodes, position) of rigid interfaces
-    attached : its rigid pieces
+    attached : the rigid pieces of the body
 
     Raises
     ------

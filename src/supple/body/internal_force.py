@@ -1,6 +1,6 @@
 """Evaluation of the internal force of a body: from its stiffness alone, or from quadratic strains.
 
-A body with elements has either: a linearised body has elements, and a linear force.
+A body of elements can have either force: its linearised form keeps the elements and has a linear force.
 """
 
 from __future__ import annotations

@@ -117,7 +117,7 @@ def _moments(
             own = (given.rotary_inertia_per_area - m * offset**2) * area * np.eye(3)
             return m * area, m * first, m * second, own
         case RodSection():
-            assert given.mass_per_length is not None  # set when left out
+            assert given.mass_per_length is not None  # the section computes a missing value
             length, first, second = _simplex_moments(x)
             m = given.mass_per_length
             return m * length, m * first, m * second, np.zeros((3, 3))

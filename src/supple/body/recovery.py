@@ -79,7 +79,7 @@ class Recovery:
         """Masses and moments of inertia of the nodes (N, 1 or 2), and masses of the points (P,), or None.
 
         None for more than 1500 masses; if their sum differs from the body's mass by more than 5 %; or if
-        their centre differs by more than 5 % of the radius of gyration (as for points in a part of the body).
+        their centre differs by more than 5 % of the radius of gyration (points in one part of the body).
         """
         n, n_nodes, parts = len(mass), len(nodes), dofs_per_node // 3
         if n_nodes * parts + len(self.points) > _MOST_MASSES:

@@ -65,7 +65,7 @@ def tied_parts(
     arms = np.zeros((len(nodes), 3))
     for number, (node_ids, position) in enumerate(rigid_sets):
         own = nodes[node_ids] - position
-        if own.any():  # a single node at the virtual node has no arm
+        if own.any():  # zero for a single node at the virtual node
             set_of[node_ids], arms[node_ids] = number, own
     return _parts(block, dofs_per_node, set_of, arms)
 

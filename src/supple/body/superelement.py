@@ -38,7 +38,8 @@ def superelement(
     coordinates are zero in the rigid motions R, and K R = 0. The matrices do not contain the direction in
     which a modal coordinate moves the mass. Without `recovery`, modal displacements therefore have no
     centrifugal and Coriolis forces and do not change the body's inertia, so angular velocities must be well
-    below the frequencies of the modes. Recovered points throughout the body supply it (`Recovery`).
+    below the frequencies of the modes. Recovered points throughout the body supply this direction
+    (`Recovery`).
 
     Parameters
     ----------

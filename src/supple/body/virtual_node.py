@@ -31,7 +31,7 @@ class VirtualNode:
 
     @property
     def is_rigid(self) -> bool:
-        """Whether the nodes follow the virtual node (rigid) or the virtual node the nodes (averaging)."""
+        """Whether the nodes follow the virtual node (rigid); otherwise it follows the nodes (averaging)."""
         return self.weights is None
 
 

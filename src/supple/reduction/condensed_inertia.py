@@ -15,9 +15,9 @@ body without axial columns then has its centrifugal stiffening; energy and momen
 costs no more.
 
 In a nodal-fixed frame, velocities along the columns can nearly cancel the velocity of the frame. The velocity
-of z is not small compared with the remainder, and would make the mass matrix indefinite: the inertia of z is
-omitted, as in a mean-axis frame if s or c is not negligible. The missing stiffness is computed, and a warning
-reports it.
+of z is not small compared with the remainder, and would make the mass matrix indefinite. The inertia of z is
+therefore omitted, also in a mean-axis frame if s or c is not negligible. The missing stiffness is computed,
+and a warning reports it.
 
 Source: derived here; theory page on tensors.
 """

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class CondensedMotion:
-    """Nodal motion z that follows the coordinates statically; the quartic tensor lacks the energy released.
+    """Nodal motion z that follows the coordinates statically; the quartic tensor lacks the released energy.
 
         z(gamma) = fields @ (amplitudes @ m2),   m2 = (gamma_j gamma_k), j <= k as numpy.triu_indices(r)
 

@@ -136,7 +136,7 @@ class ReducedBody(FloatingForm, Summarized):
 
     @property
     def kind(self) -> Literal["reduced"]:
-        """The kind of body: 'reduced', for every reduced body."""
+        """The name of this form, "reduced"."""
         return "reduced"
 
     @property
@@ -235,7 +235,7 @@ class ReducedBody(FloatingForm, Summarized):
 
     @property
     def missing_centrifugal_stiffness(self) -> np.ndarray:
-        """Missing centrifugal stiffness relative to the stiffness, (3,), s^2: the function of this name."""
+        """Missing centrifugal stiffness relative to the stiffness, (3,), s^2; see `condensed_inertia`."""
         return missing_centrifugal_stiffness(self)
 
     def lowest_frequency(self) -> float:

@@ -35,9 +35,9 @@ __all__ = ["batch_of_lines"]
 def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Progress | None) -> BatchSolution:
     """Simulate cases of machines of intrinsic bodies; the solutions are those of `simulate(check=False)`.
 
-    If `is_joined` is true for any case, all cases run separately. Otherwise, with roots connected only to the
-    ground, cases run together. The gain is largest for the Runge-Kutta method with cases that differ only in
-    loads, motions and initial states.
+    If `is_joined` is true for any case, all cases run separately. Otherwise roots are connected only to the
+    ground, and the cases run together. The gain is largest for the Runge-Kutta method with cases that differ
+    only in loads, motions and initial states.
     Raises ModelError for cases that differ in more than numbers.
     """
     if any(map(is_joined, cases)):

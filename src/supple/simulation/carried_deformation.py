@@ -150,8 +150,10 @@ def carried_deformation(
 
 
 def _interfaces(now: BodyForm, body: FlexibleBody) -> tuple[Array, Array, Any]:
-    """Smallest coordinates (r, 6 p) for unit motions of p interfaces; interface motions by reduced coordinate
-    (6 p, r), and per full coordinate (6 p, n)."""
+    """Smallest coordinates (r, 6 p) for unit motions of p interfaces, and motions per unit coordinate.
+
+    These are the motions of the interfaces per reduced coordinate (6 p, r) and per full coordinate (6 p, n).
+    """
     ends = [each for each in body.interfaces if each.name in {own.name for own in now.interfaces}]
     if not ends:
         return np.zeros((now.n_coordinates, 0)), np.zeros((0, now.n_coordinates)), np.zeros((0, body.n))

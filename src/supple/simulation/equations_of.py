@@ -40,10 +40,10 @@ def equations_of(
 
 
 def with_held_servos(system: System, turning: SteadyRotation | None, time: float) -> System:
-    """The machine with the set-points of its servos at a time as constants.
+    """The machine with the set-points of its servos held at their values at a time, with zero rate.
 
-    The rate of a set-point is zero. Only that of an angle between a rotating and a standing body is the
-    rate of its law, because the relative rate of the bodies is not zero either; a steady slide has no rate.
+    An angle servo between bodies of different spin keeps its law: the angle changes in the steady rotation. A
+    slide does not change.
     """
     still = SteadyRotation(np.zeros((len(system.bodies), 3)), np.zeros(3))
     spins = (turning or still).by_body([placed.body.name for placed in system.bodies])

@@ -34,7 +34,7 @@ _A_MOMENT = 0.05
 
 @contextmanager
 def raising_terminated() -> Iterator[bool]:
-    """Within the block SIGTERM raises Terminated, unless the program has a handler of its own.
+    """Within the block SIGTERM raises Terminated, unless the program has set another handler.
 
     Yields whether SIGTERM raises: False if there is a handler, or outside the main thread.
     """

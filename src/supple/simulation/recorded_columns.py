@@ -30,7 +30,7 @@ _ARRAYS = (
     "damping_quartic",
 )
 _OF_COORDINATES = ("nodal_basis", "mass", "frame", "shapes", "velocities", "forces")
-"""Arrays that define the motion of the coordinates."""
+"""Arrays that define the motion per coordinate."""
 
 
 def columns_of(system: System) -> Metadata:
@@ -133,7 +133,7 @@ def _of_body(body: BodyForm) -> Iterator[tuple[str, np.ndarray]]:
             for name in _ARRAYS:
                 if (array := getattr(body, name)) is not None:
                     yield name, measures(array)
-            # Stiff columns hide the soft ones in the products above: a soft mode has its own number here.
+            # Stiff columns dominate the products above; the frequencies also identify soft modes.
             yield "frequencies", _roots(body.stiffness)
             yield "damping_of_modes", _roots(body.damping)
             for each in body.interfaces:

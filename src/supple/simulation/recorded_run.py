@@ -82,9 +82,8 @@ def continue_recorded(
 
     Parameters and errors are those of `begin_recorded`; also
 
-    ResultFileError     no such file, or its run is complete, or one of its inputs has changed (the message
-                        lists them);
-                        a body is not the original one
+    ResultFileError     no such file; its run is complete; inputs have changed (the message lists them); a
+                        body is not the original one
     """
     inputs = inputs_of(system, run, case) if inputs is None else inputs
     header = read_header(path)
@@ -111,7 +110,8 @@ def simulate_recorded(
     system, run, progress, check : as for `simulate`
     path : file to write; its folder is created
     case : str      description of the simulation
-    inputs : as for `begin_recorded`; without `overwrite`, a file of another run is not replaced nor continued
+    inputs : as for `begin_recorded`; without `overwrite`, a file with other inputs is neither replaced nor
+        continued
     overwrite : start a new run, whatever the file contains
 
     Returns

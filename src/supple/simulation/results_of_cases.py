@@ -30,8 +30,11 @@ class MarchedCase:
 
 
 def solutions_of(cases: Sequence[MarchedCase]) -> list[Solution]:
-    """The solutions of cases. Cases with the same bodies and joints are concatenated in time, so that one
-    call computes their joint forces, which takes less time than a call for each case."""
+    """The solutions of cases.
+
+    Cases with the same bodies and joints are concatenated in time: one call computes their joint forces,
+    which takes less time than a call for each case.
+    """
     alike: dict[Hashable, list[int]] = {}
     for number, case in enumerate(cases):
         alike.setdefault(_bodies_and_joints(case), []).append(number)
