@@ -3,8 +3,8 @@
 On a damaged file the HDF5 library may hang, take all memory, or crash the process. Here only the copying
 process is affected; the caller reads the new file. Files with a seal (`file_seal`) are read directly.
 
-Limits of the copying process: 15 s of processor time plus 1 s per 50 MB of the file, and 2 GiB of memory or
-twenty times the size of the file, if that is more. No array may be larger than twenty times the file.
+Limits of the copying process: 15 s of processor time, plus 1 s per 50 MB of the file; 2 GiB of memory, or
+twenty times the size of the file if this is more. No array may be larger than twenty times the file.
 """
 
 from __future__ import annotations

@@ -136,8 +136,8 @@ class ModalDamping:
 
         C = P^T M Phi diag(2 zeta omega) Phi^T M P
 
-    Phi are the mass-normalised modes with the interface `held` clamped, and P removes the rigid motion of
-    that interface, so that the damping is the same in every frame. Without `held`, Phi are the modes with the
+    Phi are the mass-normalised modes with the interface `held` clamped. P removes the rigid motion of that
+    interface, so that the damping is the same in every frame. Without `held`, Phi are the modes with the
     body's frame fixed, P is the identity, and the damping depends on the choice of frame.
 
     ratios : one for all modes, or one per mode from the lowest up; the last applies to all higher modes

@@ -34,9 +34,9 @@ _DEPENDENT = 1e-9
 class FlexibleBody(Summarized):
     """A free elastic body; build it with `flexible_body` or `superelement`, which check it.
 
-    Its n coordinates q are nodal freedoms, then six freedoms for each rigid piece, then modal coordinates,
-    without those eliminated by constraints or for lack of mass or stiffness (`coordinates`):
-    u_nodal = expansion @ q.
+    Its n coordinates q are nodal freedoms, six freedoms of each rigid piece, and modal coordinates, in this
+    order: u_nodal = expansion @ q. Coordinates eliminated by constraints, or for lack of mass or stiffness,
+    are left out (`coordinates`).
 
     nodes         : (N, 3) m, in the mesh axes
     dofs_per_node : 3 (ux uy uz) or 6 (.. rx ry rz)

@@ -37,7 +37,7 @@ def superelement(
     Matrix rows after those of the nodes are modal coordinates of a condensed model (Craig-Bampton). Modal
     coordinates are zero in the rigid motions R, and K R = 0. The matrices do not contain the direction in
     which a modal coordinate moves the mass. Without `recovery`, modal displacements therefore have no
-    centrifugal and Coriolis forces and do not change the body's inertia, so angular velocities must be well
+    centrifugal and Coriolis forces and do not change the body's inertia. Angular velocities must then be well
     below the frequencies of the modes. Recovered points throughout the body supply this direction
     (`Recovery`).
 

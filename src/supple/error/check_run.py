@@ -3,8 +3,8 @@
 The richer bases contain the old basis, the 24 lowest modes in the frame and 12 leading directions of the
 motion outside the basis (`system_corrections`). With controllers that motion is unknown, because the
 controller forces are known during the run only. Then the richer bases contain the static shapes of the
-interfaces and compressed derivatives instead. In accepted runs for which the error equation gave 0.2 to 0.6
-of the true error, the distance to a run with richer bases was 0.75 to 1.0 of the true error.
+interfaces and compressed derivatives instead. In some accepted runs, the error equation gave 0.2 to 0.6 of
+the true error; the distance to a run with richer bases was then 0.75 to 1.0 of the true error.
 
 The first richer run has a strain energy of second order in the added coordinates (`second_order_beyond`). If
 it stops early, or the motion due to the neglected terms is too large (`NEGLECTED`), it is repeated with all

@@ -70,9 +70,9 @@ def state_errors(
     ----------
     system, run, solution : the machine as simulated, the settings of the run, and its result
     study : ErrorStudy      by default all parts, of every elastic body
-    fulls : the full bodies of the reduced ones; without them, and in a machine with intrinsic bodies, the
-        error of their bases is not estimated, and the error of the model follows from the rotation limit. The
-        error of the basis is not estimated either if the run stopped early
+    fulls : the full bodies of the reduced ones. Without them, or in a machine with intrinsic bodies, the
+        error of the basis is not estimated, and the error of the model follows from the rotation limit. If
+        the run stopped early, the error of the basis is not estimated
     progress : called with the name of the current step and its completed fraction
 
     Raises

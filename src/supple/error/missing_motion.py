@@ -6,9 +6,9 @@ conditions D and the joint equations g, the missing motion delta satisfies
     r( q + delta, accelerations + delta / p ) = 0,      D delta = 0,      g( q + delta ) = 0
 
 with the run's velocities and time; p is the ratio of displacement to acceleration. One Newton step is enough
-where the body responds linearly. Elsewhere one step can be wrong by 100 % and even have the wrong sign, for
-example for the wall of a shell that is pulled straight or about to buckle. Such directions do not improve a
-basis.
+where the body responds linearly. Elsewhere one step can be wrong by 100 % and even have the wrong sign.
+An example is the wall of a shell that is pulled straight or about to buckle. Wrong directions do not improve
+a basis.
 
 The solution at one time is the start value at the next: missing motion grows from zero and is followed as it
 grows. A shell whose walls buckle has several equilibria close together, and the motion follows one of them.

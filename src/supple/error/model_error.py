@@ -25,10 +25,10 @@ line that is not condensed from elements is unknown.
 
 A linear body is compared with the body before linearisation, whose quadratic strains include the shortening
 by bending and the membrane stiffening. If the body bends by more than its thickness, its linear motion has a
-large residual from stretching alone (plate 4 mm thick, nodes displaced by 14 mm: the estimate would be 0.3 m
-instead of 0.14 mm). The linear motion is therefore corrected to second order first; Newton's method continues
-from the result (`MissingMotionSearch`). Without elements or with controllers, the error of a linear body is
-theta^2 / 2 of its length L, with theta its largest rotation. Where rotations are unknown,
+large residual from stretching alone. For a plate 4 mm thick, with nodes displaced by 14 mm, the estimate
+would be 0.3 m instead of 0.14 mm. The linear motion is therefore corrected to second order first; Newton's
+method continues from the result (`MissingMotionSearch`). Without elements or with controllers, the error of a
+linear body is theta^2 / 2 of its length L, with theta its largest rotation. Where rotations are unknown,
 theta = 3 u / (2 L), that of a cantilever with the same end displacement u. A linear body lacks centrifugal
 stiffness, (spin / lowest frequency)^2 of its elastic stiffness; this fraction of the displacement is added.
 """
@@ -92,8 +92,8 @@ def model_errors(
         without elements, and machines with controllers
     bases : of the reduced bodies, by name
     quantities : the error of positions of a body in `fulls` is the RMS of the computed change of its nodes;
-        for another quantity it is the size of the quantity times the relative error of its body, or times
-        the largest relative error of all bodies if the quantity has no body or a rigid one
+        for another quantity it is the size of the quantity times the relative error of its body. If the
+        quantity has no body, or a rigid one, the largest relative error of all bodies counts
     instants : number of times at which forces are compared (`widest_instants`)
     """
     seen_bodies = [full for name, full in fulls.items() if full.body.model is not None and name in bases]

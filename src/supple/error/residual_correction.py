@@ -9,11 +9,12 @@ remaining residual is balanced by Newton's method for the whole system (`missing
     [ D                          ] [ mu     ] = - [ 0 ]
     [ G                          ] [ lambda ]     [ 0 ]
 
-K_t is the tangent of the deformed body and of the inertia forces at given accelerations (the centrifugal term
-softens, the tension it causes stiffens), M the mass matrix, p the ratio of displacement to acceleration. The
-frame rows D and the joint rows G are constraints, with multipliers mu and lambda; the motion of the frame and
-of the other bodies and the joint forces are unknowns. One clamped interface, closed loops and free flight are
-treated in the same way. The inertia M / p resists rigid motion, which a static equilibrium would leave free.
+K_t is the tangent of the deformed body and of the inertia forces at given accelerations: the centrifugal term
+reduces the stiffness, and the tension that it causes increases the stiffness. M is the mass matrix, p the
+ratio of displacement to acceleration. The frame rows D and the joint rows G are constraints, with multipliers
+mu and lambda. The motion of the frame and of the other bodies, and the joint forces, are unknowns. One
+clamped interface, closed loops and free flight are therefore treated in the same way. The inertia M / p
+resists rigid motion, which a static equilibrium would leave free.
 delta is the quasi-static missing motion. In displacements of the run, z is zero at the first interface; in
 these equations z is relative to the body's frame. The rigid motion between the two is subtracted from delta.
 """
@@ -64,8 +65,8 @@ class ResidualCorrections:
     deformation : (n, k)    delta in the body's coordinates, relative to its frame
     origin : (k, 3)         displacement of the frame's origin, global
     rotation : (k, 3)       rotation of the frame, rad, body components
-    rms : (k,)              root-mean-square displacement of the nodes in space if the joints fix all rigid
-                            motion, otherwise of the deformation alone, because no static equilibrium
+    rms : (k,)              root-mean-square displacement of the nodes: in space if the joints fix all rigid
+                            motion; otherwise of the deformation alone, because no static equilibrium
                             determines the position. Infinite, with zero deformation, where no equilibrium
                             was found
     factorizations : int    number of factored tangents of the whole system

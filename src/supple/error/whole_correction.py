@@ -6,9 +6,9 @@ exceeds the target, the parts are reduced one by one, the cheapest first: a tigh
 iterations, a shorter step costs steps, a smaller error of the basis costs rounds and coordinates. The
 difference between the allowed error and the error of the model, times `ROOM`, is divided into shares; no part
 is reduced below its share. As soon as the sum is small enough, the remaining parts stay unchanged. The next
-pass starts from the existing bases; if no other part changes, they are enriched first. No run can reduce the
-error of the model: if it exceeds `ROOM` times the allowed error, SelfCorrectionError is raised, after the
-first run if it is `HOPELESS`.
+pass starts from the existing bases; if no other part changes, these are enriched first. No run can reduce the
+error of the model: if it exceeds `ROOM` times the allowed error, SelfCorrectionError is raised. Above
+`HOPELESS` times the allowed error, this happens after the first run.
 """
 
 from __future__ import annotations

@@ -31,8 +31,8 @@ FEWEST_AT_ONCE = 16
 DEPENDENT = 1e-12
 DEPENDENT_ON_BASIS = 1e-8
 
-# Ratio of the energy of a pair's motion that the fields of z do not contain to the largest energy of a pair's
-# whole motion, below which no field is added. Bending fields have large displacements at little energy: 1e-10
+# Energy of the motion of a pair outside the fields of z, relative to the largest energy of a whole motion of
+# a pair; below this value no field is added. Bending fields have large displacements at little energy: 1e-10
 # neglects a thousandth of the motion, 1e-8 six thousandths.
 SMALLEST_SHARE = 1e-10
 

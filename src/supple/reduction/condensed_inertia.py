@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 N_MOMENTS = 12
 """Number of moments: s and c (3 each), and J_ij, i <= j (6)."""
 NEGLIGIBLE = 1e-3
-"""Ratio of the largest entry of s (times the size of the body) and c to the largest entry of J, above which
+"""Largest entry of s (times the size of the body) and c, relative to the largest entry of J; above this value
 the inertia of z is omitted."""
 _FIRST, _SECOND = np.triu_indices(3)
 _PLACE = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])

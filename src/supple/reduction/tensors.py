@@ -169,9 +169,9 @@ class StrainProducts:
     def classes(self) -> np.ndarray:
         """Number (n2,) of the symmetry class of each pair; planes of symmetry decouple pairs of two classes.
 
-        Pairs (jk) and (lm) are of one class if the strains of (jk) and (lm), of (jl) and (km), or of (jm) and
-        (kl) form an angle with a cosine, `H_ab / sqrt(H_aa H_bb)`, above 1e-8. Without symmetry there is one
-        class.
+        The strains of two pairs a, b form an angle with the cosine `H_ab / sqrt(H_aa H_bb)`. Pairs (jk) and
+        (lm) are of one class if this cosine exceeds 1e-8 for (jk) and (lm), for (jl) and (km), or for (jm)
+        and (kl). Without symmetry there is one class.
         """
         if self.pair_by_pair is None:
             return np.empty(0, dtype=np.int32)

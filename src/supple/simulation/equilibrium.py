@@ -122,8 +122,11 @@ def equilibrium(
                         prevents the spin; a joint between rotating and fixed bodies that prevents it; a
                         table that has no value at `time`
     ConvergenceError    no equilibrium was found, of the machine or of a controller's states
-    Warns BasisWarning where the error of a body is 1 % of its largest displacement or more, or unknown, and
-    ValidityWarning where a body exceeds a limit of its kinematics, which this error does not contain.
+
+    Warns
+    -----
+    BasisWarning        the basis error of a body is unknown, or 1 % of its largest displacement or more
+    ValidityWarning     a body exceeds a limit of its kinematics; the basis error does not contain this error
     Source: [KelleyKeyes1998] for the search.
     """
     search = search or StaticSearch()

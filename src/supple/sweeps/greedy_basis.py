@@ -4,8 +4,9 @@ Some cases of a group are simulated first. The error of the case with the larges
 If this error exceeds the accuracy, the bases are enriched for this case, and the search starts again.
 Otherwise the motion that the bases lack gives columns of an indicator, which estimates the errors of all
 cases. The next representative case is that with the largest estimate. If this case has a full estimate
-already, the second representative is the case with the smallest estimate, and a later search ends, unless the
-estimate of another case exceeds the allowed error (docs/theory/greedy_certification.md).
+already, the second representative is the case with the smallest estimate instead. After the second, the
+search then ends, unless the estimate of another case exceeds the allowed error
+(docs/theory/greedy_certification.md).
 """
 
 from __future__ import annotations
