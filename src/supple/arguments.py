@@ -47,7 +47,7 @@ _NUMBERS = frozenset("iuf")
 def given(value: Any) -> str:
     """Short description of a value for messages, with the text `used_with` of its class, if any."""
     if isinstance(value, type):
-        return f"the class {value.__name__} itself; make one: {value.__name__}(...)"
+        return f"the class {value.__name__} itself; give an object: {value.__name__}(...)"
     if hasattr(value, "shape") and hasattr(value, "dtype") and getattr(value, "ndim", 0):
         return f"an array of shape {tuple(value.shape)} of {value.dtype}"
     if isinstance(value, str | bytes | bool | int | float | complex | list | tuple | dict | set | None):

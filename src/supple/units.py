@@ -262,7 +262,7 @@ class UnitSystem:
         assert found is not None  # `stated` has length, mass and time
         if not isclose(_STATED[key][unit], found, rel_tol=1e-6):
             raise ModelError(
-                f"the {key} in {unit} is not consistent with {self}: these have the {key} in "
+                f"the {key} in {unit} is not consistent with {self}, for which the unit of {key} is "
                 f"{getattr(self, key)}. Give one consistent set, such as m, kg, s, N, Pa; mm, t, s, N, "
                 "MPa; in, lbf s2/in, s, lbf, psi"
             )

@@ -48,7 +48,7 @@ TYPOS = {
     "word as body": (lambda: sp.System(("hub",)), r"Placed, body: .* got 'hub' \(str\)"),
     "class as body": (
         lambda: sp.Placed(sp.RigidBody),
-        r"the class RigidBody itself; make one: RigidBody\(...\)",
+        r"the class RigidBody itself; give an object: RigidBody\(...\)",
     ),
     "place as words": (
         lambda: sp.Placed(HUB, position=("0", "0", "1")),

@@ -131,7 +131,7 @@ def checked_grounded_stiffness(
     except AccuracyError as error:
         raise ModelError(
             f"body '{body}' can move in more than six ways without strain: a mechanism, a freedom without "
-            "stiffness, or a part attached to a single node"
+            "stiffness, or a part attached to a single node: connect it, or give it stiffness"
         ) from error
     if grounded.factor.inertia.negative:
         raise ModelError(

@@ -220,8 +220,8 @@ def coordinates(
             state = state.after(tie_statically(state.K, motions, ~last[state.kept]))
     except ModelError as error:
         raise ModelError(
-            f"body '{body}': the mass matrix is not positive definite: {error}; is the density positive "
-            "everywhere?"
+            f"body '{body}': the mass matrix is not positive definite: {error}; the density must be "
+            "positive everywhere"
         ) from None
     return Coordinates(
         *(whole, state.rest, state.R, state.K, state.M, freedoms[state.kept], sets, n_modal),

@@ -1,7 +1,7 @@
 """Self-correction at rest: find an equilibrium or modes, and enrich the bases by motion outside the bases.
 
 No time integration is needed. One factorisation gives the equilibrium in all coordinates from the reduced
-equilibrium, and the enriched basis contains it. One or two rounds therefore suffice.
+equilibrium, and the enriched basis contains this equilibrium. One or two rounds therefore suffice.
 """
 
 from __future__ import annotations

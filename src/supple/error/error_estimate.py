@@ -515,7 +515,7 @@ def _missing(history: ErrorHistory, second: float, corrections: np.ndarray) -> n
     """Fields (n, m) for new columns: the corrections, and the leading directions of a converged error.
 
     If the second correction to the error is large, the march may have diverged; the error then has the shapes
-    of the instability. For a blade with buckling walls, these would take the place of the corrections.
+    of the instability. For a blade with buckling walls, these shapes would replace the corrections.
     """
     if second > FIRST_ORDER and not history.body.full.is_linear:
         return corrections

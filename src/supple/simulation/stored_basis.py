@@ -42,7 +42,7 @@ def stored_basis(full: FullBody, reduced: ReducedBody) -> ReductionBasis:
     if stiffer or left > DIFFERENT * np.abs(reduced.nodal_basis).max():
         raise ModelError(
             f"body '{full.name}' in full is not the one that was reduced: "
-            "their motions or their stiffness differ"
+            "their motions or their stiffness differ. Give the full body of this reduction"
         )
     return ReductionBasis(reduced.frame, columns, reduced.report)
 

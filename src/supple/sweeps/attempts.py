@@ -17,7 +17,7 @@ NOT_OF_A_CASE = (MemoryShortageError, MissingPackageError, ResultFileError)
 """Errors of the computer or the disk; not recorded for the cases, because a later attempt may succeed."""
 
 MOST = 2
-"""Number of unfinished attempts from which the cases of a share run in isolated processes."""
+"""Smallest number of unfinished attempts after which the cases of a share run in isolated processes."""
 
 
 class Attempts:
