@@ -109,8 +109,8 @@ def _element_forces(block: QuadraticStrain, corners: Array, freedoms: Array) -> 
     left = Rotation.from_matrix((back[:, None] @ nodal).reshape(-1, 3, 3)).as_rotvec().reshape(-1, k, 3)
     local = internal_force(block, np.concatenate([seen, left], axis=2).reshape(n_elements, -1))
     local = local.reshape(n_elements, k, 6)
-    # Moments conjugate to the local rotation vectors become moments conjugate to infinitesimal rotations, are
-    # rotated back, and become conjugate to the nodal rotation vectors.
+    # The moments are conjugate to the local rotation vectors. They are converted to infinitesimal rotations,
+    # rotated back, and converted to the nodal rotation vectors.
     spin = _solved(_left_jacobian(left).swapaxes(2, 3), local[..., 3:])
     moments = (_left_jacobian(freedoms[..., 3:]).swapaxes(2, 3) @ (spin @ back)[..., None])[..., 0]
     return np.concatenate([local[..., :3] @ back, moments], axis=2)

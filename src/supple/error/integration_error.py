@@ -1,7 +1,7 @@
 """Error of a run caused by the time integration: its step, and the tolerance of Newton's iteration.
 
-Two more runs of the same machine measure this error, the first with a hundredth of the tolerance, the second
-in addition with half the step. With q the exact motion, q(h) and q(h/2) the motions of these runs, and
+Two more runs of the same machine measure this error. The first has a hundredth of the tolerance; the second
+has, in addition, half the step. With q the exact motion, q(h) and q(h/2) the motions of these runs, and
 q(h) = q + c h^2 + .. for an integrator of second order,
 
     step = 4/3 |q(h) - q(h/2)|,        newton = max( |q_run - q(h)|, 10 tol |u| ),

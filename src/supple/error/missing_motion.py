@@ -17,8 +17,8 @@ If sample times are far apart, the search leaves this equilibrium (61.5 m blade 
 the search at the next sample time has the strict tolerance again. A tangent is used again at later times
 while it reduces every correction to 0.3 of the previous one or less.
 
-Not all sample times need intermediate times. If one tangent reduces every correction, from the last solution
-on, to 0.3 of the previous one or less, the iteration is a contraction. Its limit is then the only solution
+Not all sample times need intermediate times. The iteration from the last solution is a contraction if one
+tangent reduces every correction to 0.3 of the previous one or less. Its limit is then the only solution
 nearby, which the search along intermediate times would also find. Otherwise the motion is followed along the
 intermediate times.
 Source: original to this project.

@@ -1,9 +1,9 @@
 """Error of a run caused by the kinematics of the model, at the motion of the run.
 
 Elements that rotate relative to their body's frame, and rigid interfaces that rotate with them, have spurious
-strains of third order in the rotation. At the times of the largest rotations, the force f of the elements is
-compared with the force f_turned of the same elements in corotational axes (`turned_force`). One Newton step
-of the whole system gives the resulting change of the motion,
+strains of third order in the rotation. At the times of the largest rotations, two forces of the elements are
+compared: f, and f_turned in corotational axes (`turned_force`). One Newton step of the whole system gives the
+resulting change of the motion,
 
     K_t delta = - ( f_turned(q) - f(q) ),
 

@@ -1,8 +1,8 @@
 """The quartic tensor as its nonzero blocks of pairs; zeros result from symmetry or a truncated energy.
 
 If a body has planes of symmetry, every shape is even or odd in each plane. A term of the strain energy that
-is odd in a plane is zero. The packed products `g_l g_m` therefore fall into classes, two for one plane and
-four for two, and the matrix of pairs couples no two classes. Zero blocks are neither stored nor multiplied:
+is odd in a plane is zero. The packed products `g_l g_m` therefore fall into classes: two for one plane, four
+for two planes. The matrix of pairs couples no two classes. Zero blocks are neither stored nor multiplied:
 with two planes a quarter of the matrix remains. Without symmetry there is one class. Rows of a class with
 nonzero entries in few columns form a block of only these columns, for example after `second_order_beyond`.
 """

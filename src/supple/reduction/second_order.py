@@ -17,7 +17,7 @@ def second_order_beyond(body: ReducedBody, leading: int) -> ReducedBody:
         U(a, d) ~ U(a, 0) + dU/dd(a, 0) d + d . d2U/dd2(a, 0) d / 2,   gamma = (a, d)
 
     All orders in `a` remain; the damping is truncated in the same way; a linear body is unchanged. If d is
-    small, such as the motion outside a basis, the truncation causes a relative error in d of the order of d.
+    small, such as the motion outside a basis, the relative error of d due to the truncation is of order d.
     With 13 of 49 coordinates in `a`, seven tenths of the quartic tensor are zero.
 
     leading : number of coordinates a

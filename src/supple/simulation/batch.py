@@ -2,8 +2,8 @@
 
 The cases are systems of the same bodies, joints and kinds of loads that differ in numbers: tables of loads,
 initial motion, gravity, even stiffness. Numbers that all cases share are stored once. All others get a
-leading axis, and the compiled run is mapped over it (`jax.vmap`), unless the tangents of the cases are frozen
-(`shares_of_cases`). All processor cores are used where that is worthwhile (`worker_processes`).
+leading axis. The compiled run is mapped over this axis (`jax.vmap`), unless the tangents of the cases are
+frozen (`shares_of_cases`). All processor cores are used where that is worthwhile (`worker_processes`).
 """
 
 from __future__ import annotations

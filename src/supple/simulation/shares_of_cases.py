@@ -4,9 +4,9 @@ The cases of a share, at most a chunk, are mapped together (`jax.vmap`). From 16
 Newton's linear equations case by case, and only for cases not yet converged (`sequential_vmap`). A smaller
 last share repeats its last case, so that all shares use one compiled program.
 
-With a frozen tangent, all mapped cases would compute a new tangent at every iterate, because a map cannot
-branch for the case that needs one. For a body with 25 coordinates, a mapped case would cost up to three times
-as much as a single run. Such cases are therefore not mapped, and use the program of a single case.
+With a frozen tangent, all mapped cases would compute a new tangent at every iterate: a map cannot branch for
+the case that needs one. For a body with 25 coordinates, a mapped case would cost up to three times as much as
+a single run. Such cases are therefore not mapped, and use the program of a single case.
 
 The cases are not the innermost axis of the arrays. If they were, vector instructions could work on several
 cases at once, but the most expensive part, the inverse of a tangent, would be slower: with 31 unknowns it

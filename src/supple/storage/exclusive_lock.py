@@ -1,7 +1,7 @@
 """Exclusive lock: one writer at a time for a file, or for a folder.
 
-The operating system locks a file, `.NAME.lock` beside a file or `.supple.lock` in a folder, and releases the
-lock when the process ends in any way. The lock file of a killed run therefore blocks no later run.
+The operating system locks a file: `.NAME.lock` beside a file, or `.supple.lock` in a folder. The lock ends
+with the process, however it ends. The lock file of a killed run therefore blocks no later run.
 """
 
 from __future__ import annotations

@@ -169,8 +169,8 @@ class ResultFile:
 
         Raises
         ------
-        ResultFileError     times that do not follow the last ones, other bodies or joints than before, a
-                            closed file, a removed file, a full disk; chunks written before stay readable
+        ResultFileError     times that do not follow the last ones; other bodies or joints than before; a
+                            closed or removed file; a full disk. Chunks written before stay readable
         """
         self._check_open("append to")
         arrays = to_arrays(chunk)
