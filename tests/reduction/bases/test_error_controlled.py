@@ -163,7 +163,7 @@ def test_progress_sees_every_step(rigid_body):
         ({"tolerance": -0.1}, "the tolerance is -0.1"),
         ({"tolerance": 1.0}, "the tolerance is 1: "),
         ({"tolerance": float("nan")}, "the tolerance is nan"),
-        ({"tolerance": 1e-9}, "the tolerance 1e-09 is below the round-off.*ask for 1e-07 or more"),
+        ({"tolerance": 1e-9}, "the tolerance 1e-09 is below the round-off.*give 1e-07 or more"),
         ({"n_modes": 0}, "n_modes = 0"),
         ({"start": -1}, "start = -1"),
         ({"most": 3}, "start = 5, most = 3: give n_modes of one or more, and 0 <= start <= most"),

@@ -40,20 +40,20 @@ SMALLEST_MONOMIAL = 1e-6
 large bending, a limit ten times as large changes error estimates by 0.2 %. A limit a thousand times as large
 neglects changes of the membrane stiffness, and bending locks."""
 SMALLEST_RATE = 3e-3
-"""The same for tangents of the strain-rate stress, which are a few per cent of the stiffness. A limit ten
-times as large changes error estimates by less than 0.1 %."""
+"""`SMALLEST_MONOMIAL` for tangents of the strain-rate stress, which are a few per cent of the stiffness. A
+limit ten times as large changes error estimates by less than 0.1 %."""
 MOST_SAMPLES = 120
 AT_ONCE = 4
-"""Number of sample times added between tests whether the previous matrices are sufficient."""
+"""Number of sample times added before each test whether the previous matrices are sufficient."""
 FEWEST_IN_THREADS, MOST_IN_THREADS = 2_000, 200_000
-"""A body with a number of coordinates between these has its tangents assembled by several threads. For fewer
-coordinates threads save no time; for more, assemblies at once take too much memory (gigabytes for each at a
-million coordinates)."""
+"""Several threads assemble the tangents of a body if its number of coordinates lies between these values. For
+fewer coordinates threads save no time. For more, simultaneous assemblies take too much memory (gigabytes for
+each at a million coordinates)."""
 PROVEN = 3e-4
 """Allowed error of tangents predicted from earlier samples, relative to the stiffness at rest, in any
 direction. It changes the energy of the estimated error of a run by the same ratio."""
 PROVEN_DAMPING = 1e-2
-"""The same for the material part of the tangent, which only damping needs."""
+"""`PROVEN` for the material part of the tangent, which only damping needs."""
 FACTOR_ROWS = 256
 
 

@@ -75,7 +75,7 @@ class ElasticPolynomial:
 
     @cached_property
     def tangents(self) -> tuple[Array, Array]:
-        """Tangents per monomial of `monomials`, and their parts through the strains alone, (m, k, k) each."""
+        """Tangents per monomial of `monomials`, and their material parts, (m, k, k) each."""
         linear, turned, cubic = self._symmetric
         first, second = np.triu_indices(self.n_motion)
         s, k = self.n_motion, linear.shape[0]

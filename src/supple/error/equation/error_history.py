@@ -472,7 +472,7 @@ def _from_instants(
 def _from_polynomial(
     assessed: AssessedBody, polynomial: ElasticPolynomial, motion: _InColumns, proven: float
 ) -> _Elasticity:
-    """Exact forces in the columns of the run, and tangents by few combinations of their polynomials."""
+    """Exact forces in the columns of the run, and tangents from few combinations of their polynomial."""
     k, time = assessed.space.size, assessed.retardation_time
     force, (whole, material) = polynomial.force(motion.coordinates), polynomial.tangents
     unit = unit_stiffness(assessed.columns.stiffness[:k, :k])

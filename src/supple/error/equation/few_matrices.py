@@ -1,7 +1,7 @@
 """Weighted sums of many constant matrices along runs, from few combinations of the matrices.
 
-A tangent along a run is a sum of about a hundred matrices with weights at every step. Runs of a blade bend in
-a few shapes, so that few combinations of these matrices give all their tangents.
+A tangent along a run is a sum of about a hundred matrices with weights at every step. A blade bends in few
+shapes in all runs, so that few combinations of these matrices give all tangents.
 """
 
 from __future__ import annotations

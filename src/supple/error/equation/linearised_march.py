@@ -14,11 +14,11 @@ rows of rotations:
 
     eps = eps_p + p T c,   w = w_p + v c,   a = a_k + kappa c
 
-M, C and K are the tangents of the run's own equations at its state, with increments of zero; r and g are the
-residuals of these equations and of the joints. This step is the exact derivative of the discrete run. Only
-rotations are composed exactly, psi = log( exp(-Dpsi) exp(psi_0) exp(Dpsi + dturn) ), which is the same to
-first order. The corrected motion therefore obeys the integrator, and the equation can be linearised about it
-again.
+M, C and K are the tangents of the run's own equations at its state; r and g are the residuals of these
+equations and of the joints; p, v and kappa are the factors of the step (`StepFactors`). This step is the
+exact derivative of the discrete run. The exception are rotations, which are composed exactly, to first order
+with the same result: psi = log( exp(-Dpsi) exp(psi_0) exp(Dpsi + dturn) ). The corrected motion therefore
+obeys the integrator, and the equation can be linearised again about this motion.
 Source: original to this project; the step is that of Chung & Hulbert (1993) on the group of Arnold & Bruels
 (2007).
 """

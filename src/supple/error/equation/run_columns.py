@@ -30,7 +30,8 @@ class RunColumns:
 
     vectors : (n, s)
     coordinates, rates, accelerations : (t, s)
-    rigid : (t, 6)      rigid motion that the run's displacements have in addition: z is zero at an interface
+    rigid : (t, 6)      rigid motion that the displacements of the run contain in addition to z, so that their
+                        condensed part is zero at the first interface
     """
 
     vectors: Array
@@ -95,7 +96,7 @@ class MotionColumns:
 
     vectors : (n, s)
     following : (s, r (r + 1) / 2)      coordinates of z in these columns, per pair of V's columns; None: no z
-    rigid : (6, r (r + 1) / 2)          the same for `RunColumns.rigid`
+    rigid : (6, r (r + 1) / 2)          `RunColumns.rigid` per pair of V's columns; None: no z
     """
 
     vectors: Array
@@ -126,9 +127,9 @@ class MotionColumns:
 def motion_columns(
     body: FlexibleBody, reduced: ReducedBody, basis: ReductionBasis, coordinates: Array
 ) -> MotionColumns:
-    """The columns for all runs of a reduced body: V, and directions of z at some of their coordinates.
+    """The columns for all runs of a reduced body: V, and directions of z at some coordinates of these runs.
 
-    coordinates : (t, r)    of those runs, at times that show the directions of z
+    coordinates : (t, r)    of these runs, at times that show the directions of z
     """
     if reduced.condensed is None or not np.any(coordinates):
         return MotionColumns(basis.vectors)

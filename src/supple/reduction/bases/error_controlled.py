@@ -73,7 +73,7 @@ class ErrorControlled:
         if self.tolerance < SMALLEST_TOLERANCE:
             raise ModelError(
                 f"the tolerance {self.tolerance:g} is below the round-off in the eigenvalues of a "
-                f"large body; ask for {SMALLEST_TOLERANCE:g} or more"
+                f"large body; give {SMALLEST_TOLERANCE:g} or more"
             )
         if self.n_modes < 1 or self.start < 0 or (self.most is not None and self.most < self.start):
             raise ModelError(

@@ -70,8 +70,8 @@ def rayleigh_ritz(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> LinearB
     columns = mass_orthonormalize(without_frame(columns), body.mass).vectors
     if columns.shape[1] == 0:
         raise ModelError(
-            f"the linear basis of body '{body.name}' is empty: the frame carries all of its "
-            f"{raw.vectors.shape[1]} columns; ask for modes or use a basis with free interfaces"
+            f"the linear basis of body '{body.name}' is empty: the frame contains the motion of "
+            f"all its {raw.vectors.shape[1]} columns; add modes, or use a basis with free interfaces"
         )
     squares, rotation = np.linalg.eigh(columns.T @ (body.stiffness @ columns))
     if squares[0] <= 0.0:

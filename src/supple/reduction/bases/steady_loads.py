@@ -22,7 +22,7 @@ NAMES = (
     *(f"rotation about {first} and {second}" for first, second in combinations("xyz", 2)),
 )
 
-# Ratio of the M-norm of a response to the largest, up to which it is dropped: a line rotating about itself.
+# Responses with an M-norm up to this fraction of the largest are dropped: a line that rotates about itself.
 SMALLEST_RESPONSE = 1e-9
 
 

@@ -67,7 +67,7 @@ class EigenvalueErrorEstimator(Protocol):
     """An estimate of zeta_n = chi-bar_n / chi_n - 1, the relative error of a reduced eigenvalue.
 
     Upper and lower estimates are bounds to first order, for errors of a few per cent and less. No estimate
-    detects a truncated mode without motion or force at the interfaces: that needs a count.
+    detects a truncated mode without motion or force at the interfaces; a count of the eigenvalues does.
     """
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:
@@ -89,9 +89,9 @@ class Han2020Bound:
     """(chi-bar + chi-bar^2 / kappa_n) xi^T X xi, n the number of the elastic vibration. [Han2020] (42)
 
     If at least n modes are kept, every truncated mode is above the n-th fixed-interface mode, so its share is
-    bounded. With many modes the bound is two or three times the true error, and tens of times where chi-bar_n
-    is far above kappa_n. With fewer than n modes, possible with several interfaces, the estimate is no bound.
-    If fewer than n modes are computed, the last of them replaces the n-th.
+    bounded. With many modes the bound is two or three times the true error, or tens of times this error where
+    chi-bar_n is far above kappa_n. With fewer than n modes, possible with several interfaces, the estimate is
+    no bound. If fewer than n modes are computed, the last of them replaces the n-th.
     """
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:
