@@ -79,5 +79,5 @@ def test_mistakes_are_named_with_their_lines(before):
     refused("remove the key", ("step = 5e-4", GOES_ON + "\nassemble = true"))
     refused("the joints define the start", ("step = 5e-4", GOES_ON + "\nkinematic = true"))
     late = case(before, ("step = 5e-4", GOES_ON.replace(repr(TIME), repr(TIME + 1e-4))))
-    with pytest.raises(ModelError, match="is none of 0 to"):
+    with pytest.raises(ModelError, match="is not among those from 0 to"):
         run_case(late, before / "late", errors=False)

@@ -219,7 +219,7 @@ def test_what_cannot_go_on_is_refused():
     coarser = solid_model(block(LENGTH, WIDTH, WIDTH, 4, 1, 1, CellType.HEXA8), Isotropic(1.0, 0.0, 1.0))
     ends = [RigidInterface("root", "root"), RigidInterface("tip", "tip")]
     refused("another mesh", FullBody(flexible_body("bar", coarser, ends), MeanAxisFrame()), start=known)
-    with pytest.raises(ModelError, match=r"2\.4 is none of 2\.5 to 2\.5"):
+    with pytest.raises(ModelError, match=r"2\.4 is not among those from 2\.5 to 2\.5"):
         Start(solution, 2.4)
 
 

@@ -91,7 +91,8 @@ class Start:
             near = times[max(row - 1, 0) : row + 2]
             raise ModelError(
                 f"a machine starts from an output time, where its whole state is stored; {self.time:g} is "
-                f"none of {times[0]:g} to {times[-1]:g}: use " + " or ".join(f"{each:.12g}" for each in near)
+                f"not among those from {times[0]:g} to {times[-1]:g}: use "
+                + " or ".join(f"{each:.12g}" for each in near)
             )
         return row
 
