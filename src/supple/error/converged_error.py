@@ -34,6 +34,7 @@ SWEEPS = 3
 SMALL_TURN = 0.02
 """Error of a frame's rotation, rad, that counts as small."""
 DEFORMED = 8
+"""Number of steps besides the first at which the deformation of a run is sampled."""
 
 Differences = tuple[ErrorState, Mapping[str, ErrorHistory], dict[str, float]]
 """True motion less the run's motion; the errors and their last relative change, both by body."""

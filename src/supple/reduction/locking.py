@@ -29,6 +29,7 @@ _ACCELERATIONS = (
     "angular acceleration z",
 )
 _INCREMENTS, _ITERATIONS, _HALVINGS, _TOLERANCE = 4, 40, 8, 1e-8
+"""Numbers of load increments, iterations in each, and halvings of a step; largest relative residual."""
 
 
 def locking(left_out: Condensation, plain: InternalForceTensors, chosen: InternalForceTensors) -> Locking:

@@ -49,11 +49,13 @@ __all__ = ["simulate_batch"]
 
 
 _CHUNK = 64
+"""Chunk size for machines of intrinsic bodies."""
 _SMALL_CHUNK = 16
 """Chunk size on a CPU: the time per case is as with `_CHUNK`, and there are more chunks for the cores."""
 _LARGE_CHUNK = 1024
 """Chunk size on a GPU: an iteration takes 150 kernels of at least 5 us each, for one case or a thousand."""
 _RESULTS_AT_ONCE = 64
+"""Number of cases whose solutions are computed together from their states."""
 
 
 @checked_arguments

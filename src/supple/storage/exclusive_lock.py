@@ -22,6 +22,7 @@ from supple.storage.file_errors import file_errors
 _BUSY = {errno.EACCES, errno.EAGAIN, errno.EDEADLK}
 _NO_LOCKS_HERE = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL}
 _ATTEMPTS = 100
+"""Largest number of attempts if other processes keep removing the lock file."""
 _PATIENCE = 0.05
 """Seconds between two attempts at a lock that another process holds."""
 

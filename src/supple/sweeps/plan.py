@@ -39,6 +39,7 @@ __all__ = ["SweepPlan", "make_plan", "plan_path", "read_plan", "write_plan"]
 
 FORMAT, VERSION = "supple-sweep-plan", 1
 LARGEST_SHARE = 512
+"""Largest default number of cases of a share."""
 FEWEST_SHARES = 64
 """Smallest number of shares, if there are enough cases, so that many cores have work."""
 MARCHED_AT_ONCE = 16

@@ -29,6 +29,7 @@ from supple.sweeps.sweep_status import SweepStatus, sweep_status
 __all__ = ["plan_sweep", "run_part_of_sweep", "run_sweep", "sweep"]
 
 MOST_BREAKS_WITHOUT_PROGRESS = 2
+"""Number of executors that break in succession without progress, after which the sweep fails."""
 
 
 @with_progress_bar("sweep", by_fraction)

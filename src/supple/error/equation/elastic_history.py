@@ -43,6 +43,7 @@ SMALLEST_RATE = 3e-3
 """`SMALLEST_MONOMIAL` for tangents of the strain-rate stress, which are a few per cent of the stiffness. A
 limit ten times as large changes error estimates by less than 0.1 %."""
 MOST_SAMPLES = 120
+"""Largest number of sample times of a run."""
 AT_ONCE = 4
 """Number of sample times added before each test whether the previous matrices are sufficient."""
 FEWEST_IN_THREADS, MOST_IN_THREADS = 2_000, 200_000
@@ -55,6 +56,7 @@ direction. It changes the energy of the estimated error of a run by the same rat
 PROVEN_DAMPING = 1e-2
 """`PROVEN` for the material part of the tangent, which only damping needs."""
 FACTOR_ROWS = 256
+"""Number of times whose products of coordinates are in memory at once."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -45,6 +45,7 @@ __all__ = ["ErrorEquation", "ErrorHistory", "TangentMotion"]
 Array = NDArray[np.float64]
 
 MORE_DIRECTIONS = 8
+"""Largest number of directions of an error that become columns of the motion."""
 SMALLEST_DIRECTION = 0.02
 """Ratio to the error below which its remainder outside the chosen directions is neglected."""
 FEWEST_SAMPLES = 32

@@ -14,6 +14,7 @@ __all__ = ["second_corrections"]
 Array = NDArray[np.float64]
 
 MOST_INSTANTS = 10
+"""Largest number of times at which a second correction is computed."""
 IMAGINARY = 1e-20
 """Size of an imaginary step along an error: it gives the derivative of the polynomial force to round-off."""
 

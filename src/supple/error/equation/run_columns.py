@@ -17,9 +17,13 @@ __all__ = ["MotionColumns", "RunColumns", "motion_columns", "run_columns"]
 Array = NDArray[np.float64]
 
 MOST_FOLLOWING = 12
+"""Largest number of columns of the condensed motion z."""
 ROUND_OFF = 1e-6
+"""Ratio of a remainder to its field below which the remainder is round-off."""
 MOST_SAMPLES = 40
+"""Largest number of times at which z is sampled."""
 SMALLEST_PRODUCT = 1e-5
+"""Pivot of the products of coordinates, relative to the largest, below which no sample time is added."""
 SMALLEST_FOLLOWING = 1e-3
 """Ratio to the largest condensed motion below which a direction has no column and counts as error."""
 
