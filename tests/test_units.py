@@ -81,7 +81,7 @@ def test_a_number_is_plain_also_where_it_is_rounded_up():
             {"length": "mm", "mass": "kg", "time": "s", "stress": "MPa"},
             "the stress in MPa is not consistent with",
         ),
-        ({"length": "mm", "mass": "kg", "time": "s", "force": "N"}, "for which the unit of force is .*, such as m"),
+        ({"length": "mm", "mass": "kg", "time": "s", "force": "N"}, "the unit of force is .*, such as m"),
         ({"length": "metre"}, "unknown unit of length 'metre'"),
         ({"lenght": "m"}, "units cannot be given for 'lenght'.*did you mean 'length'"),
         ({"force": "newton"}, "unknown unit of force 'newton'"),
