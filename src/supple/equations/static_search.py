@@ -154,7 +154,7 @@ class Equations(Protocol):
 
     @property
     def is_discrete(self) -> bool:
-        """Whether forces and masses act on different velocities, equal except for a discretisation error."""
+        """Whether forces and inertia refer to different velocities, equal up to a discretisation error."""
         ...
 
     def start(self) -> StaticState:

@@ -34,7 +34,7 @@ class BeamSection:
     material : Isotropic
     area : float                        m^2
     I1, I2 : float                      second moments for bending in the x-y and in the x-z plane, m^4
-    J : float                           torsion constant, m^4; a second moment or J of 0 carries no moment
+    J : float                           torsion constant, m^4; where I1, I2 or J is 0, its moment is zero
     K1, K2 : float                      shear factors of the two planes; 0 for no shear deformation
     orientation : float array (3,)      a direction in the x-y plane, in the mesh axes; `Section.directions`
                                                  overrides it

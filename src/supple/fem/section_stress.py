@@ -156,7 +156,7 @@ def section_forces(model: FiniteElementModel, section: Section, block: Quadratic
 
 
 def states_stress(section: Section) -> bool:
-    """Whether a section is part of stress recovery: not for beams by matrices or without recovery points.
+    """Whether stress recovery includes a section: False for beams by matrices or without recovery points.
 
     True for laminates, for which `section_stress` raises ModelError.
     """

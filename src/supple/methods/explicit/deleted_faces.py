@@ -1,4 +1,4 @@
-"""Check whether elements are deleted below the faces of a contact, which stay those at the start."""
+"""Check for deleted elements below the faces of a contact; the faces remain those at the start."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def deletion_watch(system: System, validity: Validity) -> DeletionWatch:
 
 def _uncovers(contact: SurfaceContact) -> str:
     return (
-        f"contact of '{contact.nodes}' with '{contact.surface}': elements below its faces are deleted, and "
-        "faces of the elements behind them are not touched, so nodes pass through these. Results "
-        "after that are wrong where they meet: leave the deletion strain out, or raise it"
+        f"contact of '{contact.nodes}' with '{contact.surface}': elements below its faces are deleted. The "
+        "contact has no faces on the elements behind them, so nodes pass through these elements, and later "
+        "results there are wrong: leave the deletion strain out, or raise it"
     )

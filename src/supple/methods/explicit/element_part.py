@@ -28,7 +28,7 @@ __all__ = ["ElementPart", "check_law", "refuse_beside_elements"]
 FloatArray = NDArray[np.float64]
 
 SHEAR = 0.01
-"""Largest relative difference of a stated shear modulus from E / (2 (1 + nu)), as of rounded constants."""
+"""Largest relative difference, due to rounded constants, of a stated shear modulus from E / (2 (1 + nu))."""
 
 
 def refuse_beside_elements(what: str, model: FiniteElementModel) -> None:
@@ -38,7 +38,7 @@ def refuse_beside_elements(what: str, model: FiniteElementModel) -> None:
 
 
 def check_law(what: str, law: Law | None, densities: Iterable[float], deletion: float) -> None:
-    """Raise ModelError for a law, densities, or a plastic strain of deletion that cannot be right.
+    """Raise ModelError for an invalid law, density or plastic strain of deletion.
 
     law : None: elastic
     """
@@ -60,8 +60,8 @@ def check_law(what: str, law: Law | None, densities: Iterable[float], deletion: 
     implied = own.youngs_modulus / (2 * (1 + own.poissons_ratio))
     if abs(own.shear_modulus - implied) > SHEAR * implied:
         raise ModelError(
-            f"{what}: its material states a shear modulus; leave it out, because laws are isotropic: it "
-            f"is {own.shear_modulus:.4g}, E / (2 (1 + nu)) = {implied:.4g}"
+            f"{what}: its material states a shear modulus of {own.shear_modulus:.4g}, but laws are "
+            f"isotropic, with E / (2 (1 + nu)) = {implied:.4g}; leave the shear modulus out"
         )
 
 

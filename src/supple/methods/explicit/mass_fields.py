@@ -5,8 +5,8 @@ of an isotropic rotary inertia J, since sum_d |theta x e_d|^2 = 2 |theta|^2:
 
     1/2 m |x'|^2 + 1/2 (J/2) sum_d |d'_d|^2
 
-The weights of a director on the frame's points sum to zero: it is a direction. So nodal rotations need no
-equation of their own, and conservation of momentum and energy applies to them as to points.
+A director is a direction, so its weights on the frame's points sum to zero. Nodal rotations need no separate
+equations, and momentum and energy are conserved as for nodes without rotations.
 """
 
 from __future__ import annotations

@@ -261,9 +261,9 @@ def modal_subdomain(
 
         V^T M V = I,   R^T M V = 0,   V^T K V = diag(omega^2)
 
-    The columns of any basis are made M-orthogonal to the six rigid motions and diagonalised; modes with
-    frequencies above `highest` are omitted. The highest retained frequency limits the step: with `highest`,
-    constraint modes of many interface freedoms do not shorten it.
+    The columns of any basis are made M-orthogonal to the six rigid motions and diagonalised. Modes with
+    frequencies above `highest` are omitted, because the highest retained frequency limits the step. Such
+    modes occur where the basis has constraint modes of many interface freedoms.
 
     body : FlexibleBody     only `stiffening` uses the quadratic strains of its elements
     basis : NormalModes(..), CraigBampton(..), ErrorControlled(..) or any other recipe

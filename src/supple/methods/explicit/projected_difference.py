@@ -116,7 +116,8 @@ class ProjectedDifference:
 
             lambda . G d + 1/2 [(d+ - d-) . B^T M (b+ - b-) + <b+, M b+> - <b-, M b->]
 
-        The work vanishes with the step, does not accumulate (the scheme is variational), and is exact.
+        This expression is exact. The work vanishes with the step, and does not accumulate, because the scheme
+        is variational.
         """
         t = _tangent(model, old.p, old.y)
         before, after = _bilinear(model, t, old.vp, old.vy), _bilinear(model, t, new.vp, new.vy)

@@ -1,8 +1,8 @@
 """Tensors of 3 x 3 components, each an array over points, for constitutive laws.
 
-A tensor is a nested tuple t[i][j] of arrays of one shape. Written component by component, a law compiles to
-one loop over points without stores between its operations; arrays of shape (.., 3, 3) would be several times
-slower in small products.
+A tensor is a nested tuple t[i][j] of arrays of one shape. A law written by components compiles to one loop
+over points, without stores between its operations. Small products of arrays of shape (.., 3, 3) would be
+several times slower.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Momentum error of a free body with few modes: distance of its centre of mass from that due to its loads."""
+"""Drift of a free body's centre of mass from the path due to its loads: the momentum error of few modes."""
 
 from __future__ import annotations
 
@@ -34,7 +34,8 @@ def centre_drift(system: System, solution: Solution, name: str) -> float:
 
     c is the centre of mass, m the mass, and F the sum of the loads. With few modes, the momentum of a bent
     free line follows the loads only approximately. F is a cubic spline through its values at the output
-    times. The error of this spline, its difference from a spline through every second value, is subtracted.
+    times. The difference from a spline through every second value estimates the spline's error, which is
+    subtracted.
 
     name : name of the body
     Returns 0 for a body with a supported root, if `is_joined`, and for fewer than five output times.

@@ -37,7 +37,7 @@ __all__ = ["CompleteMotion", "complete_motion", "intrinsic_of", "joined_instants
 Array = NDArray[np.float64]
 
 TOLERANCE = 1e-8
-"""Norm of the residual relative to that of amplitudes times frequencies, at which the iteration ends."""
+"""Relative residual at which the iteration ends: its norm over the norm of frequencies times amplitudes."""
 MOST_ITERATIONS = 12
 
 

@@ -22,7 +22,7 @@ from supple.methods.intrinsic.root_support import CLAMPED, RootSupport
 __all__ = ["condense"]
 
 SOFT = 1e-2
-"""Deflection under the weight relative to that in the softest direction, above which its error counts."""
+"""Smallest deflection of a direction in `_lumping_error`, relative to that of the softest direction."""
 
 Array = NDArray[np.float64]
 
@@ -91,11 +91,12 @@ def condense(
 
 
 def _lumping_error(body: FlexibleBody, line: CondensedLine, shapes: Array) -> float:
-    """Error of deflections under the weight of the body, clamped at its root, as stations carry the mass.
+    """Relative error, due to the lumped mass, of deflections under the weight; the root is clamped.
 
-    Forces Psi^T M a of the elements' mass deflect the line exactly as the elements, those of the lumped mass
-    do not. Norms are those of the displacements of stations; the largest ratio of three directions a, without
-    those in which the body is stiff.
+    The exact deflections are those under the forces Psi^T M a, with the mass M of the elements and unit
+    accelerations a in three directions. The error of a direction is the norm of the error of the stations'
+    displacements, divided by the norm of their exact displacements. The result is the largest error, without
+    directions in which the body is stiff (`SOFT`).
     """
     directions = slice(0, 3)
     exact = shapes.T @ (body.mass @ body.rigid_modes[:, directions])

@@ -25,9 +25,9 @@ LARGEST_RIGID_FORCE = 1e-6
 ASYMMETRY = 1e-8
 """Largest difference of mirrored entries relative to the largest entry; a larger one is an error."""
 LARGEST_NEGATIVE = 1e-6
-"""Largest size of a negative principal stiffness relative to the largest size; a larger one is an error."""
+"""Largest magnitude of a negative principal stiffness, relative to the largest; a larger one is an error."""
 ROUNDING = 1e-13
-"""Largest mass entry between two stations relative to the largest entry; up to it, stations share no mass."""
+"""Mass entry between two stations, relative to the largest entry, below which it counts as zero."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -50,7 +50,7 @@ def enough_modes(
 
     Parameters
     ----------
-    system : a machine with intrinsic bodies; the present number of modes in the search has no effect
+    system : a machine with intrinsic bodies; their present numbers of modes have no effect
     run : function that simulates a machine, such as `lambda system: simulate(system, Run(..))`
     tolerance : limit of `TruncationError.largest`: error of station positions, or drift of centre of mass,
         relative to the deflection

@@ -79,8 +79,8 @@ class IntrinsicBody(FormDefaults, Summarized):
         the modes on its root support, also for a released body
     complete : IntrinsicBody | None     the same body with all its modes; None if this body has all
     supported : IntrinsicBody | None    for a released body: the body before release, on its root support
-    lumping_error : float | None    error of deflections under its weight, relative, because stations carry
-        the mass; None for a line that is not condensed from elements
+    lumping_error : float | None    relative error, due to the lumped mass, of deflections under its weight;
+        None for a line that is not condensed from elements
     """
 
     modes: IntrinsicModes
@@ -308,7 +308,7 @@ class IntrinsicBody(FormDefaults, Summarized):
     def motion_near(
         self, position: Array, rotation: Array, coordinates: Array, displacement: Array, rates: Array
     ) -> IntrinsicMotion:
-        """Motion displaced by p (t, 6 + e), with the velocities due to the rates p' (t, 6 + e) at p = 0."""
+        """Motion with small displacements p (t, 6 + e), and velocities from their rates p' at p = 0."""
         frames = frames_near(position, rotation, displacement, rates)
         amplitudes = self.freedoms(self.forces_of(coordinates)).amplitudes(rates)
         still = np.zeros_like(frames[2]), np.zeros_like(frames[2]), np.zeros_like(amplitudes)

@@ -112,9 +112,9 @@ class IntrinsicModes:
 def intrinsic_modes(line: CondensedLine, support: RootSupport, n_modes: int | None = None) -> IntrinsicModes:
     """The lowest modes of a line on a support.
 
-    Rigid motion follows from geometry, so that no frequency is compared with zero. The elastic modes are
-    those of the flexibility scaled by the masses, F^T K^-1 F with M = F F^T: massless freedoms follow
-    statically, and the lowest modes are the most accurate ones.
+    Rigid modes follow from the geometry, not from a tolerance on frequencies. The elastic modes are those of
+    the flexibility scaled by the masses, F^T K^-1 F with M = F F^T: massless freedoms follow statically, and
+    the lowest modes are the most accurate ones.
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ def _normal_modes(line: CondensedLine, support: RootSupport) -> tuple[Array, Arr
 
 
 def _mass_orthonormal(columns: Array, M: Array) -> Array:
-    """Mass-orthonormal basis with the same spans of leading columns: Cholesky QR, repeated for round-off."""
+    """Columns made mass-orthonormal in their order, by Cholesky QR, repeated for round-off."""
     for _ in range(3):
         L = np.linalg.cholesky(columns.T @ M @ columns)
         columns = np.asarray(linalg.solve_triangular(L, columns.T, lower=True)).T

@@ -74,7 +74,7 @@ class JoinedEngine:
         self._step = float(run.step_control.first)
         self._sampling = sampling_of(self._machine.seen, run)
         self._length = leg_size(len(run.times)) if self._sampling is None else 1
-        # The length of the run alone selects the program, so that a resumed run has the same bits.
+        # The length of the whole run selects the program, so that a resumed run is equal in every digit.
         work = (run.times[-1] - run.start) / self._step * _unknowns(self._machine)
         self._program = _march if work > QUICK else _quick_march
 

@@ -140,7 +140,7 @@ def residuals_of_joints(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.A
 
 
 def moved_instant(arrays: JoinedArrays, now: JoinedInstant, change: JoinedRates, time: Any) -> JoinedInstant:
-    """The instant later by `time`, with the increment `change`: rates multiplied by this time."""
+    """The instant after a time `time`; `change` contains the rates multiplied by this time."""
     increment = jnp.concatenate([change.frames, jnp.zeros(6 * arrays.n_coupled)])
     lines = jax.tree.map(jnp.add, now.lines, change.lines)
     floating = advance(arrays.model, now.floating, increment)

@@ -180,7 +180,7 @@ def joined_machine(system: System, time: float, also: Sequence[At] = ()) -> Join
 def supported_machine(system: System, time: float) -> JoinedMachine:
     """Arrays of a machine of intrinsic bodies whose roots are supported by ground joints alone.
 
-    Its joints are in the modes and the drives, and its forces among the loads of the lines. One station is
+    The modes and drives of the lines include the joints; their loads include the forces. One station is
     coupled only because a model needs at least one body.
     """
     made = machine_of_lines(system, time)

@@ -74,7 +74,7 @@ class LineStatics(SteadyEquations):
 
     @property
     def is_discrete(self) -> bool:
-        """True: forces act on time derivatives of the positions, masses on the velocities of the modes."""
+        """True: forces refer to time derivatives of positions, inertia to velocities of the modes."""
         return True
 
     def start(self) -> StaticState:

@@ -43,7 +43,7 @@ class StationPlan(Protocol):
 
 @dataclass(frozen=True)
 class LoadPath:
-    """Stations at equal distances between two interfaces, each for the slice of the mesh around it.
+    """Stations at equal distances between two interfaces; each represents the slice of the mesh around it.
 
     Planes across the straight line from the root to the tip, half-way between stations, cut the body into
     slices. A station has the mean motion and the mean position of the nodes of its slice, weighted by their
@@ -110,8 +110,8 @@ def _shares(
 ) -> list[tuple[NDArray[np.intp], Array]]:
     """Nodes of each slice between the ends, and the weight of each.
 
-    A node on a cut counts half in each of two slices. If both slices have at most two lines of nodes, a node
-    on their cut belongs to the first slice alone, so that the mean motions share no line of nodes.
+    A node on a cut has half its weight in each of the two slices. If both slices have at most two lines of
+    nodes, a node on their cut belongs to the first slice alone, so that the mean motions share no nodes.
 
     place : ascending, 0 at the root and 1 at the tip
     """

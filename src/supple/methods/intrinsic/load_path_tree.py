@@ -22,7 +22,7 @@ ROOT = -1
 """Parent of the root station, which has none."""
 
 SHORTEST = 1e-9
-"""Smallest length of a segment relative to the extent of the stations along an axis; less is an error."""
+"""Smallest length of a segment, relative to the largest extent of the stations along an axis."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 LARGEST = 0.45
 """Largest fraction by which arms are shortened; one half would leave beams without rotary inertia."""
 SAFETY = 0.9
-"""Part of the distance or fraction at which a mass is singular."""
+"""Fraction of a distance, or of a shortening of arms, at which a mass becomes singular."""
 CORNERS = {
     1: (1, 0.0),
     2: (2, 3**-0.5),
@@ -73,10 +73,10 @@ def lumped_inertia(tree: LoadPathTree, model: FiniteElementModel) -> Array:
 def _parts(mass: CellMass, nodes: Array) -> Iterator[tuple[Array, Array]]:
     """Points (E, 3) and inertias (E, 6, 6) of equal parts of cells, about their centres.
 
-    A part is a point mass between a corner and the centre, and a share of what these masses lack in second
-    moments. The points are as far from the centre as this remainder is positive, but for `SAFETY`.
+    A part is a point mass between a corner and the centre, and an equal share of the remaining second moments
+    of the cell. The points are `SAFETY` times as far from the centre as a positive remainder allows.
 
-    nodes : (E, k, 3)   of the cells, from their centres
+    nodes : (E, k, 3)   nodes of the cells, relative to the cells' centres
     """
     whole = _rigid_inertia(mass, nodes)
     n_corners, reach = CORNERS[nodes.shape[1]]
@@ -93,12 +93,13 @@ def _parts(mass: CellMass, nodes: Array) -> Iterator[tuple[Array, Array]]:
 
 
 def arm_terms(inertia: Array, along: Array) -> Array:
-    """S (E, 6, 6), by which rigid inertias (E, 6, 6) at a station change for a unit fraction beta.
+    """S (E, 6, 6): decrease of rigid inertias (E, 6, 6) at a station if arms are shortened, per unit beta.
 
     The first moments s become s - beta m d, the second moments P = integral of a a^T dm become
     P - beta (s d^T + d s^T).
 
-    along : (E, 3)  d, from the station to the foot of each mass on the segment: the weighted mean of its ends
+    along : (E, 3)  d, vector from the station to the foot of each mass on its segment, the weighted mean of
+                    the segment's ends
     """
     mass = inertia[:, 0, 0]
     first = np.stack([inertia[:, 5, 1], inertia[:, 3, 2], inertia[:, 4, 0]], axis=1)
@@ -112,13 +113,13 @@ def arm_terms(inertia: Array, along: Array) -> Array:
 
 
 def with_shorter_arms(rigid: Array, change: Array, length: float) -> Array:
-    """Masses (n, 6, 6) of stations, `rigid` - beta `change`, with beta as large as they stay positive.
+    """Masses (n, 6, 6) of stations, `rigid` - beta `change`, with the largest beta that keeps them positive.
 
-    As weights are linear along a segment, sum w d = 0, and mass, first and second moments of the body do not
-    depend on beta. For beta = 0 a segment of length h under its weight q per length turns its stations by
-    moments q h^2 / 6. For beta = 1/2 these are q h^2 / 12, as of a beam clamped at both stations, and the
-    line deflects as the beam does. A beam without rotary inertia allows beta = 0.37: its last half segment
-    needs its inertia.
+    Weights are linear along a segment. So sum w d = 0, and mass, first and second moments of the body do not
+    depend on beta. With beta = 0, the weight q per length of a segment of length h causes moments q h^2 / 6
+    on its stations. With beta = 1/2 the moments are q h^2 / 12, as at the ends of a clamped beam, and the
+    line deflects as the beam does. A beam without rotary inertia allows beta = 0.37, because the inertia of
+    its last half segment must stay positive.
 
     length : m, scale of inertias to masses
     """

@@ -72,11 +72,11 @@ class MachineOfLines:
         }
 
     def joint_forces(self, reactions: Array, motions: Mapping[str, IntrinsicMotion]) -> Mapping[str, Array]:
-        """Force and moment (t, 6) of each joint on its second end, at that end's point, as `joint_wrenches`.
+        """Force and moment (t, 6) of each joint on its second end, about its point; see `joint_wrenches`.
 
         reactions : (t, b, 6)   forces and moments on the roots, along their own axes
 
-        Components along free directions are set to zero; the balance has only discretisation errors there.
+        Components along free directions are set to zero: in the balance they are discretisation errors alone.
         """
         found = {}
         for number, (placed, root) in enumerate(zip(self.system.bodies, self.roots, strict=True)):
@@ -90,7 +90,7 @@ class MachineOfLines:
                 space = np.einsum("tij,twj->twi", motion.rotation, own)
                 found[root.joint.name] = (space @ axes).reshape(-1, 6)
             else:
-                # The second end is where the root was at assembly.
+                # The ground end is at the position of the root at assembly.
                 (position, rotation), point = placed.assembly, body_of(placed).line.tree.points[0]
                 there = motion.position + motion.rotation @ point - position - rotation @ point
                 own[:, 1] += np.cross(np.einsum("tij,ti->tj", motion.rotation, there), own[:, 0])

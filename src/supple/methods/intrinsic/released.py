@@ -25,15 +25,16 @@ LARGEST_CONDITION = 1e12
 def released(body: IntrinsicBody) -> IntrinsicBody:
     """The same body with a free root: rigid motion R and the elastic modes Phi_1 on its support.
 
-    The modes of a free body have zero force at its root, and converge slowly if a joint acts there; modes of
-    the supported body have a force there. R and Phi_1, V = [R, Phi_1], are orthogonalised:
+    The modes of a free body have zero force at its root, and converge slowly if a joint acts there. The modes
+    of the supported body have a force there. V = [R, Phi_1] is orthogonalised:
 
         V^T M V = L L^T,     L^-1 [0; w] = U S W^T,
         w <- S,     Phi_1 <- V L^-T U,     Phi_2 <- Phi_2 W,     C Phi_2 <- C Phi_2 W
 
-    Phi_1 includes the static responses to forces and moments at the ends of the load paths, so that a joint
-    there meets the compliance of the whole line. They are omitted if the modes with them include rigid motion
-    or are not orthonormal. Ratios of ModalDamping remain those of the modes on the support.
+    Phi_1 includes the static responses to forces and moments at the ends of the load paths. So the compliance
+    at these ends is that of the line with all modes. The responses are omitted where modes that include them
+    contain rigid motion or are not orthonormal. Ratios of ModalDamping remain those of the modes on the
+    support.
 
     Raises ModelError if the elastic modes already include rigid motion; AccuracyError as `intrinsic_modes`.
     Source: [CraigBampton1968] for the choice of modes.

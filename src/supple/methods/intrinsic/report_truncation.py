@@ -79,7 +79,7 @@ def _warn(system: System, run: Run, name: str, error: TruncationError, where: st
         return
     body = system.bodies[system.body_index(name)].body
     why = (
-        f"its centre of mass drifts by {error.drift:.2g} from its motion by the loads"
+        f"its centre of mass drifts by {error.drift:.2g} from the path due to its loads"
         if error.drifts
         else f"with all modes its stations would move by {max(error.places):.2g} (RMS)"
     )

@@ -20,7 +20,7 @@ class RootDrive:
     """Motion of the root by screw * law(time) from its pose where the law is zero.
 
     screw : (6,)        a unit translation, then a unit rotation, along the root's axes; one of them zero
-    law : TimeLaw       distance or angle; its two derivatives are found by differentiation
+    law : TimeLaw       distance or angle; automatic differentiation gives its two derivatives
     rotation, position : (3, 3), (3,)   pose of the root where the law is zero
     """
 

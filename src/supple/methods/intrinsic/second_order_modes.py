@@ -1,9 +1,9 @@
 """Second-order modes: axial, shear and rigid motion of a bent line, in addition to its lowest modes.
 
-The lowest modes of a slender line bend and twist it. Further velocities of the bent line, such as the rate at
-which its projection shortens, are components along linear modes of high order. These components are quadratic
-in the lowest modes, so they are known without a run: they are the velocities at constant strain, from the
-kinematic couplings of the lowest modes and rigid motion. Without them, motion causes axial force.
+The lowest modes of a slender line bend and twist it. A bent line also has other velocities, such as the rate
+at which its projection shortens, along linear modes of high order. These velocities are quadratic in the
+lowest modes and follow without a run, from the kinematic couplings of the lowest modes and rigid motion at
+constant strain. In a basis without them, motion causes spurious axial force.
 """
 
 from __future__ import annotations
@@ -65,8 +65,8 @@ def second_order_shapes(whole: IntrinsicModes, n_lowest: int) -> Array:
         q_1 = <Phi_2, L_1(Phi_1a)^T C Phi_2b> / w
 
     for velocities a of the lowest modes and of rigid motion. Each pair (a, b) is weighted by the response
-    of the two modes to a unit force. The leading directions, by displacements and by rotations times the
-    length, are retained as Ritz vectors.
+    of the two modes to a unit force. The Ritz vectors are the directions with the largest displacements and
+    rotations; rotations are multiplied by the length of the line.
 
     whole : all modes of a line
     Source: the idea of modal derivatives, S. R. Idelsohn, A. Cardona, "A reduction method for nonlinear

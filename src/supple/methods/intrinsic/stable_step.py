@@ -14,7 +14,7 @@ from supple.methods.intrinsic.runge_kutta import growth, linear_eigenvalues
 __all__ = ["check_stable", "largest_stable_step", "linear_modes"]
 
 ROUNDING = 1e-9
-"""Largest growth of a mode per step that is round-off, not instability."""
+"""Growth of a mode per step up to which it is round-off, not instability."""
 
 
 def linear_modes(model: LineModel, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

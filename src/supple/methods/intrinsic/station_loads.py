@@ -65,7 +65,7 @@ class Follower:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class Gravity:
-    """Weight and inertia force by base acceleration of every station, including eccentric masses.
+    """Weight of every station, and its inertia force due to base acceleration, including eccentric masses.
 
     mass : (n, 6, 3)    momenta of each station at unit velocities; (6 n, 3 n) if stations share mass
     """

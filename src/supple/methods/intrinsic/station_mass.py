@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 MASSLESS = 1e-10
 """Mass relative to the largest; a smaller one is zero."""
 LARGEST_NEGATIVE = 1e-6
-"""Largest size of a negative mass relative to the largest mass; a larger one is an error."""
+"""Largest magnitude of a negative mass, relative to the largest mass; a larger one is an error."""
 
 
 def cleaned_mass(name: str, mass: Array, length: float) -> Array:

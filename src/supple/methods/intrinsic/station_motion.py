@@ -98,7 +98,7 @@ def driven_twists(model: LineModel, root: Array, motion: IntrinsicMotion) -> Arr
 
 
 def _driven(model: LineModel, root: Array, motion: IntrinsicMotion) -> tuple[Array, Array]:
-    """Part of the root's twist (t, 6), along its axes, that is due to a drive, not to modes, and its rate."""
+    """Part (t, 6) of the root's twist due to a drive, not to modes, along the root's axes; and its rate."""
     w, dw = motion.angular_velocity, motion.angular_acceleration
     velocity = np.einsum("tji,tj->ti", motion.rotation, motion.velocity) + np.cross(w, root)
     acceleration = np.einsum("tji,tj->ti", motion.rotation, motion.acceleration)

@@ -48,8 +48,8 @@ def station_places(
 
         R_1 = R_0 exp(h kappa),     r_1 = r_0 + R_0 J(h kappa) (gamma + t) h
 
-    The motions of the segments are multiplied in groups of 1, 2, 4, .. segments: the number of rounds is the
-    logarithm of the longest path, for any tree.
+    The motions of the segments are multiplied in groups of 1, 2, 4, .. segments. The number of rounds is the
+    binary logarithm of the number of segments in the longest path.
     """
     e = section_strains(model, q2)
     one = (1,) * (e.ndim - 2)

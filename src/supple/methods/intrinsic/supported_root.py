@@ -39,10 +39,11 @@ class SupportedRoot(NamedTuple):
 
 
 def is_joined(system: System) -> bool:
-    """Whether a machine is more than intrinsic bodies, each free or with its root joined to the ground.
+    """Whether `JoinedEngine` must integrate the machine.
 
-    True for other kinds of bodies, joints between bodies or at a body with a free root, controllers, and
-    friction that depends on a joint force.
+    True for bodies of other kinds, joints between bodies or at a body with a free root, controllers, and
+    friction that depends on a joint force. False if every body is an intrinsic one whose root is free or
+    supported by the ground.
     """
     if system.controllers or any(isinstance(load, JointFriction) for load in system.loads):
         return True
@@ -78,11 +79,11 @@ def supported_root(system: System, placed: Placed) -> SupportedRoot:
     support, drive = (FREE, None) if joint is None else _support(placed, joint)
     own, needed = (each @ np.linalg.pinv(each) for each in (body.support.free, support.free))
     if np.abs(own - needed).max() > SAME:
-        holds = "nothing holds its root" if joint is None else f"joint '{joint.name}' holds its root"
+        root = "without a joint" if joint is None else f"with joint '{joint.name}'"
         raise ModelError(
-            f"intrinsic body '{body.name}': its modes leave the root {_freedom(body.support)}, but {holds}, "
-            f"which leaves it {_freedom(support)}: condense it with the support of the joint (CLAMPED, FREE, "
-            "BALL, hinged(axis), sliding(axis)), or place released(body), which any joint may hold"
+            f"intrinsic body '{body.name}': in its modes the root has {_freedom(body.support)}, but {root} "
+            f"it has {_freedom(support)}: condense the body with the support of the joint (CLAMPED, FREE, "
+            "BALL, hinged(axis), sliding(axis)), or place released(body), which supports any joint"
         )
     return SupportedRoot(joint, drive)
 

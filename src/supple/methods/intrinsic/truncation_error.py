@@ -25,10 +25,10 @@ INSTANTS = 8
 """Number of sampled output times that are spread over the run."""
 
 STIFF = 1e-3
-"""Smallest deflection by which the drift is divided, relative to the length."""
+"""Smallest deflection relative to which the drift is stated, as a fraction of the length."""
 
 ROUNDING = 1e-9
-"""Smallest deflection by which changes of places are divided, relative to the length; less is round-off."""
+"""Smallest deflection relative to which changes of positions are stated, as a fraction of the length."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,8 +93,7 @@ def truncation_error(
     system, solution : a machine with intrinsic bodies, and its run
     whole : bodies with more modes, matched by name; needed for bodies without `complete`
 
-    Raises ModelError where no intrinsic body has more modes than are retained, and for machines with
-    controllers.
+    Raises ModelError if no intrinsic body has omitted modes, and for machines with controllers.
     Source: [Wang2015] (37), as an error estimate.
     """
     check_without_controllers(system)

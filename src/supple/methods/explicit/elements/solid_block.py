@@ -20,7 +20,7 @@ __all__ = ["BlockForce", "SolidBlock", "block_force", "solid_block"]
 
 
 class SolidBlock(NamedTuple):
-    """Constant arrays, elements last, so that a law is one loop over them.
+    """Constant arrays; elements are the last axis, so that a law compiles to one loop over them.
 
     nodes : (k, E);   gradients : (k, 3, g, E);   volumes : (g, E)
     gamma : (4 or 0, k, E);   hourglass : (E,) kappa, N/m

@@ -38,8 +38,8 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _REDUNDANT = 1e-8
-"""Mobility of a constraint with the previous ones closed, relative to that without them, below which the
-constraint is redundant."""
+"""Mobility of a constraint with the previous ones closed, divided by its mobility without them, below which
+the constraint is redundant."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +130,7 @@ def joined_frames(
     if machine.active:
         *chosen, of_machine = chosen
         machine = replace(machine, active=tuple(machine.active[row] for row in of_machine))
-    # A tie with dependent rows only is redundant.
+    # A tie without independent rows is redundant.
     left = [number for number, own in enumerate(chosen) if len(own)]
     return JoinedFrames(
         tuple(_only(ties[number], chosen[number]) for number in left),

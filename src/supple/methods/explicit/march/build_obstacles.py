@@ -1,6 +1,6 @@
 """Contacts with rigid obstacles: nodes that start inside, and the effect of free obstacles on the step limit.
 
-A free obstacle of mass m_o vibrates on the penalties k_i of its nodes, as the nodes do. For any a > 0,
+A free obstacle of mass m_o and the nodes in contact vibrate on the penalty stiffnesses k_i. For any a > 0,
 
     (u_i - u_o)^2 <= (1 + a) u_i^2 + (1 + 1/a) u_o^2
 

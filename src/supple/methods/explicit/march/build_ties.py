@@ -32,8 +32,8 @@ IntArray = NDArray[np.int64]
 
 
 APART = 1e-9
-"""Largest initial velocity difference of the nodes of a tie between modal parts, over their largest speed;
-a larger difference is an error."""
+"""Largest initial velocity difference of the nodes of a tie between modal parts, relative to their largest
+speed; a larger difference is an error."""
 ROUNDED = 1e-6
 """As `APART`, for ties of nodes of explicit parts."""
 
@@ -98,7 +98,7 @@ def check_modal_ties(
     frames: Mapping[str, ModalFrame],
     states: Sequence[FrameState],
 ) -> None:
-    """Raise ModelError for ties of `modal_ties` that are open at the start, or open at once."""
+    """Raise ModelError for ties of `modal_ties` whose sides differ in position or velocity at the start."""
     between = [tie for tie in system.ties if tie.nodes.body in frames]
     for tie, own, pair in zip(between, ties, pairs, strict=True):
         sides = [states[number] for number in pair]

@@ -20,12 +20,13 @@ from supple.programs.program_cache import CachedProgram
 __all__ = ["Recorded", "chosen_steps", "frame_limits", "march_to", "nodes_limit", "recorded"]
 
 DRIFT = 0.01
-"""Largest energy lost or created over the energy scale of the run, `_size` plus kinetic energy; a run stops
-above it."""
+"""Largest energy lost or created, relative to the energy scale of the run, `_size` plus kinetic energy; a run
+stops above it."""
 
 RELEASED = 0.2
-"""Largest negative contact energy over the largest energy of the run; a run stops above it. A contact that
-opens within a step h releases up to h^2 k / 4 m of its energy in excess, 13 % with the default stiffness."""
+"""Largest negative contact energy, relative to the largest energy of the run; a run stops above it. A contact
+that opens within a step h releases an excess of up to h^2 k / 4 m of its energy, 13 % with the default
+stiffness."""
 
 HOPELESS = 10.0
 """Multiple of the allowed interface loss at which a trial is stopped."""

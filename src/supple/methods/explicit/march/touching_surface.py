@@ -45,7 +45,7 @@ BEYOND = 0.05
 """Largest distance of a node beyond the edge of a face, in area coordinates, for contact with this face."""
 
 ON_SHELL = 1e-6
-"""Largest distance from a shell, over the size of its faces, of nodes that start on it."""
+"""Largest initial distance of a node from a shell, relative to the size of the surface, to count as on it."""
 
 
 class TouchingSurface(NamedTuple):
@@ -127,7 +127,7 @@ def _on_their_sides(surface: TouchingSurface, x: FloatArray, centre: FloatArray)
     points = x[points]
     seen = located(surface, x.T)
     height = np.asarray(seen.gap)
-    # Beside the surface, the normal at the nearest node decides.
+    # For a node beside the surface, the normal at the nearest node determines the side.
     normals = np.zeros_like(x)
     A, B, C = (x[corners[:, i]] for i in range(3))
     np.add.at(normals, corners.ravel(), np.repeat(np.cross(B - A, C - A), 3, axis=0))

@@ -1,9 +1,9 @@
 """Compiled time integration: runs of one machine that differ in numbers alone share a program.
 
-There are two programs. The quick one compiles in a third of the time, but its steps take ten times as long;
-it serves runs that end before the other one would be compiled. The results of the two programs differ in the
-last bits. The length of the run alone selects the program, so that a run gives the same bits in every
-process. A resumed run uses the program that it was started with.
+There are two programs. The quick one compiles in a third of the time, but its steps take ten times as long.
+It is used for runs that end before the other one would be compiled. The results of the two programs differ in
+the last bits. The length of the run alone selects the program, so results are bitwise equal in every process.
+A resumed run uses the program with which it was started.
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ class CompiledStatics(SteadyEquations):
 
     @property
     def is_discrete(self) -> bool:
-        """False: the velocities conjugate to forces are those of masses."""
+        """False: forces and inertia refer to the same velocities."""
         return False
 
     def start(self) -> StaticState:

@@ -20,7 +20,7 @@ from supple.methods.floating.full.full_tangent import FullTangent
 __all__ = ["FrozenTangent", "frozen_tangent", "has_similar_factors", "tangent_numbers", "tangent_of"]
 
 SIMILAR = 0.1
-"""Largest relative difference of step factors from those of a frozen tangent; above it, it is not used."""
+"""Largest relative difference of step factors from those of a frozen tangent that is still used."""
 
 _FIELDS = ("rotation", "angular_velocity", "angular_acceleration", "acceleration", "time", "coordinates")
 

@@ -44,7 +44,7 @@ class FullStatics(SteadyEquations):
 
     @property
     def is_discrete(self) -> bool:
-        """Whether there are bodies with stations: modes of velocity then differ from modes of position."""
+        """Whether there are bodies with stations, whose forces and inertia refer to different velocities."""
         return bool(self.machine.lines)
 
     def start(self) -> StaticState:
