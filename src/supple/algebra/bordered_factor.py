@@ -30,7 +30,7 @@ LARGEST_REFINEMENT = 1e-3
 """Largest relative change of a solution by one refinement; above it the system counts as singular."""
 
 _ROUNDING = 1e-13
-"""Largest entry of `A - A^T` over the largest of A, up to which the interior A counts as symmetric."""
+"""Largest entry of `A - A^T`, relative to the largest of A, for which the interior A counts as symmetric."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,8 +11,8 @@
   starts; earlier settings are kept.
 - Compiled programs of any size are cached between processes: in the folder of JAX_COMPILATION_CACHE_DIR, or
   in the user's cache, unless another folder was set before.
-- Compiled programs are released before they exhaust a process (`bound_programs`): Linux limits the number of
-  memory maps of a process, a program uses several, and beyond the limit the compiler ends the process.
+- Compiled programs are released before a process reaches a limit (`bound_programs`): Linux limits the number
+  of memory maps of a process, a program uses several, and beyond the limit the compiler ends the process.
 """
 
 from __future__ import annotations

@@ -210,8 +210,8 @@ def rigid_gram(body: RigidBody) -> np.ndarray:
 
 
 ONE_POINT = 1e-12
-"""Largest size of a system that counts as a single point, over the largest radius of gyration of its rigid
-bodies."""
+"""Largest size of a system that counts as a single point, relative to the largest radius of gyration of its
+rigid bodies."""
 
 _ELASTIC = ("stiffness", "damping")
 _TENSORS = ("cubic", "quartic", "damping_cubic", "damping_quartic")
@@ -463,7 +463,8 @@ def row_scales(system: System, length: float | None = None) -> np.ndarray:
 def system_length(system: System) -> float:
     """Size of the system: diagonal of the box around all nodes and frame origins at assembly.
 
-    For a system with a single point, the largest radius of gyration of its rigid bodies, or 1 without any.
+    For a system with a single point: the largest radius of gyration of its rigid bodies, or 1 without rigid
+    bodies.
     """
     assemblies = [(placed.body.nodes, *placed.assembly) for placed in system.bodies]
     points = [position[None] for _, position, _ in assemblies]

@@ -81,7 +81,7 @@ def control_at_rest(model: Model, motion: SystemMotion) -> RestingControl:
 def unrest(
     system: System, control: RestingControl, position_scale: Any, velocity: Any, states: Any
 ) -> dict[str, float]:
-    """Rate of each state over the size of its terms, keyed by a description of the state with its rate.
+    """Rate of each state, relative to the size of its terms; keys describe the state and its rate.
 
     The terms are those of the linear equations, for a large motion, for the velocities at equilibrium, and
     for states as large as the largest one, after a scaling that makes the states comparable.

@@ -63,7 +63,8 @@ def elimination_tree(model: Model) -> EliminationTree:
     place = {body: i for i, body in enumerate(order)} | {NONE: len(order)}
     own: dict[int, list[Places]] = {body: [] for body in order}
     border_rows = []
-    # Of several joints to one parent, a body gets the one with most equations: all could overconstrain it.
+    # A body is eliminated with one joint to its parent only, that with most equations: several joints could
+    # overconstrain it.
     taken: set[int] = set()
     for joint in sorted(joints, key=lambda joint: -joint.size):
         rows = Places((joint.row,), joint.size)

@@ -14,11 +14,11 @@ from supple.machine import System
 __all__ = ["check_joints_finite", "joints_assembled", "joints_closed", "row_labels"]
 
 _LARGEST_TURN = 0.3
-"""Largest component of a body's rotation (rad), and of its translation over the machine's size, in an
+"""Largest component of a body's rotation (rad), and of its translation relative to the machine's size, in an
 iteration."""
 _MOST_ITERATIONS = 200
 _UNCLOSED = 1e-10
-"""Largest residual of a joint that counts as closed, over the machine's size or in rad."""
+"""Largest residual of a joint that counts as closed, relative to the machine's size or in rad."""
 
 
 def joints_closed(

@@ -20,9 +20,10 @@ from supple.errors import ConvergenceError, ModelError
 __all__ = ["check_redundant_nearby", "neighbours"]
 
 MOVED_BY = 1e-3
-"""Size of the motion, over the system's size or in rad; a residual quadratic in it is then 1e-6."""
+"""Size of the motion, relative to the system's size or in rad; a residual quadratic in the motion is then
+1e-6."""
 OPENED_BY = 1e-8
-"""Largest residual of a truly redundant equation, over the system's size or in rad."""
+"""Largest residual of a truly redundant equation, relative to the system's size or in rad."""
 DIRECTIONS = 3
 """Number of random combinations of the free motions, because a single motion may not open the joint."""
 

@@ -25,17 +25,18 @@ __all__ = [
 ]
 
 OPEN = 1e-6
-"""Largest residual of a closed joint, over the machine's size or in rad; six-digit placements satisfy it."""
+"""Largest residual of a closed joint, relative to the machine's size or in rad; placements with six digits
+have smaller residuals."""
 SLOWED = 1e-5
-"""Largest kinetic energy of an unreported change of a body's given velocity, over that of all bodies with a
-given velocity; three-digit velocities satisfy it."""
+"""Largest kinetic energy of an unreported change of a body's given velocity, relative to that of all bodies
+with a given velocity; velocities with three digits have smaller changes."""
 UNMET = 1e-3
-"""Largest unreported rate that no rigid motion cancels, over the largest rate of an equation; three-digit
-placements satisfy it."""
+"""Largest unreported rate that no rigid motion cancels, relative to the largest rate of an equation;
+placements with three digits have smaller rates."""
 NAMED = 0.1
-"""Smallest reported change of a body or joint, over the largest change."""
+"""Smallest reported change of a body or joint, relative to the largest change."""
 ROUNDING = 1e-9
-"""Velocity that counts as rounding, over the largest velocity."""
+"""Velocity that counts as rounding, relative to the largest velocity."""
 
 
 @dataclass(frozen=True)
@@ -134,7 +135,7 @@ class StartChange:
         rates : (m,)                of these equations at the given velocities
         closed : Configuration      with the joints closed
         unmet : (m,)                rates that no rigid motion satisfies
-        largest_rate : largest rate of an equation, over its scale
+        largest_rate : largest rate of an equation, relative to its scale
         velocities : (nb, 6) each   of the frames, given and corrected
         """
         scales = row_scales(system)

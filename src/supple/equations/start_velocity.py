@@ -7,9 +7,9 @@ bodies,
 
 A given velocity is changed only if the velocities not given cannot satisfy the joints. Three levels exist:
 bodies without any given velocity; the missing velocity, or angular velocity, of other bodies; given values.
-Each level changes, with the least kinetic energy, only to cancel the rates that earlier levels cannot cancel.
-The rates that no rigid motion cancels are cancelled by the motion `x` of least kinetic energy, which is added
-to the best rigid motion:
+Velocities of a level are changed only to cancel rates that earlier levels cannot cancel, with the least
+kinetic energy. The rates that no rigid motion cancels are cancelled by the motion `x` of least kinetic
+energy, which is added to the best rigid motion:
 
     G x = - (r + G R w),    least over x and w of  x^T M x / 2
 """
@@ -40,7 +40,7 @@ __all__ = [
 _RANK = 1e-9
 """Relative effect on the joints below which a motion depends on others and is ignored."""
 _MET = 1e-9
-"""Remaining rate that counts as rounding, over the rates due to all velocities."""
+"""Remaining rate that counts as rounding, relative to the rates due to all velocities."""
 
 
 class RigidFit(NamedTuple):
@@ -53,7 +53,7 @@ class RigidFit(NamedTuple):
     unmet: np.ndarray
     """Remaining rates (m,); zeros if all of them are rounding"""
     largest: float
-    """Largest rate of an equation due to all velocities, over its scale"""
+    """Largest rate of an equation due to all velocities, relative to the equation's scale"""
 
 
 class VelocityChange(NamedTuple):

@@ -54,7 +54,7 @@ _FAR = 0.3
 _WORSE = 10.0
 """Largest growth of the residual in an accepted step of the continuation."""
 _SHORTEST = 1e-4
-"""Length, over the first step, below which steps are not rejected."""
+"""Length of a step, relative to the first step, below which steps are not rejected."""
 _AFTER_REVOLUTION = 20
 """Iterations in addition to those of a full revolution by the largest moves (a beam rolled up by a moment). A
 direct search that needs more is stopped, and load and rotation are increased in steps instead."""
@@ -69,19 +69,21 @@ _ON_THE_WAY = 1e-6
 """Relative residual of intermediate equilibria, unless `StaticSearch.residual` is larger."""
 
 ROUND_OFF = 1e-4
-"""Smallest reference of a residual, relative to the largest kind of terms, both as work in a large motion:
-where all terms of a kind vanish, as the moments of a hanging rod, only rounding remains. In a rotating
-machine the reference is also relative to the inertia forces, which may all be balanced."""
+"""Smallest reference of a residual of one kind, relative to the largest terms of all kinds, and to the
+inertia forces of a rotating machine; all are expressed as work in a large motion. The limit applies where all
+terms of a kind are rounding errors, such as the moments of a hanging rod."""
 
 
 @dataclass(frozen=True)
 class StaticSearch:
     """Convergence criteria and step limits of an equilibrium search.
 
-    residual        : unbalanced force, moment and deformation, over the largest term in balance
-    largest_move    : largest motion of a point in an iteration, over the size of the system; rotations in rad
+    residual        : unbalanced force, moment and deformation, relative to the largest term in balance
+    largest_move    : largest motion of a point in an iteration, relative to the size of the system; rotations
+                      in rad
     max_iterations  : largest number of iterations of a search, before ConvergenceError
-    Raises ValueError for a number that is not positive and finite, ArgumentError for half an iteration.
+    Raises ValueError for a number that is not positive and finite, ArgumentError for a `max_iterations` that
+    is not a whole number.
     """
 
     residual: float = 1e-9
@@ -112,9 +114,9 @@ class EquilibriumResidual(NamedTuple):
     """Residuals of equilibrium."""
 
     relative: np.ndarray
-    """Forces, moments, deformation, over the largest term of each, (3,)"""
+    """Forces, moments, deformation, relative to the largest term of each, (3,)"""
     gap: float
-    """Largest of the joints' and frames' equations, over the size of the system"""
+    """Largest of the joints' and frames' equations, relative to the size of the system"""
     terms: Any
     """Data of the correction"""
     size: float = 0.0

@@ -16,8 +16,8 @@ __all__ = ["Stops", "laws_of", "padded_stops", "stepping_instants"]
 
 _NEAREST = 1e-5
 """Instants nearer to an output time or a call of a controller than this fraction of the duration are skipped,
-as accelerations would lose digits. This distance is limited to the first step from above, then to the
-smallest step from below."""
+as accelerations would lose digits. This distance is at most the first step, and at least the smallest
+step."""
 
 _ROUNDING = 1e-12
 """Times whose relative difference is smaller are equal."""

@@ -72,7 +72,7 @@ class _Shares:
             ids = ", ".join(str(i) for i in self.node_ids[np.unique(nodes[group == lost[0]])[:6]])
             raise ModelError(
                 f"{called(int(lost[0]))} (one of {lost.size}) acts between nodes of several parts: {ids}; "
-                "move the cut away from these nodes, or remove it from the model and join the parts by it"
+                "move the cut away from these nodes, or join the parts by a joint or force element instead"
             )
         return found.argmax(axis=0)
 

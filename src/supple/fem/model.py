@@ -265,8 +265,8 @@ def refuse_attached(attached: Attached, what: str) -> None:
     """Raise ModelError if there are attachments; `what` names the feature that does not support them."""
     if attached.what:
         raise ModelError(
-            f"{what} has no {attached.what} beside its elements; leave them out of the model, or use a body "
-            "in a floating frame"
+            f"{what} supports no {attached.what} beside its elements; leave them out of the model, or use a "
+            "body in a floating frame"
         )
 
 

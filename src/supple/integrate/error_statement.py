@@ -101,11 +101,11 @@ class ErrorStatement(Summarized):
         """Sentence with the model part and its remedies where it exceeds 5 % of the size; otherwise empty."""
         if self.model is None or not self.model.value > LARGE_MODEL * self.size:
             return ""
-        share = f" ({self.model.value / self.size:.0%} of its size)" if self.size else ""
+        share = f" ({self.model.value / self.size:.0%} of the quantity)" if self.size else ""
         remedies = "use an intrinsic body if it is slender, or explicit elements"
         return (
-            f"the kinematics of the model cause an error of about {self.model.value:.2g}{share}, which no "
-            "basis and no step reduces, and whose estimate holds for small errors only: "
+            f"the kinematics of the model cause an error of about {self.model.value:.2g}{share}. No basis "
+            "and no step reduces this error, and its estimate holds for small errors only: "
             + (f"{self.model.remedy}, or {remedies}" if self.model.remedy else remedies)
         )
 

@@ -89,7 +89,7 @@ class Solution(Summarized):
     """Error of the run, by body or by quantity of interest; empty if it was not estimated."""
     truncation: Mapping[str, ErrorPart] = field(default_factory=lambda: MappingProxyType({}))
     """By intrinsic body: the error due to its omitted modes, estimated at the end of the run; empty after
-    `read_solution`, which does not know the machine."""
+    `read_solution`, because result files do not contain the machine."""
     columns: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: MappingProxyType({}))
     """By elastic body: numbers that identify the columns of its basis; empty if unknown."""
 

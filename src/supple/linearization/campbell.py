@@ -180,7 +180,7 @@ def campbell_diagram(
             wanted = len(chosen)
         else:
             table = modal_assurance(before, modes)
-            # Between similar shapes, the nearer frequency decides.
+            # Among similar shapes, the one with the nearest frequency is chosen.
             apart = abs(before.eigenvalues[:, None] - modes.eigenvalues)
             size = abs(before.eigenvalues[:, None]) + abs(modes.eigenvalues) + 1e-300
             rows, chosen = scipy.optimize.linear_sum_assignment(apart / size - table)

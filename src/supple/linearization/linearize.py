@@ -63,9 +63,9 @@ def linearize(
 
     Parameters
     ----------
-    time : time at which loads and laws are evaluated, as constants, and set-points of servos have
-        the rate zero; between rotating and standing bodies a driven joint has the spin's rate, whatever its
-        law, and the set-point of an AngleServo that of its law
+    time : time at which loads and laws are evaluated, as constants; set-points of servos have the rate zero.
+        Between rotating and standing bodies, a driven joint has the rate of the spin, for any law, and the
+        set-point of an AngleServo has the rate of its law
     spin : Spin             of the machine, or of the bodies listed in it
     search, fulls, progress : as for `equilibrium`; with the full bodies `machine_modes` gives the basis
         errors of the reduced ones

@@ -48,8 +48,9 @@ def refuse_other_speeds(found: RestingState, time: float, spin: Spin) -> None:
         if abs(rate) > SAME_RATE * abs(spin.rate):
             raise ModelError(
                 f"joint '{joint.name}' rotates at {rate:g} rad per unit of time between bodies that rotate "
-                f"alike, beside a spin of {spin.rate:g}: machines of two speeds are not linearised. Fix it, "
-                "angle=0.0, or give the spin that rate, if the bodies on one side of the joint rotate with it"
+                f"alike, beside a spin of {spin.rate:g}: machines of two speeds are not linearised. Fix the "
+                "joint, angle=0.0, or give the spin its rate, if the bodies on one side of the joint rotate "
+                "at this rate"
             )
 
 
@@ -67,8 +68,9 @@ def equations_turned_on(found: RestingState, time: float, spin: Spin, angle: flo
 
 
 def _turned_on(found: RestingState, time: float, spin: Spin, angle: float) -> System:
-    """The machine with its rotating bodies rotated by an angle, its driven joints at matching angles, and the
-    set-points of its servos where they are by then.
+    """The machine with its rotating bodies rotated by an angle.
+
+    Driven joints have the corresponding angles, and servos the set-points of their laws at this angle.
     """
     turn = Rotation.from_rotvec(angle * spin.axis).as_matrix()
     turning = turning_bodies(found, spin)

@@ -55,7 +55,7 @@ def calibrate(
         minimise  sum_i ((computed_i(p) - measured_i) / deviation_i)^2
 
     by a trust-region method with exact Jacobians (`sensitivities`). The method finds a local minimum near the
-    initial values: the wrong one, possibly, if the first computed motion is out of phase with the measured
+    initial values. This minimum may be wrong if the first computed motion is out of phase with the measured
     motion by half a period or more. Parameters that the measurements do not determine keep their initial
     values.
 

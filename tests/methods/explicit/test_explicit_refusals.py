@@ -304,10 +304,7 @@ def test_materials_and_laws_that_cannot_march_are_refused():
         lambda: explicit_subdomain(solid_model(mesh, STEEL), metal, name="explicit"),
         lambda: explicit_shell(wall, law=metal, name="explicit"),
     ):
-        with pytest.raises(
-            ModelError,
-            match="explicit': its material states a shear modulus of",
-        ):
+        with pytest.raises(ModelError, match="explicit': its material states a shear modulus of"):
             make()
     rounded = replace(STEEL, stated_shear_modulus=8.08e10)
     explicit_subdomain(solid_model(mesh, STEEL), J2Plasticity(rounded, LinearHardening(1e8)))

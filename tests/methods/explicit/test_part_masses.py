@@ -83,7 +83,7 @@ def test_other_things_beside_elements_are_refused():
         (Attached(damping=sparse.csc_array(np.eye(model.n_dofs))), "dashpots"),
         (Attached(rigid=(RigidPiece("rbe2_1", nodes, np.zeros(3)),)), "rigid ties"),
     ):
-        with pytest.raises(ModelError, match=f"sub-domain 'explicit' has no {what} beside its elements"):
+        with pytest.raises(ModelError, match=f"sub-domain 'explicit' supports no {what} beside its elements"):
             explicit_subdomain(replace(model, attached=beside))
     for unlike in ((1.0, 1.0, 2.0), (1.0, 1.0, 0.0)):
         with pytest.raises(ModelError, match=r"mass at node 5 \(one of 1\) has inertia, lies beside"):

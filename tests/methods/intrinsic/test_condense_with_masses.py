@@ -71,7 +71,7 @@ def test_frequencies_with_masses_ties_and_springs_are_those_of_the_body(body):
     ("cards", "message"),
     [
         ("CMASS2,31,1.,3,1,9,1\n", "2 terms of concentrated masses act between nodes"),
-        ("CDAMP2,31,1.,3,1,9,1\n", "the line of body 'beam' has no dashpots beside its elements"),
+        ("CDAMP2,31,1.,3,1,9,1\n", "the line of body 'beam' supports no dashpots beside its elements"),
     ],
 )
 def test_what_a_line_has_no_place_for_is_refused(body, cards, message):

@@ -27,10 +27,10 @@ from supple.machine import System
 __all__ = ["UnresolvedVibration", "hidden_vibration", "report_output_rate"]
 
 SHARE = 0.1
-"""Smallest reported root mean square of a vibration, over that of the motion about its mean."""
+"""Smallest reported root mean square of a vibration, relative to that of the motion about its mean."""
 NEGLIGIBLE = 1e-6
-"""Smallest reported root mean square of a vibration, over the machine's size; for coordinates, over those of
-a displacement of this size."""
+"""Smallest reported root mean square of a vibration, relative to the machine's size; for coordinates,
+relative to those of a displacement of this size."""
 WINDOWS = 8
 SHORTEST = 32
 """Largest number of windows of a run, and fewest output times of each if there are several. Windows are used
@@ -45,7 +45,7 @@ FEWEST = 10
 class UnresolvedVibration:
     """A vibration that output times do not resolve: frequency (rad/s), share and amplitude.
 
-    The share is the amplitude over the root mean square of the motion about its mean.
+    The share is the amplitude, relative to the root mean square of the motion about its mean.
     """
 
     frequency: float

@@ -17,11 +17,11 @@ from supple.machine.laws.sampled_law import N_SAMPLES, Jumps, jumps, law_samples
 __all__ = ["RateJump", "rate_jumps", "warn_of_rate_jumps"]
 
 SPEED, ACCELERATION = 1e-6, 1e-3
-"""Smallest reported jumps: SPEED is that of the motion over its range, and that of the speed over the largest
-speed; ACCELERATION is that of the acceleration over the largest acceleration."""
+"""Smallest reported jumps. SPEED is the smallest jump of the motion, relative to its range, and of the speed,
+relative to the largest speed. ACCELERATION is that of the acceleration, relative to the largest one."""
 BESIDE = 1e-7
-"""Distance of the samples before and after a possible jump of a `KnownLaw`, over the shortest time scale of
-the law."""
+"""Distance of the samples before and after a possible jump of a `KnownLaw`, relative to the shortest time
+scale of the law."""
 
 
 @dataclass(frozen=True)
@@ -108,4 +108,4 @@ def _message(joint: str, found: Sequence[RateJump]) -> str:
                 f"t = {worst.time:.6g}{more}: {consequence}. Use a smooth law (Ramp, SpinUp, or a Spline "
                 "through rows)"
             )
-    raise AssertionError("a jump of nothing")
+    raise AssertionError("a RateJump without a jump")

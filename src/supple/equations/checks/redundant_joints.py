@@ -13,8 +13,8 @@ from supple.machine import System
 __all__ = ["check_redundant_joints"]
 
 OPEN = 1e-4
-"""Residual of an omitted equation, over the system's size or in rad, above which the equation counts as
-violated; the residuals of redundant equations are far smaller."""
+"""Residual of an omitted equation, relative to the system's size or in rad, above which the equation counts
+as violated; the residuals of redundant equations are far smaller."""
 
 
 def check_redundant_joints(system: System, leg: Solution) -> None:

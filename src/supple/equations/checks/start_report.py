@@ -66,7 +66,9 @@ def _others(joints: Sequence[ConstraintViolation]) -> str:
         return ""
     names = ", ".join(f"'{each.joint}'" for each in joints[:MOST_NAMES])
     return (
-        f"; {len(joints)} others are open as well ({names})" if len(joints) > 1 else f"; {names} is as well"
+        f"; {len(joints)} others are open as well ({names})"
+        if len(joints) > 1
+        else f"; {names} is open as well"
     )
 
 

@@ -27,8 +27,8 @@ from supple.machine.laws.sampled_law import MOST_NUMBERS, law_samples
 __all__ = ["UnresolvedShare", "fixed_step", "jumps_in_steps", "missed_between_steps", "warn_of_missed_loads"]
 
 MISSED = 0.2
-"""Largest error within a step without a warning, over the largest load; a sine of five steps a period has
-this error."""
+"""Largest error within a step without a warning, relative to the largest load; a sine of five steps a period
+has this error."""
 MOST_STEPS = 2**13
 """Largest number of steps checked, spread over the run; as many with an instant are checked in addition."""
 WITHIN = np.array([0.5, 0.07, 0.21, 0.37, 0.62, 0.78, 0.91])
@@ -36,12 +36,12 @@ WITHIN = np.array([0.5, 0.07, 0.21, 0.37, 0.62, 0.78, 0.91])
 BESIDE, JUMPS = 0.1, 0.3
 """A change of JUMPS times the largest load within BESIDE steps before and after an instant is a jump."""
 NEAR = 1e-6
-"""Distance of the samples before and after an instant, over the step."""
+"""Distance of the samples before and after an instant, relative to the step."""
 
 
 @dataclass(frozen=True)
 class UnresolvedShare:
-    """Largest interpolation error within a step, over the largest value, and the time at which it starts."""
+    """Largest interpolation error within a step, relative to the largest value, and the time of its step."""
 
     share: float
     time: float

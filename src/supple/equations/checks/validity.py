@@ -36,8 +36,8 @@ LINEAR_ROTATION_LIMIT = 0.1
 0.5 % of the length, a tenth of the deflection of such a body."""
 
 ROUND = 0.1
-"""Difference of a body's two spreads across its axis of rotation, relative to all its spread, below which it
-is a rotor."""
+"""Largest difference of the spreads of a rotor's nodes along two directions across its axis of rotation,
+relative to the whole spread."""
 
 _STIFFER = {"modal": "Give it stiffening=CentrifugalStiffness() (spin_stiffness = true in a case file)"}
 """Remedy for missing geometric stiffness, by kind of body; for other kinds modal derivatives."""
@@ -249,9 +249,10 @@ def _limits(body: BodyForm, validity: Validity, carrying: set[At]) -> _Limits:
 
 
 def is_rotor(body: BodyForm, motion: FramedMotion, instant: int) -> bool:
-    """Whether nodes are spread about the axis of the rotation at an output time as in a shaft or a disc.
+    """Whether a body is a rotor at an output time: nodes are spread evenly about the axis of its rotation.
 
-    Centrifugal tension then does not stiffen the bending across this axis. False for a body that stands.
+    In a rotor, such as a shaft or a disc, centrifugal tension does not stiffen bending across this axis.
+    False for a body that does not rotate.
     """
     turn = motion.angular_velocity[instant]
     rate = float(np.linalg.norm(turn))
