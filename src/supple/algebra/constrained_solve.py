@@ -29,7 +29,7 @@ class GroundedFactor:
     """A free body's stiffness K, supported by springs at as many freedoms as it has rigid motions.
 
     K_g = K + E k E^T is positive definite and sparse. For a self-equilibrated load (R^T b = 0) the springs
-    have no force, so x = K_g^-1 b solves K x = b exactly, and so does x + R a for every a.
+    have no force. So x = K_g^-1 b, and x + R a for every a, solve K x = b exactly.
     """
 
     stiffness: sparse.csc_array = field(repr=False)

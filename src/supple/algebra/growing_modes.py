@@ -68,9 +68,9 @@ class RitzModes:
 class GrowingModes:
     """The lowest modes of K x + D^T mu = lambda M x, D x = 0, as many as requested, extendable.
 
-    Block Lanczos on K^-1 M (constrained) with full reorthogonalisation and no restart, so that a longer list
-    costs only the additional modes, and all lists together no more than the longest. The Krylov space Q and
-    the projected inverse T = Q^T M K^-1 M Q only grow. Where Q would span half of a small problem, a dense
+    Block Lanczos on K^-1 M (constrained) with full reorthogonalisation and no restart. A longer list costs
+    only the additional modes; all lists together cost no more than the longest. The Krylov space Q and the
+    projected inverse T = Q^T M K^-1 M Q only grow. Where Q would span half of a small problem, a dense
     solution finds all modes. A block of b columns finds at most b copies of a multiple eigenvalue (the equal
     blades of a clamped hub): if it finds as many, Q restarts with a block twice as wide.
 

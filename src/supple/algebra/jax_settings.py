@@ -131,9 +131,9 @@ _WORTH_RELEASING = 1000
 def bound_programs() -> bool:
     """Release all compiled programs of a Linux process if there are too many; returns whether it did.
 
-    There are too many if the process uses two thirds of the memory maps that the system allows, or if there
-    are a thousand and the process uses more memory than is still available. A later run reads its programs
-    from the cache folder, or compiles them again.
+    There are too many if the process uses two thirds of the memory maps that the system allows. A thousand
+    programs are also too many if the process uses more memory than is still available. A later run reads its
+    programs from the cache folder, or compiles them again.
     """
     if _Process.compiled_since_looked < _LOOK_EVERY or not _MAPS.exists():
         return False

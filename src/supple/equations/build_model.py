@@ -68,8 +68,8 @@ def build_model(
     """The arrays of a system.
 
     active : numbers of the constraint equations in use; by default all
-    like : a system and its model, whose arrays of bodies are reused if both systems have the same body
-        objects, and whose arrays of joints if they also have the same joint objects
+    like : a system and its model. Its arrays of bodies are reused if both systems have the same body objects;
+        its arrays of joints, if they also have the same joint objects
 
     A full body is represented only by the motions of its interfaces, six coordinates each, on which joints
     and forces depend. Its inertia, elasticity and nodal loads belong to the sparse method.

@@ -29,8 +29,8 @@ from supple.machine import JointFriction, System
 __all__ = ["ConsistentStart", "consistent_start"]
 
 _REDUNDANT = 1e-9
-"""A row of the Jacobian is redundant if the part of it that is independent of earlier rows is at most this
-fraction of the row, in the norm of `StartingMachine.metric`."""
+"""Largest part of a redundant row of the Jacobian that is independent of earlier rows, relative to the row,
+in the norm of `StartingMachine.metric`."""
 _OPEN = 1e-3
 """Constraint residual, relative to the system's size or in rad, above which the model is in error."""
 

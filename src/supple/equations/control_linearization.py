@@ -83,8 +83,8 @@ def unrest(
 ) -> dict[str, float]:
     """Rate of each state, relative to the size of its terms; keys describe the state and its rate.
 
-    The terms are those of the linear equations, for a large motion, for the velocities at equilibrium, and
-    for states as large as the largest one, after a scaling that makes the states comparable.
+    The terms are those of the linear equations for a large motion, for the velocities at equilibrium, and for
+    states as large as the largest one. States are first scaled, to be comparable.
 
     position_scale, velocity : (n,) a large motion, and the velocities at equilibrium
     states : (k,) at equilibrium

@@ -1,9 +1,9 @@
 """Inertia of a body in a floating frame: all coupling terms from one Gram matrix, with analytic tangent.
 
 The velocity field of the body is `W z` with the constant fields `W = [Phi_t | Phi_w0 | Phi_1 .. Phi_r | V]`
-and `z = (v, w, g_1 w, .., g_r w, gdot)`; `G = W^T M W` is the *inertia Gram matrix*. Written with the frame's
-global acceleration, `a = A^T (Rddot - gravity)` in body components, the equations of motion do not contain
-the frame's velocity `v` (Galilean invariance), and gravity needs no load vector. With
+and `z = (v, w, g_1 w, .., g_r w, gdot)`; `G = W^T M W` is the *inertia Gram matrix*. The equations of motion
+contain the frame's acceleration relative to gravity, `a = A^T (Rddot - gravity)` in body components. They do
+not contain the frame's velocity `v` (Galilean invariance), and gravity needs no load vector. With
 
     h = G (0, w, g_k w, gdot),     d = G (a, wdot, g_k wdot + gdot_k w, gddot),
 

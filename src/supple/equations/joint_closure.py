@@ -85,8 +85,9 @@ def _of_bodies(machine: StartingMachine, change: np.ndarray) -> np.ndarray:
 def joints_assembled(machine: StartingMachine, time: float, configuration: Configuration) -> Configuration:
     """The configuration near the given one in which all joints are closed, however far they are open.
 
-    Gauss-Newton iteration on the rows of all joints. Each step is the least rigid motion, scaled down so that
-    no component of a body's rotation exceeds 0.3 rad, and none of its translation 0.3 of the machine's size.
+    Gauss-Newton iteration on the rows of all joints. Each step is the least rigid motion. It is scaled down
+    until no component of a body's rotation exceeds 0.3 rad, and none of its translation 0.3 of the machine's
+    size.
 
     Raises
     ------

@@ -6,9 +6,10 @@ position `x_p`, and the displacement `u` and rotation `theta` relative to the fr
     r_p = R + A (x_p + u),        A_p = A exp(phi) C,        phi = theta (1 + c theta.theta),
 
 where the constant `C` rotates the interface's axes to those of the joint, and `c` is a third-order correction
-of the rotation (`BodyInterface.cubic_turn`). The twelve *local freedoms* of a
-marker are the variations of `(R, psi, u, theta)`, `dA = A skew(dpsi)`; `u` and `theta` are linear in the
-body's coordinates, so one constant matrix (12 x (6 + r)) maps them to the body and back.
+of the rotation (`BodyInterface.cubic_turn`). The twelve *local freedoms* of a marker are the variations of
+`(R, psi, u, theta)`, `dA = A skew(dpsi)`; `u` and `theta` are linear in the body's coordinates. So one
+constant matrix (12 x (6 + r)) maps velocities of the body to local freedoms, and its transpose maps forces
+back.
 
 Source: [Wu2019] (1)-(5), (26)-(28).
 

@@ -2,7 +2,7 @@
 
 The positions are known when a program is compiled: adjacent pieces are read by a slice, and only other pieces
 are gathered and scattered one by one. Equal bodies and equal joints are treated together, as arrays with a
-leading axis, so that the number of traced operations grows with the number of different kinds only.
+leading axis. So the number of traced operations grows only with the number of different kinds.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """Check whether a constraint equation is redundant everywhere, or only in the initial configuration.
 
-In a singular position (a flat parallelogram, a folded slider-crank, a taut chain between two pins) constraint
-equations of a mechanism depend on each other; in other positions they do not. If such an equation is left out
-of the run, its joint opens as soon as the mechanism moves. The test moves the mechanism a little along the
-motions that the remaining equations allow, and solves these equations again; a truly redundant equation is
-then still satisfied.
+In a singular position, constraint equations of a mechanism depend on each other; in other positions they do
+not. Examples are a flat parallelogram, a folded slider-crank, and a taut chain between two pins. If such an
+equation is left out of the run, its joint opens as soon as the mechanism moves. The test moves the mechanism
+a little along the motions that the remaining equations allow, and solves these equations again; a truly
+redundant equation is then still satisfied.
 """
 
 from __future__ import annotations

@@ -8,8 +8,8 @@ bodies,
 A given velocity is changed only if the velocities not given cannot satisfy the joints. Three levels exist:
 bodies without any given velocity; the missing velocity, or angular velocity, of other bodies; given values.
 Velocities of a level are changed only to cancel rates that earlier levels cannot cancel, with the least
-kinetic energy. The rates that no rigid motion cancels are cancelled by the motion `x` of least kinetic
-energy, which is added to the best rigid motion:
+kinetic energy. Rates that no rigid motion cancels are cancelled by a motion `x` of least kinetic energy, in
+addition to the best rigid motion:
 
     G x = - (r + G R w),    least over x and w of  x^T M x / 2
 """

@@ -15,8 +15,8 @@ Small k follow the descent to the next stable equilibrium, large k are Newton's 
 that no point moves far at once, and so that the matrix of an unsupported body can be factored.
 
 If the search fails, as for shells whose walls wrinkle on the way, load and rotation are increased in steps.
-At a share s the machine rotates at s times its rate, and the part 1 - s of the unbalanced forces of the start
-at rest is subtracted. Each search begins at the equilibrium of the share before.
+At a share s the machine rotates at s times its rate, and 1 - s times the unbalanced forces at the start, at
+rest, are subtracted. Each search begins at the equilibrium of the share before.
 Source: pseudo-transient continuation, [KelleyKeyes1998]; natural parameter continuation.
 """
 

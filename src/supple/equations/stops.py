@@ -15,9 +15,8 @@ from supple.machine.laws.instants import instants_of_law
 __all__ = ["Stops", "laws_of", "padded_stops", "stepping_instants"]
 
 _NEAREST = 1e-5
-"""Instants nearer to an output time or a call of a controller than this fraction of the duration are skipped,
-as accelerations would lose digits. This distance is at most the first step, and at least the smallest
-step."""
+"""Fraction of the duration: instants nearer to an output time or a call of a controller are skipped, because
+accelerations would lose digits. This distance is at most the first step, and at least the smallest step."""
 
 _ROUNDING = 1e-12
 """Times whose relative difference is smaller are equal."""

@@ -3,8 +3,9 @@
 Local axes: x along the chord, y and z those of the section. All strains are quadratic, so bending and torsion
 couple, and the energy of a rigid rotation is of eighth order in its angle.
 
-For any section (coupled, tapered, neutral axis or mass off the chord), the stiffness of the six strains is
-the inverse of the flexibility, integrated for the forces of end loads: exact in the linear limit.
+The stiffness of the six strains is the inverse of the flexibility, which is integrated for the forces of end
+loads. It is exact in the linear limit for any section: coupled, tapered, or with the neutral axis or the mass
+off the chord.
 """
 
 from __future__ import annotations
@@ -116,8 +117,8 @@ def beam_strain(
     k is the rotation of end 2 relative to end 1, log(R_1^T R_2); m_y and m_z are the mean rotations of the
     ends relative to the chord. The strains are exact to second order; the factors 1/3 and 1/6 also cancel the
     third-order strains of a rigid rotation. Their stiffness is `chord_stiffness`. For a constant section in
-    principal axes, with the neutral axis at the shear centre, it is E A L for eps, (G J, E I2, E I1) / L for
-    k, and 12 E I / (L (1 + phi)) for m_y and m_z, with phi = 12 E I / (K G A L^2).
+    principal axes, with the neutral axis at the shear centre, the stiffness is E A L for eps and (G J, E I2,
+    E I1) / L for k. For m_y and m_z it is 12 E I / (L (1 + phi)), with phi = 12 E I / (K G A L^2).
 
     An end on an arm o moves by u + theta x o + 1/2 theta x (theta x o); a rigid rotation then leaves strains
     of third order, as at a rigid interface. Released freedoms are condensed with the linear stiffness, so

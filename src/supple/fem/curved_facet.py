@@ -1,11 +1,10 @@
 """A flat triangle that represents a curved surface: in-plane effects of the bending of the surface.
 
 A smooth surface that bends without stretching shortens the chords between its points and rotates them in the
-planes of the facets. Facets that treat this as strain lock as soon as the angle between neighbours, times
-their size, exceeds the thickness. With the curvature K of the surface and its change W, both constant, the
-heights `z = 1/2 x^T K x + linear` and `w = 1/2 x^T W x + linear` are zero at the corners; at corner i the
-slope of z is g_i, that of w is b_i. Without membrane strain, `u_(a,b) + 1/2 (z,a w,b + z,b w,a) = 0`. Its
-integral is
+planes of the facets. Facets that treat these effects as strain lock where the angle between neighbours, times
+their size, exceeds the thickness. The curvature K of the surface and its change W are constant. The heights
+`z = 1/2 x^T K x + linear` and `w = 1/2 x^T W x + linear` are zero at the corners. At corner i the slope of z
+is g_i, that of w is b_i. Without membrane strain, `u_(a,b) + 1/2 (z,a w,b + z,b w,a) = 0`. Its integral is
 
     along side k, from corner i to j    e_k = -1/12 (s_k.(g_j - g_i)) (s_k.(b_j - b_i))
     drilling of corner i                d_i = 1/2 g_i x b_i - 1/6 g_i x (b_j + b_k) + 1/6 (g_j + g_k) x b_i

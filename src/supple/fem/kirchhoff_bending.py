@@ -11,8 +11,8 @@ mismatch m = dw/l + s.mean(beta); with the cubic deflection, the slopes at the m
 mean(beta) - 3/2 s m.
 
 With transverse shear (discrete Kirchhoff-Mindlin triangle, DKMT) the mismatch of a side is divided as in a
-Timoshenko beam along the side, with phi = 12 D / (H l^2) from the bending stiffness D and the transverse
-shear stiffness H in that direction: bending takes m / (1 + phi), shear m phi / (1 + phi). For phi = 0 (rigid
+Timoshenko beam along the side: m / (1 + phi) is bending, m phi / (1 + phi) is shear. Here phi = 12 D / (H
+l^2), with the bending stiffness D and the transverse shear stiffness H in that direction. For phi = 0 (rigid
 in shear) the element is the DKT, so thin walls do not lock.
 
 Sources: J.-L. Batoz, K.-J. Bathe, L.-W. Ho, "A study of three-node triangular plate bending elements",

@@ -1,11 +1,12 @@
 """Optimal membrane triangle: three nodes with two displacements and a drilling rotation (ANDES, OPT).
 
-The stiffness is basic + higher order: the basic part takes the constant strain from the boundary motion (it
-alone passes the patch test), the higher-order part resists the deviation of the drilling rotations from the
-mean rotation. Pure bending in the plane is exact for a rectangle of two triangles of any aspect ratio.
+The stiffness is the sum of a basic and a higher-order part. The basic part is that of the constant strain,
+from the motion of the boundary; it alone passes the patch test. The higher-order part resists the deviation
+of the drilling rotations from the mean rotation. Pure bending in the plane is exact for a rectangle of two
+triangles of any aspect ratio.
 
-The drilling rotations in this file are deviations d_i = rz_i - (v,x - u,y)/2 from the mean rotation of the
-linear displacement, in the plane of the element.
+In this file, drilling rotations are deviations d_i = rz_i - (v,x - u,y)/2 from the mean in-plane rotation of
+the linear displacement.
 
 Source: C. A. Felippa, "A study of optimal membrane triangles with drilling freedoms", Comput. Methods Appl.
 Mech. Engrg. 192 (2003) 2125-2168, sections 3-5, with the OPT parameters.

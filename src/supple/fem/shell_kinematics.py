@@ -10,13 +10,13 @@ k, of direction s_k, t_k is the mean rotation of its ends and b_k = t_k x z the 
     r_i = theta_i + 1/3 S theta_i - 1/2 theta x theta_i                 rotation of a corner, in the plane
     m_k = grad w + b_k + 1/3 H^T b_k - 1/6 t_kz t_k                     Kirchhoff's condition on a side
 
-Only differences of the r_i, and the component of m_k along side k, contribute to the energy. In
-V = grad w + b and Y = t, b and t are least-squares fits to the sides: s_k . b = s_k . b_k and
-s_k . t = s_k . t_k; V is zero at constant curvature. For a rigid rotation rho and small rotations delta_i
-relative to it (exp(theta_i) = exp(rho) exp(delta_i)), the strains are those of delta_i, with errors of order
-rho^3 delta and rho^4: the coefficients cancel all terms up to rho^2 delta. Without these coefficients the
-curvature is too small by the fraction rho^2/3, and bending of a rotated facet causes drilling strain, which
-makes a facet of size h and thickness t too stiff by the fraction (rho h / t)^2.
+Only differences of the r_i, and the component of m_k along side k, contribute to the energy. In V = grad w +
+b and Y = t, b and t are least-squares fits to the sides: s_k . b = s_k . b_k and s_k . t = s_k . t_k; V is
+zero at constant curvature. For a rigid rotation rho and small rotations delta_i relative to it (exp(theta_i)
+= exp(rho) exp(delta_i)), the strains are those of delta_i, with errors of order rho^3 delta and rho^4: the
+coefficients cancel all terms up to rho^2 delta. Without these coefficients the curvature is too small by the
+fraction rho^2/3. Bending of a rotated facet would also cause drilling strain: a facet of size h and thickness
+t would be too stiff by the fraction (rho h / t)^2.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Flat shell triangle: optimal membrane + discrete Kirchhoff bending, quadratic in its nodal rotations.
 
 A node has six freedoms, ux uy uz rx ry rz in global axes; the rotations are true rotation vectors. The
-element has one point with 18 strains (supple.fem.shell_kinematics). These determine linearly the strain eps_m
-of the middle surface, the curvature kappa and the transverse shear gamma, both linear over the triangle, and
-the drilling d. The strain energy is
+element has one point with 18 strains (supple.fem.shell_kinematics). Linear in these strains are the strain
+eps_m of the middle surface, the drilling d, the curvature kappa and the transverse shear gamma; kappa and
+gamma vary linearly over the triangle. The strain energy is
 
     U = A/2 [e^T A_s e + mean(kappa^T D_f kappa) + mean(gamma^T H gamma)] + 1/2 d^T K_h d
     e = eps_m + A_s^-1 B_s kappa_1

@@ -213,9 +213,9 @@ def stress_recovery(model: FiniteElementModel) -> StressRecovery:
 def beam_forces(model: FiniteElementModel, displacement: FloatArray) -> FloatArray:
     """N V_y V_z M_x M_y M_z (E, 2, 6) at the ends of all LINE2 cells, in the order of the mesh; N, N m.
 
-    They are the forces that the part towards the second end exerts on the part before the section, in the
-    axes of the section (`BeamSection`), which rotate with it; M_x is about the axis of the beam, its shear
-    centre. Two cells that share a node differ there by the load on it.
+    They are the forces that the part towards the second end exerts on the part before the section. Components
+    are along the axes of the section (`BeamSection`), which rotate with it; M_x is about the axis of the
+    beam, its shear centre. Two cells that share a node differ there by the load on it.
 
     displacement : (n,) nodal freedoms, m and rad
     """

@@ -104,7 +104,7 @@ class Tolerances:
         the largest of the terms in balance (inertia, internal, applied, joint). Constraint equations are
         divided by `StepFactors.by_position`, which gives them the unit of accelerations, and have the same
         tolerance. A residual at rounding error (a correction below 1e-13 of the size of the system) counts as
-        converged, so that a smaller tolerance costs iterations but never prevents a result.
+        converged. So a smaller tolerance costs iterations but never prevents a result.
     max_iterations : largest number of iterations per step
     """
 

@@ -57,7 +57,7 @@ def waves_around(nodes: Array, fields: Array, axis: Array, point: Array) -> Arra
         P_n x = (1 / S) sum_k exp(- 2 pi i n k / S) R^k x,     R a rotation by one of S sectors
 
     P_n x is the part of a field x with n waves. Its real and imaginary parts are a shape and its copy rotated
-    by a quarter of a wave, so that the result contains every shape with its rotated copy. Shapes of more than
+    by a quarter of a wave. So the result contains every shape with its rotated copy. Shapes of more than
     `MOST_WAVES` waves are left out, and shapes of half as many waves as sectors, which have no rotated copy.
     Without cyclic symmetry the fields are returned unchanged.
     """

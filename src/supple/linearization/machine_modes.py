@@ -123,7 +123,7 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
     damping or gyroscopic terms, a slower mode may be missed.
 
     If the full bodies of reduced ones are known (`linearize`), and `n_modes` is given, the modes are also
-    computed with all coordinates, for the basis errors (`MachineModes.error`).
+    computed with all coordinates. The difference gives the basis errors (`MachineModes.error`).
 
     Warns BasisWarning of modes whose eigenvalue is off by 1 % or more, and of modes missing from the bases.
 

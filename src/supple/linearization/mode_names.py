@@ -16,8 +16,8 @@ __all__ = ["mode_names"]
 Array = np.ndarray
 
 AWAY = 0.25
-"""Ratio of the length of the mean radius vector of the nodes to their largest radius, above which a body is
-a blade instead of a rotor."""
+"""Ratio of the distance of the nodes' mean position from the axis to their largest radius, above which a body
+is a blade, not a rotor."""
 SECTIONS = 12
 """Number of sections of a blade; motion relative to the mean of its section is torsion."""
 

@@ -79,7 +79,7 @@ class BodyColumns(NamedTuple):
 def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str) -> LinearMachine:
     """The machine in standing axes: with constant equations if possible, otherwise with periodic ones.
 
-    refusal : error message with the reason why the machine is not linearised in co-rotating axes
+    refusal : error message: why the machine is not linearised in co-rotating axes
     Raises ModelError for a machine with controllers, one whose equilibrium varies with rotation, or one whose
     joints leave other motions free at another angle.
     """

@@ -5,9 +5,9 @@ a mode it moves with shapes x at frequencies s relative to its own axes, `( s^2 
 
     K(z) x = f + (z^2 - s^2) M x + (z - s) C x,    K(z) = K + z C + z^2 M.
 
-The motion outside a basis is therefore sought, for every s, in the responses K(z)^-1 M x and K(z)^-1 C x of
-the machine with unreduced bodies, at a fixed shift z. They are added to the bases until the modes converge:
-those of one blade to all equal blades, those of cyclic bodies together with their rotated copies.
+Therefore the responses K(z)^-1 M x and K(z)^-1 C x of the machine with unreduced bodies, at a fixed shift z,
+contain the motion outside a basis for every s. They are added to the bases until the modes converge: those of
+one blade to all equal blades, those of cyclic bodies together with their rotated copies.
 Source: [Voss2004], as for `slowest_motions`.
 """
 

@@ -81,9 +81,9 @@ def state_space(
         A = [ -M^-1 K  -M^-1 C   M^-1 H ],   B = [ M^-1 b^T ],    C, D by rows
             [   E_p      E_v      E_z   ]        [    0    ]
 
-    b contains the rows of the input ports (`Port.row`). An output port with the row c gives `(c, 0, 0)` in C,
-    its velocity `(0, c, 0)`, its acceleration c times the second row of A, and `c M^-1 b^T` in D. The loops
-    of controllers are closed.
+    b contains the rows of the input ports (`Port.row`). For a port with the row c, C has the row `(c, 0, 0)`
+    if the output is its motion, and `(0, c, 0)` if it is its velocity. For its acceleration, C has c times
+    the second row of A, and D has `c M^-1 b^T`. The loops of controllers are closed.
     Raises ModelError without an input or output, for full bodies, and for periodic equations.
     """
     if isinstance(machine, SparseMachine):

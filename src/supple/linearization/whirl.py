@@ -1,8 +1,8 @@
 """Whirl of rotating bodies, forward or backward, and its frequency in space.
 
-A motion `Re( a e^(i w t) )` normal to the axis has a part `a_1 + i a_2` that rotates with the spin and a part
-`a_1 - i a_2` that rotates against it. In axes that rotate at the rate W both parts have the frequency w; in
-space they have the frequencies w + W and w - W.
+A motion `Re( a e^(i w t) )` normal to the axis has two parts: `a_1 + i a_2` rotates with the spin, `a_1 - i
+a_2` against it. In axes that rotate at the rate W both parts have the frequency w; in space they have the
+frequencies w + W and w - W.
 """
 
 from __future__ import annotations

@@ -34,8 +34,8 @@ _KEPT = 1e-7
 """Weight of the deviation from the initial values, relative to the largest singular value of the scaled
 Jacobian."""
 _NEAR = 1e-3
-"""A fit is rejected if one more linearised step exceeds this fraction of a parameter's size and reduces the
-sum of squares by more than this fraction."""
+"""A fit is rejected if one more linearised step changes a parameter by more than this fraction of its size,
+and reduces the sum of squares by more than this fraction."""
 
 
 @checked_arguments

@@ -2,11 +2,10 @@
 
 Three limits are checked. A body without nonlinear terms has no geometric stiffness: at an angular velocity
 near its lowest frequency its deflection is too large, and above this frequency the deflection diverges. The
-deflection is also too large in a body whose condensed motion has no inertia, if the missing centrifugal
-stiffness is a large part of the body's stiffness.
-Rotations beyond the range for which the body's strains were derived (about 0.3 rad where curvatures enter
-linearly, 0.1 rad where all displacements do) make the strains themselves wrong. Averaging interfaces on soft
-sections change deflections if the sections rotate relative to the frame.
+deflection is also too large where condensed motion has no inertia, if the missing centrifugal stiffness is a
+large part of the body's stiffness. Strains are wrong at rotations beyond the range for which they were
+derived: about 0.3 rad where curvatures enter linearly, 0.1 rad where all displacements do. Averaging
+interfaces on soft sections change deflections if the sections rotate relative to the frame.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
     [M_E  M_C^T; M_C  M_V] [p''; y''] = F + F_gyr + [G^T lambda; -K_L y - C_L y'],   M_C linear in P
 
 The scheme neglects the local displacement u_L relative to X: momentum has an error O(u_L / l). The links of
-the open implementation act along the *predicted* link d + h v, from one linear solution, and reduce the
+the open implementation act along the *predicted* link d + h v, from one linear solution. They reduce the
 angular velocity by the fraction 2 pi Omega h per revolution. Both errors are kept to reproduce published
 results; `ProjectedDifference` has neither.
 

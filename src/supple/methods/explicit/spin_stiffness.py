@@ -4,7 +4,7 @@
 
 summed over the six pairs ab of `PAIRS`, each product once. K'(u) is the derivative of the tangent stiffness
 at rest in the direction u: the geometric stiffness of the stress that u causes, and initial-displacement
-terms. Centrifugal loads are quadratic in the angular velocity, and stress is linear in the loads, so six
+terms. Centrifugal loads are quadratic in the angular velocity, and stress is linear in the loads. So six
 static solutions are sufficient for every angular velocity.
 """
 

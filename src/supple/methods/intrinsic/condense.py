@@ -93,8 +93,8 @@ def condense(
 def _lumping_error(body: FlexibleBody, line: CondensedLine, shapes: Array) -> float:
     """Relative error, due to the lumped mass, of deflections under the weight; the root is clamped.
 
-    The exact deflections are those under the forces Psi^T M a, with the mass M of the elements and unit
-    accelerations a in three directions. The error of a direction is the norm of the error of the stations'
+    The exact deflections are those under the forces Psi^T M a: M is the mass of the elements, and a are unit
+    accelerations in three directions. The error of a direction is the norm of the error of the stations'
     displacements, divided by the norm of their exact displacements. The result is the largest error, without
     directions in which the body is stiff (`SOFT`).
     """

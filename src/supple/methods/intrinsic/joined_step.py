@@ -69,7 +69,7 @@ def joined_step(
         (1 - alpha_m) y'_0 + alpha_m y'_1 = f(y at alpha_f) + joint forces,     g = 0 and g' = 0 at y_1
 
     rho_inf = 1 is the implicit midpoint rule, symmetric in time. States of controllers follow the trapezoidal
-    rule, from the start of the step to the time at which loads act, and from the start to the end.
+    rule: from the start of the step to the time at which loads act, and again from the start to the end.
     """
     alpha_m, alpha_f, gamma = coefficients
     now, before = state.now, state.rates

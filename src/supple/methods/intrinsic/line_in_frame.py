@@ -11,7 +11,7 @@ the line's equations, projected on u, balances forces f at its stations, whose v
 
     Y^T [ q_1' - rates(q_1, q_2) ] + J^T f = 0,        q_1' = Y u' + Y' u
 
-The mass is Y^T Y, because the modes are mass-normalised, and the elastic forces are exactly (0, omega^2 g),
+The mass is Y^T Y, because the modes are mass-normalised. The elastic forces are exactly (0, omega^2 g),
 because the couplings of the line have no power.
 """
 

@@ -47,7 +47,7 @@ class LoadPath:
 
     Planes across the straight line from the root to the tip, half-way between stations, cut the body into
     slices. A station has the mean motion and the mean position of the nodes of its slice, weighted by their
-    mass, so the stations of a curved body follow its curve. Root and tip are the interfaces themselves.
+    mass. So the stations of a curved body follow its curve. Root and tip are the interfaces themselves.
 
     root, tip : str     names of interfaces
     n_stations : int    including both ends, at least 2

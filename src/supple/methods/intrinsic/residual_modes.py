@@ -35,8 +35,8 @@ def slaved(
         0 = w_H q_2H + n_1H(q),     0 = -w_H q_1H + n_2H(q)
 
     with n the couplings and loads on a high mode. Newton's method with one tangent solves these equations.
-    The fixed-point iteration of [Wang2015], with n from the last values, diverges for strongly coupled modes,
-    such as those that carry the axial force of a bent body.
+    The fixed-point iteration of [Wang2015] evaluates n at the last values. It diverges for strongly coupled
+    modes, such as those that carry the axial force of a bent body.
 
     kept : number of dynamic modes of each line, with the rigid ones
     inverse : result of `inverse_of_high` at a nearby state; by default computed here

@@ -2,7 +2,7 @@
 
 The lowest modes of a slender line bend and twist it. A bent line also has other velocities, such as the rate
 at which its projection shortens, along linear modes of high order. These velocities are quadratic in the
-lowest modes and follow without a run, from the kinematic couplings of the lowest modes and rigid motion at
+lowest modes. They follow without a run, from the kinematic couplings of the lowest modes and rigid motion at
 constant strain. In a basis without them, motion causes spurious axial force.
 """
 

@@ -25,7 +25,7 @@ def section_line(name: str, table: SectionTable, n_stations: int) -> CondensedLi
     """Line of a beam given by its sections, on stations at equal distances along its curve.
 
     Between two stations, a and b, the flexibility follows from equilibrium with the force W at the middle of
-    the segment, so it is exact for sections that vary along a curve:
+    the segment. It is exact for sections that vary along a curve:
 
         C = integral of T^T K^-1 T ds,    T W = the force W at s, along the axes of the section
         K_ab = B^T C^-1 B,                B u = motion of b relative to a, both moved to the middle

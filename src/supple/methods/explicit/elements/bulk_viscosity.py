@@ -6,11 +6,11 @@ with the speed c_d of dilatational waves and the length L = c_d dt_e of the elem
 rest. It is a pressure in compression; the linear part is a tension in expansion. It is zero in rigid motion.
 Without it, central differences oscillate behind a front, up to 25 % beyond d'Alembert's solution.
 
-q damps the fastest dilatation of an element by the fraction xi = b s of critical damping, with b = b_1 +
-b_2^2 dt_e |tr D| and s = omega_d^2 / omega_max^2, for the frequencies of the fastest dilatation and the
-fastest mode. The rates are those of the half step before, which shortens the stable step to dt_e (sqrt(1 +
-xi^2) - xi). Steps are chosen at output times. Where a front arrives between them, b is limited to the value
-for which the step is stable.
+q damps the fastest dilatation of an element by the fraction xi = b s of critical damping. Here b = b_1 +
+b_2^2 dt_e |tr D| and s = omega_d^2 / omega_max^2, where omega_d is the frequency of the fastest dilatation
+and omega_max that of the fastest mode. The rates are those of the half step before, which shortens the stable
+step to dt_e (sqrt(1 + xi^2) - xi). Steps are chosen at output times. Where a front arrives between them, b is
+limited to the value for which the step is stable.
 
 Source: [vonNeumann1950] for the quadratic part, [Landshoff1955] for the linear one.
 """

@@ -4,7 +4,7 @@ A free obstacle of mass m_o and the nodes in contact vibrate on the penalty stif
 
     (u_i - u_o)^2 <= (1 + a) u_i^2 + (1 + 1/a) u_o^2
 
-With the largest squared frequency A of the nodes on the penalties alone, B = sum k_i / m_o, and a = B / A,
+A is the largest squared frequency of the nodes on the penalties alone, and B = sum k_i / m_o. With a = B / A,
 squared frequencies of the nodes and of the obstacle are at most A + B.
 """
 

@@ -6,11 +6,12 @@ with the area coordinates w of the node's projection and the face's normal n. Th
 and act at the projection of the node, so linear and angular momentum are conserved exactly. Each step
 searches for the nearest node of the surface, then among the faces around it and around its neighbours.
 
-A shell has two sides: each node touches the side on which it starts. The faces of a shell are turned so that
-neighbours have normals on one side, because the normals of a mesh of shells may differ.
+A shell has two sides: each node touches the side on which it starts. In a mesh of shells, the normals of
+neighbouring faces may be opposite. The faces are turned so that their normals are on one side.
 
-(u_node - sum w u)^2 <= 2 u_node^2 + 2 sum w u^2, so with all contacts closed the largest squared frequency
-grows by no more than twice the largest of k / m of a node and sum_nodes k w_i / m_i of a corner (Gershgorin).
+Since (u_node - sum w u)^2 <= 2 u_node^2 + 2 sum w u^2, the increase of the largest squared frequency by
+closed contacts has a bound: twice the largest of k / m of a node and sum_nodes k w_i / m_i of a corner
+(Gershgorin).
 """
 
 from __future__ import annotations

@@ -5,14 +5,14 @@ correction in an earlier step of the same run, relative to the tolerance,
 
     s_1' <= s_1 max(1, s_0' / s_0)^2
 
-is predicted for a later step, if a single correction solved the measured step, the later step is not longer,
-and its residual is not much larger. If the prediction is far below the tolerance, the corrected iterate is
-accepted without another evaluation. The residual is measured again at regular intervals, and always in a step
-with several corrections.
+is predicted for a later step. This requires that a single correction solved the measured step, that the later
+step is not longer, and that its residual is not much larger. If the prediction is far below the tolerance,
+the corrected iterate is accepted without another evaluation. The residual is measured again at regular
+intervals, and always in a step with several corrections.
 
 The prediction requires smooth terms, such as inertia, elastic forces, joints and nodal loads. Laws of force
-elements and controllers may have kinks within a step, so for machines with force elements or controllers the
-residual is always evaluated.
+elements and controllers may have kinks within a step. For machines with such parts the residual is always
+evaluated.
 Source: [HairerWanner1996], section IV.8, also uses the contraction of an earlier step.
 """
 

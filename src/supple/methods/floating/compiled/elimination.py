@@ -76,9 +76,9 @@ def solve_bordering_column(augmented: jax.Array) -> jax.Array:
 def _factored(augmented: jax.Array) -> jax.Array:
     """`A^-1 B` (n, m) of `(A | B)`, (n, n + m), by LAPACK, or by the library of another device.
 
-    The factors of the wide matrix `P (A | B) = L (U | Y)` contain `Y = L^-1 P B`, so that one triangular
-    solve suffices, without row exchanges afterwards. A GPU factorises many matrices in one call only if they
-    are square; wide ones it factorises one after the other.
+    The factors of the wide matrix `P (A | B) = L (U | Y)` contain `Y = L^-1 P B`. So one triangular solve
+    suffices, without later row exchanges. A GPU factorises many matrices in one call only if they are square;
+    wide ones it factorises one after the other.
     """
     n = len(augmented)
     if jax.default_backend() != "cpu":

@@ -20,8 +20,8 @@ this is renewed in the next step. If a tangent already fails at age one, each of
 computes its own tangent.
 
 The iteration starts from the accelerations of the last step, or from their linear extrapolation over the last
-two steps if that was closer to the end of the last step. The smaller the first residual, the older a tangent
-may be.
+two steps. The extrapolation is used if it would have been the better start of the last step. The smaller the
+first residual, the older a tangent may be.
 Source: [BrenanCampbellPetzold1996], section 5.2, for reuse of factors according to the convergence rate.
 """
 

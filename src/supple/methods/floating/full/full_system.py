@@ -1,7 +1,7 @@
 """Full-order equations: bodies with all finite-element freedoms, solved by sparse bordered Newton steps.
 
 The interior of the linear system of a step is the sparse matrix `S` of each full body, factored by itself.
-The border, a few dozen unknowns, contains the frames, the reduced and rigid bodies, the joint multipliers
+The border has a few dozen unknowns: those of the frames, the reduced and rigid bodies, the joint multipliers
 and, per full body, the six multipliers `mu` of its frame conditions `D q = 0`. Joints and forces depend on
 the motion of a full body's interfaces, `w = B q`. The compiled equations treat these motions as coordinates
 of a massless body (`build_model`). Eliminating the interior,

@@ -28,8 +28,8 @@ from supple.methods.floating.full.full_damping import FullDamping
 __all__ = ["LARGEST_TURN", "Factored", "FullTangent", "TangentPoint", "full_tangent"]
 
 LARGEST_TURN = 0.02
-"""Largest sum of the changes of angular velocity and acceleration, times the step factors by velocity and by
-position, for which the factor of a linear body is reused: Newton's iteration still contracts fast."""
+"""Largest `g' |change of w| + b' |change of dw|` for which the factor of a linear body is reused; Newton's
+iteration then still converges fast."""
 
 SYMMETRIC = ("mass", "euler", "centrifugal")
 """Inertia matrices with a symmetric part."""

@@ -5,16 +5,17 @@ Each iteration evaluates the exact equations and solves for a correction with a 
     x_1 = x_0 - T^-1 r(x_0),       rate = |x_2 - x_1| / |x_1 - x_0|
 
 `T` is first the symmetric part of the tangent, L D L^T. It is reused over iterations and steps as long as the
-rate is below 0.1 or the next iteration is predicted to reach the tolerance; otherwise it is renewed. Where a
-new symmetric tangent converges more slowly, as with the skew-symmetric terms of high angular velocities, the
-unsymmetric tangent replaces it and is reused in the same way. Corrections that do not become smaller are
+rate is below 0.1 or the next iteration is predicted to reach the tolerance; otherwise it is renewed. At high
+angular velocities, skew-symmetric terms are large, and a new symmetric tangent may converge more slowly. Then
+the unsymmetric tangent replaces it and is reused in the same way. Corrections that do not become smaller are
 undone.
 
 If the modified iteration does not converge, Newton's method with the exact tangent of every iterate solves
 the step from its start. The tangent affects the iterations alone: a step ends where the exact equations hold
-to the tolerance (with a frozen tangent to a tenth of it, if rounding allows), or where a correction changes
-nothing. The second criterion requires a tangent that is new, or whose rate was below 0.1 before: with a
-positive definite symmetric part and a skew-symmetric remainder, the correction bounds the exact one.
+to the tolerance, or where a correction changes nothing. With a frozen tangent the limit is a tenth of the
+tolerance, if rounding allows. The second criterion requires a tangent that is new, or whose rate was below
+0.1 before: with a positive definite symmetric part and a skew-symmetric remainder, the correction bounds the
+exact one.
 
 Source: [BrenanCampbellPetzold1996], section 5.2, for renewal of factors according to the convergence rate.
 """
