@@ -32,7 +32,7 @@ def _of_group() -> int | None:
         limit = (_GROUP / "memory.max").read_text(encoding="ascii").strip()
         used = int((_GROUP / "memory.current").read_text(encoding="ascii"))
         counts = dict(map(str.split, (_GROUP / "memory.stat").read_text(encoding="ascii").splitlines()))
-        # The system drops contents of files that were not read lately before it refuses memory.
+        # Inactive file contents in memory are released first when memory becomes short.
         used -= int(counts.get("inactive_file", 0))
     except (OSError, ValueError):
         return None

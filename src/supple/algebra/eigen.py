@@ -81,7 +81,7 @@ def lowest_modes(
     D = dense_rows(constraint, n)
     freedoms = n - len(D)
     if not 0 <= n_modes <= freedoms:
-        raise ModelError(f"{n_modes} modes requested of a body with {freedoms} freedoms")
+        raise ModelError(f"{n_modes} modes requested of a body with {freedoms} freedoms: request fewer")
     if n_modes == 0:
         return Eigenpairs(np.zeros(0), np.zeros((n, 0)))
     if n <= LARGEST_DENSE or 3 * (n_modes + GUARD_MODES) > freedoms:

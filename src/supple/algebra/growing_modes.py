@@ -108,7 +108,9 @@ class GrowingModes:
         AccuracyError   a motion without mass, or with negative mass; a motion softer than the round-off
         """
         if n_modes > self.available:
-            raise ModelError(f"{n_modes} modes requested of a structure with {self.available} freedoms")
+            raise ModelError(
+                f"{n_modes} modes requested of a structure with {self.available} freedoms: request fewer"
+            )
         while self.found.values.size < n_modes:
             known = self.basis.n_columns
             wanted = FIRST_BLOCKS * self.width + VECTORS_PER_MODE * n_modes

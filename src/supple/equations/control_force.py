@@ -231,7 +231,9 @@ def rates_of(law: ControlLaw, time: Any, readings: Mapping[str, Any], states: ja
     of_states = f"controller '{law.name}': the rates of its states"
     rates = _real(_called(law, "rates", time, readings, states), of_states)
     if rates.shape != states.shape:
-        raise ModelError(f"{of_states} have shape {rates.shape}, the states {states.shape}")
+        raise ModelError(
+            f"{of_states} have shape {rates.shape}, the states {states.shape}: return one rate for each state"
+        )
     return rates
 
 

@@ -263,7 +263,8 @@ class Model:
 
     @property
     def joints_alone(self) -> Model:
-        """The data of constraint equations only; their program then serves other bodies and loads, too."""
+        """The data of constraint equations only; their program is then the same for other bodies and
+        loads."""
         return self._without_loads(groups=())
 
     @property

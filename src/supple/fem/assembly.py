@@ -130,7 +130,7 @@ class Assembly:
 
     def strain_rate_tangent(self, q: Array, rates: Array) -> csr_array:
         """Derivative (n, n) of `strain_rate_force` with respect to q, at constant rates; not symmetric."""
-        # The entries are in row order but are read by columns, on a symmetric pattern: hence the transpose.
+        # Transposed, because entries in row order are read by columns, on a symmetric pattern.
         return self._matrix(self._over_elements(quadratic_strain.strain_rate_tangent, q, rates)).T
 
     def tangent(self, q: Array, *, material: float = 1.0) -> csc_array:
@@ -264,7 +264,8 @@ def assemble(model: FiniteElementModel, expansion: SparseArray | None = None) ->
     """
     if expansion is not None and expansion.shape[0] != model.n_dofs:
         raise ModelError(
-            f"expansion has {expansion.shape[0]} rows; the model has {model.n_dofs} nodal freedoms"
+            f"expansion has {expansion.shape[0]} rows; the model has {model.n_dofs} nodal freedoms: give one "
+            "row for each"
         )
     return assemble_strains(model.strains, model.mesh.n_nodes, model.dofs_per_node, expansion)
 

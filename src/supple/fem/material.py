@@ -112,15 +112,17 @@ class Anisotropic:
 
 
 def stiffness_matrix(name: str, given: ArrayLike, n: int) -> NDArray[np.float64]:
-    """A symmetric matrix (n, n) as a read-only copy; ModelError, with its name, if it is not one."""
+    """A read-only copy of a symmetric matrix (n, n); ModelError, with `name`, for any other array."""
     matrix = np.array(given, dtype=np.float64)
     if matrix.shape != (n, n):
-        raise ModelError(f"{name} has shape {matrix.shape}; expected ({n}, {n})")
+        raise ModelError(f"{name} has shape {matrix.shape}; give a matrix ({n}, {n})")
     if not np.isfinite(matrix).all():
-        raise ModelError(f"{name} has entries that are not finite")
+        raise ModelError(f"{name} has entries that are not finite; give numbers")
     asymmetry = np.abs(matrix - matrix.T).max()
     if asymmetry > 1e-9 * np.abs(matrix).max():
-        raise ModelError(f"{name} is not symmetric (difference {asymmetry:.3e})")
+        raise ModelError(
+            f"{name} is not symmetric (largest difference of mirrored entries {asymmetry:.3e}); correct it"
+        )
     matrix.setflags(write=False)
     return matrix
 

@@ -117,7 +117,10 @@ def modal_assurance(first: MachineModes, second: MachineModes) -> Array:
     coordinates.
     """
     if len(first.shapes) != len(second.shapes):
-        raise ModelError("modal assurance compares modes of the same machine")
+        raise ModelError(
+            "modal assurance needs modes of machines with equal numbers of coordinates, not "
+            f"{len(first.shapes)} and {len(second.shapes)}"
+        )
     # Frames and coordinates have different units: the mass norm of the first machine weights them.
     a, b = first.independent, first.machine.coordinates_of(second.shapes)
     weighted = first.machine.mass @ b

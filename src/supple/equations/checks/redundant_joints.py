@@ -20,7 +20,7 @@ as violated; the residuals of redundant equations are far smaller."""
 def check_redundant_joints(system: System, leg: Solution) -> None:
     """Raise AccuracyError for a joint that is violated because its equations were left out.
 
-    Such an equation depended on others at the start of the run, but no longer does.
+    Such an equation depends on others at the start of the run, but not at a later time.
 
     leg : a part of the run
     """

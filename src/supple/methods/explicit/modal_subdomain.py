@@ -236,7 +236,10 @@ class ModalSubdomain(FloatingForm):
         """Arrays of the time integration; ModelError for modes that are not mass-normalised."""
         M_V = local_mass(self.moments, self.points.arm)
         if self.n_modes and np.abs(M_V - np.eye(self.n_modes)).max() > 1e-8:
-            raise ModelError(f"the modes of body '{self.name}' are not mass-normalised")
+            raise ModelError(
+                f"the modes of body '{self.name}' are not mass-normalised: use modal_subdomain, which "
+                "normalises them"
+            )
         return FrameModel(
             self.moments,
             jnp.diag(jnp.asarray(self.frequencies**2)),

@@ -66,7 +66,7 @@ _FEWEST = 10
 
 
 class FrozenInverse(NamedTuple):
-    """Frozen inverse, with the measurements that decide on its use."""
+    """Frozen inverse, with the measurements that determine whether it is used."""
 
     inverse: AnyArray
     """(n, n) inverse of the tangent without joints, translations in body axes"""

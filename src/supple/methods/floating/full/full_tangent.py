@@ -56,7 +56,8 @@ class Factored(NamedTuple):
 class _FactorCache:
     """The last factored tangent of a linear body.
 
-    The tangent depends on the step, the angular velocity and its rate alone: one factor serves many instants.
+    The tangent depends on the step, the angular velocity and its rate alone: one factor is used at many
+    instants.
     """
 
     _point: TangentPoint | None = field(default=None, init=False)
@@ -136,7 +137,7 @@ class FullTangent:
 
     @cached_property
     def _analysed(self) -> SparseFactor:
-        """Factor of the mass matrix on the pattern; its symbolic analysis serves every tangent."""
+        """Factor of the mass matrix on the pattern; its symbolic analysis is used for every tangent."""
         return factorize_symmetric(self._matrix(self.constant["mass"][0]))
 
     @cached_property
