@@ -263,8 +263,7 @@ class Model:
 
     @property
     def joints_alone(self) -> Model:
-        """The data of constraint equations only; their program is then the same for other bodies and
-        loads."""
+        """The data of constraint equations only; their program is the same for other bodies and loads."""
         return self._without_loads(groups=())
 
     @property

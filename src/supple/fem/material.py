@@ -115,7 +115,7 @@ def stiffness_matrix(name: str, given: ArrayLike, n: int) -> NDArray[np.float64]
     """A read-only copy of a symmetric matrix (n, n); ModelError, with `name`, for any other array."""
     matrix = np.array(given, dtype=np.float64)
     if matrix.shape != (n, n):
-        raise ModelError(f"{name} has shape {matrix.shape}; give a matrix ({n}, {n})")
+        raise ModelError(f"{name} has shape {matrix.shape}; expected ({n}, {n})")
     if not np.isfinite(matrix).all():
         raise ModelError(f"{name} has entries that are not finite; give numbers")
     asymmetry = np.abs(matrix - matrix.T).max()

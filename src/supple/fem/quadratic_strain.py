@@ -111,7 +111,8 @@ def strain_rate_force(block: QuadraticStrain, q: Array, rates: Array) -> Array:
     """Force (E, n) of stresses D eps_dot: K_mat(q) q_dot = sum_g w A^T D A q_dot, A = B + N(Gq)G.
 
     Kelvin-Voigt damping is this force times a retardation time. A rigid motion has no strain rate and no
-    force."""
+    force.
+    """
     Na = _contract(block.N, _apply(block.G, q))
     strain_rate = _apply(block.B, rates) + _apply(Na, _apply(block.G, rates))
     stress = _apply(block.weighted_D, strain_rate)
