@@ -216,7 +216,7 @@ def test_a_start_that_deforms_a_body_warns(forms):
         ),
     ]
     words = r"no rigid motion of the bodies has the velocities .* body 'strip' deforms at a rate of kinetic "
-    with pytest.warns(StartWarning, match=words + r"energy .*; by 'clamp' .*, 'push' "):
+    with pytest.warns(StartWarning, match=words + r"energy .*; joints: 'clamp' .*, 'push' "):
         simulate(System([forms["nodal-fixed"]], joints), Run(0.002, 0.001, FixedStep(0.001)))
 
 

@@ -1,4 +1,8 @@
-"""Finite elements as quadratic-strain arrays: materials, one element per module, mass, assembly, stress."""
+"""Finite elements as quadratic-strain arrays: materials, one element per module, mass, assembly, stress.
+
+The strains of all elements are quadratic in the nodal freedoms. So energy, force, tangent and their
+derivatives have one implementation (`quadratic_strain`); an element defines only its strain arrays.
+"""
 
 from supple.fem.assembly import *
 from supple.fem.attached import *

@@ -1,4 +1,8 @@
-"""Time integrators and the integration of a run; independent of the kinds of bodies."""
+"""Time integrators and the integration of a run; independent of the kinds of bodies.
+
+`run` is the time loop of all methods. An `Engine` is the part of the integration that differs between
+methods.
+"""
 
 from supple.integrate.engine import *
 from supple.integrate.error_statement import *

@@ -1,4 +1,8 @@
-"""Machines linearised about an equilibrium: modes, state space, frequency response, Campbell diagram."""
+"""Machines linearised about an equilibrium: modes, state space, frequency response, Campbell diagram.
+
+`linearize` returns a `LinearMachine`, or a `SparseMachine` for full bodies; `machine_modes` computes its
+modes.
+"""
 
 from supple.linearization.campbell import *
 from supple.linearization.frequency_response import *

@@ -51,8 +51,8 @@ def report_start(change: StartChange, validity: Validity) -> None:
         )
         message = (
             f"no rigid motion of the bodies has the velocities that the joints prescribe at the start: "
-            f"{bodies}; by {_joints(change.unmet)}. Let the prescribed motion begin from rest, or prescribe "
-            "what the bodies can follow without deformation"
+            f"{bodies}; joints: {_joints(change.unmet)}. Let the prescribed motion begin from rest, or "
+            "prescribe a motion that the bodies can follow without deformation"
         )
         warn_or_raise(message, StartWarning, validity)
 

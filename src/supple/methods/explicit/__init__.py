@@ -1,4 +1,9 @@
-"""Explicit time integration: modal parts on four-point frames, coupled to nonlinear finite elements."""
+"""Explicit time integration: modal parts on four-point frames, coupled to nonlinear finite elements.
+
+A modal part (`ModalSubdomain`) is a linear body with vibration modes on a frame of four points at fixed
+distances. An explicit part has finite elements of solids or shells; its coordinates are the displacements of
+its nodes. Ties connect nodes of one part to another part. A rigid body is a frame without modes.
+"""
 
 from supple.methods.explicit.elements import BulkViscosity as BulkViscosity
 from supple.methods.explicit.engine import *

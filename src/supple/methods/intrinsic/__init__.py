@@ -1,4 +1,10 @@
-"""Intrinsic modal reduction: slender bodies with arbitrary rotations, from a linear model alone."""
+"""Intrinsic modal reduction: slender bodies with arbitrary rotations, from a linear model alone.
+
+A line is a slender body condensed on stations along its load paths. A segment is the part of a line between a
+station and its parent, which is nearer the root. The modes of a line belong to the support of its root; a
+`released` body has a free root. `IntrinsicEngine` integrates machines whose lines are free or have their
+roots on the ground, `JoinedEngine` machines in which joints connect lines to each other and to other bodies.
+"""
 
 from supple.methods.intrinsic.chosen_step import *
 from supple.methods.intrinsic.condensation_error import *
