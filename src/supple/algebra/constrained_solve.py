@@ -16,7 +16,9 @@ from supple.errors import AccuracyError, ModelError
 __all__ = ["ConstrainedFactor", "GroundedFactor", "constrained_factor", "grounded_factor"]
 
 LARGEST_RESIDUAL = 1e-8
+"""Allowed relative residual of equilibrium and constraint in the check of a factor."""
 SMALLEST_RECIPROCAL_CONDITION = 1e-14
+"""Ratio of smallest to largest singular value of the border below which it counts as singular."""
 
 # Most entries, and fewest columns, of the solutions computed at once: several copies of all columns of a
 # large body would take gigabytes.

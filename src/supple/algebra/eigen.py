@@ -25,8 +25,11 @@ LARGEST_DENSE = 400
 LARGEST_WITH_TWO_FACTORS = 100_000
 
 LARGEST_RESIDUAL = 1e-6
+"""Allowed relative residual of a mode in its equation."""
 GUARD_MODES = 4
+"""Number of modes computed in addition to the missing ones."""
 ROUNDS = 4
+"""Largest number of rounds of search and count."""
 
 
 class Eigenpairs(NamedTuple):

@@ -12,6 +12,7 @@ from supple.errors import AccuracyError, ModelError
 __all__ = ["OrthonormalBasis", "mass_orthonormalize"]
 
 LARGEST_GRAM_ERROR = 1e-10
+"""Allowed largest entry of V^T M V - I."""
 
 
 class OrthonormalBasis(NamedTuple):

@@ -17,6 +17,7 @@ _LARGEST_TURN = 0.3
 """Largest component of a body's rotation (rad), and of its translation relative to the machine's size, in an
 iteration."""
 _MOST_ITERATIONS = 200
+"""Largest number of iterations of `joints_assembled`."""
 _UNCLOSED = 1e-10
 """Largest residual of a joint that counts as closed, relative to the machine's size or in rad."""
 

@@ -39,6 +39,7 @@ from supple.integrate import Solution
 __all__ = ["StaticSearch"]
 
 _KINDS = ("forces", "moments", "deformation")
+"""Kinds of residuals, in the order of `EquilibriumResidual.relative`."""
 
 _NONE = np.zeros(0)
 
@@ -61,6 +62,7 @@ direct search that needs more is stopped, and load and rotation are increased in
 _OF_A_SHARE = 12
 """Largest number of iterations per share."""
 _FIRST_SHARE, _SMALLEST_SHARE = 0.25, 1 / 256
+"""First increase of the share of load and rotation; increase below which the continuation is stopped."""
 _WANTED = 5
 """Target number of iterations per share: the next increase is larger or smaller in proportion."""
 _SLOWER, _FASTER = 0.5, 1.5

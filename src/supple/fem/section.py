@@ -22,6 +22,7 @@ IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 Property = ShellSection | LineSection | RodSection | Isotropic | Anisotropic
 PER_CELL = ("directions", "offsets", "released", "mass_share", "surface_curvature")
+"""Fields of a `Section` with one entry per cell."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,6 +17,7 @@ from supple.fem.shell_triangle import shell_triangle
 __all__ = ["shear_share"]
 
 SOLID_WALL = 5 / 6
+"""Shear factor of a homogeneous wall."""
 
 # Factor on the shear stiffness for which the shear energy is proportional to the flexibility, on any mesh.
 STIFFER = 1e4

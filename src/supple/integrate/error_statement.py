@@ -177,6 +177,7 @@ class ErrorStatement(Summarized):
 
 
 _WORD = {"basis": "basis", "step": "step", "newton": "Newton tolerance", "model": "kinematics of the model"}
+"""Names of the parts of the error in sentences."""
 
 
 def _finite(value: float) -> float | None:

@@ -18,6 +18,7 @@ SAME_PLACE = 1e-6
 SAME_SHAPE = 1e-6
 """Allowed part of a rotated shape outside the columns of the body, relative to the shape."""
 MOST_SECTORS, MOST_WAVES = 360, 6
+"""Largest number of sectors in the search for cyclic symmetry; largest number of waves of a shape."""
 ON_AXIS = 8
 """Number of sectors assumed where every node is on the axis."""
 

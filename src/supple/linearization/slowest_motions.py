@@ -34,6 +34,7 @@ _ALLOWED = 1e-5
 """Allowed norm of t if it no longer decreases to a third in a round, because of rounding."""
 
 _ROUNDS = 60
+"""Largest number of extensions of the basis."""
 
 _NEW = 1e-5
 """Norm of the part of a motion outside the basis, relative to that of the motion, below which it is

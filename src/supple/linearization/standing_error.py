@@ -37,6 +37,7 @@ from supple.simulation.resting_state import RestingState
 __all__ = ["StandingTurn", "slowest_in_standing_axes"]
 
 ROUNDS = 8
+"""Largest number of extensions of the bases."""
 STAYS = 1e-6
 """Relative change of an eigenvalue per round below which modes have converged."""
 STILL = 1e-6

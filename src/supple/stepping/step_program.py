@@ -279,6 +279,7 @@ _OTHERS = {
     "modal": "modal subdomains are stepped together with the explicit parts that they are tied to: reduce "
     "the body",
 }
+"""Reason and remedy for kinds of bodies that a step program does not support."""
 
 
 def _check(system: System, run: Run, inputs: Mapping[str, Any], parameters: Sequence[Variable]) -> None:

@@ -37,7 +37,9 @@ SHARE = 0.999
 SAME = 1.05
 """Ratio of a frequency of the reduced body to one of the full body, up to which both are of the same mode."""
 MOST_MODES = 200
+"""Largest number of modes of a full body that are compared."""
 MOST_SAMPLES = 20_000
+"""Largest number of times at which loads are evaluated."""
 FEW, SAMPLES = 33, 257
 """If there are fewer than FEW output times, which do not resolve a load, SAMPLES times are used instead."""
 

@@ -36,7 +36,9 @@ SHORTEST = 32
 """Largest number of windows of a run, and fewest output times of each if there are several. Windows are used
 to detect vibrations that decay."""
 MOST_COLUMNS = 32
+"""Largest number of coordinates that are checked one by one; random combinations represent more of them."""
 PER_PERIOD = 10
+"""Output times per period of a vibration in the recommended output step."""
 FEWEST = 10
 """With fewer output times no check is made: they are single times of interest, not a curve."""
 

@@ -12,7 +12,9 @@ from supple.integrate import Validity
 __all__ = ["report_start"]
 
 MOST_NAMES = 3
+"""Largest number of bodies or joints in a message."""
 ROUNDING = 1e-9
+"""Largest rotation, rad, or relative change of a speed that is not reported."""
 
 
 def report_start(change: StartChange, validity: Validity) -> None:

@@ -38,7 +38,7 @@ __all__ = ["ProjectedDifference"]
 Gaps = Callable[[tuple[FrameState, ...]], Array]
 """Constraint residuals (R,) of ties and joints in given states."""
 
-_MOST_PASSES = 40
+_MOST_PASSES = 40  # largest number of iterations of a step
 _SMALL = 1e-13  # last correction relative to the arm; the next one is smaller by the rotation of a step
 
 

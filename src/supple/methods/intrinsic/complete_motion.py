@@ -39,6 +39,7 @@ Array = NDArray[np.float64]
 TOLERANCE = 1e-8
 """Relative residual at which the iteration ends: its norm over the norm of frequencies times amplitudes."""
 MOST_ITERATIONS = 12
+"""Largest number of Newton iterations at an instant."""
 
 
 class CompleteMotion(NamedTuple):

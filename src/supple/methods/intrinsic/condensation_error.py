@@ -22,6 +22,7 @@ __all__ = ["accurate_condensation", "condensation_error"]
 Array = NDArray[np.float64]
 
 FEWEST_SEGMENTS = 6
+"""Initial number of segments of `accurate_condensation`."""
 
 
 @dataclass(frozen=True, eq=False)

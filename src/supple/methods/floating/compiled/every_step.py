@@ -25,7 +25,9 @@ from supple.methods.floating.compiled.time_step import substep
 __all__ = ["EveryStep", "as_outputs", "every_step"]
 
 _STEPS_AT_ONCE = 128
+"""Number of steps of a call of the compiled program."""
 _FEWEST_STOPS = 128
+"""Least number of stops of a call; fewer are padded, so that short runs share a program."""
 
 
 class EveryStep(NamedTuple):

@@ -31,10 +31,13 @@ from supple.programs.program_cache import CachedProgram
 __all__ = ["KinematicEngine"]
 
 _KINDS = ("rigid", "reduced", "full", "intrinsic")
+"""Kinds of bodies that a kinematic run supports."""
 _INSTANTS_AT_ONCE = 128
+"""Number of instants of a call of the compiled program."""
 MOST_ITERATIONS = 20
+"""Largest number of Newton iterations that close the joints at an instant."""
 _REACTIONS, _CONVERGED = 60, 1e-9
-"""Iterations for friction that depends on joint forces; relative change of these forces at convergence."""
+"""Most iterations for friction that depends on joint forces; relative change of the forces at convergence."""
 DEAD_POINT = 1e-9
 """Ratio of smallest to largest singular value of the joints' Jacobian (rotations times the machine's size)
 up to which the machine is at a dead point."""

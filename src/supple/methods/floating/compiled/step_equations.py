@@ -53,6 +53,7 @@ _ROUNDING = 1e-13
 with a larger residual is refined [ArioliDemmelDuff1989] until two passes stay below this limit: small
 multipliers beside large ones are accurate one pass after the residual is small."""
 _REFINEMENTS = 4
+"""Largest number of refinements of a tree solution."""
 _INEXACT = 1e-11
 """Residual after refinement above which the whole matrix is eliminated with row exchanges instead."""
 

@@ -23,6 +23,7 @@ SIMILAR = 0.1
 """Largest relative difference of step factors from those of a frozen tangent that is still used."""
 
 _FIELDS = ("rotation", "angular_velocity", "angular_acceleration", "acceleration", "time", "coordinates")
+"""Fields of an `InteriorState` on which a frozen tangent depends."""
 
 
 class FrozenTangent(NamedTuple):
