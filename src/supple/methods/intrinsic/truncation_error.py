@@ -102,10 +102,11 @@ def truncation_error(
     bodies = {p.body.name: _with_whole(body_of(p), by_name.get(p.body.name)) for p in lines}
     few = [body for body in bodies.values() if body.complete is not None]
     if not few:
-        named = f"body '{lines[0].body.name}'" if lines else "no body is intrinsic"
         raise ModelError(
-            f"{named}: to estimate its truncation error, give the same body with more modes "
-            "(the same line and support, a larger n_modes)"
+            f"body '{lines[0].body.name}': to estimate its truncation error, give the same body with more "
+            "modes (the same line and support, a larger n_modes)"
+            if lines
+            else "the machine has no intrinsic body, and other bodies have no truncation error"
         )
     machine = replace(
         system,
