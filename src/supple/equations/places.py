@@ -43,7 +43,7 @@ class Places:
 
     @property
     def index(self) -> np.ndarray:
-        """Positions (k, size) of all entries"""
+        """Positions (k, size) of all entries."""
         return np.array(self.starts)[:, None] + np.arange(self.size)
 
     def take(self, vector: Any) -> Any:

@@ -42,8 +42,9 @@ rounding."""
 
 
 def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) -> Array:
-    """Motions (n, k), mass-orthonormal, whose span contains the slowest modes; for a small machine, possibly
-    all motions.
+    """Motions (n, k), mass-orthonormal, whose span contains the slowest modes.
+
+    For a small machine, they may be all motions.
 
     modes_of : function that returns eigenvalues, coordinates and controller states of the modes of a
         `LinearMachine`, slowest first
