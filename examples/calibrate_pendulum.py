@@ -4,9 +4,9 @@ A rod of 2 kg with a known moment of inertia about its pivot (0.5 kg m2) is rele
 angle was measured 50 times a second for 6 s, with a noise of 0.02 rad. Unknown are the distance of its centre
 of mass from the pivot and the damping of its bearing.
 
-Expected: 0.35 m and 0.06 N m s, the true values, within three standard deviations, each of which is below 1 %
-of its value; the residuals are the noise. The moment of inertia cannot be identified in addition: the motion
-depends on `m g s / J` and `c / J` only.
+Expected: both values within three standard deviations of the true values, 0.35 m and 0.06 N m s. Each
+standard deviation is below 1 % of its value, and the residuals have the size of the noise. The moment of
+inertia cannot be identified in addition, because the motion depends on `m g s / J` and `c / J` only.
 Run it: `python examples/calibrate_pendulum.py` draws measurement and fit to calibrate_pendulum.png.
 """
 

@@ -1,14 +1,14 @@
 """A digital twin: strain gauges of a rotating blade give its whole motion and an unmeasured load.
 
 A blade of 10 m rotates at 4 rad/s about its root. An unknown force pushes its tip out of the plane of
-rotation. The true motion is a run with all coordinates of its mesh. The twin uses twenty strain gauges with
-2 % noise, fifty samples a second. It is the reduced blade, integrated from sample to sample: an extended
-Kalman filter corrects its coordinates, their rates, the force and the rate of the force. The derivatives of a
-step are those of the integrator itself (`supple.step_program`, in forward mode of JAX).
+rotation. The true motion is a run with all coordinates of the mesh. The twin is the reduced blade, integrated
+from sample to sample. Its input is the strain of twenty gauges with 2 % noise, fifty samples a second. An
+extended Kalman filter corrects the coordinates of the twin, their rates, the force and the rate of the force.
+The derivatives of a step are those of the integrator (`supple.step_program`, in forward mode of JAX).
 
-Expected: the deflection of the tip, which no gauge measures, within 1 % of its largest value at every sample
-after the first half second, and the force within 10 % of its largest value (root mean square). The program
-prints the ratio of real time to computing time.
+Expected: after the first half second, the error of the tip deflection, which no gauge measures, is below 1 %
+of the largest deflection at every sample. The root mean square error of the force is below 10 % of the
+largest force. The program prints the ratio of real time to computing time.
 Run it: `python examples/digital_twin.py` draws tip and force to digital_twin.png.
 """
 
@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 LENGTH, SPIN = 10.0, 4.0
 """m, rad/s"""
 STEP, DURATION, SETTLED = 0.02, 4.0, 0.5
-"""s; time between samples, duration of the run, time after which the errors are evaluated"""
+"""Time between samples, duration of the run, time after which the errors are evaluated, s"""
 NOISE = 0.02
 """Standard deviation of the noise, relative to the largest strain of a gauge"""
 OUTER, ALONG = [0, 2], 0
@@ -122,9 +122,9 @@ class Twin:
         self.estimate = Estimate(np.zeros(n), np.diag(np.r_[np.full(2 * r, 1e-8), 1.0, 100.0]))
 
     def _marched(self, mean, now, until):
-        """The mean at the next sample, twice (to differentiate, and as value), and the state of the blade."""
+        """The mean at the next sample, to differentiate; as auxiliary output this mean and the next state."""
         r = self.body.r
-        force = mean[-2] + 0.5 * STEP * mean[-1]  # its mean over the step
+        force = mean[-2] + 0.5 * STEP * mean[-1]  # mean force over the step
         given = now._replace(input=jnp.stack([0.0, 0.0, force]), state=self._with(mean, now.state))
         after = self._program.advanced(given, until)
         coordinates, rates = after.state.configuration.coordinates, after.state.velocity[6:]
@@ -142,14 +142,14 @@ class Twin:
         )
 
     def predict(self, until: float) -> None:
-        """March to the next sample; the covariance is propagated by the derivatives of the march."""
+        """March to the next sample, and propagate the covariance by the derivatives of the march."""
         transition, (ahead, self.now) = jax.device_get(self._ahead(self.estimate.mean, self.now, until))
         assert not self.now.state.failed
         spread = transition @ self.estimate.covariance @ transition.T + STEP * self._drift
         self.estimate = Estimate(ahead, spread)
 
     def correct(self, strains: Array) -> None:
-        """Extended Kalman filter: compares measured strains with those computed from the coordinates."""
+        """Correct the estimate by the measured strains (g,): update of the extended Kalman filter."""
         r, gamma = self.body.r, self.estimate.mean[: self.body.r]
         small = 1e-3 * np.eye(r)  # strains are quadratic in the coordinates: central differences are exact
         by_gamma = (self._read(gamma + small) - self._read(gamma - small)) / 2e-3
@@ -163,12 +163,12 @@ class Twin:
 
     @property
     def coordinates(self) -> Array:
-        """(r,) of the reduced blade."""
+        """Coordinates (r,) of the reduced blade."""
         return self.estimate.mean[: self.body.r]
 
     @property
     def tip(self) -> float:
-        """Deflection along the axis, m."""
+        """Deflection of the tip along the axis, m."""
         return float(self.body.expand(self.coordinates, TIP)[:, 2].mean())
 
     def _read(self, gamma: Array) -> Array:

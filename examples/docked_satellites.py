@@ -1,12 +1,12 @@
 """Two satellites from bulk data, docked by a hinge: a motor rotates one relative to the other in free flight.
 
-The program writes a deck of some 5000 grids as a satellite manufacturer would deliver it: sandwich
-panels (`PCOMP`), a frame of bars, a tank and a box (`CONM2`) on `RBE2` and `RBE3`, a wing on `CBUSH`
-hinges, a docking ring (`RBE2`). Both bodies of the machine come from that one deck; their rings are joined.
+The program writes a deck of some 5000 grids, like a deck from a satellite manufacturer: sandwich panels
+(`PCOMP`), a frame of bars, a tank and a box (`CONM2`) on `RBE2` and `RBE3`, a wing on `CBUSH` hinges, a
+docking ring (`RBE2`). Both bodies of the machine come from this deck; their rings are joined.
 
-Expected: no external force acts, so momentum and angular momentum stay zero (to 1e-6 of 500 kg m2 times the
-largest angular velocity). The mean rotation of the first satellite equals that of a machine of two rigid
-bodies with the deck's inertia, within 0.1 %.
+Expected: momentum and angular momentum stay zero (to 1e-6 of 500 kg m2 times the largest angular velocity),
+because no external force acts. The mean rotation of the first satellite equals that of a machine of two rigid
+bodies with the inertia of the deck, within 0.1 %.
 Run it: `python examples/docked_satellites.py` writes satellite.bdf and draws docked_satellites.png.
 """
 
@@ -70,11 +70,11 @@ class Bulk:
         return self.on_bus[place]
 
     def element(self, name: str, words: str) -> None:
-        """Adds an element; `words` are its fields after the element number."""
+        """Add an element; `words` are its fields after the element number."""
         self.elements.append(f"{name},{{}},{words}")
 
     def text(self) -> str:
-        """The deck."""
+        """Text of the deck."""
         numbered = (element.format(number) for number, element in enumerate(self.elements, 1))
         return "\n".join([*HEAD, *self.cards, *numbered, "ENDDATA", ""])
 
@@ -137,7 +137,7 @@ def _wing(bulk: Bulk) -> None:
 
 
 def _list(nodes: list[int], written: int) -> str:
-    """Grids of a card after a given number of fields, eight fields per line."""
+    """Grid numbers as text of a card, eight fields per line, the first line after `written` fields."""
     words = [str(node) for node in nodes]
     room = 8 - written
     lines = [words[:room]] + [words[i : i + 8] for i in range(room, len(words), 8)]

@@ -1,6 +1,6 @@
 """A bar hits a wall: its nose is modelled by plastic hexahedra, the rest by vibration modes.
 
-The energy balance closes to a thousandth, and the nose absorbs more than half of the initial energy.
+Expected: the energy balance closes to a thousandth. The nose absorbs more than half of the initial energy.
 Run it: `python examples/impact.py` draws the energies to impact.png.
 """
 
@@ -18,7 +18,7 @@ SPEED = np.array([30.0, 0.0, 0.0])
 
 
 def system() -> sp.System:
-    """The bar, 1 m of hard alloy as 20 modes; its soft nose, 0.2 m of elements; a wall at the nose's tip."""
+    """The bar: 1 m of hard alloy as 20 modes, a soft nose of 0.2 m of elements, and a wall at its tip."""
     rest = sp.block(1.0, 0.1, 0.1, 20, 2, 2, sp.CellType.TETRA4)
     nose = sp.block(0.2, 0.1, 0.1, 4, 2, 2, sp.CellType.HEXA8)
     nose = sp.Mesh(nose.nodes + np.array([1.0, 0.0, 0.0]), nose.cells, nose.node_sets)

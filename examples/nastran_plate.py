@@ -1,10 +1,10 @@
 """A plate from Nastran bulk data, clamped at one edge: deflection under gravity and lowest frequency.
 
-The program writes a file of CQUAD4 shells, as another program would, and reads it. Properties and the
-clamped nodes (SPC1) come from the file.
+The program writes a bulk data file of CQUAD4 shells and reads it. Properties and clamped nodes (SPC1) come
+from the file.
 
-Expected for a narrow plate, by beam theory: the free edge deflects by `rho g A L^4 / (8 E I)`, and the lowest
-frequency is `3.516 sqrt(E I / (rho A L^4)) / (2 pi)`, both within 1.5 %.
+Expected, by beam theory for a narrow plate and within 1.5 %: the free edge deflects by
+`rho g A L^4 / (8 E I)`, and the lowest frequency is `3.516 sqrt(E I / (rho A L^4)) / (2 pi)`.
 Run it: `python examples/nastran_plate.py` draws the plate in its equilibrium to nastran_plate.png.
 """
 
@@ -24,7 +24,7 @@ ALONG, ACROSS = 24, 2
 
 
 def bulk_data() -> str:
-    """The plate as another program would write it."""
+    """Bulk data of the plate."""
     lines = [
         "BEGIN BULK",
         f"MAT1,1,{YOUNGS_MODULUS:.1E},,{POISSONS_RATIO},{DENSITY}",

@@ -5,12 +5,13 @@ clamped at its root and bends under its weight in the flap direction, then under
 
 Expected:
 - Mass per length within 1e-4 of the turbine's repository, 82 087.9 kg over 136.988 m.
-- Frequencies of the clamped blade within 1.5 % (three edgewise modes) and 5 % (two flapwise modes, which have
-  aerodynamic damping of 7 to 30 %) of those of OpenFAST for the rotating rotor in wind (outputs/02_stability
-  of the repository), extrapolated to zero speed: the squared mean of backward and forward whirl at 1.85, 2.46
-  and 3.08 rpm is fitted by a linear function of the squared speed.
-- Tip deflection at a hundredth of the weight within 0.3 % of the integrated strains due to the weight beyond
-  each section; under the whole weight the deflection is less than proportional.
+- Frequencies of the clamped blade within 1.5 % (three edgewise modes) and 5 % (two flapwise modes) of those
+  of OpenFAST at zero speed. OpenFAST gives frequencies of the rotating rotor in wind (outputs/02_stability of
+  the repository), where the flapwise modes have aerodynamic damping of 7 to 30 %. These frequencies are
+  extrapolated: a linear function of the squared speed is fitted to the squared mean of backward and forward
+  whirl at 1.85, 2.46 and 3.08 rpm.
+- Tip deflection under a hundredth of the weight within 0.3 % of that from the integrated strains due to the
+  weight beyond each section. Under the whole weight the deflection is less than proportional.
 
 Run it: `python examples/reference_blade.py` draws the bent blade to reference_blade.png.
 """
@@ -41,12 +42,12 @@ DOWN = np.array([-9.81, 0, 0])
 
 
 def at_rest(pairs: list[tuple[float, float]]) -> float:
-    """Frequency at rest of a mode from its whirl frequencies at three speeds, Hz."""
+    """Frequency of a mode at zero speed, extrapolated from its whirl frequencies at three speeds, Hz."""
     return float(np.sqrt(np.polyfit(RPM**2, np.mean(pairs, axis=1) ** 2, 1)[1]))
 
 
 def tip_deflection(table: SectionTable, gravity: np.ndarray, steps: int = 2000) -> np.ndarray:
-    """Linear tip deflection: strains due to the weight beyond each section, integrated along the blade."""
+    """Linear tip deflection (3,), m: strains due to the weight beyond each section, integrated."""
     s = (np.arange(steps) + 0.5) * table.lengths[-1] / steps
     ds = table.lengths[-1] / steps
     places, axes, stiffness, inertia = table.at(s)

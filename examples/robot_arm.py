@@ -4,8 +4,9 @@ Two aluminium rods of half a metre are released from the horizontal. Each joint 
 `k (target - angle) - c rate`; its target rises smoothly within half a second. Without integral action a
 steady error remains under gravity.
 
-Expected: at the end each angle error times its gain equals the moment of the weights beyond the joint within
-0.5 % (the links' deflection changes the lever arms by less than that), and the rates have decayed.
+Expected: at the end the rates have decayed. The angle error of each joint times its gain then equals the
+moment of the weights beyond the joint within 0.5 %. The deflection of the links changes the lever arms by
+less than that.
 Run it: `python examples/robot_arm.py` draws the angles to robot_arm.png.
 """
 
@@ -29,7 +30,7 @@ AXIS = (0.0, -1.0, 0.0)
 
 
 def link(name: str) -> ReducedBody:
-    """A rod along x, with six modes in addition to the constraint modes of its ends."""
+    """A rod along x, reduced to six modes and the constraint modes of its ends."""
     mesh = sp.cylinder(RADIUS, LENGTH, 2, 1, 6, sp.CellType.TETRA10)
     model = sp.solid_model(mesh, sp.Isotropic(70e9, 0.33, DENSITY))
     ends = [sp.RigidInterface("root", "root"), sp.RigidInterface("tip", "tip")]
@@ -41,7 +42,7 @@ def link(name: str) -> ReducedBody:
 
 
 def outputs(time, reads, _states):
-    """Torques of both joints."""
+    """Torques of both joints, N m."""
     share = jnp.clip(time / 0.5, 0.0, 1.0)
     rising = share**3 * (10 - 15 * share + 6 * share**2)
     return {

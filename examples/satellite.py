@@ -1,11 +1,12 @@
 """A free satellite with two flexible panels rotates by means of a reaction wheel.
 
-No external force acts. A motor drives a wheel against the hub, first in one direction, then in the other; hub
+No external force acts. A motor drives a wheel against the hub, first in one direction, then in the other. Hub
 and panels rotate in the opposite direction, and the panels vibrate.
 
 Expected: momentum and angular momentum stay zero for any torque of the motor (to 1e-8 of the wheel's largest
-angular momentum). After the vibrations have decayed, the hub has rotated by the angle of a rigid satellite,
-`J_w/(J_s + J_w)` of the wheel's relative angle, within 0.2 %.
+angular momentum). After the vibrations have decayed, the hub has rotated by the angle of a rigid satellite
+within 0.2 %, `-J_w/(J_s + J_w)` times the relative angle of the wheel, with the moments of inertia J_w of the
+wheel and J_s of hub and panels.
 Run it: `python examples/satellite.py` draws hub and panel to satellite.png.
 """
 

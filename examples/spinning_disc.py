@@ -20,7 +20,7 @@ STEEL = sp.Isotropic(2.1e11, 0.3, 7850.0)
 
 
 def main(picture: Path = Path("spinning_disc.png")) -> float:
-    """Growth of the radius, m."""
+    """Increase of the radius, m."""
     mesh = sp.cylinder(RADIUS, THICKNESS, 4, 1, 1, sp.CellType.TETRA10)
     axis = np.array([1.0, 0, 0])
     model = sp.solid_model(mesh, STEEL)
