@@ -427,6 +427,15 @@ def test_without_density_the_remedy_is_said():
         deck_body("bar", deck_parts(given)[""], [])
 
 
+def test_solids_and_shells_without_density_beside_others_are_warned_of():
+    light = SolidProperty(replace(STEEL, density=0.0))
+    given = skinned()
+    given = replace(given, properties={**given.properties, "solid": light})
+    with pytest.warns(SuppleWarning, match=r"8 solids or shells have no mass.* no density: solid \(8\)"):
+        model = deck_model(given)
+    assert mass_of_models([model]).mass == pytest.approx(2 * 0.1 * 0.005 * 7850.0)
+
+
 def test_averaging_nodes_on_a_line_of_solids_is_refused():
     given = skinned()
     line = np.flatnonzero((given.nodes[:, 0] == 0) & (given.nodes[:, 1] < 0))

@@ -85,6 +85,14 @@ def test_a_deck_without_density_or_with_faults_ends_well(bar):
     assert "no mass: " in call("info", bar, "--modes", 3)
 
 
+def test_walls_without_density_beside_a_mass_are_reported(bar):
+    wall = "*ELEMENT, TYPE=S3, ELSET=WALL\n20, 3, 4, 9\n*SHELL SECTION, ELSET=WALL, MATERIAL=AL\n0.01\n"
+    light = "*MATERIAL, NAME=AL\n*ELASTIC\n7E10, 0.3\n"
+    bar.write_text(BAR + wall + light)
+    assert "1 solids or shells have no mass" in (said := call("info", bar))
+    assert "no density: WALL (1)." in said
+
+
 def test_a_deck_without_sections_is_described_and_verified_as_a_mesh(tmp_path):
     """The nodes of its elements are used; a mesh in two parts is refused, as in a `shell` body."""
     mesh = tmp_path / "mesh.inp"

@@ -59,7 +59,14 @@ from supple.importers.deck import (
 )
 from supple.mesh import CellType, Mesh
 
-__all__ = ["deck_body", "deck_connections", "deck_mesh", "deck_model", "refuse_omitted_cards"]
+__all__ = [
+    "deck_body",
+    "deck_connections",
+    "deck_mesh",
+    "deck_model",
+    "missing_density",
+    "refuse_omitted_cards",
+]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -118,8 +125,8 @@ def deck_model(
     MeshError    inverted or degenerate cells; several parts
     Warns
     -----
-    SuppleWarning   springs and dashpots to ground, and terms on scalar points, that are omitted; material
-                    directions normal to the surface
+    SuppleWarning   springs and dashpots to ground, and terms on scalar points, that are omitted; solids and
+                    shells without density; material directions normal to the surface
     """
     if held:
         deck = with_scalar_points(deck)
@@ -132,6 +139,8 @@ def deck_model(
         _warn_of_ground_springs(deck)
         springs, dashpots = ([_free(deck, terms) for terms in given] for given in (springs, dashpots))
     sections = _sections(deck)
+    if bare := missing_density(deck):
+        warnings.warn(f"{deck.path}: {bare}", SuppleWarning, stacklevel=3)
     d = 6 if _has_rotations(deck) or any(section.turns_nodes() for section in sections) else 3
     attached = Attached(
         springs=linear_strains([*_spring_terms(springs, d), *_matrix_terms(deck.stiffnesses, d)], d),
@@ -163,6 +172,30 @@ def deck_connections(deck: Deck) -> tuple[Connection, ...]:
         Connection(mean.name, mean.nodes, deck.nodes[mean.reference], mean.weights) for mean in deck.means
     )
     return (*rigid, *means)
+
+
+def missing_density(deck: Deck) -> str:
+    """A sentence on the solids and shells without density beside other masses; "" without such cells.
+
+    Decks for statics often lack densities. Bars without mass are usual as stiff connections. A body without
+    any mass is refused elsewhere.
+    """
+    density = {name: _density(deck.properties[name]) for name in {each.property for each in deck.elements}}
+    if not (deck.masses or deck.inertias or any(density.values())):
+        return ""
+    bare: dict[str, int] = {}
+    for each in deck.elements:
+        if each.kind.dimension > 1 and not density[each.property]:
+            bare[each.property] = bare.get(each.property, 0) + len(np.unique(each.ids))
+    if not bare:
+        return ""
+    named = ", ".join(f"{name} ({count})" for name, count in list(bare.items())[:8])
+    named += f" and {len(bare) - 8} more" if len(bare) > 8 else ""
+    return (
+        f"{sum(bare.values())} solids or shells have no mass, because the materials of these properties "
+        f"(number of elements in brackets) have no density: {named}. Give the materials a density, unless "
+        "other elements or point masses contain this mass"
+    )
 
 
 def refuse_omitted_cards(deck: Deck, allowed: Sequence[str] = ()) -> None:
@@ -538,6 +571,21 @@ def _free(deck: Deck, terms: ScalarTerms) -> ScalarTerms:
             "line between its nodes, or make both nodes coincide"
         )
     return own
+
+
+def _density(given: Property) -> float:
+    """Mass per volume, area or length of a property; zero if its cells have no mass."""
+    match given:
+        case SolidProperty():
+            return given.material.density
+        case ShellProperty():
+            return given.material.density + given.added_mass
+        case WallProperty():
+            return given.mass_per_area
+        case RodProperty():
+            return given.mass_per_length
+        case BeamProperty():
+            return max(each.mass_per_length for each in (given.first, given.second) if each is not None)
 
 
 def _warn_of_ground_springs(deck: Deck) -> None:

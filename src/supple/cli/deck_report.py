@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from supple.body import MassProperties, deck_frequencies, deck_mass, deck_parts
+from supple.body import MassProperties, deck_frequencies, deck_mass, deck_parts, missing_density
 from supple.errors import SuppleError
 from supple.importers.deck import BeamProperty, Deck, Property
 from supple.results.descriptions import Row
@@ -81,11 +81,14 @@ def deck_report(deck: Deck, *, n_modes: int = 0, held: bool = False) -> DeckRepo
         faults.append(f"no mass: {error}")
     if mass is not None and not mass.mass > 0:
         faults.append("no density, and no concentrated masses: statics only; give the materials a density")
-    elif n_modes and mass is not None:
-        try:
-            frequencies = tuple(deck_frequencies(deck, n_modes, held=held).tolist())
-        except SuppleError as error:
-            faults.append(f"no frequencies: {error}")
+    elif mass is not None:
+        if bare := missing_density(deck):
+            faults.append(bare)
+        if n_modes:
+            try:
+                frequencies = tuple(deck_frequencies(deck, n_modes, held=held).tolist())
+            except SuppleError as error:
+                faults.append(f"no frequencies: {error}")
     parts = {name: _mass(part) for name, part in deck.superelements.items()}
     return DeckReport(deck, mass, frequencies, tuple(faults), parts)
 
