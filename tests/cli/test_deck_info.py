@@ -102,6 +102,13 @@ def test_a_deck_without_sections_is_described_and_verified_as_a_mesh(tmp_path):
     assert "2 cells" in said
     assert "LEFT OUT" not in said
     assert "unused" not in said
+    (tmp_path / "mesh.bdf").write_text(
+        "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,1.,1.,0.\n"
+        "CTRIA3,1,1,1,2,3\nCTRIA3,2,2,2,4,3\n"
+    )
+    said = call("info", tmp_path / "mesh.bdf")
+    assert "Mesh" in said
+    assert "LEFT OUT" not in said
     mesh.write_text(whole.replace("*ELEMENT", "5,5,0,0\n6,6,0,0\n7,5,1,0\n*ELEMENT") + "3,5,6,7\n")
     assert "2 disconnected parts" in call("info", mesh, code=2)
 

@@ -10,6 +10,7 @@ from supple.cli.deck_report import deck_report, deck_rows, write_deck_report
 from supple.errors import ArgumentError, ImportFormatError
 from supple.importers import DECK_SUFFIXES, MESH_SUFFIXES, read_deck, read_mesh
 from supple.importers.deck import Deck
+from supple.importers.nastran.deck_file import has_no_sections
 from supple.results.descriptions import describe_result
 from supple.storage import holds_reduced_body, read_reduced_body
 from supple.summary import Row
@@ -65,8 +66,14 @@ def is_only_a_mesh(deck: Deck) -> bool:
     """Whether a deck has elements, but no sections, masses, springs or ties, as the mesh of a `shell`."""
     model = (deck.elements, deck.properties, deck.masses, deck.stiffnesses, deck.springs, deck.inertias)
     connected = (deck.constraints, deck.rigid, deck.means, deck.superelements)
-    sectionless = (each.meaning == "elements without a section are missing" for each in deck.left_out)
-    return not any(map(len, (*model, *connected))) and bool(deck.left_out) and all(sectionless)
+    if any(map(len, (*model, *connected))) or not deck.left_out:
+        return False
+    if deck.path.suffix.lower() != ".inp" and not has_no_sections(deck.read):
+        return False
+    return all(
+        each.meaning.startswith(("elements without a section", "elements left out: their property"))
+        for each in deck.left_out
+    )
 
 
 def _describe_case(path: Path) -> Iterator[Row]:

@@ -68,6 +68,26 @@ def test_quadrilaterals_become_triangles_each_in_the_set_of_its_property(read):
     np.testing.assert_array_equal(mesh.cells_of("pshell_8")[CellType.TRIANGLE3], [2, 3])
 
 
+def test_a_mesh_without_properties_is_read_by_its_cells_of_the_highest_dimension(tmp_path):
+    """A tetrahedron beside a face and an edge of it: these give node sets; blank numbers are one property."""
+    path = tmp_path / "plain.bdf"
+    tetra = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    meshio.write(path, meshio.Mesh(tetra, [("tetra", np.array([[0, 1, 2, 3]]))]))
+    text = path.read_text().replace("ENDDATA", "CTRIA3,2,7,1,2,3\nCBAR,3,8,1,2,0.,0.,1.\nENDDATA")
+    path.write_text(text)
+    mesh = read_mesh(path)
+    assert {kind: cells.tolist() for kind, cells in mesh.cells.items()} == {CellType.TETRA4: [[0, 1, 2, 3]]}
+    assert {name: own.tolist() for name, own in mesh.node_sets.items()} == {
+        "psolid_9": [0, 1, 2, 3],
+        "pshell_7": [0, 1, 2],
+        "prod_8": [0, 1],
+    }
+    assert list(mesh.cell_sets) == ["psolid_9"]
+    path.write_text(text.replace("ENDDATA", "MAT1,1,1.,,.3\nENDDATA"))
+    with pytest.raises(ImportFormatError, match="needs property and material"):
+        read_mesh(path)
+
+
 def test_the_mesh_of_one_property(tmp_path):
     text = SQUARE + "PSHELL,8,5,.2,5\nGRID,50,,2.,0.,0.\nCTRIA3,3,8,20,50,30\n"
     (tmp_path / "model.nas").write_text(text)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
@@ -38,8 +38,17 @@ from supple.importers.nastran.superelements import SUPERELEMENT_CARDS, assembled
 from supple.importers.nastran.supports import SUPPORT_CARDS, read_matrices, read_supports
 from supple.importers.nastran.walls import WALL_CARDS
 from supple.importers.nastran.without_effect import has_no_effect
+from supple.importers.plain_number import is_plain_digits
 
-__all__ = ["CARDS_NOT_READ", "CELLS_NOT_READ", "CONNECTIONS_NOT_READ", "read_nastran_deck"]
+__all__ = [
+    "CARDS_NOT_READ",
+    "CELLS_NOT_READ",
+    "CONNECTIONS_NOT_READ",
+    "deck_of_cards",
+    "has_no_sections",
+    "read_nastran_deck",
+    "with_sections",
+]
 
 IntArray = NDArray[np.int64]
 
@@ -137,7 +146,11 @@ def read_nastran_deck(path: str | Path) -> Deck:
                         fields that are not numbers
     """
     absences: list[BulkCard] = []
-    file = read_bulk_data(path, absences)
+    return deck_of_cards(read_bulk_data(path, absences), absences)
+
+
+def deck_of_cards(file: BulkFile, absences: Sequence[BulkCard]) -> Deck:
+    """The deck of `read_nastran_deck` from the cards of a file; absences : its missing included files."""
     try:
         reading = start_reading(file, file)
         deck = _deck(reading)
@@ -161,6 +174,37 @@ def read_nastran_deck(path: str | Path) -> Deck:
             absent.append(LeftOut(f"BEGIN {kind}", 1, line, f"{what}: {name}"))
     deck = replace(deck, left_out=(*deck.left_out, *absent))
     return assembled(deck, parts, file, reading.grids) if parts else deck
+
+
+def has_no_sections(names: Iterable[str]) -> bool:
+    """Whether cards of these names describe only a mesh, without properties and materials."""
+    properties = (*SOLID_PROPERTY_CARDS, *WALL_CARDS, *BEAM_PROPERTY_CARDS, *ROD_PROPERTY_CARDS, *_PROPERTIES)
+    return not any(name in properties or name.startswith("MAT") for name in names)
+
+
+def with_sections(file: BulkFile) -> BulkFile:
+    """The file of a mesh, with a property for each number that its elements name, and one material.
+
+    Elements without a number get one together. Beams become rods, which need no orientation.
+    """
+    kinds = {"PSOLID": SOLID_CARDS, "PSHELL": SHELL_CARDS, "PROD": (*BEAM_CARDS, *ROD_CARDS)}
+    of_element = {name: kind for kind, names in kinds.items() for name in names if name != "CONROD"}
+    named = {card.word(1) for card in file.named(*of_element)}
+    unnumbered = str(max((int(word) for word in named if is_plain_digits(word)), default=0) + 1)
+    cards = list(file.cards)
+    used: dict[tuple[str, str], BulkCard] = {}
+    for place, card in enumerate(file.cards):
+        kind = of_element.get(card.name)
+        if kind is not None:
+            number = card.word(1) or unnumbered
+            fields = (card.word(0), number, *card.fields[2 : 4 if kind == "PROD" else None])
+            cards[place] = card._replace(name="CROD" if kind == "PROD" else card.name, fields=fields)
+            used.setdefault((kind, number), card)
+    for (kind, number), card in used.items():
+        size = () if kind == "PSOLID" else ("1.",)
+        cards.append(card._replace(name=kind, fields=(number, "1", *size)))
+        cards.append(card._replace(name="MAT1", fields=("1", "1.", "", "0.")))
+    return replace(file, cards=tuple(cards))
 
 
 CARDS_NOT_READ = "its cards are not read"

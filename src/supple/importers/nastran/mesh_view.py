@@ -10,16 +10,19 @@ from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
 from supple.errors import ImportFormatError, SuppleWarning
+from supple.importers.cell_blocks import CellBlock, file_mesh
 from supple.importers.connection import Connection
 from supple.importers.deck import Deck, RigidTie
 from supple.importers.file_mesh import CellOrigin, FileMesh, UnusedNodes
-from supple.importers.nastran.bulk_data import read_bulk_data
+from supple.importers.nastran.bulk_data import BulkCard, read_bulk_data
 from supple.importers.nastran.deck_file import (
     CARDS_NOT_READ,
     CELLS_NOT_READ,
     CONNECTIONS_NOT_READ,
-    read_nastran_deck,
+    deck_of_cards,
+    has_no_sections,
     start_reading,
+    with_sections,
 )
 from supple.importers.nastran.retained_freedoms import modal_freedoms, retained_freedoms
 from supple.importers.nastran.rigid import read_ties
@@ -45,6 +48,9 @@ def read_nastran(
     ties (rbe2_ID, rbe3_ID); cell sets those of properties (pshell_ID, psolid_ID). Masses, springs, dampers
     and missing files of case control are ignored.
 
+    A file without property and material cards, as meshers write it, is read by its cells of the highest
+    dimension. The property numbers of all its cells give node sets, also prod_ID of its lines.
+
     Parameters
     ----------
     only : str or None          a cell set: read only its cells and nodes; None reads everything
@@ -52,17 +58,37 @@ def read_nastran(
     Raises
     ------
     ImportFormatError   as for `read_nastran_deck`; no elements; elements that are not supported, or whose
-                        property or material is missing or not supported; missing included files
+                        property or material is not supported, or missing beside others; missing included
+                        files
     MeshError           what the file describes is not a usable mesh, such as flat elements
     Warns
     -----
     SuppleWarning       connections that are not read, such as spot welds
     """
     path = Path(path)
-    deck = read_nastran_deck(path)
+    absences: list[BulkCard] = []
+    bulk = read_bulk_data(path, absences)
+    only_mesh = has_no_sections(bulk.by_name) and not bulk.parts
+    deck = deck_of_cards(with_sections(bulk) if only_mesh else bulk, absences)
     _refuse_holes(deck)
     if not deck.elements:
         raise ImportFormatError(f"{path}: no elements that are cells; is this a mesh file, and complete?")
+    file = _of_highest_dimension(deck) if only_mesh else _of_all_cells(deck)
+    shown = np.zeros(len(deck.nodes), dtype=bool)
+    shown[[tie.reference for tie in (*deck.rigid, *deck.means)]] = True
+    return file.without_unused(shown).to_mesh(only=only, unused_nodes=unused_nodes)
+
+
+def _of_highest_dimension(deck: Deck) -> FileMesh:
+    """The cells of a file without properties; meshers write faces and edges of solids as well, for sets."""
+    blocks = [
+        CellBlock(each.kind.meshio_name, each.nodes, each.ids, {each.property: np.ones(len(each.ids), bool)})
+        for each in deck.elements
+    ]
+    return file_mesh(deck.path, deck.nodes, blocks, dict(deck.node_sets), deck.node_ids)
+
+
+def _of_all_cells(deck: Deck) -> FileMesh:
     cells: dict[CellType, list[IntArray]] = {}
     ids: dict[CellType, list[IntArray]] = {}
     origins: dict[CellType, list[CellOrigin]] = {}
@@ -70,7 +96,7 @@ def read_nastran(
         cells.setdefault(found.kind, []).append(found.nodes)
         ids.setdefault(found.kind, []).append(found.ids)
         origins.setdefault(found.kind, []).extend(
-            CellOrigin(path, line, element)
+            CellOrigin(deck.path, line, element)
             for line, element in zip(found.lines.tolist(), found.ids.tolist(), strict=True)
         )
     all_ids = {kind: np.concatenate(parts) for kind, parts in ids.items()}
@@ -80,8 +106,8 @@ def read_nastran(
         }
         for name, of in deck.element_sets.items()
     }
-    file = FileMesh(
-        path,
+    return FileMesh(
+        deck.path,
         deck.nodes,
         {kind: np.vstack(parts) for kind, parts in cells.items()},
         dict(deck.node_sets),
@@ -90,9 +116,6 @@ def read_nastran(
         deck.node_ids,
         all_ids,
     )
-    shown = np.zeros(len(deck.nodes), dtype=bool)
-    shown[[tie.reference for tie in (*deck.rigid, *deck.means)]] = True
-    return file.without_unused(shown).to_mesh(only=only, unused_nodes=unused_nodes)
 
 
 def _refuse_holes(deck: Deck) -> None:
