@@ -376,7 +376,8 @@ def _sum(old: str, step: str, piece: _Piece) -> str:
 
 
 def _card_name(file: Path, number: int, first: str) -> str:
-    name = first.rstrip("* ").upper()
+    # meshio writes quadratic elements as CTETRA_, CHEXA_.
+    name = first.rstrip("* ").removesuffix("_").upper()
     if not _CARD_NAME.match(name) and name != "=" and not _REPEATS.match(name):
         raise _error(
             file, number, f"'{first[:20]}' is not the name of a card; is this a Nastran bulk data file?"
