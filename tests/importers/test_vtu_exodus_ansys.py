@@ -105,6 +105,22 @@ def test_vtu_ids_of_pieces_with_vertices(tmp_path):
     assert read_mesh(tmp_path / "part.vtu", only="part_2").cell_ids[CellType.TETRA4].tolist() == [6]
 
 
+def test_vtu_pieces_share_the_points_of_their_border_and_omit_ghost_cells(tmp_path):
+    """Two tetrahedra on opposite sides of the triangle x = 0; the second piece repeats the first."""
+    other = POINTS.replace("0 0 0 1 0 0 0 1 0 0 0 1", "0 0 0 0 1 0 0 0 1 -1 0 0 1 0 0")
+    cells = (
+        ASCII_CELLS.replace("0 1 2 3", "0 2 1 3 0 4 1 2").replace(">4<", ">4 8<").replace(">10<", ">10 10<")
+    )
+    ghost = '<CellData><DataArray type="UInt8" Name="vtkGhostType" format="ascii">0 1</DataArray></CellData>'
+    text = vtu(POINTS, ASCII_CELLS)
+    second = f"</Piece><Piece><Points>{other}</Points><Cells>{cells}</Cells>{ghost}</Piece>"
+    (tmp_path / "part.vtu").write_text(text.replace("</Piece>", second))
+    mesh = read_mesh(tmp_path / "part.vtu")
+    np.testing.assert_array_equal(mesh.cells[CellType.TETRA4], [[0, 1, 2, 3], [0, 3, 2, 4]])
+    assert mesh.n_nodes == 5
+    assert volume(mesh) == pytest.approx(1 / 3)
+
+
 def vtu(points, cells, appended=""):
     return f"""<?xml version="1.0"?>
 <VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">

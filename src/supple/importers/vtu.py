@@ -9,7 +9,7 @@ import base64
 import binascii
 import re
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -35,6 +35,8 @@ _TYPES = {
     28: ("quad9", 9), 29: ("hexahedron27", 27),
 }  # fmt: skip
 _VERTEX = 1
+# Array of cell data whose first bit marks copies of the cells of another piece.
+_GHOST = "vtkGhostType"
 _KINDS = {
     "Float32": "f4", "Float64": "f8", "Int8": "i1", "Int16": "i2", "Int32": "i4", "Int64": "i8",
     "UInt8": "u1", "UInt16": "u2", "UInt32": "u4", "UInt64": "u8",
@@ -68,6 +70,8 @@ def read_vtu(
 ) -> Mesh:
     """Mesh of a VTU file: its cells of the highest dimension; several pieces are one mesh.
 
+    Points of different pieces with equal coordinates are one node. Ghost cells are omitted.
+
     Each value of an integer array NAME on cells defines a cell set and a node set NAME_VALUE, unless the
     array has more than 1000 different values in a piece. An integer array NAME of values 0 and 1 on points
     defines a node set NAME of the points with 1.
@@ -91,20 +95,43 @@ def read_vtu(
         x = x.reshape(-1, 3)
         if not np.isfinite(x).all():
             raise file.error("a point with a coordinate that is not a number")
-        found = _blocks(file, piece, start, first_id)
+        found = _blocks(file, piece, start, len(x), first_id)
         points.append(x)
         blocks += found
         for name, values in _integers(file, piece, "PointData", len(x)).items():
-            if np.isin(values, (0, 1)).all() and values.any():
+            if name != _GHOST and np.isin(values, (0, 1)).all() and values.any():
                 inside = start + np.flatnonzero(values)
                 node_sets[name] = np.concatenate([node_sets.get(name, inside[:0]), inside])
         start += len(x)
         first_id = max((int(block.ids[-1]) + 1 for block in found), default=first_id)
     if not points:
         raise file.error("no Piece with cells")
-    return file_mesh(
-        path, np.concatenate(points), _reoriented(np.concatenate(points), blocks), node_sets
-    ).to_mesh(only=only, unused_nodes=unused_nodes)
+    nodes, number = _joined(points)
+    blocks = [replace(each, cells=number[each.cells]) for each in blocks]
+    node_sets = {name: np.unique(number[inside]) for name, inside in node_sets.items()}
+    return file_mesh(path, nodes, _reoriented(nodes, blocks), node_sets).to_mesh(
+        only=only, unused_nodes=unused_nodes
+    )
+
+
+def _joined(points: list[NDArray[np.float64]]) -> tuple[NDArray[np.float64], IntArray]:
+    """Nodes (N, 3) of all pieces, and the node number of each of their points.
+
+    A point of a piece is a node of an earlier piece if the coordinates are equal, as pieces repeat the points
+    of their common border. Equal points within a piece stay apart.
+    """
+    every = np.concatenate(points)
+    if len(points) == 1:
+        return every, np.arange(len(every))
+    piece = np.repeat(np.arange(len(points)), [len(x) for x in points])
+    _, place = np.unique(every, axis=0, return_inverse=True)
+    place = place.ravel()
+    _, which, count = np.unique(np.stack([place, piece]), axis=1, return_inverse=True, return_counts=True)
+    apart = np.isin(place, place[count[which.ravel()] > 1])
+    key = np.where(apart, place.max() + 1 + np.arange(len(every)), place)
+    _, first, own = np.unique(key, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    return every[first[order]], np.argsort(order)[own.ravel()]
 
 
 def _opened(path: Path) -> tuple[_File, ElementTree.Element]:
@@ -197,7 +224,9 @@ def _unpacked(file: _File, data: bytes, base64_at: int | None) -> bytes:
     return b"".join(parts)
 
 
-def _blocks(file: _File, piece: ElementTree.Element, start: int, first_id: int) -> list[CellBlock]:
+def _blocks(
+    file: _File, piece: ElementTree.Element, start: int, n_points: int, first_id: int
+) -> list[CellBlock]:
     arrays = {each.get("Name"): each for each in piece.iterfind("Cells/DataArray")}
     connectivity, offsets, types = (
         _array(file, arrays.get(name), f"{name} of the cells").astype(np.int64)
@@ -209,22 +238,25 @@ def _blocks(file: _File, piece: ElementTree.Element, start: int, first_id: int) 
         )
     counts = np.diff(offsets, prepend=0)
     numbers = _integers(file, piece, "CellData", len(types))
+    ghost = numbers.pop(_GHOST, np.zeros(len(types), dtype=np.int64)) & 1 > 0
     blocks = []
     for kind in np.unique(types).tolist():
-        own = np.flatnonzero(types == kind)
-        if kind == _VERTEX:
+        own = np.flatnonzero((types == kind) & ~ghost)
+        if kind == _VERTEX or not len(own):
             continue
         name, k = _TYPES.get(kind, (f"VTK {kind}", int(counts[own[0]])))
         if (counts[own] != k).any():
             raise file.error(f"a {name} cell of {counts[own][counts[own] != k][0]} nodes")
-        cells = start + connectivity[(offsets[own] - k)[:, None] + np.arange(k)]
+        cells = connectivity[(offsets[own] - k)[:, None] + np.arange(k)]
+        if not 0 <= cells.min() <= cells.max() < n_points:
+            raise file.error(f"{name} cells name node {cells.max()} (from 0) of {n_points}")
         sets = {
             f"{label}_{value}": values[own] == value
             for label, values in numbers.items()
             if len(np.unique(values)) <= _MOST_SETS
             for value in np.unique(values[own]).tolist()
         }
-        blocks.append(CellBlock(name, cells, first_id + own, sets))
+        blocks.append(CellBlock(name, start + cells, first_id + own, sets))
     return blocks
 
 
