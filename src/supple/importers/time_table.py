@@ -15,6 +15,8 @@ from supple.importers.text_file import file_lines
 def read_time_table(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Times (k,) and values (k,) of a CSV file with rows `time,value`; # begins a comment.
 
+    The first row may be a heading of words.
+
     Raises
     ------
     ImportFormatError   a file other than two columns of finite numbers with increasing times
@@ -38,9 +40,13 @@ def read_time_table(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64
 def _rows(path: Path) -> NDArray[np.float64]:
     """All rows (k, m) of numbers; m is 0 for an empty file."""
     rows: list[list[float]] = []
+    is_first = True
     for number, line in enumerate(file_lines(path, "export the table as CSV"), start=1):
         text = line.partition("#")[0]
         if not text.strip():
+            continue
+        was_first, is_first = is_first, False
+        if was_first and all(_is_word(each) for each in text.split(",")):
             continue
         try:
             if not is_plain(text):
@@ -57,3 +63,12 @@ def _rows(path: Path) -> NDArray[np.float64]:
                 "numbers, time,value"
             )
     return np.array(rows, dtype=np.float64).reshape(len(rows), -1 if rows else 0)
+
+
+def _is_word(text: str) -> bool:
+    """Whether an entry begins with a letter and is no number, such as nan."""
+    try:
+        float(text)
+    except ValueError:
+        return text.strip(" \t\"'")[:1].isalpha()
+    return False
