@@ -268,6 +268,19 @@ def test_files_in_tables_of_a_column_are_inputs(pendulum, tmp_path):
     assert changed_inputs(first, now) == "the file b.csv has changed"
 
 
+def test_a_file_that_was_missing_is_a_changed_input(pendulum, tmp_path):
+    """The case of the missing file fails; the same command must not keep it failed with the file there."""
+    load = '[[load]]\nkind = "force"\nat = "bob.pin"\nvector = [1.0, 0.0, 0.0]\n\n[simulation]'
+    pendulum.write_text(pendulum.read_text().replace("[simulation]", load))
+    table = CaseTable({"load[0].law": [{"kind": "table", "file": name} for name in ("a.csv", "./b.csv")]})
+    (tmp_path / "a.csv").write_text("0,0\n1,1\n")
+    first = make_plan(pendulum, table, SweepOutput())
+    assert not changed_inputs(first, make_plan(pendulum, table, SweepOutput()))
+    (tmp_path / "b.csv").write_text("0,0\n1,1\n")
+    now = make_plan(pendulum, table, SweepOutput())
+    assert changed_inputs(first, now) == "the file b.csv has changed"
+
+
 def test_a_case_with_a_changed_file_is_not_simulated_again(pendulum, tmp_path):
     """The second case has a file that the first case of its group does not read."""
     load = '[[load]]\nkind = "force"\nat = "bob.pin"\nvector = [1.0, 0.0, 0.0]\n\n[simulation]'

@@ -51,6 +51,12 @@ def digests_of_files(files: Iterable[str], folder: Path) -> dict[str, str]:
     return found
 
 
+def missing_files(files: Iterable[str], folder: Path) -> dict[str, str]:
+    """The word "missing" for each file that does not exist, by name."""
+    paths = [folder / name for name in files]
+    return {f"{FILE}{_shown(path, folder)}": "missing" for path in paths if not path.exists()}
+
+
 def _shown(path: Path, folder: Path) -> str:
     """Path relative to the case file: the same text for any working directory."""
     return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.as_posix()

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.cases.case_family import CaseFamily, case_family
-from supple.cases.case_inputs import digests_of_files
+from supple.cases.case_inputs import digests_of_files, missing_files
 from supple.cases.parameter_path import parameter_path
 from supple.cases.result_machine import path_from
 from supple.errors import CaseError, ResultFileError, did_you_mean
@@ -273,7 +273,10 @@ def _shares(group: IntArray, size: int | None) -> IntArray:
 
 
 def _inputs(family: CaseFamily, table: CaseTable, places: Mapping[str, KeyPath]) -> dict[str, str]:
-    """Digests of all inputs by name: the text of the case, the table, and all files that any case reads."""
+    """Digests of all inputs by name: the text of the case, the table, and all files that any case reads.
+
+    A missing file is an input as well: its cases fail, and must run again if the file exists later.
+    """
     files = set(family.files({}))
     for path, place in places.items():
         for value in {repr(own): own for own in table.columns[path] if _has_text(own)}.values():
@@ -281,7 +284,8 @@ def _inputs(family: CaseFamily, table: CaseTable, places: Mapping[str, KeyPath])
     found = {"the case": digest_of(family.text.encode()), "the table": digest_of(_table_text(table).encode())}
     if family.raw.get("machine"):  # its file may include others; the tables contain all data used
         found["the machine"] = digest_of(repr(family.raw).encode())
-    return found | digests_of_files(sorted(files), family.path.parent)
+    folder = family.path.parent
+    return found | missing_files(sorted(files), folder) | digests_of_files(sorted(files), folder)
 
 
 def _has_text(value: Any) -> bool:
