@@ -109,11 +109,11 @@ class SweepPlan:
                 found[:] = column
         return found
 
-    def representative(self, group: int) -> int:
-        """The case of a group whose bodies are reduced for all cases.
+    def representatives(self, group: int) -> IntArray:
+        """The cases of a group; the bodies of the first valid one are reduced for all cases.
 
-        It is the first case with the largest value in the first damping column; the next columns decide among
-        equal values. Its damping ratios are scaled for the other cases; a ratio of zero is zero in all cases.
+        Those with the largest value in the first damping column come first; the next columns decide among
+        equal values. Damping ratios are scaled for the other cases; a ratio of zero is zero in all cases.
         """
         cases = np.flatnonzero(self.group == group)
         damping = [
@@ -121,10 +121,7 @@ class SweepPlan:
             for path, place in self.places.items()
             if place[0] == "body" and place[-1] in DAMPING_NUMBERS
         ]
-        if not damping:
-            return int(cases[0])
-        most = np.lexsort([-own for own in reversed(damping)])
-        return int(cases[most[0]])
+        return cases[np.lexsort([-own for own in reversed(damping)])] if damping else cases
 
     def keeps(self, case: int) -> bool:
         """Whether the motion of a case is stored."""

@@ -164,13 +164,25 @@ def swept_group(folder: Path, plan: SweepPlan, number: int) -> SweptGroup:
     CaseError           controllers that may not run, or whose functions are created for every case
     SuppleError         errors of its bodies and reductions
     """
-    values = plan.values(plan.representative(number))
-    _check_files(plan, plan.family.files(values))
-    fresh = plan.family.variant(values)
+    fresh = _representative(plan, number)
     bodies = bodies_of_group(fresh, folder)
     like = fresh.varied(fresh.tables, bodies.reduced)
     _check_functions(like, allow_code=plan.allow_code)
     return SweptGroup(plan, like, bodies, fresh)
+
+
+def _representative(plan: SweepPlan, number: int) -> Case:
+    """The first case of a group with values that a case file can have; the CaseError of the first if none."""
+    first: CaseError | None = None
+    for case in plan.representatives(number).tolist():
+        values = plan.values(case)
+        _check_files(plan, plan.family.files(values))
+        try:
+            return plan.family.variant(values)
+        except CaseError as error:
+            first = first or error
+    assert first is not None
+    raise first
 
 
 def _check_files(plan: SweepPlan, names: Iterable[str]) -> None:
