@@ -223,6 +223,8 @@ def test_cases_of_other_bodies_or_runs_are_groups_of_their_own(pendulum):
 def test_what_no_case_can_be_is_refused_before_anything_runs(pendulum, tmp_path):
     with pytest.raises(CaseError, match="no item is named 'bo'"):
         sweep(pendulum, {"body.bo.rigid.mass": [1.0]}, tmp_path / "out")
+    with pytest.raises(CaseError, match=r"^joint.hinge.axsi: unknown key, did you mean 'axis'\?"):
+        sweep(pendulum, {"gravity[2]": [-1.0], "joint.hinge.axsi": [[0, 1, 0]]}, tmp_path / "out")
     with pytest.raises(CaseError, match="keep has case 7"):
         sweep(pendulum, {"gravity[2]": [-1.0]}, tmp_path / "out", keep=[7])
     for twice in (
@@ -232,6 +234,18 @@ def test_what_no_case_can_be_is_refused_before_anything_runs(pendulum, tmp_path)
         with pytest.raises(CaseError, match=r"replaces the value that .* varies: keep one of the columns"):
             sweep(pendulum, twice, tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+def test_a_last_key_of_some_cases_is_no_mistake_of_the_plan(pendulum):
+    """A sine has an amplitude, a ramp has none."""
+    law = 'law = { kind = "ramp", value = 1.0, duration = 1.0 }'
+    load = f'[[load]]\nkind = "force"\nat = "bob.pin"\nvector = [1.0, 0.0, 0.0]\n{law}\n\n[simulation]'
+    pendulum.write_text(pendulum.read_text().replace("[simulation]", load))
+    amplitudes = {"load[0].law.amplitude": [1.0, 2.0]}
+    with pytest.raises(CaseError, match=r"load\[0\].law.amplitude: unknown key; known keys: kind"):
+        make_plan(pendulum, CaseTable(amplitudes), SweepOutput())
+    kinds = {"load[0].law.kind": ["ramp", "sine"], **amplitudes}
+    assert make_plan(pendulum, CaseTable(kinds), SweepOutput()).n_cases == 2
 
 
 def test_labels_have_no_names_of_results(pendulum, tmp_path):

@@ -17,7 +17,7 @@ from supple.cases.parameter_path import with_value
 from supple.cases.read_case import raw_tables, read_case, values_beyond_any_use
 from supple.cases.reduced_file import with_interfaces_of_files
 from supple.errors import CaseError
-from supple.importers.toml import KeyPath, Raw, checked, index_lines, listed_mistakes
+from supple.importers.toml import UNKNOWN_KEY, KeyPath, Raw, checked, index_lines, listed_mistakes
 
 __all__ = ["CaseFamily", "case_family"]
 
@@ -64,6 +64,11 @@ class CaseFamily:
         if like is not None:
             return like.varied(tables, made or {})
         return Case(self.path, self.text, tables, index_lines(self.text), notify, made or {})
+
+    def unknown_keys(self, values: Mapping[KeyPath, Any]) -> dict[KeyPath, str]:
+        """The places of `values` whose last key a case with these values cannot have, with the remedy."""
+        _, mistakes = checked(CaseTables, self.raw_variant(values), ())
+        return {place: text for place, text in mistakes if place in values and text.startswith(UNKNOWN_KEY)}
 
     def raw_variant(self, values: Mapping[KeyPath, Any]) -> Raw:
         """The tables with other values."""

@@ -163,9 +163,9 @@ def make_plan(
 
     Raises
     ------
-    CaseError   a path that does not exist; two paths to one value; a controller without `allow_code`, or
-                together with a requested accuracy; an unknown case in `keep`; unknown channels, nodes or wind
-                speed in `output.fatigue`
+    CaseError   a path that does not exist, or whose last key no case can have; two paths to one value; a
+                controller without `allow_code`, or together with a requested accuracy; an unknown case in
+                `keep`; unknown channels, nodes or wind speed in `output.fatigue`
     """
     family = case_family(case_file)
     family.case.check_control(allow_code=allow_code)
@@ -178,6 +178,7 @@ def make_plan(
     _check_columns(table, output, family.raw)
     places = {path: parameter_path(path, family.raw) for path in table.columns if path not in output.labels}
     _check_places(places)
+    _check_last_keys(family, table, places)
     finds_modes = _finds_modes(family.raw, places.values())
     apart = [
         path
@@ -221,6 +222,21 @@ def _check_places(places: Mapping[str, KeyPath]) -> None:
     for (one, first), (other, second) in combinations(places.items(), 2):
         if first[: len(second)] == second:
             raise CaseError(f"{other} replaces the value that {one} varies: keep one of the columns")
+
+
+def _check_last_keys(family: CaseFamily, table: CaseTable, places: Mapping[str, KeyPath]) -> None:
+    """CaseError for a column whose last key no case can have, such as a misspelt key with a default."""
+    texts = [path for path in places if any(map(_has_text, table.columns[path]))]  # they may choose a kind
+    rows = {repr([table.columns[path][case] for path in texts]): case for case in reversed(range(len(table)))}
+    unknown: dict[KeyPath, str] | None = None
+    for case in reversed(rows.values()):
+        found = family.unknown_keys({place: table.columns[path][case] for path, place in places.items()})
+        unknown = found if unknown is None else {key: unknown[key] for key in unknown.keys() & found.keys()}
+        if not unknown:
+            return
+    for path, place in places.items():
+        if unknown and place in unknown:
+            raise CaseError(f"{path}: {unknown[place]}")
 
 
 def _finds_modes(raw: Raw, places: Iterable[KeyPath]) -> bool:

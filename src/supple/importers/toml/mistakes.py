@@ -16,7 +16,10 @@ from supple.importers.toml.checked_table import CheckedTable
 from supple.importers.toml.line_index import KeyPath, LineIndex
 from supple.importers.toml.raw_tables import nearest_hint
 
-__all__ = ["WORD_OR_TABLE", "checked", "listed_mistakes"]
+__all__ = ["UNKNOWN_KEY", "WORD_OR_TABLE", "checked", "listed_mistakes"]
+
+UNKNOWN_KEY = "unknown key"
+"""First words of the mistake of a key that its table does not have."""
 
 WORD_OR_TABLE = ("word", "table")
 """Tags of a key that accepts a word or a table."""
@@ -83,7 +86,7 @@ def _schema_mistake(root: type[CheckedTable], item: ErrorDetails) -> tuple[KeyPa
     unit = f" ({schema['description']})" if "description" in schema else ""
     if kind == "extra_forbidden":
         known = _follow(tree, item["loc"][:-1])[1].get("properties", {})
-        return place, f"unknown key{nearest_hint(str(place[-1]), known)}; known keys: {', '.join(known)}"
+        return place, f"{UNKNOWN_KEY}{nearest_hint(str(place[-1]), known)}; known keys: {', '.join(known)}"
     if kind == "missing":
         if isinstance(place[-1], int):
             items = _follow(tree, item["loc"][:-1])[1]["minItems"]
