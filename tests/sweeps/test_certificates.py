@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from error.equation.machines import NODAL, soft_strip
@@ -10,8 +13,9 @@ from fixtures.report_page import ReadPage
 from supple.body import FullBody
 from supple.error import ErrorIndicator, IndicatorBody, SelfCorrection
 from supple.error.equation import ErrorSpace, MotionColumns
-from supple.sweeps import CaseTable, make_plan, sweep_status, write_sweep_report
+from supple.sweeps import CaseTable, make_plan, plan_sweep, sweep_status, write_sweep_report
 from supple.sweeps.certificate import Certificate, Representative, read_certificate, write_certificate
+from supple.sweeps.certified_group import certified_group
 from supple.sweeps.greedy_basis import training_cases
 from supple.sweeps.part_file import CaseRecord, CaseStatus, Channels, Part, part_path, write_part
 from supple.sweeps.plan import write_plan
@@ -206,3 +210,27 @@ def test_few_cases_run_again_in_shares_and_with_certificates_of_their_own(planne
     again = sweep_shares(folder, plan)
     assert [own.tolist() for own in again.cases[8:]] == [[21]]
     assert (again.is_certified_alone(21, 1), again.is_certified_alone(21, 2)) == (False, True)
+
+
+def test_a_certificate_of_a_replaced_sweep_is_none_of_the_new_one(planned, pendulum, monkeypatch):
+    """The former sweep writes its certificate after another sweep was planned in its folder."""
+    folder, former = planned
+    module = sys.modules["supple.sweeps.certified_group"]
+    now = make_plan(pendulum, CaseTable({"gravity[2]": [-1.0]}), SweepOutput())
+    nothing = SimpleNamespace(reduced={}, starts={})
+    group = SimpleNamespace(bodies=nothing, fresh=nothing, like=None, fulls=lambda _: {})
+
+    def overtaken(_folder, _group, _number, _level, own, _alone):
+        plan_sweep(now, folder, force=True)
+        own.mkdir(parents=True)
+        write_certificate(own / "certificate.h5", Certificate(reason="of the former"))
+
+    def certified(_folder, _group, _number, _level, own, _alone):
+        write_certificate(own / "certificate.h5", Certificate(reason="own"))
+
+    monkeypatch.setattr(module, "swept_group", lambda *_: group)
+    monkeypatch.setattr(module, "_why_not", lambda _: "")
+    monkeypatch.setattr(module, "_certify", overtaken)
+    assert certified_group(folder, former, 0).certificate.reason == "of the former"
+    monkeypatch.setattr(module, "_certify", certified)
+    assert certified_group(folder, now, 0).certificate.reason == "own"

@@ -73,7 +73,9 @@ def _certified_group(
         return CertifiedGroup(group, Certificate(reason=reason))
     if level:
         group = certified_group(folder, plan, number, level - 1, alone).group
-    own = folder / "certificates" / f"{number:05}-{level}{'' if alone is None else f'-{alone:06}'}"
+    # The digest separates the certificates of a sweep from those of a former one that still runs.
+    name = f"{number:05}-{level}{'' if alone is None else f'-{alone:06}'}"
+    own = folder / "certificates" / plan.digest / name
     with file_errors("make the folder", own):
         own.mkdir(parents=True, exist_ok=True)
     if not is_whole(own / _CERTIFICATE):

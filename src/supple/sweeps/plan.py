@@ -78,6 +78,11 @@ class SweepPlan:
     units: UnitSystem
     allow_code: bool = False
 
+    @cached_property
+    def digest(self) -> str:
+        """Short digest of all inputs."""
+        return digest_of(json.dumps(dict(self.inputs), sort_keys=True).encode()).partition(":")[2][:16]
+
     @property
     def n_cases(self) -> int:
         """Number of cases."""
