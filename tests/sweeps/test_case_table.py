@@ -86,12 +86,16 @@ def test_a_csv_table_has_numbers_truth_values_or_texts(tmp_path, text, columns):
     assert read_sweep_file(tmp_path / "s.toml").table.columns == columns
 
 
-def test_an_empty_entry_in_a_column_of_numbers_is_named_with_its_line(tmp_path):
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [("", "a is empty; every case needs a value"), ("nan", "a is 'nan'; write a finite")],
+)
+def test_an_entry_without_value_in_a_column_of_numbers_is_named_with_its_line(tmp_path, entry, message):
     """It made a column of texts of all numbers, so that every case failed."""
-    (tmp_path / "t.csv").write_text("a,b\n1,2\n,3\n")
+    (tmp_path / "t.csv").write_text(f"a,b\n1,2\n{entry},3\n")
     (tmp_path / "case.toml").write_text("")
     (tmp_path / "s.toml").write_text('case = "case.toml"\ntable = "t.csv"\n')
-    with pytest.raises(ImportFormatError, match=r"t\.csv, line 3: a is empty; every case needs a value"):
+    with pytest.raises(ImportFormatError, match=rf"t\.csv, line 3: {message}"):
         read_sweep_file(tmp_path / "s.toml")
 
 

@@ -273,7 +273,7 @@ def _of_csv(path: Path) -> CaseTable:
     """The table in a CSV file.
 
     A column has numbers if all its entries are numbers, true and false if all entries are these words,
-    otherwise texts. ImportFormatError for a column of numbers with empty entries.
+    otherwise texts. ImportFormatError for a column of numbers with empty entries, nan or inf.
     """
     head = next((line for line in file_lines(path) if line.strip() and not line.startswith("#")), "")
     names = [word.strip().strip('"') for word in head.split(",")]
@@ -293,4 +293,26 @@ def _column(read: CsvTable, name: str) -> Sequence[Any]:
             line = read.lines[words.index("")]
             raise ImportFormatError(f"{read.path}, line {line}: {name} is empty; every case needs a value")
         return found
+    if given and all(map(_is_number, given)):
+        row = next(row for row, word in enumerate(words) if word and not _is_finite(word))
+        raise ImportFormatError(
+            f"{read.path}, line {read.lines[row]}: {name} is '{words[row][:40]}'; write a finite number"
+        )
     return words
+
+
+def _is_number(word: str) -> bool:
+    """Whether a word is a number, also nan, inf and 1_000."""
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def _is_finite(word: str) -> bool:
+    try:
+        number_of_word(word)
+    except ValueError:
+        return False
+    return True
