@@ -225,6 +225,8 @@ def test_what_no_case_can_be_is_refused_before_anything_runs(pendulum, tmp_path)
         sweep(pendulum, {"body.bo.rigid.mass": [1.0]}, tmp_path / "out")
     with pytest.raises(CaseError, match=r"^joint.hinge.axsi: unknown key, did you mean 'axis'\?"):
         sweep(pendulum, {"gravity[2]": [-1.0], "joint.hinge.axsi": [[0, 1, 0]]}, tmp_path / "out")
+    with pytest.raises(CaseError, match=r"^units.length: the units only name the numbers"):
+        sweep(pendulum, {"units.length": ["m", "mm"]}, tmp_path / "out")
     with pytest.raises(CaseError, match="keep has case 7"):
         sweep(pendulum, {"gravity[2]": [-1.0]}, tmp_path / "out", keep=[7])
     for twice in (

@@ -168,9 +168,9 @@ def make_plan(
 
     Raises
     ------
-    CaseError   a path that does not exist, or whose last key no case can have; two paths to one value; a
-                controller without `allow_code`, or together with a requested accuracy; an unknown case in
-                `keep`; unknown channels, nodes or wind speed in `output.fatigue`
+    CaseError   a path that does not exist, or whose last key no case can have, or of the units; two paths to
+                one value; a controller without `allow_code`, or together with a requested accuracy; an
+                unknown case in `keep`; unknown channels, nodes or wind speed in `output.fatigue`
     """
     family = case_family(case_file)
     family.case.check_control(allow_code=allow_code)
@@ -223,7 +223,13 @@ def _check_columns(table: CaseTable, output: SweepOutput, raw: Raw) -> None:
 
 
 def _check_places(places: Mapping[str, KeyPath]) -> None:
-    """CaseError for a column that replaces the value of an earlier one in every case."""
+    """CaseError for a column that replaces the value of an earlier one in every case, or varies the units."""
+    for path, place in places.items():
+        if place[0] == "units":
+            raise CaseError(
+                f"{path}: the units only name the numbers, and a sweep states them once for all cases: "
+                "remove the column"
+            )
     for (one, first), (other, second) in combinations(places.items(), 2):
         if first[: len(second)] == second:
             raise CaseError(f"{other} replaces the value that {one} varies: keep one of the columns")
