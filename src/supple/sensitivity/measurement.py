@@ -26,7 +26,7 @@ class Measurement:
 
     observable : name of the sensor or other observable with values (t, c)
     times : (k,)            ascending, within the run; a cubic spline interpolates the computed values
-    values : (k,)           in the units of the model; nan for missing values
+    values : (k,)           in the units of the model; nan or infinite for missing values
     channel : str | int     name of the channel, or number of the column; 0 for a single channel
     deviation : float | (k,)    standard deviation of the noise; None only in a fit of one measurement, where
         it follows from the residuals
