@@ -237,6 +237,32 @@ def test_some_freedoms_of_a_coupling(deck):
     assert found[0] == pytest.approx({6 * int(END[0]): 1.0, 120: -1.0, 124: -r[2], 125: r[1]})
 
 
+@pytest.mark.parametrize(
+    "keywords",
+    [
+        "*COUPLING, REF NODE=100, SURFACE=end, CONSTRAINT NAME=tip{}\n*KINEMATIC\n1, 1\n",
+        "*NSET, NSET=n\n17, 18, 19, 20\n*KINEMATIC COUPLING, REF NODE=100{}\nn, 1\n",
+    ],
+)
+def test_freedoms_of_a_coupling_are_in_the_axes_of_its_orientation(deck, keywords):
+    """Radial from the axis y = z = 0 along x; *TRANSFORM at the nodes has no effect."""
+    turned = "*NSET, NSET=t\n17, 18, 19, 20\n*TRANSFORM, NSET=t, TYPE=C\n0., 0., 0., 0., 0., 1.\n"
+    plain = deck(BAR + HEAD + keywords.format(""))
+    assert rows(deck(BAR + HEAD + turned + keywords.format("")).constraints) == rows(plain.constraints)
+    system = "*ORIENTATION, NAME=o, SYSTEM=CYLINDRICAL\n0., 0., 0., 1., 0., 0.\n"
+    made = deck(BAR + HEAD + turned + system + keywords.format(", ORIENTATION=o"))
+    assert made.left_out == ()
+    corner = next(node for node in END.tolist() if NODES[node, 1] > 0.09 and NODES[node, 2] > 0.09)
+    found = next(row for row in rows(made.constraints) if 6 * corner + 1 in row)
+    r, c = NODES[corner] - [0.5, 0.05, 0.05], np.array([0.0, 1.0, 1.0]) / np.sqrt(2)
+    moment = np.cross(r, c)
+    expected = {6 * corner + 1: c[1], 6 * corner + 2: c[2], 121: -c[1], 122: -c[2]}
+    expected |= {123 + i: -value for i, value in enumerate(moment.tolist()) if value}
+    assert {freedom: value for freedom, value in found.items() if abs(value) > 1e-12} == pytest.approx(
+        {freedom: value for freedom, value in expected.items() if abs(value) > 1e-12}
+    )
+
+
 def test_distributing_couplings_weigh_by_area(deck):
     text = (
         HEAD.replace("4, S4", "3, S5\n4, S5") + "*COUPLING, REF NODE=100, SURFACE=end, CONSTRAINT NAME=tip\n"

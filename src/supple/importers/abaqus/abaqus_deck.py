@@ -44,7 +44,7 @@ def read_abaqus_deck(path: str | Path) -> Deck:
     report, ids = model.report, public_ids(model)
     orientations = read_orientations(model)
     freedoms = Freedoms(model)
-    constraints = read_constraints(model, freedoms, ids)
+    constraints = read_constraints(model, freedoms, ids, orientations)
     read_ties(model, constraints.rows)
     elements, properties = read_elements(model, ids, orientations)
     inertias, masses = read_masses(model, freedoms, orientations)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,6 +13,7 @@ from supple.importers.abaqus.deck_model import AbaqusModel, DeckSurface
 from supple.importers.abaqus.element_types import Family
 from supple.importers.abaqus.freedoms import Freedoms, Rows, rigid_terms
 from supple.importers.abaqus.mpc_rows import mpc_rows
+from supple.importers.abaqus.orientation import Orientation
 from supple.importers.abaqus.public_names import PublicIds
 from supple.importers.deck import RigidTie, WeightedMean
 from supple.importers.keyword_file import fields, numbers
@@ -36,10 +38,17 @@ class DeckConstraints:
     means: list[WeightedMean] = field(default_factory=list)
 
 
-def read_constraints(model: AbaqusModel, freedoms: Freedoms, ids: PublicIds) -> DeckConstraints:
+def read_constraints(
+    model: AbaqusModel,
+    freedoms: Freedoms,
+    ids: PublicIds,
+    orientations: Mapping[tuple[int, str], Orientation],
+) -> DeckConstraints:
     """All constraints of a file except *TIE.
 
-    A node without rotations follows a rigid body or coupling in its translations only.
+    Freedoms of kinematic couplings are in the axes of ORIENTATION at each node, else in global axes; those of
+    *TRANSFORM have no effect on them, in Abaqus as in CalculiX. A node without rotations follows a rigid body
+    or coupling in its translations only.
 
     Raises
     ------
@@ -62,9 +71,9 @@ def read_constraints(model: AbaqusModel, freedoms: Freedoms, ids: PublicIds) -> 
         if key == "COUPLING":
             coupling = placed
         elif coupling is not None:
-            _coupling(model, coupling, placed, freedoms, ids, found, solid_only)
+            _coupling(model, coupling, placed, freedoms, ids, found, solid_only, orientations)
     for placed in model.named("KINEMATICCOUPLING"):
-        _kinematic_coupling(model, placed, freedoms, ids, found, solid_only)
+        _kinematic_coupling(model, placed, freedoms, ids, found, solid_only, orientations)
     for placed in model.named("DISTRIBUTINGCOUPLING"):
         _distributing_coupling(model, placed, ids, found)
     return found
@@ -249,6 +258,7 @@ def _coupling(
     ids: PublicIds,
     found: DeckConstraints,
     solid_only: NDArray[np.bool_],
+    orientations: Mapping[tuple[int, str], Orientation],
 ) -> None:
     block = coupling.block
     reference = _reference(model, coupling)
@@ -274,9 +284,9 @@ def _coupling(
     distributing = kind.block.key == "DISTRIBUTING"
     # Of a distributing coupling only rotations are released, whatever translations the file names.
     chosen = {*components, 1, 2, 3} if distributing else {*components}
-    if "ORIENTATION" in block.options and chosen not in _WHOLE:
-        model.report.leave_out_block(block, "its freedoms are those of the global axes")
     if distributing:
+        if "ORIENTATION" in block.options and chosen not in _WHOLE:
+            model.report.leave_out_block(block, "its freedoms are those of the global axes")
         if kind.block.options.get("WEIGHTINGMETHOD", "UNIFORM").upper() != "UNIFORM":
             model.report.note(
                 f"coupling '{name}' uses the weights of the surface only, without those by distance"
@@ -286,7 +296,28 @@ def _coupling(
             WeightedMean(name, reference, nodes, weights, int(freedoms.lines[block.line]), follow)
         )
         return
-    _kinematic(model, name, reference, nodes, components, block.line, freedoms, found, solid_only)
+    axes = _axes(model, coupling, orientations, nodes, [components])
+    _kinematic(model, name, reference, nodes, components, block.line, freedoms, found, solid_only, axes)
+
+
+def _axes(
+    model: AbaqusModel,
+    placed: ScopedBlock,
+    orientations: Mapping[tuple[int, str], Orientation],
+    nodes: IntArray,
+    components: Collection[Collection[int]],
+) -> FloatArray:
+    """Axes (n, 3, 3) at nodes as columns: those of ORIENTATION, else global ones.
+
+    An ORIENTATION that is not read is left out, if the coupled components depend on it.
+    """
+    name = placed.block.options.get("ORIENTATION", "").upper()
+    found = orientations.get((placed.scope, name)) or orientations.get((0, name))
+    if found is not None and not found.distributed:
+        return found.axes(model.positions[nodes], np.full(len(nodes), -1))
+    if name and any(set(each) not in _WHOLE for each in components):
+        model.report.leave_out_block(placed.block, "its freedoms are those of the global axes")
+    return np.tile(np.eye(3), (len(nodes), 1, 1))
 
 
 def _range_of_components(model: AbaqusModel, placed: ScopedBlock) -> tuple[int, ...]:
@@ -310,14 +341,14 @@ def _kinematic(
     freedoms: Freedoms,
     found: DeckConstraints,
     solid_only: NDArray[np.bool_],
+    directions: FloatArray,
 ) -> None:
     """Add a rigid tie if all freedoms of the nodes follow; else a constraint row for each component."""
     if set(components) == set(_ALL) or (set(components) >= {1, 2, 3} and solid_only[nodes].all()):
         _add_rigid(found, name, reference, nodes, line, freedoms)
         return
-    for node in nodes.tolist():
+    for node, axes in zip(nodes.tolist(), directions, strict=True):
         arm = model.positions[node] - model.positions[reference]
-        axes = freedoms.axes(node)
         for component in components:
             column = axes[:, (component - 1) % 3]
             if component <= 3:
@@ -337,6 +368,7 @@ def _kinematic_coupling(
     ids: PublicIds,
     found: DeckConstraints,
     solid_only: NDArray[np.bool_],
+    orientations: Mapping[tuple[int, str], Orientation],
 ) -> None:
     reference = _reference(model, placed)
     if reference is None:
@@ -354,20 +386,12 @@ def _kinematic_coupling(
         groups = [np.unique(np.concatenate(nodes)) for nodes in by_components.values()]
         if all(np.array_equal(group, groups[0]) for group in groups):
             by_components = {tuple(sorted({c for each in by_components for c in each})): [groups[0]]}
-    if "ORIENTATION" in placed.block.options and any(set(c) not in _WHOLE for c in by_components):
-        model.report.leave_out_block(placed.block, "its freedoms are those of the global axes")
-    for components, nodes in by_components.items():
-        _kinematic(
-            model,
-            name,
-            reference,
-            np.unique(np.concatenate(nodes)),
-            components,
-            placed.block.line,
-            freedoms,
-            found,
-            solid_only,
-        )
+    coupled = {components: np.unique(np.concatenate(nodes)) for components, nodes in by_components.items()}
+    every = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *coupled.values()]))
+    axes = _axes(model, placed, orientations, every, coupled)
+    for components, nodes in coupled.items():
+        own, line = axes[np.searchsorted(every, nodes)], placed.block.line
+        _kinematic(model, name, reference, nodes, components, line, freedoms, found, solid_only, own)
 
 
 def _distributing_coupling(

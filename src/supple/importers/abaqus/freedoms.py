@@ -117,10 +117,6 @@ class Freedoms:
         column = axes[:, place]
         return [(first + i, factor * float(column[i])) for i in range(3) if abs(column[i]) > 1e-14]
 
-    def axes(self, node: int) -> FloatArray:
-        """Directions of a node's freedoms as columns (3, 3)."""
-        return self._axes.get(node, np.eye(3))
-
 
 def along(first: int, second: int, direction: Iterable[float]) -> Terms:
     """The elongation (u_second - u_first) . direction between two nodes."""
