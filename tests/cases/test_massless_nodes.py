@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
-from supple.body import AveragingInterface, deck_model, flexible_body
+from supple.body import AveragingInterface, FullBody, MeanAxisFrame, deck_model, flexible_body
 from supple.cases import read_case
 from supple.errors import BasisWarning
 from supple.importers import read_deck
+from supple.machine import DeadForce, System
+from supple.reduction import NoDerivatives, NoLoads, Rubin, reduce
 
 # A cantilever without density and with masses at its ends; the node between has none.
 DECK = """GRID,11,,0.,0.,0.
@@ -56,6 +61,24 @@ def test_a_force_on_a_node_without_mass_is_warned_of(tmp_path):
     (tmp_path / "beam.bdf").write_text(DECK)
     (tmp_path / "case.toml").write_text(CASE.format("spc2_3"))
     assert len(read_case(tmp_path / "case.toml").system.loads) == 1
+
+
+@pytest.mark.parametrize("is_reduced", [True, False])
+def test_a_force_in_python_on_a_node_without_mass_is_warned_of_once(tmp_path, is_reduced):
+    (tmp_path / "beam.bdf").write_text(DECK)
+    model = deck_model(read_deck(tmp_path / "beam.bdf"))
+    body = flexible_body("arm", model, [AveragingInterface("end", "spc2_3")]).linearized()
+    frame = MeanAxisFrame()
+    form = (
+        reduce(body, frame, NoLoads(Rubin(1)), derivatives=NoDerivatives())
+        if is_reduced
+        else FullBody(body, frame)
+    )
+    unloaded = System([form])
+    force = DeadForce(body="arm", at=[1], force=[0.0, 0.0, 10.0])
+    with pytest.warns(BasisWarning, match=r"on 1 nodes of 'arm': node 12 \(one of 1\) has no mass"):
+        system = replace(unloaded, loads=[force])
+    assert len(replace(system, gravity=np.zeros(3)).loads) == 1
 
 
 def test_a_mean_of_nodes_without_mass_is_warned_of(tmp_path):

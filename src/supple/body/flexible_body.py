@@ -111,18 +111,19 @@ class FlexibleBody(Summarized):
         return interface_named(self.name, name, self.interfaces)
 
     def warn_of_massless(self, what: str, nodes: ArrayLike) -> None:
-        """Warn if some nodes, on which `what` exerts forces, have no mass."""
+        """Warn once if some nodes, on which `what` exerts forces, have no mass."""
         bare = np.intersect1d(np.asarray(nodes, dtype=np.int64), self.massless)
         if bare.size:
             ids = () if self.model is None else self.model.mesh.node_ids
             number = ids[bare[0]] if len(ids) else bare[0]
-            warnings.warn(
+            message = (
                 f"{what}: node {number} (one of {bare.size}) has no mass. It follows the others statically: "
                 "a force on it does not move it relative to them, and its deflection is too small; "
-                "give its material a density, or the node a mass",
-                BasisWarning,
-                stacklevel=4,
+                "give its material a density, or the node a mass"
             )
+            if message not in self._warnings:
+                self._warnings.add(message)
+                warnings.warn(message, BasisWarning, stacklevel=4)
 
     @cached_property
     def independent_interfaces(self) -> tuple[BodyInterface, ...]:
@@ -154,6 +155,7 @@ class FlexibleBody(Summarized):
         )
         if "grounded_stiffness" in vars(self):  # K is the same, so its factor is shared
             vars(linear)["grounded_stiffness"] = self.grounded_stiffness
+        vars(linear)["_warnings"] = self._warnings
         return linear
 
     @property
@@ -214,9 +216,14 @@ class FlexibleBody(Summarized):
         """Eigenvalues computed so far; the key is a digest of the constraint rows."""
         return {}
 
+    @cached_property
+    def _warnings(self) -> set[str]:
+        """Warnings issued so far, as a machine is built several times with the same loads."""
+        return set()
+
     def __getstate__(self) -> dict[str, Any]:
         # A factor is in the memory of a solver library and cannot be pickled; it is recomputed on first use.
-        made_anew = ("grounded_stiffness", "_known_values")
+        made_anew = ("grounded_stiffness", "_known_values", "_warnings")
         return {key: value for key, value in self.__dict__.items() if key not in made_anew}
 
 

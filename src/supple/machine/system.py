@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from supple.arguments import check_instance, check_members, check_numbers, check_sequence
-from supple.body import BodyForm, FlexibleBody
+from supple.body import BodyForm, FlexibleBody, FullBody
 from supple.errors import ModelError, did_you_mean
 from supple.machine.contacts import Contact, Support, SurfaceContact
 from supple.machine.control.controller import Controller, SampledController
@@ -404,6 +404,9 @@ class System(Summarized):
                 f"but the body has nodes 0 to {len(body.nodes) - 1}"
             )
         check_law_shape(load.label, load.law, *load.value_shapes)
+        full = body if isinstance(body, FullBody) else getattr(body, "full", None)
+        if isinstance(full, FullBody):
+            full.body.warn_of_massless(load.label, nodes)
 
     def initial_point(self, end: At) -> np.ndarray:
         """Global position of an interface at assembly, bodies undeformed, (3,)."""
