@@ -27,6 +27,7 @@ from supple.body import (
     deck_parts,
     inertia_gram,
     mass_of_models,
+    missing_density,
     refuse_omitted_cards,
     rigid_mass_properties,
 )
@@ -431,9 +432,13 @@ def test_solids_and_shells_without_density_beside_others_are_warned_of():
     light = SolidProperty(replace(STEEL, density=0.0))
     given = skinned()
     given = replace(given, properties={**given.properties, "solid": light})
-    with pytest.warns(SuppleWarning, match=r"8 solids or shells have no mass.* no density: solid \(8\)"):
+    with pytest.warns(SuppleWarning, match=r"8 solids or shells lack mass.* no density: solid \(8\)"):
         model = deck_model(given)
     assert mass_of_models([model]).mass == pytest.approx(2 * 0.1 * 0.005 * 7850.0)
+    wall = WallProperty(1e7 * np.eye(3), np.zeros((3, 3)), 1e2 * np.eye(3), None, 10.0, 1e-3, 0.01)
+    properties = {**skinned().properties, "skin": replace(wall, lacks_density=True)}
+    assert "32 solids or shells lack mass" in missing_density(replace(given, properties=properties))
+    assert not missing_density(replace(given, properties={**properties, "skin": wall}))
 
 
 def test_averaging_nodes_on_a_line_of_solids_is_refused():

@@ -89,7 +89,7 @@ def test_walls_without_density_beside_a_mass_are_reported(bar):
     wall = "*ELEMENT, TYPE=S3, ELSET=WALL\n20, 3, 4, 9\n*SHELL SECTION, ELSET=WALL, MATERIAL=AL\n0.01\n"
     light = "*MATERIAL, NAME=AL\n*ELASTIC\n7E10, 0.3\n"
     bar.write_text(BAR + wall + light)
-    assert "1 solids or shells have no mass" in (said := call("info", bar))
+    assert "1 solids or shells lack mass" in (said := call("info", bar))
     assert "no density: WALL (1)." in said
 
 

@@ -88,3 +88,10 @@ def test_added_mass_has_no_stiffness():
     bare, loaded = laminate([isotropic(T)]), laminate([isotropic(T)], added_mass=3.0)
     np.testing.assert_array_equal(bare.membrane, loaded.membrane)
     assert loaded.mass_per_area == pytest.approx(bare.mass_per_area + 3.0)
+
+
+def test_a_ply_without_density_is_marked_unless_the_wall_has_added_mass():
+    core = orthotropic_ply(E, E, NU, G, G, G, density=0.0, thickness=T)
+    assert laminate([isotropic(T), core], bottom=0.0).lacks_density
+    assert not laminate([isotropic(T), core], added_mass=1.0).lacks_density
+    assert not laminate([isotropic(T), isotropic(T)]).lacks_density

@@ -175,7 +175,7 @@ def deck_connections(deck: Deck) -> tuple[Connection, ...]:
 
 
 def missing_density(deck: Deck) -> str:
-    """A sentence on the solids and shells without density beside other masses; "" without such cells.
+    """A sentence on solids, shells and plies without density beside other masses; "" without any.
 
     Decks for statics often lack densities. Bars without mass are usual as stiff connections. A body without
     any mass is refused elsewhere.
@@ -185,16 +185,18 @@ def missing_density(deck: Deck) -> str:
         return ""
     bare: dict[str, int] = {}
     for each in deck.elements:
-        if each.kind.dimension > 1 and not density[each.property]:
+        given = deck.properties[each.property]
+        lacks = isinstance(given, WallProperty) and given.lacks_density
+        if lacks or (each.kind.dimension > 1 and not density[each.property]):
             bare[each.property] = bare.get(each.property, 0) + len(np.unique(each.ids))
     if not bare:
         return ""
     named = ", ".join(f"{name} ({count})" for name, count in list(bare.items())[:8])
     named += f" and {len(bare) - 8} more" if len(bare) > 8 else ""
     return (
-        f"{sum(bare.values())} solids or shells have no mass, because the materials of these properties "
-        f"(number of elements in brackets) have no density: {named}. Give the materials a density, unless "
-        "other elements or point masses contain this mass"
+        f"{sum(bare.values())} solids or shells lack mass, because materials of these properties (number of "
+        f"elements in brackets), or of their plies, have no density: {named}. Give the materials a density, "
+        "unless other elements or point masses contain this mass"
     )
 
 

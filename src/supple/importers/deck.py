@@ -87,6 +87,7 @@ class WallProperty:
     mass_per_area : kg/m^2;  rotary_inertia_per_area : kg, about the reference surface
     thickness : m, for pictures only; 0 if unknown
     mass_moment_per_area : first moment of the mass along the normal about the reference surface, kg/m
+    lacks_density : whether a ply has no density, and the wall no non-structural mass
     """
 
     membrane: FloatArray
@@ -97,6 +98,7 @@ class WallProperty:
     rotary_inertia_per_area: float
     thickness: float
     mass_moment_per_area: float = 0.0
+    lacks_density: bool = False
 
 
 @dataclass(frozen=True)

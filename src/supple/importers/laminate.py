@@ -103,7 +103,9 @@ def laminate(plies: Sequence[Ply], *, bottom: float | None = None, added_mass: f
     powers = [(faces[1:] ** n - faces[:-1] ** n) / n for n in (1, 2, 3)]
     A, B, D = (np.einsum("k,kij->ij", power, Q) for power in powers)
     mass, moment, rotary = (float(power @ densities) for power in powers)
-    wall = WallProperty(A, B, D, _shear_stiffness(plies, Q, faces, A, B, D), mass, rotary, total, moment)
+    shear = _shear_stiffness(plies, Q, faces, A, B, D)
+    lacks = not added_mass and any(ply.density == 0 for ply in plies)
+    wall = WallProperty(A, B, D, shear, mass, rotary, total, moment, lacks)
     return wall if bottom is None else moved_wall(wall, bottom + total / 2)
 
 
