@@ -10,15 +10,16 @@ import numpy as np
 import pytest
 from fixtures.bar_of_every_form import bar_as
 from fixtures.beam_lines import beam_line, straight
-from fixtures.exported_machines import STEP, blade, driven_pair, linked, run
+from fixtures.exported_machines import STEP, blade, driven_pair, link, linked, run
 
 import supple as sp
 from supple.equations.compiler_options import STARTING
 from supple.errors import ModelError
 from supple.integrate import GeneralizedAlpha, Kinematic
 from supple.machine import Fixed, Placed, PrescribedRotation, SampledController, System, TorqueBetween
+from supple.machine.system import AssembledPose
 from supple.methods.intrinsic import CLAMPED, intrinsic_body, released
-from supple.quantities import JointMotionSensor, PositionSensor
+from supple.quantities import DeflectionSensor, JointMotionSensor, PositionSensor
 from supple.stepping.external_inputs import external_inputs
 
 BEFORE = 5
@@ -118,3 +119,13 @@ def test_machines_without_a_step_program_are_refused_with_the_remedy():
     )
     with pytest.raises(ModelError, match="a sampled controller runs Python"):
         sp.step_program(System(bodies, joints, controllers=[sampled]), run(), sensors)
+
+
+def test_a_deflection_seen_from_another_body_is_in_the_mesh_axes_of_its_place():
+    """The second rod is along y and has moved by (0.1, 0.2, 0.3) since assembly: mesh axes x = Y, y = -X."""
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    assembled = AssembledPose(np.array([0.4, 0.0, 0.0]), turn)
+    moved = Placed(link(1), position=[0.5, 0.2, 0.3], rotation=turn, assembled=assembled)
+    sensor = DeflectionSensor("apart", "l1.b", "l0.b")
+    program = sp.step_program(System([Placed(link(0)), moved]), run(), [sensor])
+    np.testing.assert_allclose(program.start.output, [0.2, -0.1, 0.3], atol=1e-14)

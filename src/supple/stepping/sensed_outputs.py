@@ -179,11 +179,11 @@ def _deflection(seen: SensedMachine, sensor: DeflectionSensor) -> Reads | None:
         return None
     point, end = _Point.of(seen.system, place), seen.end(base)
     (reader,) = readers_of(seen.system, {"seen from": EndReading(end)})
-    form: Any = seen.own.placed(base.body).body
-    body: Any = seen.own.placed(sensor.place.body).body
-    rest = np.asarray(sensor.place.rest(body)) - np.asarray(form.interface(base.interface).position)
-    # A reader uses the global axes at assembly, a deflection the axes of the mesh.
-    to_mesh = np.asarray(seen.system.placed(end.body).assembly.rotation)
+    own = seen.own.placed(sensor.place.body)
+    position, to_mesh = own.assembly
+    start = to_mesh.T @ (seen.own.initial_point(base) - position)
+    rest = np.asarray(sensor.place.rest(own.body)) - start
+    # A reader uses the global axes at assembly, a deflection the axes of the mesh of the place.
 
     def read(model: Model, motion: SystemMotion, *_: Any) -> Any:
         from_there = pose_of(reader.first, motion)
