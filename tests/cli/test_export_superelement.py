@@ -53,6 +53,16 @@ def test_a_deck_with_the_superelement_is_for_calculix_or_abaqus(strip_file, tmp_
         assert mark in (tmp_path / "x.inp").read_text()
 
 
+def test_a_model_with_the_name_of_the_cards_is_not_replaced(strip_file, tmp_path):
+    (tmp_path / "arm.bdf").write_text("GRID,1\n")
+    refused = exported(strip_file, "-o", tmp_path / "arm.op4")
+    assert "arm.bdf: the file exists, was not written by this export" in " ".join(refused.output.split())
+    assert (tmp_path / "arm.bdf").read_text() == "GRID,1\n"
+    assert not (tmp_path / "arm.op4").exists()
+    for _ in range(2):  # its own cards are replaced
+        assert exported(strip_file, "-o", tmp_path / "x.op4").exit_code == 0
+
+
 def test_exudyn_takes_the_linear_part(strip_file, tmp_path):
     assert exported(strip_file, "-o", tmp_path / "x.npz").exit_code == 0
     with np.load(tmp_path / "x.npz", allow_pickle=True) as file:
@@ -141,3 +151,16 @@ def test_a_body_of_sections_is_written_for_beamdyn(tmp_path):
     for name in ("positions", "axes", "stiffness", "inertia"):
         mine, its = getattr(first, name), getattr(second, name)
         np.testing.assert_allclose(its, mine, rtol=1e-9, atol=1e-9 * abs(mine).max())
+
+
+def test_the_blade_file_of_the_case_is_not_replaced(tmp_path):
+    """BeamDyn's primary file names its blade file: the target may be new and the file beside it not."""
+    one = np.eye(6)[None].repeat(3, axis=0)
+    places = np.linspace(0, 1, 3)[:, None] * np.array([0, 0, 20.0])
+    write_beamdyn(tmp_path / "other.dat", SectionTable(places, np.tile(np.eye(3), (3, 1, 1)), one, one))
+    (tmp_path / "other.dat").rename(tmp_path / "given.dat")
+    before = (tmp_path / "other_blade.dat").read_text()
+    (tmp_path / "blade.toml").write_text(BLADE)
+    refused = exported(tmp_path / "blade.toml", "-o", tmp_path / "other.dat")
+    assert "other_blade.dat: it is an input of" in " ".join(refused.output.split())
+    assert (tmp_path / "other_blade.dat").read_text() == before

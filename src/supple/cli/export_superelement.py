@@ -19,6 +19,7 @@ from supple.errors import ArgumentError, CaseError
 from supple.export import (
     InterfaceForm,
     StatedFrequencies,
+    blade_file_of,
     floating_frequencies,
     interface_form,
     write_abaqus_superelement,
@@ -90,6 +91,7 @@ def export_superelement(path: Path, target: Path, *, body: Sequence[str] | None,
         case = read_case(path, notify)
         check_not_an_input(case, [target])
         if suffix == _OPENFAST:
+            check_not_an_input(case, [blade_file_of(target)])
             _check_si(case)
         chosen = _chosen(case, body, ("reduced", "intrinsic") if suffix == _OPENFAST else ("reduced",))
         if chosen.kind == "intrinsic":

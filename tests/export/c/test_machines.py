@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import shutil
 import subprocess
+from typing import Any
 
 import numpy as np
 import pytest
 from fixtures.compiled_c import MachineInC, needs_compiler
 from fixtures.exported_machines import EVERY, STEP, UNDRIVEN, chain, driven_pair, joined_line, linked, run
 
-from supple.errors import ModelError
+from supple.errors import ModelError, ResultFileError
 from supple.export.c import blocks, separate_functions
 from supple.export.c.machine_source import sensor_sizes
 from supple.export.c.write_machine import write_machine
@@ -140,3 +141,11 @@ def test_what_cannot_be_exported_is_refused():
     sensors = driven_pair()[2][:1]
     with pytest.raises(ModelError, match="nothing in 'j0' varies"):
         step_program(system, run(), sensors, {"j0": joints[0]})
+
+
+def test_a_makefile_of_another_project_is_not_replaced(tmp_path):
+    (tmp_path / "Makefile").write_text("all:\n")
+    step: Any = None  # not reached
+    with pytest.raises(ResultFileError, match="Makefile: the file exists, was not written by this export"):
+        write_machine(tmp_path, step, "machine")
+    assert [path.name for path in tmp_path.iterdir()] == ["Makefile"]

@@ -16,7 +16,7 @@ from supple.export.ascii_file import write_ascii
 from supple.importers import SectionTable
 from supple.importers.section_table import twisted_axes
 
-__all__ = ["write_beamdyn"]
+__all__ = ["blade_file_of", "write_beamdyn"]
 
 Array = NDArray[np.float64]
 
@@ -82,9 +82,14 @@ def write_beamdyn(path: Path | str, table: SectionTable, *, title: Sequence[str]
             "axes so that z points along the blade"
         )
     twist = _twist(table)
-    primary, blade = Path(path), Path(path).with_name(f"{Path(path).stem}_blade.dat")
+    primary, blade = Path(path), blade_file_of(path)
     lines = _primary(np.column_stack([places, np.degrees(twist)]), blade.name, title)
     return write_ascii(primary, lines), write_ascii(blade, _blade(table, title))
+
+
+def blade_file_of(path: Path | str) -> Path:
+    """The blade file beside a primary file."""
+    return Path(path).with_name(f"{Path(path).stem}_blade.dat")
 
 
 def _twist(table: SectionTable) -> Array:

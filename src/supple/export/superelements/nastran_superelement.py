@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from supple.export.ascii_file import write_ascii
+from supple.export.ascii_file import check_not_foreign, write_ascii
 from supple.export.dmig_punch import dmig_cards
 from supple.export.superelements.interface_form import InterfaceForm
 from supple.export.superelements.output4 import write_output4
@@ -42,14 +42,17 @@ def write_output4_superelement(path: Path | str, form: InterfaceForm) -> tuple[P
 
     Rows are the analysis set in the order of the cards: six rows per grid, then the scalar points.
 
-    Returns (path of the matrices, path of the cards). Raises ResultFileError: a file cannot be written.
+    Returns (path of the matrices, path of the cards). Raises ResultFileError: a file cannot be written, or
+    the .bdf file exists and is another one.
     """
     target = Path(path)
     matrices = {"KAA": form.stiffness, "MAA": form.mass}
     if form.is_damped:
         matrices["BAA"] = form.damping
     of_rows = [f"rows of {', '.join(matrices)} in {target.name}: six of each grid, then the scalar points"]
-    beside = write_ascii(target.with_suffix(".bdf"), _bulk_data(form, of_rows))
+    beside = target.with_suffix(".bdf")
+    check_not_foreign(beside, "linear superelement")
+    write_ascii(beside, _bulk_data(form, of_rows))
     return write_output4(target, matrices), beside
 
 
