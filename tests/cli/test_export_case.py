@@ -29,6 +29,16 @@ def test_a_case_is_written_and_its_load_printed(case_folder, tmp_path):
     assert "for Abaqus" in result.output
 
 
+def test_the_deck_of_a_split_body_is_that_of_the_whole(case_folder, tmp_path):
+    """The split concerns frames, not the model."""
+    case = case_folder / "strip.toml"
+    whole = exported(case, "-o", tmp_path / "whole.inp")
+    case.write_text(case.read_text().replace("damping =", "split = { parts = 2 }\ndamping =", 1))
+    result = exported(case, "-o", tmp_path / "split.inp", "--body", "strip")
+    assert (whole.exit_code, result.exit_code) == (0, 0), result.output
+    assert (tmp_path / "split.inp").read_text() == (tmp_path / "whole.inp").read_text()
+
+
 def test_without_a_word_the_deck_is_for_calculix(case_folder, tmp_path):
     deck = tmp_path / "strip-static.inp"
     result = exported(case_folder / "strip.toml", "-o", deck, "--body", "strip", "--time", "0.1")

@@ -232,3 +232,12 @@ def test_chosen_instants_of_an_angle_count_the_turns_between_and_before_them(tmp
     table = dict(zip(heads, np.array(rows, dtype=float).T, strict=True))
     np.testing.assert_allclose(table["azimuth.angle_[rad]"], [40.0, 60.0, 80.0], rtol=1e-9)
     np.testing.assert_allclose(table["azimuth.rate_[rad/s]"], 40.0, rtol=1e-9)
+
+
+@pytest.mark.slow
+def test_a_split_body_is_pictured_by_its_own_name(case_folder, tmp_path):
+    case, file = case_folder / "strip.toml", tmp_path / "mode.vtu"
+    case.write_text(case.read_text().replace("damping =", "split = { parts = 2 }\ndamping =", 1))
+    done = exported(case, "-o", file, "--mode", "1", "--body", "strip")
+    assert done.exit_code == 0, done.output
+    assert [read_mesh(file, only=f"body_{k}").n_nodes for k in (0, 1)] == [15, 15]

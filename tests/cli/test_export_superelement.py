@@ -63,6 +63,15 @@ def test_a_model_with_the_name_of_the_cards_is_not_replaced(strip_file, tmp_path
         assert exported(strip_file, "-o", tmp_path / "x.op4").exit_code == 0
 
 
+def test_the_parts_of_a_split_body_are_written_by_their_names(case_folder, tmp_path):
+    case = case_folder / "strip.toml"
+    case.write_text(case.read_text().replace("damping =", "split = { parts = 2 }\ndamping =", 1))
+    refused = exported(case, "-o", tmp_path / "x.pch", "--body", "strip")
+    said = "split divides body 'strip' into strip-1, strip-2; give one of these parts, or remove split"
+    assert said in " ".join(refused.output.split())
+    assert exported(case, "-o", tmp_path / "x.pch", "--body", "strip-1").exit_code == 0
+
+
 def test_exudyn_takes_the_linear_part(strip_file, tmp_path):
     assert exported(strip_file, "-o", tmp_path / "x.npz").exit_code == 0
     with np.load(tmp_path / "x.npz", allow_pickle=True) as file:

@@ -17,7 +17,8 @@ def chosen_body(case: Case, names: Sequence[str] | None, known: Sequence[str], k
     kind : description of these bodies
     none : remedy if there are no such bodies
 
-    Raises CaseError for several names, an unknown name, or no name where there are several bodies.
+    Raises CaseError for several names, an unknown name, the name of a split body, or no name where there are
+    several bodies.
     """
     listed = ", ".join(known) or "none"
     if names and len(names) > 1:
@@ -27,6 +28,12 @@ def chosen_body(case: Case, names: Sequence[str] | None, known: Sequence[str], k
     if not names:
         remedy = "give one: --body NAME" if known else none
         raise CaseError(f"{case.path} has {len(known)} {kind} ({listed}); {remedy}")
+    parts = case.names_in_machine(names)
+    if parts != list(names):
+        raise CaseError(
+            f"{case.path}: split divides body '{names[0]}' into {', '.join(parts)}; give one of these "
+            "parts, or remove split"
+        )
     if names[0] not in known:
         raise CaseError(
             f"{case.path}: '{names[0]}' is none of the {kind}{did_you_mean(names[0], list(known))}"

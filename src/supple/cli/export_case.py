@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,9 +25,9 @@ def export_case(
 ) -> None:
     """Write a body of the case at `path`, clamped at its joints, under its loads at one time.
 
-    The orientation of the body is that of the case, after assembly if the case requests it.
-    The deck contains no springs, force elements, ties, contacts, controllers or rotation of the case; a line
-    states which of them act on the body.
+    The orientation of the body is that of the case, after assembly if the case requests it. A split body is
+    written as a whole. The deck contains no springs, force elements, ties, contacts, controllers or rotation
+    of the case; a line states which of them act on the body.
 
     body : name of one body; by default the only one with elements
     abaqus : three-node shells for Abaqus, instead of the six-node ones for CalculiX
@@ -41,7 +42,7 @@ def export_case(
     ResultFileError     a file that cannot be written
     """
     with shown_step("reading") as notify:
-        case = read_case(path, notify)
+        case = _undivided(read_case(path, notify))
         check_not_an_input(case, [target])
         known = [one.name for one in case.tables.body if one.name in case.elements and one.explicit is None]
         name = chosen_body(
@@ -94,6 +95,14 @@ def export_case(
     if left_out := _left_out(case, name):
         say(f"without the case's {left_out}: the deflections differ from those of the case")
     say(f"written to {target} for {program.name}")
+
+
+def _undivided(case: Case) -> Case:
+    """The case without splits: a deck has the elements of the whole body, whatever its frames are."""
+    if all(body.split is None for body in case.tables.body):
+        return case
+    bodies = tuple(body.model_copy(update={"split": None}) for body in case.tables.body)
+    return replace(case, tables=case.tables.model_copy(update={"body": bodies}))
 
 
 def _left_out(case: Case, name: str) -> str:

@@ -34,7 +34,11 @@ def export_mode(path: Path, target: Path, mode: int, *, bodies: Sequence[str] | 
         case = read_case(path, notify)
         check_not_an_input(case, [target])
         system, motion = mode_case(case, mode, time=time)
-        of_picture: dict[str, Any] = {"bodies": bodies or None, "bases": case.bases, "units": case.units}
+        of_picture: dict[str, Any] = {
+            "bodies": case.names_in_machine(bodies or ()) or None,
+            "bases": case.bases,
+            "units": case.units,
+        }
         if suffix == ".vtu":
             write_vtu(target, system, motion.at(slice(1)), case.meshes, **of_picture)
         else:

@@ -138,9 +138,10 @@ def _write_picture(
     stress: bool,
 ) -> None:
     case = found.case
+    wanted = case.names_in_machine(bodies or ())
     of_picture: dict[str, Any] = {
-        "elements": _with_stress(case.elements, bodies) if stress else {},
-        "bodies": bodies or None,
+        "elements": _with_stress(case.elements, wanted) if stress else {},
+        "bodies": wanted or None,
         "bases": case.bases,
         "units": case.units,
     }
