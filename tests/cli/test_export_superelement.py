@@ -173,3 +173,18 @@ def test_the_blade_file_of_the_case_is_not_replaced(tmp_path):
     refused = exported(tmp_path / "blade.toml", "-o", tmp_path / "other.dat")
     assert "other_blade.dat: it is an input of" in " ".join(refused.output.split())
     assert (tmp_path / "other_blade.dat").read_text() == before
+
+
+def test_the_frequencies_of_a_released_blade_are_those_on_its_support(tmp_path):
+    """A uniform cantilever, which BeamDyn clamps: beta^2 sqrt(EI / m) / L^2, almost without shear."""
+    places = np.linspace(0, 1, 4)[:, None] * np.array([0, 0, 20.0])
+    stiffness = np.diag([1e9, 1e9, 1e10, 2e8, 2e8, 1e8])[None].repeat(4, axis=0)
+    inertia = np.diag([50.0, 50.0, 50.0, 0.5, 0.5, 1.0])[None].repeat(4, axis=0)
+    table = SectionTable(places, np.tile(np.eye(3), (4, 1, 1)), stiffness, inertia)
+    write_beamdyn(tmp_path / "given.dat", table)
+    (tmp_path / "blade.toml").write_text(BLADE.replace("stations = 9", "stations = 9, released = true"))
+    result = exported(tmp_path / "blade.toml", "-o", tmp_path / "again.dat")
+    title = (tmp_path / "again_blade.dat").read_text().splitlines()[1]
+    first = float(title.rpartition(": ")[2].split(",")[0])
+    assert "on its support" in title, result.output
+    assert first == pytest.approx(1.8751**2 * np.sqrt(2e8 / 50.0) / 20.0**2 / (2 * np.pi), rel=0.02)
