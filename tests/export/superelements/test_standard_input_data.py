@@ -120,6 +120,14 @@ def test_nodes_of_the_file_are_the_interfaces(of_points, tmp_path):
         np.testing.assert_allclose(turned @ arm, expected, rtol=1e-13)
 
 
+def test_frequencies_of_the_file_are_in_the_units_of_the_body(of_points, tmp_path):
+    """A body in mm and ms has frequencies in kHz: no unit is known here."""
+    text = write_sid(tmp_path / "body.sid", of_points).read_text()
+    first = of_points.frequencies[0] / (2 * np.pi)
+    assert f"Eigen Mode 1 : {first:.9g} per unit of time\n" in text
+    assert "Hz" not in text
+
+
 def test_a_beam_that_spins_stiffens_as_published(tmp_path):
     """Flap of a cantilever: omega^2 = 12.362 + 1.19 eta^2 about eta = 1 and 2 [Wright1982], hub radius 0."""
     wide, thin = 0.5, 0.02

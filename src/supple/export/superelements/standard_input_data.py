@@ -133,7 +133,7 @@ def write_sid(path: Path | str, body: ReducedBody) -> Path:
     lines = [f"{len(data.frames):5d} {r:5d} :No. nodes, No. modes: {comment}", "part", "new modal", "refmod"]
     lines += [f"    mass           = {_number(data.mass)}", f"    nelastq        = {r}"]
     lines += [
-        f"    ielastq ( {number}) = Eigen Mode {number} : {value:.9g} Hz"
+        f"    ielastq ( {number}) = Eigen Mode {number} : {value:.9g} per unit of time"
         for number, value in enumerate(data.frequencies, 1)
     ]
     lines += ["end refmod", "frame"]
