@@ -117,9 +117,10 @@ def test_modes_of_a_line_beyond_those_that_are_damped_are_not():
     assert q1 @ d1 + q2 @ d2 == pytest.approx(float(expected), rel=1e-11)
 
 
-def test_modal_ratios_of_a_released_body_belong_to_the_modes_on_its_support():
-    """Equal velocities lose equal power."""
-    body = intrinsic_body(LINES[0](), CLAMPED, damping=ModalDamping([0.02, 0.05]))
+@pytest.mark.parametrize("damping", [ModalDamping([0.02, 0.05]), RayleighDamping(3.0, 0.01)])
+def test_damping_of_a_released_body_belongs_to_the_modes_on_its_support(damping):
+    """Equal velocities lose equal power; rigid motion loses none."""
+    body = intrinsic_body(LINES[0](), CLAMPED, damping=damping)
     free = released(body)
     held = np.random.default_rng(2).standard_normal(body.modes.n_modes)
     fields = [each.modes.velocities.reshape(6 * body.line.n, -1) for each in (body, free)]
@@ -132,8 +133,10 @@ def test_modal_ratios_of_a_released_body_belong_to_the_modes_on_its_support():
     # A diagonal matrix of retardation times has the eigenvalues of its diagonal.
     omega, decay = body.modes.omega, np.asarray(body.model.decay)
     own = linear_eigenvalues(omega, decay, body.model.retardation)
-    as_matrix = linear_eigenvalues(omega, decay, np.diag(body.model.retardation))
+    as_matrix = linear_eigenvalues(omega, np.diag(decay), np.diag(body.model.retardation))
     assert np.sort_complex(as_matrix) == pytest.approx(np.sort_complex(own), rel=1e-9)
+    rigid = np.eye(free.modes.n_modes)[:6].T
+    assert line_equations.decay_rates(free.model, rigid) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_rigid_turn_of_a_bent_line_changes_no_strain_to_the_order_of_the_grid():

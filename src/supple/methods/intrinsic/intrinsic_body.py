@@ -75,8 +75,8 @@ class IntrinsicBody(FormDefaults, Summarized):
     modes : IntrinsicModes          on the support of its root
     expansion : Expansion           map from stations to nodes
     stations : name -> number       interfaces
-    damping : Damping | None        ModalDamping or RayleighDamping; the ratios of ModalDamping belong to
-        the modes on its root support, also for a released body
+    damping : Damping | None        ModalDamping or RayleighDamping; the ratios of ModalDamping, and alpha of
+        RayleighDamping, belong to the modes on its root support, also for a released body
     complete : IntrinsicBody | None     the same body with all its modes; None if this body has all
     supported : IntrinsicBody | None    for a released body: the body before release, on its root support
     lumping_error : float | None    relative error, due to the lumped mass, of deflections under its weight;

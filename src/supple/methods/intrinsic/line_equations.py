@@ -4,7 +4,7 @@
     q_2' = -w q_1 + Phi_2^T L_1(x_1)^T e,                 e = C x_2
 
 with x_1 = Phi_1 q_1, x_2 = Phi_2 q_2, frequencies w, retardation times beta, decay d, and loads f. e are the
-strains, and C is the compliance. For a released body with modal damping, beta is a matrix. A tensor form
+strains, and C is the compliance. For a released body with damping, beta or d is a matrix. A tensor form
 would store N^3 coupling terms for N modes. Here the couplings are evaluated at stations and segments, by
 vector products and a few products of a matrix and a vector. The result equals that of the tensors for any
 choice of modes, and the power of the couplings is exactly zero.
@@ -25,6 +25,7 @@ from supple.methods.intrinsic.line_model import LineModel
 
 __all__ = [
     "RootTwist",
+    "decay_rates",
     "force_rates",
     "l1",
     "l2",
@@ -85,7 +86,7 @@ def line_rates(
     inertial = on_stations(model, x1, q1, stress, e, root)
     if wrenches is not None:
         inertial = inertial - wrenches
-    d1 = -_in_modes(model.velocities, inertial) - _along(model.decay, q1) * q1
+    d1 = -_in_modes(model.velocities, inertial) - decay_rates(model, q1)
     if root is not None:
         d1 = d1 - model.velocities.T @ (model.twist_momenta @ root.rate)
     return d1.at[k:].add(_along(model.omega, q2) * stress), d2
@@ -106,6 +107,11 @@ def viscous_forces(model: LineModel, d2: jax.Array) -> jax.Array:
     if model.retardation.ndim == 2:
         return model.retardation @ d2
     return _along(model.retardation, d2) * d2
+
+
+def decay_rates(model: LineModel, q1: jax.Array) -> jax.Array:
+    """Decay of the amplitudes of the velocities by damping, d q_1 (m,)."""
+    return model.decay @ q1 if model.decay.ndim == 2 else _along(model.decay, q1) * q1
 
 
 def on_stations(

@@ -51,7 +51,7 @@ class LineModel:
     ancestors: Any
     """(levels, n) the ancestors 1, 2, 4, .. segments nearer the root"""
     decay: Any
-    """(m,) alpha of Rayleigh damping on velocities, 1/s"""
+    """(m,) or (m, m) alpha of Rayleigh damping on velocities, 1/s"""
     retardation: Any
     """(e,) or (e, e) retardation times, s: viscous force = these times multiplied by the elastic force of
     strain rates"""
@@ -92,7 +92,7 @@ def line_model(
 
     damping : None, ModalDamping of the elastic modes, or RayleighDamping. Modal ratios and beta act on strain
         rates, at any rotation. Alpha acts on the velocities of the elastic modes.
-    damped : the modes to which ratios of ModalDamping belong; default `modes`
+    damped : the modes to which ratios of ModalDamping and alpha belong; default `modes`
     Raises ModelError for damping defined in a floating frame, or relative to an interface (`held`).
     """
     line, m = modes.line, modes.n_modes
@@ -145,6 +145,9 @@ def _damping(
                 retardation = shares.T @ (retardation[:, None] * shares)
         case RayleighDamping():
             decay[elastic] = damping.alpha
+            if damped is not modes:
+                parts = _relative_to_root(modes, damped)
+                decay = damping.alpha * parts.T @ parts
             retardation[:] = damping.beta
         case _:
             raise ModelError(
@@ -153,6 +156,12 @@ def _damping(
                 "ModalDamping"
             )
     return decay, retardation
+
+
+def _relative_to_root(modes: IntrinsicModes, damped: IntrinsicModes) -> np.ndarray:
+    """Amplitudes (e', m) of the damped modes in the motion of the modes relative to the root."""
+    relative = modes.velocities.reshape(-1, modes.n_modes) - modes.line.twists @ modes.velocities[0]
+    return damped.momenta.reshape(-1, damped.n_modes)[:, damped.n_rigid :].T @ relative
 
 
 def _shares(modes: IntrinsicModes, damped: IntrinsicModes) -> np.ndarray:

@@ -17,6 +17,7 @@ from jax.scipy.linalg import block_diag
 
 from supple.methods.intrinsic.line_equations import (
     RootTwist,
+    decay_rates,
     force_rates,
     l1,
     l2,
@@ -54,7 +55,7 @@ def line_slope(model: LineModel, q1: jax.Array, q2: jax.Array, root: RootTwist |
     second = on_ends(model, jnp.zeros((*x1.shape, e)), half * bent)
     inertial = jnp.concatenate([first, second], axis=2).reshape(-1, m + e)
     top = -(model.velocities.T @ inertial)
-    top = top.at[:, :m].add(-jnp.diag(model.decay))
+    top = top.at[:, :m].add(-decay_rates(model, jnp.eye(m)))
     elastic = model.omega[:, None] * jnp.concatenate([stress_by_q1, stress_by_q2], axis=1)
     top = top.at[model.n_rigid :].add(elastic)
     return jnp.concatenate([top, jnp.concatenate([by_q1, by_q2], axis=1)])

@@ -33,8 +33,8 @@ def released(body: IntrinsicBody) -> IntrinsicBody:
 
     Phi_1 includes the static responses to forces and moments at the ends of the load paths. So the compliance
     at these ends is that of the line with all modes. The responses are omitted where modes that include them
-    contain rigid motion or are not orthonormal. Ratios of ModalDamping remain those of the modes on the
-    support.
+    contain rigid motion or are not orthonormal. Ratios of ModalDamping, and alpha of RayleighDamping,
+    remain those of the modes on the support.
 
     Raises ModelError if the elastic modes already include rigid motion; AccuracyError as `intrinsic_modes`.
     Source: [CraigBampton1968] for the choice of modes.

@@ -7,7 +7,13 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from supple.methods.intrinsic.line_equations import RootTwist, momenta, station_velocities, turning_forces
+from supple.methods.intrinsic.line_equations import (
+    RootTwist,
+    decay_rates,
+    momenta,
+    station_velocities,
+    turning_forces,
+)
 from supple.methods.intrinsic.line_model import LineModel, LineState
 from supple.methods.intrinsic.line_system import LineSystem, States, places_of, system_rates, system_wrenches
 from supple.methods.intrinsic.strain_integration import StationPlaces
@@ -52,7 +58,7 @@ def root_reaction(
     """
     x1 = station_velocities(model, state.q1, root)
     # Damping with alpha is an external load on the stations.
-    rate = rates.q1 + model.decay * state.q1
+    rate = rates.q1 + decay_rates(model, state.q1)
     faster = None if root is None else RootTwist(root.rate, root.rate)
     accelerations = station_velocities(model, rate, faster)
     local = momenta(model, accelerations, rate, faster) + turning_forces(model, x1, state.q1, root)

@@ -30,13 +30,14 @@ def runge_kutta_step(rates: Rates, time: Any, state: Any, h: Any) -> Any:
 def linear_eigenvalues(omega: np.ndarray, decay: np.ndarray, retardation: np.ndarray) -> np.ndarray:
     """Eigenvalues s (2 e,) of the linear modes, s^2 + (d + w beta w) s + w^2 = 0.
 
-    retardation : (e,) or (e, e)    beta
+    decay, retardation : (e,) or (e, e)    d and beta
     """
-    if retardation.ndim == 1:
+    if decay.ndim == retardation.ndim == 1:
         half = 0.5 * (decay + retardation * omega**2)
         root = np.sqrt((half**2 - omega**2).astype(complex))
         return np.concatenate([-half + root, -half - root])
-    damping = np.diag(decay) + omega[:, None] * retardation * omega
+    whole, late = (each if each.ndim == 2 else np.diag(each) for each in (decay, retardation))
+    damping = whole + omega[:, None] * late * omega
     elastic = np.diag(omega)
     return np.linalg.eigvals(np.block([[-damping, elastic], [-elastic, np.zeros_like(elastic)]]))
 

@@ -21,8 +21,9 @@ def linear_modes(model: LineModel, n: int) -> tuple[np.ndarray, np.ndarray, np.n
     """Frequencies, decay and retardation times of the elastic modes among the n lowest modes."""
     k = model.n_rigid
     e = max(n - k, 0)
+    decay = np.asarray(model.decay)[(slice(k, k + e),) * model.decay.ndim]
     retardation = np.asarray(model.retardation)[(slice(e),) * model.retardation.ndim]
-    return np.asarray(model.omega)[:e], np.asarray(model.decay)[k : k + e], retardation
+    return np.asarray(model.omega)[:e], decay, retardation
 
 
 def largest_stable_step(omega: np.ndarray, decay: np.ndarray, retardation: np.ndarray) -> float:
