@@ -21,6 +21,7 @@ from supple.linearization import (
 )
 from supple.machine import (
     Ball,
+    Bushing,
     Fixed,
     Placed,
     PrescribedRotation,
@@ -239,6 +240,32 @@ def test_a_machine_stays_in_the_equilibrium_that_was_found():
     run = Run(0.1, 0.05, step=FixedStep(0.01), method=GeneralizedAlpha(1.0))
     moved = simulate(rest, run).bodies["block"].position
     assert np.abs(moved - moved[0]).max() < 1e-12
+
+
+def test_a_shaft_on_unequal_bearings_whirls_in_axes_fixed_in_space():
+    """A disc between two bearings: `M x'' + r G x' + K x = 0` of its tilts, with constant coefficients."""
+    EI, stiff, soft, rate = 100.0, 1e6, 2e4, 40.0
+    m, across, along = 5.0, 0.02, 0.035
+    whole = beam_line(straight(1.0, 2), EA=1e6, EI=EI, GJ=50.0, mass_per_length=1e-6, radius=0.01)
+    mass = whole.mass.copy()
+    mass[6:12, 6:12] += np.diag([m, m, m, along, across, across])
+    rotor = intrinsic_body(condensed_line("rotor", whole.tree.points, whole.stiffness, mass), FREE)
+    bearings = [
+        Bushing(
+            first="ground", second=f"rotor.{end}", axis=(0, 0, 1), stiffness=(axial, soft, stiff, 0, 0, 0)
+        )
+        for end, axial in (("root", 1e6), ("tip", 0.0))
+    ]
+    found = linearize(System([rotor], loads=bearings), spin=Spin(rate, axis=(1, 0, 0)))
+    assert found.is_in_space
+    assert found.periodic is None
+    bending = [1 / (1 / (48 * EI) + 1 / (2 * k)) for k in (stiff, soft)]
+    tilting = np.diag([1 / (1 / (12 * EI) + 2 / k) for k in (stiff, soft)])
+    turning = rate * along * np.array([[0, 1.0], [-1.0, 0]])
+    first = -np.hstack([tilting, turning]) / across
+    tilts = np.linalg.eigvals(np.vstack([np.eye(4)[2:], first]))
+    exact = np.sort(np.concatenate([np.sqrt(np.array(bending) / m), tilts[tilts.imag > 0].imag]))
+    assert machine_modes(found, 5).frequencies[1:] == pytest.approx(exact, rel=1e-4)
 
 
 @pytest.mark.slow

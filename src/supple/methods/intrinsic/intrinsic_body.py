@@ -167,6 +167,11 @@ class IntrinsicBody(FormDefaults, Summarized):
         return self.expansion.modes.shape[1]
 
     @property
+    def nodal_basis(self) -> Array:
+        """(N d, e) linear displacements of the nodal freedoms by elastic amplitude."""
+        return self.expansion.modes.reshape(-1, self.n_coordinates)
+
+    @property
     def has_linear_strains(self) -> bool:
         """True: stress follows from the static shapes under its section loads."""
         return True
@@ -175,7 +180,7 @@ class IntrinsicBody(FormDefaults, Summarized):
         self, coordinates: Array, freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[Array, None]:
         """Linear displacements (N d, t) by elastic amplitudes (t, e), for strains alone, and None."""
-        return self.expansion.modes.reshape(-1, self.n_coordinates)[freedoms] @ coordinates.T, None
+        return self.nodal_basis[freedoms] @ coordinates.T, None
 
     def truncated(self, n_modes: int) -> IntrinsicBody:
         """The same body with its `n_modes` lowest elastic modes, and their second-order modes.
