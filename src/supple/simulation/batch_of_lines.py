@@ -37,7 +37,7 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
 
     If `is_joined` is true for any case, all cases run separately. Otherwise roots are connected only to the
     ground, and the cases run together. The gain is largest for the Runge-Kutta method with cases that differ
-    only in loads, motions and initial states.
+    only in loads, motions and initial states. Where default steps differ, all cases take the shortest one.
     Raises ModelError for cases that differ in more than numbers.
     """
     if any(map(is_joined, cases)):
@@ -48,10 +48,14 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
     _check_alike(systems)
     structure, axes = jax.tree.structure(systems[0]), differing(systems)
     first = engines[0]
+    # Bodies of other frequencies have other default steps: all cases take the shortest.
+    n_steps = max(engine.n_steps for engine in engines)
+    for engine in engines:
+        engine.n_steps = n_steps
     starts = [engine.start(float(run.times[0])) for engine in engines]
     chunk = min(chunk, len(cases))
     _require_memory(axes, systems[0], starts[0], chunk, len(run.times))
-    march = march_of_cases(structure, axes, first.rule, first.n_steps, run.tolerances.max_iterations)
+    march = march_of_cases(structure, axes, first.rule, n_steps, run.tolerances.max_iterations)
     times = jnp.asarray(run.times[1:])
     devices = jax.devices()
     preparing = clock.perf_counter() - began

@@ -103,6 +103,18 @@ def test_cases_may_have_bodies_of_their_own():
     assert_same([held(1.0), held(1.0, body=beam(CLAMPED, EI=1.3))], run)
 
 
+def test_cases_with_bodies_of_their_own_take_the_shortest_of_their_default_steps():
+    """Steps of the first, soft body would be unstable for the second one."""
+    run = Run(0.02, 0.01, method=RungeKutta4())
+    bodies = CLAMPED_BEAM, beam(CLAMPED, EA=25e4, EI=25.0, GJ=25.0)
+    cases = [replace(held(1.0, body=body), loads=(), gravity=np.zeros(3)) for body in bodies]
+    together = simulate_batch(cases, run).check().solutions
+    alone = simulate(cases[1], run)
+    assert together[0].statistics.steps == together[1].statistics.steps == alone.statistics.steps
+    coordinates = [each.bodies["beam"].coordinates for each in (together[1], alone)]
+    assert coordinates[0] == pytest.approx(coordinates[1], abs=1e-11)
+
+
 @pytest.mark.slow
 def test_a_case_that_fails_stops_at_the_last_time_that_it_reached():
     hasty = Run(
