@@ -71,8 +71,8 @@ class IntrinsicEngine:
         self._run = run = with_chosen_step(system, run)
         if not isinstance(run.step_control, FixedStep):
             raise ModelError(
-                "intrinsic bodies with supported roots need FixedStep(size); adaptive steps need joined "
-                "bodies: place released(body)"
+                "intrinsic bodies with supported roots, or without joints, need FixedStep(size); adaptive "
+                "steps are for bodies that joints hold: place released(body) with a joint, such as Fixed"
             )
         self._machine: MachineOfLines = machine_of_lines(system, run.start)
         step = float(run.times[1] - run.times[0])
