@@ -15,6 +15,7 @@ from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.integrate import AdaptiveStep, FixedStep, Newmark, Run, Solution, Statistics, Tolerances
 from supple.linearization import campbell_diagram, linearize
 from supple.machine import (
+    AngleServo,
     At,
     Ball,
     Contact,
@@ -205,6 +206,23 @@ def test_rigid_bodies_alone_have_no_step_limit():
         ModelError, match=r"rigid bodies without springs are stable at any explicit step.*FixedStep"
     ):
         simulate(System([ball()]), Run(0.02, 0.01, method=Explicit()))
+
+
+def test_a_joint_and_a_servo_at_its_limit_give_no_step_limit():
+    """A step as long as the output step would be stable, and as wrong as that is long."""
+    pin = Revolute(name="pin", first="ground", second="ball.tip", axis=(0, 0, 1))
+    servo = AngleServo(
+        first="ground",
+        second="ball.tip",
+        axis=(0, 0, 1),
+        angle=1.0,
+        stiffness=500.0,
+        damping=20.0,
+        limit=60.0,
+    )
+    for loads in ([], [servo]):
+        with pytest.raises(ModelError, match="rigid bodies without springs are stable at any explicit step"):
+            simulate(System([ball()], joints=[pin], loads=loads), Run(0.02, 0.01, method=Explicit()))
 
 
 def test_what_a_march_does_not_follow_is_refused_with_the_remedy():

@@ -202,9 +202,9 @@ class ExplicitEngine:
         if step is None:
             if np.isinf(limit):
                 raise ModelError(
-                    "rigid bodies without springs are stable at any explicit step, so there is no default: "
-                    "give Run(step=FixedStep(size)), about a hundredth of the period of a revolution or a "
-                    "swing"
+                    "rigid bodies without springs are stable at any explicit step, so there is no default "
+                    "(servos at their limits at the start do not count): give Run(step=FixedStep(size)), "
+                    "about a hundredth of the period of a revolution or a swing"
                 )
             return
         if step > limit:

@@ -124,7 +124,8 @@ def build_frames(system: System, method: Explicit, nodes: MarchNodes, time: floa
         system, method.scheme, frames, tuple(arrays), tuple(states), pressed, machine, time
     )
     for place in joined.limited:
-        of_obstacle = 2 / np.sqrt(recoils[list(frames)[place]] or 1e-300)
+        recoiling = recoils[list(frames)[place]]
+        of_obstacle = 2 / np.sqrt(recoiling) if recoiling else np.inf
         limit = jnp.asarray(min(joined.step_limit, of_obstacle))
         arrays[place] = arrays[place]._replace(step_limit=limit)
     stores, stored, control = (), jnp.zeros(()), None

@@ -40,6 +40,8 @@ IntArray = NDArray[np.int64]
 _REDUNDANT = 1e-8
 """Mobility of a constraint with the previous ones closed, divided by its mobility without them, below which
 the constraint is redundant."""
+_ROUNDED = 1e-13
+"""Entries of a stiffness on free motions, relative to those on all motions, that are round-off."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,6 +159,8 @@ def _touched(groups: Sequence) -> set[int]:
 def _largest(free: FloatArray, matrix: FloatArray, mass: FloatArray) -> float:
     """Largest eigenvalue of the symmetric part of a matrix on free motions; zero if none is positive."""
     own = free.T @ (0.5 * (matrix + matrix.T)) @ free
+    if np.abs(own).max(initial=0.0) <= _ROUNDED * np.abs(matrix).max(initial=0.0):
+        return 0.0
     return max(float(linalg.eigh(own, free.T @ mass @ free, eigvals_only=True)[-1]), 0.0)
 
 
