@@ -16,6 +16,7 @@ from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, Run
 from supple.linearization import linearize, machine_modes
 from supple.machine import (
+    AngleServo,
     Ball,
     BaseAcceleration,
     Bushing,
@@ -113,6 +114,24 @@ def test_a_rigid_pendulum_has_the_period_of_the_closed_form():
     # m g at the lowest point, and 3/2 m g of the swing there, along the joint's axes on the ground.
     force = solution.joint_forces["pin"]
     assert np.linalg.norm(force[-1, :3]) == pytest.approx(2.5 * 2.0 * 9.81, rel=1e-4)
+
+
+def test_a_servo_that_comes_to_rest_leaves_the_scale_of_energies_as_it_was():
+    """J a'' = k (a_0 - a) - c a' from rest; at its end all energies are those of round-off of the steps."""
+    inertia, k, c, target = 2.0 / 3, 500.0, 20.0, 0.3
+    about = {"first": "ground", "second": "rod.a", "axis": ACROSS}
+    system = System(
+        [rod()],
+        joints=[Revolute(name="pin", **about)],
+        loads=[AngleServo(**about, angle=target, stiffness=k, damping=c)],
+    )
+    solution = simulate(system, stepped(Run(1.5, 0.01), 2e-3))
+    a, t = c / inertia / 2, solution.times
+    w = np.sqrt(k / inertia - a**2)
+    expected = target * (1 - np.exp(-a * t) * (np.cos(w * t) + a / w * np.sin(w * t)))
+    axis = solution.bodies["rod"].rotation[:, :, 0]
+    assert np.arctan2(-axis[:, 2], axis[:, 0]) == pytest.approx(expected, abs=0.02 * target)
+    assert opened(solution) < 1e-12
 
 
 @pytest.mark.slow

@@ -238,10 +238,15 @@ class ExplicitEngine:
                     "take shorter steps, or a smaller largest_ratio"
                 )
             case 5:
+                where, remedy = (
+                    ("between parts with different steps", "a smaller largest_ratio")
+                    if row.ratio > 1
+                    else ("by parts that rotate too far in a step", shorter)
+                )
                 verb = "lost" if e["interface"] > 0 else "gained"
                 return (
-                    f"the interface energy drifts: {abs(e['interface']):.3g} were {verb} between parts "
-                    f"with different steps until {when}, more than 1 %; take a smaller largest_ratio"
+                    f"the interface energy drifts: {abs(e['interface']):.3g} were {verb} {where} until "
+                    f"{when}, more than 1 %; take {remedy}"
                 )
             case _:
                 worst = min(("internal", "hourglass", "contact"), key=lambda name: e[name])

@@ -20,8 +20,8 @@ from supple.programs.program_cache import CachedProgram
 __all__ = ["Recorded", "chosen_steps", "frame_limits", "march_to", "nodes_limit", "recorded"]
 
 DRIFT = 0.01
-"""Largest energy lost or created, relative to the energy scale of the run, `_size` plus kinetic energy; a run
-stops above it."""
+"""Largest energy lost or created, relative to the largest energy of the run so far; a run stops above it. The
+present energy is no scale: it returns to zero where gravity or servos bring a machine to rest."""
 
 RELEASED = 0.2
 """Largest negative contact energy, relative to the largest energy of the run; a run stops above it. A contact
@@ -124,7 +124,7 @@ def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Arr
     """Integrate to an output time; repeated with smaller ratios while the interface energy drifts."""
     if not model.frames or not model.blocks:
         return _marched(model, methods, state, fixed, end)
-    allowed = methods.explicit.interface_loss * (_size(state) + kinetic(model, state))
+    allowed = methods.explicit.interface_loss * state.largest
 
     def ratio_of(bound: Array) -> Array:
         return _chosen_steps(model, methods, state._replace(ratio_bound=bound), fixed, end - state.time)[1]
@@ -195,7 +195,10 @@ def _checked(
     held = e.kinetic + e.internal + e.plastic + e.hourglass + e.contact + e.damping + e.interface
     # Energy of round-off in a body at rest: relative strains of 1e-12 at the fastest rate.
     noise = 1e-24 * jnp.sum(model.mass) * jnp.abs(state.x).max(initial=0.0) ** 2 / state.before**2
-    size = _size(state) + noise + _noise_of_joints(model, state)
+    noise = noise + _noise_of_joints(model, state)
+    largest = state.largest + noise
+    # Without kinetic energy, which is about half of the largest energy of a run.
+    size = jnp.maximum(_size(state) + noise, 0.5 * largest)
     seen = jnp.where(
         state.smallest <= 0,
         1,
@@ -203,14 +206,14 @@ def _checked(
             ~jnp.isfinite(held),
             2,
             jnp.where(
-                jnp.abs(held - e.external - state.initial) > DRIFT * (size + e.kinetic),
+                jnp.abs(held - e.external - state.initial) > DRIFT * largest,
                 3,
                 jnp.where(
-                    jnp.abs(e.interface) > DRIFT * (size + e.kinetic),
+                    jnp.abs(e.interface) > DRIFT * largest,
                     5,
                     jnp.where(
                         (jnp.minimum(e.internal, e.hourglass) < -2 * DRIFT * size)
-                        | (e.contact < -RELEASED * (state.largest + noise)),
+                        | (e.contact < -RELEASED * largest),
                         4,
                         0,
                     ),
