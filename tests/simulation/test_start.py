@@ -13,7 +13,18 @@ from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, Rig
 from supple.errors import BasisWarning, ModelError, StartWarning
 from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, FloatingMotion, Run, Solution, Statistics
-from supple.machine import At, Controller, JointReading, Placed, Revolute, System, TorqueBetween
+from supple.machine import (
+    At,
+    Contact,
+    Controller,
+    JointReading,
+    Placed,
+    Revolute,
+    RigidPlane,
+    RigidSphere,
+    System,
+    TorqueBetween,
+)
 from supple.mesh import CellType, block
 from supple.reduction import CraigBampton, NoDerivatives, Rubin, reduce
 from supple.simulation import Start, simulate
@@ -221,6 +232,24 @@ def test_what_cannot_go_on_is_refused():
     refused("another mesh", FullBody(flexible_body("bar", coarser, ends), MeanAxisFrame()), start=known)
     with pytest.raises(ModelError, match=r"2\.4 is not among those from 2\.5 to 2\.5"):
         Start(solution, 2.4)
+
+
+def test_obstacles_go_on_from_where_they_are():
+    """A free ball and a driven plane; a wall at rest stays where it is given."""
+    body = bar_as("modal")
+    wall, tip = RigidPlane((0.0, 0.0, -5.0), (0.0, 0.0, 1.0)), At("bar", "tip")
+    ball = RigidSphere((2.0, 0.0, 1.0), 0.1, velocity=(0.0, 0.0, -3.0), mass=0.5)
+    ram = RigidPlane((9.0, 0.0, 0.0), (-1.0, 0.0, 0.0), velocity=(-2.0, 0.0, 0.0))
+    system = System([Placed(body)], contacts=[Contact(tip, each) for each in (wall, ball, ram)])
+    states = [np.zeros(6), [0.0, 0.1, -0.4, 0.0, 1.0, 2.0], [-5.0, 0.0, 0.0, -2.0, 0.0, 0.0]]
+    solution = replace(an_instant(body), series={"obstacles": np.concatenate(states)[None]})
+    found = [each.obstacle for each in Start(solution).place(system).system.rigid_contacts]
+    assert found[0] == wall
+    assert found[1] == replace(ball, centre=(2.0, 0.1, 0.6), velocity=(0.0, 1.0, 2.0))
+    assert found[2] == replace(ram, point=(4.0, 0.0, 0.0))
+    fewer = replace(system, contacts=system.contacts[1:])
+    with pytest.raises(ModelError, match=r"2 contacts with rigid obstacles, of which some move, .* has 3"):
+        Start(solution).place(fewer)
 
 
 def test_a_controller_has_its_states_at_the_end_of_a_run_alone():

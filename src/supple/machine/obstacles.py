@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
 
 import jax.numpy as jnp
 import numpy as np
@@ -12,7 +12,7 @@ from jax import Array
 from supple.arguments import check_fields
 from supple.errors import ModelError
 
-__all__ = ["RigidCylinder", "RigidPlane", "RigidSphere"]
+__all__ = ["RigidCylinder", "RigidPlane", "RigidSphere", "is_moving", "moved"]
 
 Vector = tuple[float, float, float]
 
@@ -119,6 +119,20 @@ class RigidCylinder:
         axis = jnp.array(self.axis)[:, None]
         arm = x - jnp.array(self.point)[:, None]
         return _from_core(arm - axis * (axis * arm).sum(axis=0), self.radius)
+
+
+def is_moving(obstacle: Obstacle) -> bool:
+    """Whether an obstacle is driven or free."""
+    return any(obstacle.velocity) or np.isfinite(obstacle.mass)
+
+
+def moved(obstacle: Any, offset: np.ndarray, velocity: np.ndarray) -> Any:
+    """A moving obstacle after a displacement (3,), at a velocity (3,); a fixed one is unchanged."""
+    if not is_moving(obstacle):
+        return obstacle
+    place = "centre" if isinstance(obstacle, RigidSphere) else "point"
+    at = np.asarray(getattr(obstacle, place)) + offset
+    return replace(obstacle, **{place: tuple(at.tolist())}, velocity=tuple(velocity.tolist()))
 
 
 def _from_core(arm: Array, radius: float) -> tuple[Array, Array]:

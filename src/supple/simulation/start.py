@@ -14,7 +14,9 @@ from supple.body import BodyForm
 from supple.equations.control_start import kept_states
 from supple.errors import BasisWarning, ModelError, StartWarning, did_you_mean
 from supple.integrate import FloatingMotion, FramedMotion, Motion, Solution
-from supple.machine import Controller, JointReading, Placed, System
+from supple.machine import Contact, Controller, JointReading, Placed, SurfaceContact, System
+from supple.machine.obstacles import is_moving, moved
+from supple.methods.explicit import OBSTACLES
 from supple.methods.intrinsic.continuation import placed_at_instant
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.simulation.carried_deformation import (
@@ -102,14 +104,16 @@ class Start:
         Bodies and controllers are matched by their names. A body with the same columns has its position,
         velocity and deformation at the start time. A body in another form or basis is projected in the mass
         norm, with its interfaces at their positions (`carried_deformation`). Points and axes of joints and
-        forces remain those of the machine as placed. Accelerations and joint forces are recomputed at the
-        start of the run. The run therefore differs from an uninterrupted run by errors of the order of the
-        integration error.
+        forces remain those of the machine as placed. Rigid obstacles that move are matched by the order of
+        their contacts, and have their position and velocity. Accelerations and joint forces are recomputed at
+        the start of the run. The run therefore differs from an uninterrupted run by errors of the order of
+        the integration error.
 
         Raises
         ------
         ModelError      a body without a motion, with another mesh, or in a form to which the motion cannot
-                        be transferred; explicit elements, whose plastic strain is not stored
+                        be transferred; explicit elements, whose plastic strain is not stored; obstacles that
+                        move, and another number of contacts with obstacles in the motion
         Warns BasisWarning if the projection of a body loses 1 % or more of its deformation or rates, and
         StartWarning if a controller restarts.
         """
@@ -121,7 +125,9 @@ class Start:
                 losses[each.body.name] = loss
         _warn(losses)
         controllers = tuple(self._goes_on(own) for own in system.controllers)
-        found = replace(system, bodies=tuple(placed), controllers=controllers)
+        found = replace(
+            system, bodies=tuple(placed), controllers=controllers, contacts=self._contacts(system)
+        )
         return StartedMachine(found, float(self.times[self.row]), losses)
 
     def _placed(self, placed: Placed) -> tuple[Placed, ProjectionLoss | None]:
@@ -215,6 +221,26 @@ class Start:
                 "give the machine of the motion; reduced again, columns may have other signs"
             )
         return then.body
+
+    def _contacts(self, system: System) -> tuple[Contact | SurfaceContact, ...]:
+        """The contacts, with moving obstacles at their positions and velocities at the start time."""
+        rigid = system.rigid_contacts
+        if not any(is_moving(each.obstacle) for each in rigid):
+            return system.contacts
+        known = self.solution.series.get(OBSTACLES, np.zeros((len(self.times), 0)))[self.row].reshape(
+            -1, 2, 3
+        )
+        if len(known) != len(rigid):
+            raise ModelError(
+                f"the machine has {len(rigid)} contacts with rigid obstacles, of which some move, and the "
+                f"motion to start from has {len(known)}: give the contacts of the motion in their order, so "
+                "that the obstacles continue from their positions"
+            )
+        states = iter(known * np.array([[self.length], [self.length / self.duration]]))
+        return tuple(
+            replace(each, obstacle=moved(each.obstacle, *next(states))) if isinstance(each, Contact) else each
+            for each in system.contacts
+        )
 
     def _goes_on(self, controller: Any) -> Any:
         """The controller with its states and joint angles at the end of the motion, if the start is there.
