@@ -125,6 +125,17 @@ def test_a_compression_shortens_the_step():
     assert steps[2] == steps[0]
 
 
+def test_a_sudden_force_is_followed_step_by_step():
+    """In the first step no force but the viscous one has done work; the momentum is F (t - h/2)."""
+    bar = explicit_bar(CellType.HEXA8)
+    h, force = 0.4 * bar.step_limit, 0.1
+    push = DeadForce(at="bar.tip", force=(force, 0.0, 0.0))
+    solution = simulate(System([bar], loads=[push]), Run(5 * h, h))
+    assert solution.statistics.steps == 5
+    momentum = np.einsum("n,tn->t", bar.masses, solution.bodies["bar"].velocities[1:, :, 0])
+    assert momentum == pytest.approx(force * (solution.times[1:] - h / 2), rel=1e-9)
+
+
 @pytest.mark.slow
 def test_it_leaves_free_flight_alone():
     """A rotation by any angle a step leaves det F as it is; what a spin stretches is little."""

@@ -73,7 +73,9 @@ def _march_to(
         over = (trouble > 0) | (end <= state.time)
         new = jax.tree.map(lambda a, b: jnp.where(over, a, b), state, new)
         new = new._replace(largest=jnp.maximum(new.largest, _size(new) + kinetic(model, new)))
-        row, trouble = _checked(model, methods, new, trouble)
+        # Viscous work is counted a step before the work of its force: internal energy lacks that of one step.
+        lead = jnp.where(new.steps == state.steps + 1, new.energies.damping - state.energies.damping, 0.0)
+        row, trouble = _checked(model, methods, new, trouble, lead)
         return (new, trouble), row
 
     (state, _), rows = lax.scan(one, (state, jnp.asarray(0)), times)
@@ -188,8 +190,9 @@ def _marched(
 
 
 def _checked(
-    model: MarchModel, methods: Methods, state: MarchState, trouble: Array
+    model: MarchModel, methods: Methods, state: MarchState, trouble: Array, lead: Array
 ) -> tuple[Recorded, Array]:
+    """The row of an output time, and its trouble; lead : damping without its internal energy, J."""
     row = _recorded(model, methods, state, trouble, jnp.zeros(()))
     e = state.energies._replace(kinetic=row.energies[0])
     held = e.kinetic + e.internal + e.plastic + e.hourglass + e.contact + e.damping + e.interface
@@ -212,7 +215,7 @@ def _checked(
                     jnp.abs(e.interface) > DRIFT * largest,
                     5,
                     jnp.where(
-                        (jnp.minimum(e.internal, e.hourglass) < -2 * DRIFT * size)
+                        (jnp.minimum(e.internal + lead, e.hourglass) < -2 * DRIFT * size)
                         | (e.contact < -RELEASED * largest),
                         4,
                         0,
