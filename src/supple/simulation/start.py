@@ -226,7 +226,7 @@ class Start:
         """The contacts, with moving obstacles at their positions and velocities at the start time."""
         rigid = system.rigid_contacts
         if not any(is_moving(each.obstacle) for each in rigid):
-            return system.contacts
+            return tuple(system.contacts)
         known = self.solution.series.get(OBSTACLES, np.zeros((len(self.times), 0)))[self.row].reshape(
             -1, 2, 3
         )

@@ -11,7 +11,7 @@ from scipy.special import ellipk
 
 from supple.body import MeanAxisFrame, RigidBody, RigidInterface, flexible_body
 from supple.equations import balances
-from supple.errors import ModelError
+from supple.errors import ConvergenceError, ModelError
 from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, Run
 from supple.linearization import linearize, machine_modes
@@ -36,9 +36,10 @@ from supple.machine import (
     SpringDamper,
     System,
     TorqueBetween,
+    TorsionSpringDamper,
 )
 from supple.mesh import CellType, block
-from supple.methods.explicit import ENERGIES, CentrifugalStiffness, Energies, modal_subdomain
+from supple.methods.explicit import ENERGIES, CentrifugalStiffness, Energies, Explicit, modal_subdomain
 from supple.quantities import AccelerationSensor, JointForceSensor, StressSensor
 from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
 from supple.simulation import equilibrium, simulate
@@ -132,6 +133,18 @@ def test_a_servo_that_comes_to_rest_leaves_the_scale_of_energies_as_it_was():
     axis = solution.bodies["rod"].rotation[:, :, 0]
     assert np.arctan2(-axis[:, 2], axis[:, 0]) == pytest.approx(expected, abs=0.02 * target)
     assert opened(solution) < 1e-12
+
+
+def test_a_part_that_rotates_far_in_a_step_stops_the_run_with_the_step():
+    """One radian in a step, which a weak spring permits."""
+    about = {"first": "ground", "second": "rod.a", "axis": ACROSS}
+    system = System(
+        [Placed(rod(), angular_velocity=(0.0, 10.0, 0.0))],
+        joints=[Revolute(name="pin", **about)],
+        loads=[TorsionSpringDamper(**about, stiffness=0.1, damping=0.0)],
+    )
+    with pytest.raises(ConvergenceError, match=r"rotate too far in a step .* FixedStep below 0\.1"):
+        simulate(system, Run(1.0, 0.1, method=Explicit()))
 
 
 @pytest.mark.slow

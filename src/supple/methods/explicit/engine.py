@@ -241,7 +241,7 @@ class ExplicitEngine:
                 where, remedy = (
                     ("between parts with different steps", "a smaller largest_ratio")
                     if row.ratio > 1
-                    else ("by parts that rotate too far in a step", shorter)
+                    else ("by parts that rotate too far in a step", f"a FixedStep below {row.step:.3g}")
                 )
                 verb = "lost" if e["interface"] > 0 else "gained"
                 return (
