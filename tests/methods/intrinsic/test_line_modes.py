@@ -107,6 +107,14 @@ def test_a_beam_that_turns_flaps_and_lags_as_published(form):
     assert np.abs(diagram.damping_ratios).max() < 1e-9
 
 
+def test_a_clamped_beam_turns_with_its_ground_as_with_a_driven_hub():
+    """If all bodies rotate, a joint to the ground is one to a rotating platform."""
+    clamp = Fixed(first="ground", second="beam.root", name="clamp")
+    flap = FLAP[6.0][0]
+    found = modes_of(System([released(beam())], [clamp]), spin=Spin(6.0)).frequencies[:2]
+    assert found == pytest.approx([np.sqrt(flap**2 - 36), flap], rel=1e-2)
+
+
 @pytest.mark.slow
 def test_a_beam_of_few_modes_that_turns_about_its_tip_flaps_and_lags_as_published():
     """Its modes are those of a clamped root; without static responses at its tip lag is 28 % higher."""

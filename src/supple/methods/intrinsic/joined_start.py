@@ -97,7 +97,8 @@ def closed_machine(
 ) -> ClosedMachine:
     """The machine as placed, without redundant joint equations; raises and warns as `joined_start`.
 
-    known : numbers of the independent equations; None: they are computed
+    known : numbers of the independent equations of a machine whose joints are closed, or count as closed: on
+        a rotating machine, joints to the ground are those to a rotating platform; None: they are computed
     """
     arrays, seen = machine.arrays, machine.seen
     placed = jax.tree.map(jnp.asarray, placed_configuration(seen))
@@ -110,8 +111,10 @@ def closed_machine(
     now, *found = _BEGUN(arrays, given)
     gaps, rows, rates, metric = map(np.asarray, found)
     check_joints_finite(machine.system, gaps, rates)
-    _check_closed(machine, gaps)
-    active = np.array(independent_constraints(seen, rows, metric) if known is None else known, dtype=int)
+    if known is None:
+        _check_closed(machine, gaps)
+        known = independent_constraints(seen, rows, metric)
+    active = np.array(known, dtype=int)
     if len(active) < len(gaps):
         n_floating = len(arrays.model.sizes) - arrays.n_coupled
         arrays = replace(arrays, model=station_model(seen, n_floating, tuple(active.tolist())))
