@@ -428,3 +428,28 @@ def test_modes_of_a_blade_are_named_by_the_way_that_it_moves():
     across = PrescribedRotation(first="ground", second=f"{reduced.name}.root", axis=(0, 1, 0), angle=0.0)
     turned = System([reduced], [across])
     assert mode_names(machine_modes(linearize(turned, spin=Spin(0.0, (0, 1, 0)), fulls=()), 1)) == ("edge 1",)
+
+
+def test_a_bushing_against_tilt_belongs_on_a_bearing_that_stands():
+    """Of one on the rotor the stiffness against tilt grows with the angle of rotation.
+
+    A disc on a bearing that stands: J w^2 -+ J_p W w - k = 0.
+    """
+    transverse, polar, stiffness, rate = 0.2, 0.35, 1e4, 100.0
+    inertia = np.diag([polar, transverse, transverse])
+    disc = RigidBody("disc", 10.0, np.zeros(3), inertia, {"c": np.zeros(3)})
+    bearing = RigidBody("bearing", 1e-6, np.zeros(3), 1e-8 * np.eye(3), {"c": np.zeros(3)})
+    hinge = Revolute(first="bearing.c", second="disc.c", axis=X, name="hinge")
+    spin = Spin(rate, X, bodies=["disc"])
+
+    def held(end, along_axis):
+        springs = (4e5, 4e5, 1e6, stiffness, stiffness, along_axis)
+        return Bushing(first="ground", second=end, axis=X, stiffness=springs)
+
+    with pytest.raises(ModelError, match=r"changes with the angle of rotation.*by a Revolute joint"):
+        linearize(System([disc], loads=[held("disc.c", 0.0)]), spin=spin)
+    machine = System([disc, bearing], [hinge], [held("bearing.c", stiffness)])
+    modes = machine_modes(linearize(machine, spin=spin))
+    found = np.sort(modes.frequencies[whirl(modes).sense != 0])
+    roots = np.roots([transverse, -polar * rate, -stiffness])
+    np.testing.assert_allclose(found, np.sort(abs(roots)), rtol=1e-4)

@@ -22,7 +22,11 @@ from supple.linearization.linear_machine import Array, FullMachine, LinearMachin
 from supple.linearization.sparse_machine import SparseMachine
 from supple.linearization.standing_axes import CONSTANT, in_standing_axes
 from supple.linearization.standing_error import StandingTurn
-from supple.linearization.turned_machine import equations_turned_on, refuse_other_speeds
+from supple.linearization.turned_machine import (
+    equations_turned_on,
+    refuse_other_speeds,
+    refuse_turning_bushings,
+)
 from supple.machine import JointFriction, Spin, System
 from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.equilibrium import warn_of_rest
@@ -73,7 +77,8 @@ def linearize(
     Raises
     ------
     ModelError          a machine without free motions; one whose equilibrium varies with rotation, with
-                        drives of another speed, or with joint friction in rotation; with full bodies or
+                        drives of another speed, with joint friction in rotation, or with bushings that
+                        resist tilt between rotating and standing bodies; with full bodies or
                         controllers, equations that vary
     ConvergenceError    no equilibrium
     Warns ValidityWarning where a body exceeds a limit of its kinematics at the equilibrium.
@@ -90,6 +95,7 @@ def linearize(
     warn_of_rest_limits(placed_at_rest(found), still, known)
     if spin is not None and spin.rate:
         refuse_other_speeds(found, time, spin)
+        refuse_turning_bushings(found, spin)
     equations = found.equations.linear_equations(found.state, time)
     sparse = None
     if isinstance(equations, SparseEquations):

@@ -11,13 +11,29 @@ from scipy.spatial.transform import Rotation
 from supple.equations.static_search import carried_state
 from supple.equations.steady_motion import LinearEquations
 from supple.errors import ModelError
-from supple.machine import GROUND, AngleServo, At, ConstantRate, Joint, PrescribedRotation, Spin, System
+from supple.machine import (
+    GROUND,
+    AngleServo,
+    At,
+    Bushing,
+    ConstantRate,
+    Joint,
+    PrescribedRotation,
+    Spin,
+    System,
+)
 from supple.machine.laws.with_rate import WithRate
 from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.equations_of import equations_of
 from supple.simulation.resting_state import RestingState, at_rest, placed_at_rest
 
-__all__ = ["TurnedEquations", "equations_turned_on", "refuse_other_speeds", "turning_bodies"]
+__all__ = [
+    "TurnedEquations",
+    "equations_turned_on",
+    "refuse_other_speeds",
+    "refuse_turning_bushings",
+    "turning_bodies",
+]
 
 
 SAME_RATE = 1e-9
@@ -51,6 +67,30 @@ def refuse_other_speeds(found: RestingState, time: float, spin: Spin) -> None:
                 f"alike, beside a spin of {spin.rate:g}: machines of two speeds are not linearised. Fix the "
                 "joint, angle=0.0, or give the spin its rate, if the bodies on one side of the joint rotate "
                 "at this rate"
+            )
+
+
+def refuse_turning_bushings(found: RestingState, spin: Spin) -> None:
+    """Raise ModelError for a bushing that resists tilt between a rotating and a standing body.
+
+    Its rotation vector grows with the angle of rotation, and its stiffness against tilt with it.
+    """
+    turning = turning_bodies(found, spin)
+    for load in found.system.loads:
+        if not isinstance(load, Bushing) or _turns(load.first, found, turning) == _turns(
+            load.second, found, turning
+        ):
+            continue
+        axis = load.initial_axes.T @ spin.axis
+        across = np.eye(3) - np.outer(axis, axis)
+        damping = np.asarray(load.damping)[3:, 3:]
+        left = abs(across @ damping @ across).max()
+        if np.any(np.asarray(load.stiffness)[3:, 3:]) or left > SAME_RATE * abs(damping).max():
+            raise ModelError(
+                f"{load.label}: it resists the rotation between a rotating and a standing body, and its "
+                "stiffness against tilt changes with the angle of rotation. Give it no rotational stiffness "
+                "and no damping of tilt; for a bearing that resists tilt, connect the bushing to a "
+                "body of the bearing that stands, and this body to the rotor by a Revolute joint"
             )
 
 
