@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from fixtures.beam_bodies import beam_body
 from scipy.linalg import eigh
 
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
@@ -79,6 +80,22 @@ def test_a_damped_mass_has_the_damping_ratio_of_its_formula():
     assert modes.damping_ratios[moving] == pytest.approx(np.full(3, ratio), rel=1e-9)
     assert modes.frequencies[moving] == pytest.approx(np.full(3, natural * np.sqrt(1 - ratio**2)), rel=1e-9)
     assert not modes.unstable.any()
+
+
+@pytest.mark.parametrize(
+    "frame", [MeanAxisFrame(), NodalFixedFrame("root")], ids=["mean-axis", "nodal-fixed"]
+)
+def test_a_free_body_has_six_rigid_motions_and_its_free_vibrations(frame):
+    """Six zeros, then `4.7300^2 sqrt(E I / m L^4)`; in a spin, motions along and about the axis stay free."""
+    body = reduce(beam_body("root", "tip", n=30), frame, CraigBampton(8), loads=NoLoads)
+    modes = machine_modes(linearize(System((Placed(body),)), fulls=()), 8)
+    bending = 4.7300407**2 * np.sqrt(7e10 * 0.1**2 / 12 / 2700.0) / 4.0**2
+    assert modes.frequencies[:6] == pytest.approx(np.zeros(6), abs=1e-6 * bending)
+    assert modes.frequencies[6] == pytest.approx(bending, rel=0.01)
+    assert np.linalg.matrix_rank(modes.shapes[:, :6]) == 6
+    turning = machine_modes(linearize(System((Placed(body),)), spin=Spin(5.0, (1, 0, 0)), fulls=()), 3)
+    assert turning.frequencies[:2] == pytest.approx(np.zeros(2), abs=1e-9)
+    assert turning.frequencies[2] > 4.0
 
 
 def test_a_body_that_turns_about_its_middle_axis_is_unstable():

@@ -28,6 +28,12 @@ mode."""
 _NO_DAMPING = 1e-12
 """Damping ratio up to which a summary shows zero."""
 
+_FREE_SCALE = 2.0**26
+"""Scale of the positions of free motions, large as that of slow ones in balanced coordinates."""
+
+_MOVING = 1e-6
+"""Size of the rates of free motions in a unit vector above which it belongs to their second pole at zero."""
+
 _ROUNDING = 512.0
 """Rounding error of stiffness terms that cancel, relative to the terms, in units of the floating-point
 precision."""
@@ -187,15 +193,25 @@ def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
     )
     lower = np.linalg.cholesky(inner.mass)
     state, unit = _state_matrix(inner, lower)
+    # No force depends on the positions of free motions: without these, their velocities alone have a pole at
+    # zero. Eigenvectors of several equal double poles would be those of one of the motions.
+    free = _is_free(machine, graded)
+    kept = np.concatenate([~free, np.ones(len(state) - k, dtype=bool)])
     # States of controllers have different units: balancing makes their size comparable.
-    balanced, (scales, _) = scipy.linalg.matrix_balance(state, permute=False, separate=True)
+    balanced, (factors, _) = scipy.linalg.matrix_balance(
+        state[np.ix_(kept, kept)], permute=False, separate=True
+    )
     values: Any
     left: Any
-    right: Any
-    values, left, right = scipy.linalg.eig(balanced, left=True)
+    found: Any
+    values, left, found = scipy.linalg.eig(balanced, left=True)
+    scales, right = np.full(len(state), _FREE_SCALE), np.zeros((len(state), len(values)), dtype=complex)
+    scales[kept], right[kept] = factors, found
+    rates = (scales[:, None] * right)[k : 2 * k][free]
+    right[:k][free] = unit / _FREE_SCALE * rates / np.where(values == 0, unit, values)
     motions = graded @ scipy.linalg.solve_triangular(lower.T, scales[:k, None] * right[:k])
-    zero = _is_zero(values, left, right, unit / np.sqrt(k)) | _is_rigid(machine, values, motions)
-    values, vectors = _one_of_each(np.where(zero, 0.0, values), right, scales, k)
+    zero = _is_zero(values, left, found, unit / np.sqrt(k)) | _is_rigid(machine, values, motions)
+    values, vectors = _one_of_each(np.where(zero, 0.0, values), right, scales, free)
     still = np.linalg.norm(vectors[: 2 * k], axis=0) < _MOTIONLESS
     vectors = scales[:, None] * vectors
     # Among modes equally slow within rounding, growing ones come first.
@@ -276,15 +292,30 @@ def _is_zero(values: Any, left: Any, right: Any, unit: float) -> np.ndarray:
     return (abs(values) < 3e-7 * unit) & (moved < 1e-12 * unit)
 
 
-def _one_of_each(values: Any, vectors: Any, scales: Array, k: int) -> tuple[Any, Any]:
+def _is_free(machine: LinearMachine, graded: Array) -> np.ndarray:
+    """Mask (k,) of motions in `graded` coordinates on whose position no force and no controller depends."""
+    rounding, size = _ROUNDING * np.finfo(float).eps, abs(graded)
+    stiffness, read = machine.stiffness, machine.control.by_position
+    forces = abs(graded.T @ stiffness @ graded) <= rounding * (size.T @ abs(stiffness) @ size)
+    readings = abs(read @ graded) <= rounding * (abs(read) @ size)
+    return forces.all(axis=0) & readings.all(axis=0)
+
+
+def _one_of_each(values: Any, vectors: Any, scales: Array, free: np.ndarray) -> tuple[Any, Any]:
     """The eigenvalue of each conjugate pair above the real axis; as many zeros as independent vectors.
 
-    Each free rigid motion has two poles at zero, of position and rate: they count as one mode.
+    Each free rigid motion has two poles at zero, of position and rate: they count as one mode. The motions
+    `free` are unit vectors; other vectors at zero with the rate of one belong to its second pole.
     """
+    k = len(free)
     zero = values == 0
     kept = (values.imag >= 0) & ~zero
     at_zero = np.hstack([vectors[:, zero].real, vectors[:, zero].imag])
+    _, sizes, rows = np.linalg.svd(at_zero[k : 2 * k][free])
+    at_zero = at_zero @ rows[np.count_nonzero(sizes > _MOVING) :].T
     at_zero[k : 2 * k] = 0.0  # rates, which are rounding
+    at_zero[:k][free] = 0.0
+    at_zero = np.hstack([np.eye(len(at_zero), k)[:, free], at_zero])
     # Positions in the mass norm: in balanced units, the strain due to the rate of a free rotation is as
     # large as the rotation.
     weights, places = np.ones((len(at_zero), 1)), scales[:k, None] * at_zero[:k]
