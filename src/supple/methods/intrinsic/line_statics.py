@@ -321,8 +321,9 @@ def _steady_drive(
     if np.abs(twist - ways @ along).max() > SAME_AXIS * max(np.abs(twist).max(), 1e-300):
         raise ModelError(
             f"intrinsic body '{placed.body.name}' cannot rotate with the spin: its root support prevents it. "
-            "Give a joint about the axis of the spin (Revolute, PrescribedRotation), through its root, or "
-            "name the rotating bodies, Spin(bodies=..)"
+            "Give a joint about the axis of the spin (Revolute, PrescribedRotation), through its root; "
+            "release the body (released(body); in a case file released = true) if its support rotates too; "
+            "or name the rotating bodies, Spin(bodies=..)"
         )
     if drive is None:
         return None
