@@ -120,7 +120,11 @@ def test_the_wing_is_a_valid_case():
         ("modes = 4", 'modes = 4, support = "hinged", axis = [0, 0, 1]', "axis is now body_axis"),
         (CONDENSE, CONDENSE + WHOLE[0], "takes no frame; remove the key"),
         ('kind = "rayleigh"', 'kind = "linear-rayleigh"', 'takes damping of kind "rayleigh" or "modal"'),
-        ("damping = {", 'damping = { held = "root",', "a condensed body acts on its own modes; remove held"),
+        (
+            "damping = {",
+            'damping = { held = "root",',
+            "a condensed body acts on its modes, not relative to an interface; remove held",
+        ),
         ("stations = 5", "stations = 1", "greater than or equal to 2"),
         ("modes = 4", "modes = 4, accuracy = {}", "give either modes or accuracy, not both"),
     ],

@@ -214,7 +214,7 @@ ONE_MISTAKE = {
     "long vector": (
         "[0.0, 0.0, -9.81]",
         "[0.0, 0.0, 1.0, 2.0]",
-        "gravity: at most 3 items are taken, got [0.0",
+        "gravity: at most 3 items are allowed, got [0.0",
     ),
     "unknown kind": (
         '"mean-axis"',

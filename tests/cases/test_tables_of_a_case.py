@@ -47,8 +47,8 @@ def test_tables_that_last_as_long_as_the_run_are_good(tmp_path):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ("0,0\n0.9,1\n", r"the table ends at t = 0\.9, before the run does \(t = 1\); extend the table or"),
-        ("0.1,0\n1,1\n", r"the table begins at t = 0\.1, after the run does; extend it backwards"),
+        ("0,0\n0.9,1\n", r"the table ends at t = 0\.9, before the run ends \(t = 1\); extend the table or"),
+        ("0.1,0\n1,1\n", r"the table begins at t = 0\.1, after the run begins \(t = 0\); extend"),
         ("0,0\n0,1\n", r"\.csv: times must increase"),
         ("0,0\nx,1\n", r"\.csv, line 2: 'x,1'; write rows of two numbers"),
         ("0,0\n", r"\.csv has 1 rows of 2 numbers"),

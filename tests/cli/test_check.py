@@ -191,7 +191,7 @@ def test_an_rbe2_that_is_no_interface_ties_its_nodes_all_the_same(folder):
         (
             'connection = "rbe2_7"',
             'connection = "rbe2_7"\nkind = "rigid"',
-            "a connection has its own kind; remove",
+            "the mesh file defines the kind of a connection; remove",
         ),
         (
             "nastran = {}",

@@ -55,7 +55,7 @@ def test_what_is_there_is_not_replaced(tmp_path):
 def test_a_folder_without_an_example_is_refused(tmp_path):
     result = CliRunner().invoke(app, ["example", "-o", str(tmp_path)])
     assert result.exit_code == 2
-    assert "give the name of one as well" in result.output
+    assert "give the name of an example as well" in result.output
 
 
 def test_an_unknown_example_is_named(tmp_path):
@@ -95,7 +95,7 @@ def test_cells_that_a_case_of_the_mesh_cannot_use_are_refused_with_a_remedy(tmp_
     case = tmp_path / "rod.toml"
     cases.write_new_case(rod, case)
     case.write_text(case.read_text().replace("solid = {", "shell = { thickness = 1.0,"))
-    with pytest.raises(ModelError, match=r"TETRA10 cells: solids are a body with solid = "):
+    with pytest.raises(ModelError, match=r"TETRA10 cells: for solids give solid = "):
         assert read_case(case).flexible
     line = tmp_path / "line.msh"
     line.write_text(

@@ -238,7 +238,9 @@ def test_cut_file(path, section, tmp_path):
 @pytest.mark.parametrize("path", [TEXT_2, TEXT_4], ids=lambda path: path.stem)
 def test_lines_missing_inside_a_section(path, changed):
     node = "3 2 1 0\n" if path is TEXT_2 else "2 1 0\n"
-    with pytest.raises(ImportFormatError, match=r"not readable as a Gmsh mesh .*; save it from Gmsh again"):
+    with pytest.raises(
+        ImportFormatError, match=r"not readable as a Gmsh mesh .*; save the whole mesh from Gmsh again"
+    ):
         read_gmsh(changed(path, node, ""))
 
 

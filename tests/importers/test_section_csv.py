@@ -72,6 +72,6 @@ def test_mistakes_are_named_with_their_line(tmp_path, old, new, error, message):
 
 
 def test_a_file_of_another_kind(tmp_path):
-    with pytest.raises(ImportFormatError, match=r"no section table; it is one of \.csv, \.yaml"):
+    with pytest.raises(ImportFormatError, match=r"not a section table; give a file \.csv, \.yaml"):
         read_section_table(tmp_path / "beam.xlsx")
     assert prismatic().n == 2

@@ -42,7 +42,7 @@ def test_an_element_that_is_driven_does_not_stand_among_the_loads():
 
 def test_an_element_is_driven_by_one_output():
     words = "controller 'b' drives TorqueBetween on ground, which another output drives already"
-    with pytest.raises(ModelError, match=words + ".*an element of its own"):
+    with pytest.raises(ModelError, match=words + ".*a separate element"):
         wheel(controllers=[driving(TORQUE, "a"), driving(TORQUE, "b")])
     wheel(controllers=[driving(TORQUE, "a"), driving(replace(TORQUE), "b")])
 

@@ -68,7 +68,7 @@ def lumped_forces(span: ArrayLike, normal: ArrayLike, tangential: ArrayLike) -> 
     """
     span = np.asarray(span, dtype=np.float64)
     if span.ndim != 1 or span.size < 2 or (np.diff(span) <= 0).any():
-        raise ModelError("give nodes from root to tip, at least two, each at its own span")
+        raise ModelError("give nodes from root to tip, at least two, each at a different span")
     share = np.diff(span, prepend=span[0], append=span[-1])
     share = (share[:-1] + share[1:]) / 2
     normal, tangential = np.asarray(normal) * share, np.asarray(tangential) * share

@@ -39,7 +39,9 @@ class PowerLawShear:
         """
         height = np.asarray(height, dtype=np.float64)
         if height.size and height.min() <= 0:
-            raise ModelError(f"height {height.min():g} m above the ground; the rotor must clear it")
+            raise ModelError(
+                f"height {height.min():g} m above the ground; the rotor must stay above the ground"
+            )
         return (height / self.hub_height) ** self.exponent
 
 

@@ -92,7 +92,7 @@ class Body(CheckedTable):
         "for matrices also HDF5 .h5",
     )
     cells: str | None = Field(
-        None, description="cell set of the mesh that is this body (shell, solid); default: all cells"
+        None, description="cell set of the mesh that forms this body (shell, solid); default: all cells"
     )
     shell: Shell | None = None
     solid: Solid | None = None

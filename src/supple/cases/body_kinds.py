@@ -97,7 +97,7 @@ class Homogeneous(ElasticKind):
         except MeshError:
             if cells is None:
                 raise
-            # The bodies of a mesh of several need not be connected.
+            # The whole mesh of several bodies may be disconnected; the cells of this body are connected.
             read = read_mesh(folder / mesh, only=cells)
         if cells is not None:
             part = mesh_part(read, read.cells_of(cells))
@@ -135,10 +135,10 @@ class Shell(Homogeneous):
 _FORMS = {
     1: "a mesh has no cross-sections of beams: give a deck with them (nastran = {}, abaqus = {}), or a "
     "section_table",
-    2: "shells are a body with shell = { thickness = .., .. }",
-    3: "solids are a body with solid = {..}",
+    2: "for shells give shell = { thickness = .., .. }",
+    3: "for solids give solid = {..}",
 }
-"""What cells of a dimension need in a case file."""
+"""Keys of a case file for cells of a dimension; parts of messages."""
 
 
 def _check_cells(mesh: Mesh, dimension: int) -> None:
@@ -209,7 +209,7 @@ class Matrices(ElasticKind):
     damping: FileName | None = Field(None, description="as for stiffness; default: no damping matrix")
     damping_name: str | None = Field(None, description="as stiffness_name; default: the one with B..")
     recovery: FileName | None = Field(
-        None, description="HDF5 or OUTPUT4 file of the matrix from the rows to motions of inner points"
+        None, description="HDF5 or OUTPUT4 file of the recovery matrix: motions of inner points from the rows"
     )
     recovery_name: str | None = Field(None, description="name of the recovery matrix in an OUTPUT4 file")
     rigid_tolerance: Positive | None = Field(
@@ -286,11 +286,11 @@ class Rigid(BodyKind):
 
 
 class ReducedFile(BodyKind):
-    """The file of a reduced body: the key has a file name instead of a table."""
+    """A body from the file of a reduced body; the value of the key is the file name, not a table."""
 
 
 class SectionTableFile(ElasticKind):
-    """A section table, for beams or intrinsic modes: the key has its file name instead of a table."""
+    """A body of beams or of intrinsic modes from a section table; the value of the key is the file name."""
 
     has_elements = True
 
@@ -357,7 +357,7 @@ def at_elements(
             able = ", ".join(kinds_that("has_elements"))
             yield (
                 (*path, "at"),
-                f"body {name!r} has no elements {would_be}; give a node set of one that has ({able})",
+                f"body {name!r} has no elements {would_be}; give a node set of a body with elements ({able})",
             )
         elif where in names(bodies[name], "interface"):
             yield (

@@ -71,7 +71,9 @@ class Condense(CheckedTable):
     root: str = Field(description="interface at the start of the load path; a joint may support it")
     tip: str | None = Field(None, description="interface at the end of the path, for bodies with elements")
     stations: int | None = Field(
-        None, ge=2, description="number of stations along the path with both ends, for bodies with elements"
+        None,
+        ge=2,
+        description="number of stations along the path, both ends included, for bodies with elements",
     )
     paths: Annotated[tuple[NodeIndices, ...], Field(strict=False)] | None = Field(
         None,
@@ -157,7 +159,10 @@ def _has_no_floating_frame(path: KeyPath, body: Raw) -> Mistakes:
         yield (*path, needless), f"a condensed body has its own modes and takes no {needless}; remove the key"
     damping = table(body, "damping").get("kind")
     if "held" in table(body, "damping"):
-        yield (*path, "damping", "held"), "the damping of a condensed body acts on its own modes; remove held"
+        yield (
+            (*path, "damping", "held"),
+            "the damping of a condensed body acts on its modes, not relative to an interface; remove held",
+        )
     if damping not in (None, "rayleigh", "modal"):
         message = f'a condensed body takes damping of kind "rayleigh" or "modal", not "{damping}"'
         yield (*path, "damping", "kind"), message
@@ -197,7 +202,7 @@ def _joints_suit_the_supports(raw: Raw) -> Mistakes:
         root = f"{name}.{given.get('root')}"
         if not is_condensed(body) or given.get("released") is True:
             continue
-        # A free root has no joints to suit; an unknown support is a mistake of its own.
+        # A free root needs no joint; the schema reports an unknown support.
         if str(given.get("support", "clamped")) not in _HELD_BY:
             continue
         joints = [(at, own) for at, own in tables(raw, "joint") if name in map(_body, _ends(own))]

@@ -80,7 +80,8 @@ class ContactTable(CheckedTable):
         0.2,
         gt=0.0,
         le=1.0,
-        description="stiffness relative to m omega_max^2 of a node; shortens the step by sqrt(1 + fraction)",
+        description="stiffness relative to m omega_max^2 of a node; divides the step by at most "
+        "sqrt(1 + fraction), with a surface by sqrt(1 + 2 fraction)",
     )
 
     def build(self) -> Contact | SurfaceContact:
@@ -98,7 +99,7 @@ NodalContinuity = table_of(
     "every-node",
     tolerance=Key(
         Annotated[float, _OPENING],
-        "relative singular value below which a combination is dropped",
+        "singular value, relative to the largest, below which a combination of gaps is not constrained",
     ),
 )
 CollocatedTransfer = table_of(Collocated, "collocated")

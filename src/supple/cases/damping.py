@@ -26,7 +26,7 @@ from supple.reduction import ReducedBody, clamped_modes
 LARGEST_MISS = 0.1
 """Largest relative deviation of a clamped mode's damping ratio that causes no warning."""
 
-HELD = "interface relative to which mass damping acts, in any frame; default: the body's frame"
+HELD = "interface relative to which mass damping acts, whatever the frame; default: the body's frame"
 
 
 class _RatioOfTwoModes(CheckedTable):
@@ -36,8 +36,8 @@ class _RatioOfTwoModes(CheckedTable):
     modes: Annotated[tuple[int, int], Field(strict=False)] = Field((1, 2), description="mode numbers from 1")
     held: str | None = Field(
         None,
-        description="interface clamped in these modes; mass damping acts relative to it; default: "
-        "free in the frame",
+        description="interface clamped in these modes, and relative to which mass damping acts; default: "
+        "the body's frame",
     )
 
     def _fitted(self, body: FlexibleBody, frame: Frame) -> RayleighDamping:
@@ -83,7 +83,7 @@ class LinearRayleigh(table_of(LinearRayleighDamping, "linear-rayleigh", **_OF_MA
 
 
 _MODES = "number of lowest modes that are damped; required for a full body"
-_CLAMPED = "interface clamped in these modes, in any frame; default: modes in the body's frame"
+_CLAMPED = "interface clamped in these modes, whatever the frame; default: modes in the body's frame"
 
 
 class Modal(

@@ -59,7 +59,7 @@ _CONTACT = {
     ),
 }
 _FOLLOWED = Key(LoadLaw, "prescribed angle or slide over time, rad or length", "law")
-_SLIDING = "friction in sliding, moment or force"
+_SLIDING = "friction while sliding, a moment or a force"
 _WIDTH = Key(description="rate or speed below which it acts as a damper, rad per time or velocity")
 
 ElementTable = Annotated[
@@ -72,7 +72,7 @@ ElementTable = Annotated[
             damping=Key(Six, "as stiffness; force per velocity, moment per angular velocity"),
             offset=Key(
                 Vector,
-                "offset of the ends without force, in the bushing's axes, a length; default: as at the start",
+                "offset of the ends at zero force, bushing axes, a length; default: that at the start",
                 default=None,
             ),
         ),

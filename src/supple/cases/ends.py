@@ -15,7 +15,10 @@ def place_exists(raw: Raw, path: KeyPath, place: Any, may_be: str) -> Mistakes:
         return
     if place == "ground":
         if not ground:
-            yield path, "ground is not allowed here, only as first end of a joint or spring"
+            yield (
+                path,
+                "ground is not allowed here, only as first end of a joint or spring, or as end of an element",
+            )
         return
     bodies = {str(body.get("name")): body for _, body in tables(raw, "body")}
     name, dot, where = place.partition(".")

@@ -41,7 +41,7 @@ def stored_so_far(case: Path, folder: Path) -> str:
         return f"the rounds so far are stored in {folder / ROUNDS_FOLDER}; --resume continues them"
     if header is not None and header.n_times:
         return f"the run so far is stored in {path}; --resume continues it"
-    return "nothing was computed yet; run it again"
+    return "nothing was computed yet; run the case again"
 
 
 def refuse_overwrite(case: Case, folder: Path, *, resume: bool, force: bool) -> None:

@@ -48,9 +48,9 @@ class InterfaceTable(CheckedTable):
 def _interfaces_suit_their_body(path: KeyPath, body: Raw) -> Mistakes:
     """The rule that the keys of an interface fit the kind of its body."""
     kind = kind_of(body)
-    if "reduced" in body:  # its file has the interfaces
+    if "reduced" in body:  # the file contains the interfaces
         return
-    if kind is SectionTableFile and "condense" in body:  # its stations have their own rules
+    if kind is SectionTableFile and "condense" in body:  # rules on stations apply instead
         return
     for place, interface in tables(body, "interface", path):
         sources = [key for key in ("nodes", "node_indices", "connection") if key in interface]
@@ -71,7 +71,7 @@ def _interfaces_suit_their_body(path: KeyPath, body: Raw) -> Mistakes:
                 able = " and ".join(kinds_that("has_connections"))
                 yield (*place, "connection"), f"only {able} bodies have connections; give nodes"
             for key in (key for key in ("kind", "position") if key in interface):
-                yield (*place, key), f"a connection has its own {key}; remove the key"
+                yield (*place, key), f"the mesh file defines the {key} of a connection; remove the key"
         elif kind is Superelement and "nodes" in interface:
             yield (*place, "nodes"), "a superelement has no node sets; give node_indices (from 0) instead"
 

@@ -75,7 +75,7 @@ class JointTable(CheckedTable):
     second_axis: Vector | None = Field(None, description="universal: the other cross-pin axis, global axes")
     law: Law | None = Field(None, description="prescribed joints: angle or distance over time, rad or length")
     friction: Friction | None = Field(
-        None, description="revolute and prismatic: friction under the joint's own force"
+        None, description="revolute and prismatic: friction proportional to the joint force"
     )
 
     @property

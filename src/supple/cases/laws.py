@@ -111,12 +111,13 @@ def tables_suit_the_run(raw: Raw, folder: Path) -> Mistakes:
             if begins_after(made, begin):
                 yield (
                     place,
-                    f"the table begins at t = {made.begin:g}, after the run does; extend it backwards",
+                    f"the table begins at t = {made.begin:g}, after the run begins (t = {begin:g}); "
+                    "extend it backwards",
                 )
             if isinstance(duration, int | float) and ends_before(made, begin + duration):
                 yield (
                     place,
-                    f"the table ends at t = {made.end:g}, before the run does (t = {begin + duration:g}); "
+                    f"the table ends at t = {made.end:g}, before the run ends (t = {begin + duration:g}); "
                     "extend the table or shorten the run",
                 )
 

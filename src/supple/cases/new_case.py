@@ -103,7 +103,7 @@ def _ends(along: np.ndarray, sets: Mapping[str, np.ndarray]) -> tuple[str, str] 
 
 def _case(name: str, named: str, model: _Model) -> str:
     return f"""\
-# {name} under its weight. Lines marked GUESS are yours to set; `supple info {named}` lists sets and sizes.
+# {name} under its weight. Check the lines marked GUESS; `supple info {named}` lists sets and sizes.
 
 title = "{name} under its weight"
 # GUESS: the mesh is {model.spans[0]:.4g} long; nothing is converted, so mesh and numbers need the same units.

@@ -63,8 +63,8 @@ class Output(CheckedTable):
     )
     enlargement: Positive | None = Field(
         None,
-        description="factor on deflections; default: 1 in the animation, in pictures "
-        "of single bodies large enough to be visible",
+        description="factor on deflections; default: 1 in the animation; in pictures of single bodies, a "
+        "factor that makes small deflections visible",
     )
     report: bool = Field(True, description="write the report for a browser (HTML): motion, curves, tables")
     colour: Literal["deflection", "von-mises", "plastic-strain"] = Field(

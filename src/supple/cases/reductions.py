@@ -280,7 +280,7 @@ def _selections_have_candidates(path: KeyPath, body: Raw) -> Mistakes:
             'moment" or "effective-interface-mass"',
         )
     if isinstance(modes, int) and modes > candidates:
-        yield place, f"{modes} modes cannot be selected among {candidates} candidates; give more"
+        yield place, f"{modes} modes cannot be selected among {candidates} candidates; give more candidates"
 
 
 def _sizes_are_fixed_or_corrected(path: KeyPath, body: Raw) -> Mistakes:
@@ -296,8 +296,8 @@ def _sizes_are_fixed_or_corrected(path: KeyPath, body: Raw) -> Mistakes:
     if "derivatives" in given and not sized and accuracy is None:
         yield (
             (*path, "reduction", "derivatives"),
-            "a basis of fixed size needs modes too; add modes = 10, or accuracy = {relative = 1e-3} "
-            "to start with these derivatives and correct itself",
+            "derivatives need modes = 10, for a basis of fixed size, or accuracy = {relative = 1e-3}, for a "
+            "reduction that starts with these derivatives and corrects itself; add one of them",
         )
     if damps_all_modes(body) and (accuracy is not None or not sized):
         yield (

@@ -34,7 +34,7 @@ class SensedCase(NamedTuple):
 class SensorTable(Made):
     """The keys common to all sensors."""
 
-    name: str = Field(description="heads its columns: NAME.x, NAME.Fx, NAME.angle, ...")
+    name: str = Field(description="prefix of the column names: NAME.x, NAME.Fx, NAME.angle, ...")
 
 
 _Component = Literal["von-mises", "principal", "xx", "yy", "zz", "yz", "xz", "xy"]
@@ -72,7 +72,7 @@ class TensorSensor(SensorTable):
         body, nodes = case.place(self.at).body, case.place(self.at).at
         if body not in case.elements or isinstance(nodes, str):
             raise ModelError(
-                f"sensor '{self.name}': '{self.at}' is no node set of a body with elements; give one"
+                f"sensor '{self.name}': '{self.at}' is no node set of a body with elements; give such a set"
             )
         made = quantities.StrainSensor if self.kind == "strain" else quantities.StressSensor
         measure = _tensor_measure(self._component)

@@ -173,7 +173,7 @@ def _is_divided_one_way(path: KeyPath, body: Raw) -> Mistakes:
         yield (*path, "split", "cell_sets"), f"a split needs at least two cell sets; got {sets}"
     if table(body, "damping").get("kind") == "modal":
         message = (
-            'modal damping of the parts would damp their own modes, not the body\'s; give kind = "rayleigh"'
+            'modal damping would damp the modes of the parts, not those of the body; give kind = "rayleigh"'
         )
         yield (*path, "damping"), message
 

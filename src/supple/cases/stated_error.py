@@ -59,14 +59,17 @@ class StatedError(CheckedTable):
 
     basis: bool | None = Field(
         None,
-        description="error of bases of a fixed size, by the error equation or a richer run; default false",
+        description="error of bases of fixed size, by the error equation or a run with richer bases; default "
+        "false",
     )
     integration: bool | None = Field(
         None,
         description="error of time step and Newton's tolerance, by two more runs; default true, false if a "
         "body is not reduced",
     )
-    model: bool = Field(True, description="error of elements and ties that rotate relative to their frame")
+    model: bool = Field(
+        True, description="error caused by rotations of elements and ties relative to the frame of their body"
+    )
     of: Annotated[tuple[OfInterest, ...], Field(strict=False)] = Field(
         (), description="further quantities of interest"
     )

@@ -51,7 +51,7 @@ class _Target:
     write: Callable[[Path, Path, ExportOptions], None]
 
     def check(self, options: ExportOptions) -> None:
-        """Raise ArgumentError for options that this output does not have."""
+        """Raise ArgumentError for options that do not apply to this output."""
         other = [_flag(name) for name in options.given if name not in self.options]
         if other:
             taken = ", ".join(map(_flag, self.options)) or "none"

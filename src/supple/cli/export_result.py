@@ -75,7 +75,7 @@ def export_result(
 def _readings(found: ResultMachine, run: ResultParts) -> Readings:
     """Readings of all quantities of a table at the output times of `run`.
 
-    Angles are read at all output times of the file: revolutions between the chosen ones count.
+    Angles are read at all output times of the file, to count the revolutions between the chosen times.
     """
     quantities = recorded_quantities(found.case, found.system)
     angles = [

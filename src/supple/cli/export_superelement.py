@@ -160,7 +160,8 @@ def _downwards(case: Case, name: str) -> NDArray[np.float64]:
     if np.hypot(*gravity[:2]) > _UPRIGHT * np.linalg.norm(gravity) or gravity[2] > 0:
         raise CaseError(
             f"{case.path}: gravity is along ({_listed(gravity)}) in the mesh axes of body '{name}', and "
-            "ExtPtfm needs z upwards: rotate the mesh so that its z is up, and the body not at all"
+            "ExtPtfm needs z upwards: rotate the mesh so that its z axis points upwards, and remove the "
+            "rotation of the body"
         )
     return gravity
 

@@ -292,7 +292,10 @@ def export(
     ] = False,
     superelement: Annotated[
         bool,
-        typer.Option("--superelement", help="Write a deck with the reduced body, for inclusion in others."),
+        typer.Option(
+            "--superelement",
+            help="Write a deck with the reduced body as a superelement, to include in another deck.",
+        ),
     ] = False,
     c: Annotated[
         Path | None, typer.Option("--c", help="Folder for the machine as C: source, header, test, Makefile.")
@@ -307,7 +310,7 @@ def export(
         typer.Option(
             "--platform",
             help="Operating system of an FMU's library: linux, windows or macos (needs supple[fmu]); "
-            "default: that of this computer, by its own compiler.",
+            "default: that of this computer, built by its compiler.",
         ),
     ] = None,
     linear: Annotated[
@@ -394,7 +397,7 @@ def example(
     with reported_errors(debug=debug), reported_warnings():
         if name is None:
             if output is not None:
-                raise ArgumentError("-o is the folder for an example: give the name of one as well")
+                raise ArgumentError("-o is the folder for an example: give the name of an example as well")
             list_examples()
         else:
             write_example(name, output or Path())

@@ -100,7 +100,7 @@ def _run(
     job = None if share is None else share_of(share)
     if job is not None and force:
         raise ArgumentError(
-            "--force deletes the results of all jobs, and --share runs one of them: delete the folder once "
+            "--force deletes the results of all jobs, and --share runs a single job: delete the folder once "
             f"({folder}), then start all jobs without --force"
         )
     given = read_sweep_file(path)

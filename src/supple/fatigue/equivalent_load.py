@@ -58,7 +58,8 @@ class Goodman:
             worst = int(np.argmax(peaks / ultimate))
             raise ModelError(
                 f"Goodman: channel {cycles.channels[worst]} reaches {peaks[worst]:.6g}, beyond its ultimate "
-                f"load of {ultimate[worst]:.6g}: it fails at once; give it in the units of the history"
+                f"load of {ultimate[worst]:.6g}: immediate failure; give the ultimate load in "
+                "the units of the history"
             )
         return cycles.ranges / (1 - np.abs(cycles.means) / ultimate)
 

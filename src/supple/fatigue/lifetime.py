@@ -83,7 +83,9 @@ class Lifetime:
                 "the order of the cases"
             )
         if not np.isfinite(found).all():
-            raise ModelError(f"lifetime: {what} are not finite in some case; run it again or leave it out")
+            raise ModelError(
+                f"lifetime: {what} are not finite in some case; run this case again or leave it out"
+            )
         return found
 
 

@@ -84,7 +84,7 @@ def read_csv_table(
         if name not in known or name in headings[:place]:
             what = "a second column" if name in known else "unknown column"
             raise ImportFormatError(
-                f"{path}: {what} '{name}'; known columns are {', '.join(known)}, each once"
+                f"{path}: {what} '{name}'; known columns are {', '.join(known)}; give each of them once"
             )
     for (number, _), row in zip(kept, rows, strict=True):
         if len(row) != len(headings):

@@ -96,7 +96,7 @@ def _physical_names(path: Path, text: str) -> dict[tuple[int, int], str]:
         if name in names.values():
             raise ImportFormatError(
                 f"{path}, line {_line(text, section.start(1) + found.start(3))}: a second physical group is "
-                f"named '{name}'; give each group a name of its own"
+                f"named '{name}'; give each group a different name"
             )
         names[int(found[1]), int(found[2])] = name
     return names

@@ -104,9 +104,8 @@ def read_gmsh_file(path: Path, content: bytes) -> GmshFile:
 
 def _unreadable(path: Path, why: str) -> ImportFormatError:
     return ImportFormatError(
-        f"{path}: not readable as a Gmsh mesh ({why}); save it from Gmsh again, as format 2.2 or 4.1, "
-        "whole, and "
-        "with either all entities in physical groups or none"
+        f"{path}: not readable as a Gmsh mesh ({why}); save the whole mesh from Gmsh again, as format "
+        "2.2 or 4.1, with all entities in physical groups, or none"
     )
 
 

@@ -175,7 +175,8 @@ def _expanded(
 ) -> list[tuple[Path, int, str]]:
     """Lines of a file without comments, with included files inserted; blank data lines have no text.
 
-    main : folder of the main file, where both programs search; a file beside the including one comes first
+    main : folder of the main file, in which both programs search; here a file beside the including file takes
+        precedence
     """
     found = []
     for number, line in enumerate(lines, start=1):

@@ -31,6 +31,6 @@ def read_section_table(path: str | Path) -> SectionTable:
     reader = _READERS.get(Path(path).suffix.lower())
     if reader is None:
         raise ImportFormatError(
-            f"{path}: no section table; it is one of {', '.join(SECTION_SUFFIXES)} (CSV, windIO, BeamDyn)"
+            f"{path}: not a section table; give a file {', '.join(SECTION_SUFFIXES)} (CSV, windIO, BeamDyn)"
         )
     return reader(path)

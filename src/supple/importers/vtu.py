@@ -91,7 +91,7 @@ def read_vtu(
     for piece in root.iter("Piece"):
         x = _array(file, piece.find("Points/DataArray"), "the points").astype(np.float64)
         if x.size % 3:
-            raise file.error(f"{x.size} coordinates of points, which are not three each")
+            raise file.error(f"{x.size} coordinates of points; each point needs three")
         x = x.reshape(-1, 3)
         if not np.isfinite(x).all():
             raise file.error("a point with a coordinate that is not a number")

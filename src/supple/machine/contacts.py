@@ -17,12 +17,12 @@ class Contact:
     """Penalty contact of nodes with a rigid obstacle: force = stiffness * depth at each node.
 
     nodes : At(part, node set)
-    obstacle : RigidPlane(..), RigidCylinder(..) or RigidSphere(..); one that is free to
-        move (with a mass) belongs to one contact
+    obstacle : RigidPlane(..), RigidCylinder(..) or RigidSphere(..); an obstacle with a mass moves freely, and
+        belongs to one contact
     stiffness : N/m per node; default `fraction * m omega_max^2`, with the mass m of the node and the highest
         frequency omega_max, rad/s, of all finite-element parts
     fraction : in (0, 1]; the default stiffness divides the stable time step by at most sqrt(1 + fraction);
-        a free obstacle lighter than its nodes divides it further: give only nodes that it can touch
+        a free obstacle lighter than `nodes` reduces the step further: give only nodes that can touch it
     Raises ModelError for a stiffness that is not positive, or a fraction outside (0, 1].
     """
 
@@ -41,8 +41,8 @@ class SurfaceContact:
     """Penalty contact of nodes with the faces of another part: force = stiffness * depth at each node.
 
     nodes : At(part, node set)
-    surface : At(part, node set)    outer faces with all corners in the set; choose the coarser, or
-        stiffer, side; a shell is touched from the side on which a node starts
+    surface : At(part, node set)    outer faces with all corners in the set, on the coarser or
+        stiffer part; a node touches a shell from the side on which the node starts
     stiffness : N/m per node; default `fraction * m omega_max^2` of the node, with omega_max as in `Contact`,
         or less where a node of `surface` permits less
     fraction : in (0, 1]; the default stiffness divides the stable time step by at most sqrt(1 + 2 fraction)
@@ -61,7 +61,7 @@ class SurfaceContact:
         if self.nodes.body == self.surface.body:
             raise ModelError(
                 f"contact of '{self.nodes}' with '{self.surface}': both belong to one part; contact of a "
-                "part with itself is not supported, split it in two"
+                "part with itself is not supported; split the part in two"
             )
 
 

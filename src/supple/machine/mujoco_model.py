@@ -165,7 +165,7 @@ def _check_left_out(reader: _Reader, allowed: set[str]) -> None:
         "flex": (int(model.nflex), "give its body as a finite element mesh"),
         "flags": (
             int(model.opt.disableflags & _DISABLED).bit_count(),
-            "remove what they disable from the file",
+            "remove them, and the forces that they disable, from the file",
         ),
     }
     known = [*there, "limits"]
@@ -298,7 +298,8 @@ class _Reader:
         is_limited = bool(model.jnt_limited[j]) and limits
         if (is_universal or kind == _BALL) and is_limited:
             raise ModelError(
-                f'{self.name}: the limits of ball and universal joints are not read; leave_out=["limits"]'
+                f"{self.name}: the limits of ball and universal joints are not read; omit them by "
+                'leave_out=["limits"]'
             )
         if is_universal and (k or c):
             raise ModelError(
@@ -318,9 +319,9 @@ class _Reader:
         elif kind == _HINGE and (k or c):
             if k and abs(rest) >= np.pi and not is_limited:
                 raise ModelError(
-                    f"{self.name}: the spring of joint '{self.label(model.name_jntadr, j, str(j))}' is free "
-                    f"at {rest:.4g} rad from its position in the file; without limits, this must be within "
-                    "half a revolution: change springref or ref, or limit the joint"
+                    f"{self.name}: the spring of joint '{self.label(model.name_jntadr, j, str(j))}' has no "
+                    f"moment at {rest:.4g} rad from the position in the file; without limits, this must "
+                    "be within half a revolution: change springref or ref, or limit the joint"
                 )
             found.append(TorsionSpringDamper(**ends, axis=axis, stiffness=k, damping=c, rest_angle=rest))
         elif kind == _SLIDE and (k or c):
@@ -340,7 +341,7 @@ class _Reader:
                 raise ModelError(
                     f"{self.name}: joint '{self.label(model.name_jntadr, j, str(j))}' is limited to "
                     f"{lower:.4g} .. {upper:.4g} rad from its position in the file; stops must be within "
-                    'half a revolution: leave_out=["limits"], or change its position in the file'
+                    'half a revolution: omit the limits by leave_out=["limits"], or change the position'
                 )
             stop = AngleStop if kind == _HINGE else SlideStop
             found.append(stop(**ends, axis=axis, lower=lower, upper=upper, penalty=self._penalty(j, dof)))

@@ -42,7 +42,7 @@ class Spin:
     def __post_init__(self) -> None:
         check_number("Spin, rate", self.rate)
         if not np.isfinite(self.rate):
-            raise ModelError(f"the rate of a spin is {self.rate}: give a finite one, in rad/s")
+            raise ModelError(f"the rate of a spin is {self.rate}: give a finite rate, in rad/s")
         for name in ("axis", "point"):
             object.__setattr__(self, name, space_vector(f"{name} of a spin", getattr(self, name)))
         length = float(np.linalg.norm(self.axis))

@@ -1,4 +1,4 @@
-"""Split of a flexible body into several parts, each with a floating frame of its own."""
+"""Split of a flexible body into several parts with a floating frame each."""
 
 from __future__ import annotations
 

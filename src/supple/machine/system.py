@@ -109,7 +109,7 @@ class Placed(Summarized):
         )
 
     def __post_init__(self) -> None:
-        if not isinstance(self.body, FlexibleBody):  # a FlexibleBody has a message of its own
+        if not isinstance(self.body, FlexibleBody):  # the error below applies to a FlexibleBody
             check_members("Placed, body", self.body, _BODY, "a RigidBody, a ReducedBody or a FullBody")
         name = self.body.name
         if isinstance(self.body, FlexibleBody):
@@ -289,7 +289,7 @@ class System(Summarized):
             if any(obstacle is other for other in free[:number]):
                 raise ModelError(
                     f"a free {type(obstacle).__name__} is the obstacle of two contacts, which would move it "
-                    "independently: give one contact the nodes of both, or each contact its own obstacle"
+                    "independently: use one contact with the nodes of both, or one obstacle for each contact"
                 )
 
     @property
@@ -316,7 +316,7 @@ class System(Summarized):
             check_instance("System, controllers", controller, kinds, expected)
             if names.count(controller.name) > 1:
                 raise ModelError(
-                    f"controller name '{controller.name}' is used more than once: give each its own"
+                    f"controller name '{controller.name}' is used more than once: names must differ"
                 )
             what = f"controller '{controller.name}'"
             for reading in controller.reads.values():
@@ -333,7 +333,7 @@ class System(Summarized):
             if any(element is other for _, other in drivers[:number]):
                 raise ModelError(
                     f"controller '{own.name}' drives {element.label}, which another output drives already: "
-                    "the element would act twice; give each output an element of its own"
+                    "the element would act twice; give each output a separate element"
                 )
 
     def _check_acts_once(self, what: str, element: ForceElement) -> None:

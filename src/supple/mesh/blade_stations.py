@@ -60,13 +60,13 @@ class BladeStations:
             raise MeshError(f"a blade has at least two stations in one row; span has shape {span.shape}")
         object.__setattr__(self, "sections", tuple(self.sections))
         if len(self.sections) != span.size:
-            raise MeshError(f"{len(self.sections)} sections for {span.size} stations; give one a station")
+            raise MeshError(f"{len(self.sections)} sections for {span.size} stations; give one per station")
         for name in (field.name for field in fields(self) if field.name != "sections"):
             values = np.asarray(getattr(self, name), dtype=np.float64)
             values = np.full(span.shape, values) if values.ndim == 0 else values
             if values.shape != span.shape:
                 raise MeshError(
-                    f"{name} has shape {values.shape} for {span.size} stations; give one a station"
+                    f"{name} has shape {values.shape} for {span.size} stations; give one value per station"
                 )
             bad = np.flatnonzero(~np.isfinite(values))
             if bad.size:

@@ -58,7 +58,7 @@ def check_ids(
 ) -> None:
     """Raise MeshError unless each node and cell has one id, and node ids differ."""
     if node_ids.shape != np.shape(nodes)[:1]:
-        raise MeshError(f"node ids have shape {node_ids.shape} for {len(nodes)} nodes; give one id a node")
+        raise MeshError(f"node ids have shape {node_ids.shape} for {len(nodes)} nodes; give one id per node")
     unique, count = np.unique(node_ids, return_counts=True)
     if (count > 1).any():
         raise MeshError(f"{count.max()} nodes have the id {unique[np.argmax(count)]}; node ids must differ")
@@ -66,7 +66,7 @@ def check_ids(
         if cell_ids[kind].shape != np.shape(array)[:1]:
             raise MeshError(
                 f"ids of cells {kind.name} have shape {cell_ids[kind].shape} for {len(array)} cells; "
-                "give one id a cell"
+                "give one id per cell"
             )
 
 
@@ -84,7 +84,7 @@ class _Names(NamedTuple):
 def _check_node_coordinates(nodes: FloatArray, names: _Names) -> None:
     if nodes.ndim != 2 or nodes.shape[1] != 3 or not len(nodes):
         raise MeshError(
-            f"nodes have shape {nodes.shape}; expected (N, 3) with N >= 1, one row x, y, z a node"
+            f"nodes have shape {nodes.shape}; expected (N, 3) with N >= 1, one row x, y, z per node"
         )
     bad = np.flatnonzero(~np.isfinite(nodes).all(axis=1))
     if bad.size:
@@ -130,7 +130,7 @@ def _check_repeated_nodes(cells: Mapping[CellType, IntArray], names: _Names) -> 
         if bad.size:
             raise CellError(
                 f"{_some(f'{kind.name} cell', ids[bad])} with a repeated node; cell {ids[bad[0]]} has "
-                f"nodes {names.nodes(array[bad[0]])}; write collapsed cells as their own, simpler type",
+                f"nodes {names.nodes(array[bad[0]])}; write a collapsed cell as the simpler cell type",
                 kind.name,
                 int(bad[0]),
             )
@@ -271,7 +271,7 @@ def _check_connected(
         raise MeshError(
             f"the mesh falls into {n_parts} disconnected parts, of {_first_few(sizes)} nodes; node "
             f"{names.node_ids[first]} at {_point(nodes[first])} is not in the largest; merge coincident "
-            "nodes, or make each part a body of its own: cells = 'CELL SET' of a body in a case file, "
+            "nodes, or make each part a separate body: cells = 'CELL SET' of a body in a case file, "
             "read_mesh(.., only='CELL SET') in Python"
         )
 

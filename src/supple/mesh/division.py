@@ -243,7 +243,7 @@ def divided(mesh: Mesh, division: Division, cuts: Cuts = cuts_at_sections) -> Di
             parts.append(mesh_part(mesh, own, node_sets, loose=loose[i]))
         except MeshError as error:
             raise MeshError(
-                f"part {i + 1} of {len(cells)} cannot be a body of its own: {error}. Divide the mesh by cell "
+                f"part {i + 1} of {len(cells)} cannot be a separate body: {error}. Divide the mesh by cell "
                 "sets, or along another axis"
             ) from None
     return DividedMesh(mesh, tuple(parts), cuts(mesh, cells, members))

@@ -13,7 +13,7 @@ IntArray = NDArray[np.int64]
 def feature_edges(
     nodes: NDArray[np.float64], triangles: IntArray, *, fold_angle: float = np.radians(30.0)
 ) -> IntArray:
-    """Edges (k, 2) of a single triangle, or of two at an angle above the fold angle.
+    """Edges (k, 2) of one triangle only, or between two triangles at an angle above the fold angle.
 
     Where more than two triangles meet, an inner wall joins the skin, and the edge is not part of the outer
     shape.

@@ -1,4 +1,4 @@
-"""Part of a mesh: some of its cells as a mesh of their own."""
+"""Part of a mesh: some of its cells as a separate mesh."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from supple.mesh.facet_curvature import sides_across
 __all__ = ["turned_over"]
 
 SMOOTH = np.radians(60.0)
-"""Largest angle between neighbours of one wall; plates that meet at a larger one keep their own sides."""
+"""Largest angle between neighbours of one wall; plates that meet at a larger angle are separate walls."""
 
 
 def turned_over(
@@ -20,8 +20,8 @@ def turned_over(
 ) -> NDArray[np.bool_]:
     """Whether the normal of each triangle (E,) points to the other side than most normals of its wall.
 
-    A wall are triangles that meet at smooth edges. If both sides have equal numbers of normals, the first
-    triangle determines the side. A wall with one side only, such as a Moebius strip, has none turned over.
+    A wall is a set of triangles that meet at smooth edges. If equally many normals point to both sides, the
+    first triangle determines the side. In a wall with one side, such as a Moebius strip, none is turned over.
 
     nodes : float array (N, 3)
     triangles : int array (E, 3)    with an area

@@ -40,8 +40,8 @@ class CriticalPlane:
     """Stress normal to planes of many directions; the plane with the largest damage counts.
 
     Valid also if principal axes rotate or components are out of phase, where a signed equivalent stress
-    jumps. The nearest plane deviates by at most `spacing` / sqrt(2) rad. The range of uniaxial stress is too
-    small by at most the square of this angle, as a fraction: 1.5 % at a spacing of 10 degrees.
+    jumps. The nearest plane deviates by at most `spacing` / sqrt(2) rad. The range of a uniaxial stress is
+    too small; its relative error is at most the square of this angle: 1.5 % at a spacing of 10 degrees.
 
     spacing : angle between neighbouring normals of planes, rad
     """
@@ -127,7 +127,7 @@ def hot_spot_damage(
     ----------
     modes : result of `stress_modes`
     coordinates : (t, r) of the body over time
-    curve : S-N curve in the unit of the stress; its class must suit the stress of the mesh, without the notch
+    curve : S-N curve in the unit of the stress; of a class for the stress in the mesh, without the notch
         effect of welds that are not modelled
     criterion : `CriticalPlane` or `SignedVonMises`
 

@@ -79,7 +79,7 @@ class PositionSensor(_AtPlace):
     def size(self, system: System, solution: Solution) -> float:
         """Largest displacement from the first interface, of the nodes; for an interface, of all nodes.
 
-        A rigid body moves with the elastic bodies: the largest displacement of these.
+        For a rigid body: the largest displacement of the nodes of all elastic bodies.
         """
         form, nodes = body_named(system, self.body, self.name), self.place.at
         if not form.n_coordinates:
@@ -162,7 +162,7 @@ class DeflectionSensor(_AtPlace):
     """Displacement of a place relative to an interface, in the mesh axes that rotate with it, (t, 3).
 
     seen_from : At | None   the interface, of this or another body; by default the first interface of the
-        body of the place. Explicit elements need it
+        body of the place; required for a place of explicit elements
     """
 
     seen_from: At | None = None
@@ -182,7 +182,7 @@ class DeflectionSensor(_AtPlace):
         elif not body.has_frame:
             raise ModelError(
                 f"sensor '{self.name}': body '{body.name}' has explicit finite elements, and no first "
-                "interface from which its deflection is seen: give seen_from, an interface of another body "
+                "interface as reference of its deflection: give seen_from, an interface of another body "
                 "(in Python also one of its node sets), or use a position sensor"
             )
         return vector_channels(self.quantity, f"mesh axes turning with {base or f'the frame of {body.name}'}")

@@ -98,7 +98,7 @@ def write_text(path: Path | str, text: str) -> Path:
 
 
 def page_text(page: Page) -> str:
-    """A page as HTML; its content policy forbids all requests, and all scripts except its own."""
+    """A page as HTML; its content policy forbids all requests, and scripts that are not part of the page."""
     arrays = PackedArrays()
     head: dict[str, Any] = {
         "time": page.units.time,

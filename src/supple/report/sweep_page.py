@@ -100,7 +100,7 @@ def channels_that_fit(n_cases: int, n_others: int, n_statistics: int) -> int:
 
 @checked_arguments
 def write_sweep_page(path: Path | str, page: SweepPage) -> Path:
-    """Write the page of a sweep; its content policy forbids all requests, and all scripts except its own.
+    """Write the page of a sweep; its content policy forbids all requests, and scripts from elsewhere.
 
     Raises
     ------

@@ -73,8 +73,8 @@ def beam_skin(model: FiniteElementModel, section: Section, ranks: IntArray | Non
 def outlines(given: LineSection | RodSection, end: int) -> tuple[tuple[_Loop, ...], _Loop]:
     """Convex polygons of a section at one end, and its hole (0, 2) or (k, 2).
 
-    A section of unknown shape becomes an ellipse: the section's area, concentrated on the rim of the ellipse,
-    would have the section's radii of gyration. A rod is round.
+    A section of unknown shape becomes an ellipse. If the area of the section were on the rim of this ellipse,
+    the radii of gyration would be those of the section. A rod is round.
     """
     none = np.empty((0, 2))
     if isinstance(given, RodSection):

@@ -240,7 +240,7 @@ def error_table(numbers: Mapping[str, Any]) -> TextTable:
 
 
 def error_lines(numbers: Mapping[str, Any]) -> list[str]:
-    """Description of each row of the error table, the remedy for its largest part, and what is left out."""
+    """Description of each row of the error table, remedy for its largest part, and errors not included."""
     lines = [
         f"{name}: {stated['of']}" + (f"; {stated['advice']}" if stated["advice"] else "")
         for name, stated in numbers["errors"].items()

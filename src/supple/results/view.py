@@ -18,8 +18,8 @@ class View:
     """Camera, and enlargement of the deformation.
 
     camera : by default gravity points down and the widest extent is horizontal
-    enlargement : factor on deflections relative to the first interface of a body; by default 1 in animations,
-        and in pictures of single bodies large enough to be visible
+    enlargement : factor on deflections relative to the first interface of a body; by default 1 in animations;
+        in pictures of single bodies, a factor that makes small deflections visible
 
     Raises ModelError for an enlargement that is not positive.
     """

@@ -54,7 +54,7 @@ def write_film(path: Path, frames: Frames, number: int, rate: float) -> None:
 
 
 def _write_mp4(path: Path, frames: Frames, number: int, rate: float) -> None:
-    """Write H.264 in the pixel format that all players read; it needs even numbers of rows and columns."""
+    """Write H.264 in the pixel format that all players read, which needs even numbers of rows and columns."""
     ffmpeg = optional_package("imageio_ffmpeg", "an MP4 film", "film").get_ffmpeg_exe()
     rows, columns, _ = _even(frames(0)).shape
     pixels = f"-f rawvideo -pix_fmt rgb24 -s {columns}x{rows} -r {rate:.9g} -i -"
@@ -74,7 +74,7 @@ def _write_mp4(path: Path, frames: Frames, number: int, rate: float) -> None:
 
 
 def _even(frame: Array8) -> Array8:
-    """The frame with a white row added if its number of rows is odd, and a white column for an odd number."""
+    """The frame, with a white row added to an odd number of rows, and a white column to an odd number."""
     rows, columns, _ = frame.shape
     return np.pad(frame, ((0, rows % 2), (0, columns % 2), (0, 0)), constant_values=255)
 

@@ -43,7 +43,9 @@ def scene_of(actors: Sequence[Actor]) -> Scene:
     """Join bodies, in their order; ModelError without bodies, or with different numbers of times."""
     lengths = {len(actor.positions) for actor in actors}
     if len(lengths) != 1:
-        raise ModelError(f"a scene needs bodies at the same times; these have {sorted(lengths)} of them")
+        raise ModelError(
+            f"a scene needs bodies at the same times; the numbers of times are {sorted(lengths)}"
+        )
     first_node = np.cumsum([0] + [actor.positions.shape[1] for actor in actors[:-1]])
     triangles = [
         start + actor.skin.triangles for start, actor in zip(first_node.tolist(), actors, strict=True)

@@ -54,7 +54,7 @@ def test_single_precision_is_known_as_such(path):
         ("nodes", np.zeros((2, 2)), r"/nodes has shape \(2, 2\); write \(N, 3\)"),
         ("nodes", np.full((2, 3), np.nan), "/nodes has shape .* all finite"),
         ("nodes", np.array([[b"a"] * 3] * 2), "/nodes holds .* values; write float64"),
-        ("node_ids", [1, 2, 3], r"/node_ids has shape \(3,\), /nodes 2 rows; write one id a node"),
+        ("node_ids", [1, 2, 3], r"/node_ids has shape \(3,\), /nodes 2 rows; write one id per node"),
         ("node_ids", [7, 7], "node id 7 is given twice"),
         ("node_sets/tip", [4], "node set 'tip' names node 4, which /node_ids lacks"),
         ("freedoms", None, "no dataset /freedoms"),

@@ -54,7 +54,7 @@ class _Starts:
 
 
 def _filling(dtype: np.dtype[Any]) -> Any:
-    """What JAX reads outside an array unless a value is given."""
+    """The value that JAX reads outside an array, if none is given."""
     if dtype.kind == "f":
         return np.nan
     return dtype.kind == "b" or (np.iinfo(dtype).min if dtype.kind == "i" else np.iinfo(dtype).max)

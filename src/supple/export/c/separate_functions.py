@@ -1,4 +1,4 @@
-"""Parts of long functions as C functions of their own.
+"""Parts of long C functions as separate functions.
 
 The time of an optimising compiler grows faster than the length of a function. The statements of a long block
 are therefore divided among several functions. Variables that more than one of them reads are members of a

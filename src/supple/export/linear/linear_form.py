@@ -36,7 +36,7 @@ _TURNED = 1.0
 _INSTANTS = 100
 """Number of times at which the rotation of the bodies is examined."""
 _CHANGED, _ROUNDING = 0.01, 1e-9
-"""Relative change of the matrices above which they are not constant, and that which counts as rounding."""
+"""Relative change above which matrices are not constant, and relative change that counts as rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,7 +256,7 @@ def _check_unchanged(
 ) -> None:
     """ModelError for matrices that depend on the rotation of the bodies, or on their speed.
 
-    The matrices of a drive train depend on neither: it may rotate by any angle.
+    The matrices of a drive train depend on neither, so a drive train may rotate by any angle.
     """
     k = changes.position.shape[1] - changes.control.shape[0] - changes.inputs.shape[0]
     shapes = changes.position[:, : k // 2]

@@ -2,8 +2,8 @@
 
 CalculiX reads no matrices. Masses, springs and equations represent the superelement instead. With the modes
 of the free body, `u = B z`, each modal coordinate z has mass 1 and stiffness omega^2. The interface motion u
-is independent. As many modal coordinates z_d as u has components depend on u and on the other coordinates z_f
-(`*EQUATION`):
+is independent. Some modal coordinates z_d, one for each component of u, depend on u and on the other modal
+coordinates z_f (`*EQUATION`):
 
     B_d z_d = u - B_f z_f
 

@@ -18,10 +18,12 @@ def name_taken_in_hdf5(name: str, names: Sequence[str]) -> str | None:
     if name == "time":
         return "the HDF5 file of the sensors has the output times under the name time; give another name"
     if not name.strip("/"):
-        return "in HDF5 / separates groups; give another name"
+        return "in HDF5, / separates groups; give another name"
     above = next((other for other in names if name.startswith(f"{other}/")), None)
     if above is not None:
-        return f"its name lies below that of sensor '{above}', and in HDF5 / separates groups; rename one"
+        return (
+            f"in HDF5, / separates groups: its name lies below that of sensor '{above}'; rename one of them"
+        )
     return None
 
 

@@ -79,7 +79,9 @@ def _packing(columns: Columns) -> tuple[NDArray, NDArray]:
     finite = np.isfinite(values).all(axis=0)
     if not finite.all():
         name = columns.names[int(np.argmin(finite))]
-        raise ModelError(f"column '{name}' has numbers that are not finite, and .outb holds none; write .csv")
+        raise ModelError(
+            f"column '{name}' has numbers that are not finite, which .outb cannot contain; write .csv"
+        )
     low, high = values.min(axis=0), values.max(axis=0)
     size, span = np.maximum(np.abs(low), np.abs(high)), high - low
     with np.errstate(divide="ignore"):
@@ -96,6 +98,6 @@ def _words(words: Iterable[str]) -> list[bytes]:
             found.append(word.encode("ascii"))
         except UnicodeEncodeError as error:
             raise ModelError(
-                f"'{word}': an .outb file holds ASCII names only; rename it, or write .csv, .mat or .nc"
+                f"'{word}': an .outb file can contain ASCII names only; rename it, or write .csv, .mat or .nc"
             ) from error
     return found

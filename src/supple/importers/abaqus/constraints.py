@@ -201,11 +201,13 @@ def _add_rigid(
 
 
 def _reference(model: AbaqusModel, placed: ScopedBlock) -> int | None:
-    """The number of the node REF NODE; None if it is not one node of the file."""
+    """The number of the node REF NODE; None if the option does not name exactly one node of the file."""
     word = placed.block.options.get("REFNODE", "")
     nodes = model.nodes_of(placed.scope, word, placed.block.line, f"*{placed.block.name}, REF NODE")
     if len(nodes) != 1:
-        model.report.leave_out_block(placed.block, f"its reference node '{word}' is not one node of the file")
+        model.report.leave_out_block(
+            placed.block, f"its reference node '{word}' is not exactly one node of the file"
+        )
         return None
     return int(nodes[0])
 
@@ -218,7 +220,7 @@ def _rigid_body(
     if reference is None:
         return
     if "".join(block.options.get("POSITION", "").upper().split()) == "CENTEROFMASS":
-        model.report.leave_out_block(block, "its reference node stays where it is, not in the centre of mass")
+        model.report.leave_out_block(block, "its reference node is not moved to the centre of mass")
     tied, pinned = [], []
     what = f"*{block.name}"
     for option in ("NSET", "TIENSET"):
@@ -278,7 +280,9 @@ def _coupling(
     near = nodes != reference
     nodes, weights = nodes[near], weights[near]
     if not len(nodes):
-        meaning = "it ties no node: its surface has none within the influence radius but the reference node"
+        meaning = (
+            "it ties no node: the only node of its surface within the influence radius is the reference node"
+        )
         model.report.leave_out_block(block, meaning)
         return
     distributing = kind.block.key == "DISTRIBUTING"

@@ -352,7 +352,7 @@ def _rows_of_elements(model: AbaqusModel, read: IntegerRows, width: int, name: s
                 model.report.doubt(
                     int(lines[start]),
                     f"an element of type {name} is an id and {width - 1} nodes; {beyond} more numbers "
-                    "are not read; correct its type, or take them out",
+                    "are not read; correct the type of the element, or remove these numbers",
                 )
             kept.append(start)
             start = int(line_end)

@@ -40,7 +40,9 @@ def read_masses(
         m = values[:3] if by_axis else 3 * values[:1]
         if len(m) < 3 or min(m) < 0:
             needed = "three numbers" if by_axis else "one number"
-            raise model.file.error(placed.block.line, f"*MASS needs {needed}, not negative; correct it")
+            raise model.file.error(
+                placed.block.line, f"*MASS needs {needed} of at least zero; correct the line"
+            )
         for block, places in _elements(model, placed, Family.MASS):
             nodes = block.nodes[places, 0]
             axes = np.tile(np.eye(3), (len(nodes), 1, 1))

@@ -213,7 +213,7 @@ def _generated(
             if count < 1 or step < 1 or not len(starts) or len(starts) != len(ends):
                 raise file.error(
                     line,
-                    f"*NFILL takes two sets of as many nodes, intervals, step; got '{text[:40]}'",
+                    f"*NFILL takes two sets of equally many nodes, intervals, step; got '{text[:40]}'",
                 )
             most_generated(file, line, count * len(starts))
         between = np.arange(1, count)

@@ -65,8 +65,9 @@ def read_elements(
 ) -> tuple[tuple[DeckElements, ...], dict[str, Property]]:
     """All elements with a section and a material, and their properties.
 
-    Shells, beams and trusses without a section, with all nodes on solids that have one, only define sets. All
-    other elements are listed in `left_out`. If sections overlap, the last one is used.
+    Shells, beams and trusses without a section only define sets if all their nodes belong to solids with a
+    section. All other elements whose section is missing or not read are listed in `left_out`. If sections
+    overlap, the last one is used.
 
     Raises
     ------

@@ -29,8 +29,8 @@ def read_ties(model: AbaqusModel, rows: Rows) -> None:
     """Rows  u_slave - sum_j N_j u_j = 0  for slave nodes within the tolerance of a master face.
 
     With TIED NSET, the slave nodes of this set are tied at any distance, and no others. A slave node is moved
-    onto its face, the default of both programs, so that rigid motion causes no force. Where a file says that
-    nodes stay (ADJUST=NO, also by default for surfaces of beams), and one would move, this is left out.
+    onto its face, the default of both programs, so that rigid motion causes no force. With ADJUST=NO, the
+    default for surfaces of beams, nodes should stay; if one is moved, `left_out` contains the keyword.
     Between nodes of shells and beams, rotations are tied as well unless NO ROTATION is given. Cyclic and
     multistage ties are left out.
 

@@ -84,12 +84,12 @@ def read_calculix_matrix(path: str | Path, freedoms: str | Path | None = None) -
     if outside.size:
         raise ImportFormatError(
             f"{path}: an entry of row {numbers[outside[0], 0]} and column {numbers[outside[0], 1]}, but "
-            f"{map_path} names {n} freedoms; take both from the same run"
+            f"{map_path} names {n} freedoms; take both files from the same run"
         )
     if numbers.max() < n:
         raise ImportFormatError(
             f"{path}: {numbers.max()} rows, but {map_path} names {n} freedoms; is the file cut short? Take "
-            "both from the same run"
+            "both files from the same run"
         )
     matrix = from_entries(str(path), numbers[:, 0] - 1, numbers[:, 1] - 1, table[:, 2], rows_of_map)
     return LabelledMatrix(str(path), matrix, rows_of_map, resolution)

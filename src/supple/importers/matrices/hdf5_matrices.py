@@ -48,7 +48,7 @@ def read_hdf5_nodes(path: str | Path) -> NodeTable:
         ids = array_of(file, path, "node_ids", np.int64) if "node_ids" in file else np.arange(1, N + 1)
         if ids.shape != (N,):
             raise ImportFormatError(
-                f"{path}: /node_ids has shape {ids.shape}, /nodes {N} rows; write one id a node"
+                f"{path}: /node_ids has shape {ids.shape}, /nodes {N} rows; write one id per node"
             )
         second = first_repeated(ids)
         if second is not None:

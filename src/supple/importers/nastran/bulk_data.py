@@ -218,7 +218,7 @@ def read_bulk_data(path: str | Path, absent: list[BulkCard] | None = None) -> Bu
     with the label of this line, it may stand anywhere.
 
     absent : list to which INCLUDE lines of missing files are added, with the second field CASE if they
-             belong to case control; if None, missing files are errors, without those of case control.
+             belong to case control; if None, missing files are errors, except those of case control.
              Missing files of executive control, above CEND, are ignored
 
     Raises
@@ -285,7 +285,11 @@ def _cards(lines: Sequence[RawLine]) -> list[BulkCard]:
             if not label:
                 raise _error(file, number, "a continuation without a card above it; is a line missing?")
             if label in orphans and not has_no_effect(piece.name if piece else ""):
-                raise _error(file, number, f"'+{label}' continues a second time; give it a label of its own")
+                raise _error(
+                    file,
+                    number,
+                    f"a second continuation has the label '+{label}'; give each one a different label",
+                )
             above = piece.name if piece and has_no_effect(piece.name) else ""
             piece = orphans[label] = _Piece(above, data, file, number, label, announces)
             continue

@@ -90,7 +90,7 @@ def _listed(card: BulkCard, start: int, known: set[int] | None) -> Iterable[int]
     first, last = card.integer(start, "the first point"), card.integer(start + 2, "the last point")
     further = [word for word in card.fields[start + 3 :] if word]
     if further:
-        raise card.error(f"'{further[0]}' follows {first} THRU {last}; write it on a card of its own")
+        raise card.error(f"'{further[0]}' follows {first} THRU {last}; write it on a separate card")
     if not 0 <= last - first <= _LONGEST_RANGE:
         raise card.error(f"{first} THRU {last} is no range; correct it")
     inside = range(first, last + 1)

@@ -106,7 +106,7 @@ def _wanted(item: ErrorDetails, schema: _Schema) -> str:
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         return "a table, { key = value, .. }, is needed"
     if kind == "too_long":
-        return f"at most {item['ctx']['max_length']} items are taken"
+        return f"at most {item['ctx']['max_length']} items are allowed"
     return item["msg"].removeprefix("Input ")
 
 

@@ -152,7 +152,7 @@ def _stations(blade: _BeamdynFile) -> tuple[FloatArray, FloatArray, FloatArray]:
     rows = [k for k in range(number + 1, len(blade.lines)) if blade.lines[k].strip()]
     if len(rows) < 13 * total:
         raise ImportFormatError(
-            f"{blade.path}: {total} stations need 13 lines each, their place and two matrices; there are "
+            f"{blade.path}: {total} stations need 13 lines each, a position and two matrices; there are "
             f"{len(rows)}"
         )
     eta, matrices, where = np.empty(total), np.empty((total, 2, 6, 6)), []

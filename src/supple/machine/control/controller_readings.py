@@ -21,7 +21,7 @@ class JointReading:
     joint: str
     """Name of the joint"""
     near: float = 0.0
-    """The initial angle is within half a revolution of this one, rad; `Start` sets it"""
+    """Angle, rad, within half a revolution of which the initial angle lies; set by `Start`"""
 
 
 @dataclass(frozen=True)

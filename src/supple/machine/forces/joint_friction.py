@@ -38,7 +38,7 @@ class JointFriction(ForceElement):
     width: Positive
     first: At | Any = GROUND
     second: At | Any = GROUND
-    """`first` and `second` are set to the ends of the joint; other values are ignored."""
+    """`first` and `second` are set to the ends of the joint; given values are ignored."""
 
     reads_reaction: ClassVar[bool] = True
     kinds: ClassVar[tuple[type[Joint], ...]] = ()

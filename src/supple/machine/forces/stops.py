@@ -23,7 +23,7 @@ __all__ = ["AngleStop", "DistanceStop", "SlideStop"]
 class AngleStop(AxialElement):
     """Moment that limits the angle of the second end about the first end's axis to `lower <= phi <= upper`.
 
-    The angle is counted from -pi to pi about the middle of both limits, so that it does not jump near one.
+    The angle is counted from -pi to pi about the middle of both limits: it does not jump near a limit.
 
     lower, upper : limits of the angle, rad, between -pi and pi
     penalty : Penalty, whose depth is the angle beyond a limit, rad

@@ -24,8 +24,8 @@ _ONE_REVOLUTION = 1e-2
 class TabledTorque(AxialElement):
     """Torque on the second end about an axis of the first, a table over angle (rows) and rate (columns).
 
-    The angle is in (-pi, pi]: rows beyond are not reached. A table whose rows span one revolution, such as
-    0 to 2 pi, is periodic: the angle is counted from its first row to its last.
+    The angle is in (-pi, pi]; rows outside this range have no effect. A table whose rows span one
+    revolution, such as 0 to 2 pi, is periodic: the angle is counted from the first row to the last.
     """
 
     torque: Surface

@@ -57,8 +57,8 @@ class Mortar:
         if len(alone):
             raise ModelError(
                 f"{what}: the node at {np.array2string(points[alone[0]], precision=6)} is not a corner of an "
-                "outer face with all corners in the set, and a mortar is a mean over faces; name all "
-                "nodes of the interface, or tie by Collocated()"
+                "outer face with all corners in the set, and a mortar is a mean over faces; give a set with "
+                "all nodes of the interface, or tie by Collocated()"
             )
         others = outer_triangles(mesh, np.arange(mesh.n_nodes))
         own, other = _near(points[faces], mesh.nodes[others])
@@ -71,7 +71,7 @@ class Mortar:
             raise ModelError(
                 f"{what}: {100 * short[worst]:.3g} % of the face about {at} has no match on the other part, "
                 "which must cover the interface for a mortar; check the positions of the parts. `within` "
-                "allows a larger distance; Collocated() needs matching nodes alone"
+                "allows a larger distance; Collocated() does not need faces that cover the interface"
             )
         tributary = np.bincount(faces.ravel(), np.repeat(whole / 3, 3), minlength=len(points))
         rows, columns = np.broadcast_arrays(faces[own][:, :, None], others[other][:, None, :])
