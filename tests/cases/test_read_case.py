@@ -397,7 +397,7 @@ ONE_MISTAKE = {
     "derivatives without modes": (
         "modes = 10, ",
         "",
-        "reduction.derivatives: a basis of fixed size needs modes too; add modes = 10, or accuracy",
+        "reduction.derivatives: derivatives need modes = 10, for a basis of fixed size, or accuracy",
     ),
     "two errors to reach": (
         "modes = 10, ",

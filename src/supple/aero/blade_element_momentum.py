@@ -71,8 +71,9 @@ def air_loads(rotor: Rotor, operation: Operation, *, radius: ArrayLike, wind: Ar
     1/(1 - a) = ((b^2 + 4 k d^2)^(1/2) + b) / (2 d^2), b = 1 - 2 a_c, d = 1 - a_c. The inflow angle is the
     root of
         sin phi / (1 - a) omega r - cos phi / (1 + a') V = 0
-    in (0, pi/2], found by bracketing, because fixed-point iteration diverges at high tip-speed ratios. In
-    this form the function is finite and continuous in (0, pi/2], and negative near 0 for sections with drag.
+    in (0, pi/2]. It is found by bracketing, because fixed-point iteration diverges at high tip-speed ratios.
+    In this form the function is finite and continuous in (0, pi/2], and for sections with drag negative
+    near 0.
     With the air density rho and the relative wind speed W,
         F_N = rho/2 W^2 c C_n,   F_T = rho/2 W^2 c C_t,   W^2 = (V (1 - a))^2 + (omega r (1 + a'))^2.
 

@@ -350,9 +350,8 @@ class Case:
     def study(self) -> ErrorStudy:
         """The parts of the error to estimate, and the quantities of interest.
 
-        The error of bases of fixed size is estimated on request only. If a body is not reduced, the
-        integration error is also estimated on request only: each of the two extra runs for this estimate
-        costs as much as the first run.
+        The error of bases of fixed size is estimated on request only. So is the integration error if a body
+        is not reduced. Its estimate needs two more runs, each of which costs as much as the first run.
         """
         given = self.parts.error
         in_full = any(name not in self.starts for name in self.system.bodies_of(FullBody))

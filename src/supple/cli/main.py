@@ -46,7 +46,7 @@ AllowCode = Annotated[
     bool,
     typer.Option(
         "--allow-code",
-        help="Run the Python file given by `control`; review it first: it may do anything.",
+        help="Run the Python file given by `control`; review this file first: it can run any code.",
     ),
 ]
 NoErrors = Annotated[
@@ -357,7 +357,7 @@ def info(
     json: Annotated[Path | None, typer.Option("--json", help="JSON file for the numbers of a deck.")] = None,
     modes: Annotated[int, typer.Option(min=0, help="Number of lowest frequencies of a deck.")] = 0,
     held: Annotated[
-        bool, typer.Option("--held", help="Frequencies with the deck's own supports, instead of free.")
+        bool, typer.Option("--held", help="Frequencies on the supports of the deck, instead of free.")
     ] = False,
     debug: Debug = False,
 ) -> None:

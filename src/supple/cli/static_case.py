@@ -32,6 +32,6 @@ def static_case(path: Path, folder: Path, *, time: float, errors: bool, allow_co
     found = result.found
     unknown = [name for name in found.system.bodies_of(ReducedBody) if name not in found.errors]
     if errors and unknown:
-        say(f"Basis error not estimated for bodies without finite elements here: {', '.join(unknown)}")
+        say(f"Basis error not estimated for bodies without finite elements in the case: {', '.join(unknown)}")
     kind = _STABILITY[found.stable]
     say(f"{kind} equilibrium after {found.iterations} iterations. Results are in {folder}/")

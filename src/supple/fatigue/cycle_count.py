@@ -23,7 +23,7 @@ _NONE = np.zeros(0, dtype=np.int64)
 _GROUP = 2**21
 """Number of samples that are counted together; it limits the memory of the arrays to tens of MiB."""
 _FEW_CLOSED = 80
-"""A vectorised pass over all points costs 25 ns a point, the stack 1 us a point (measured), so a pass is
+"""A vectorised pass over all points costs 25 ns per point, the stack 1 us per point (measured). A pass is
 faster if it closes more than one cycle, of two points, per 80 points. The cycles of a decaying response are
 nested: each pass closes only one of them, but the stack closes all in linear time."""
 

@@ -60,7 +60,7 @@ def read_ansys(
     ------
     ImportFormatError   mapdl-archive missing (install `supple[ansys]`); missing, cut or foreign file; element
                         types that are not read
-    MeshError           what the file describes is not a usable mesh
+    MeshError           nodes and cells that are not a usable mesh
     """
     path = Path(path)
     try:

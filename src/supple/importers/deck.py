@@ -1,8 +1,8 @@
 """Deck: a finite-element model of another program, as described in its input file.
 
-The deck readers of all formats return a Deck; `supple.body.deck_body` builds mesh, elements and body from
-it. Values are in the units of the file (Pa, kg, m below are those of a file in SI units); positions,
-directions and freedoms in its basic (global) axes.
+The deck readers of all formats return a Deck, from which `supple.body.deck_body` builds mesh, elements and
+body. Values are in the units of the file; Pa, kg and m below are those of a file in SI units. Positions,
+directions and freedoms are in the basic (global) axes of the file.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class IsotropicMaterial:
 
 @dataclass(frozen=True, eq=False)
 class AnisotropicMaterial:
-    """elasticity (6, 6), Pa, in its own axes: strains xx yy zz yz xz xy (engineering); density, kg/m^3."""
+    """elasticity (6, 6), Pa, in material axes: strains xx yy zz yz xz xy (engineering); density, kg/m^3."""
 
     elasticity: FloatArray
     density: float

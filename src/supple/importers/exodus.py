@@ -75,7 +75,7 @@ def read_exodus(
     Raises
     ------
     ImportFormatError   missing, cut or foreign file; element types that are not read; sets with missing nodes
-    MeshError           what the file describes is not a usable mesh
+    MeshError           nodes and cells that are not a usable mesh
     """
     path = Path(path)
     try:

@@ -47,7 +47,7 @@ def read_gmsh(
     Raises
     ------
     ImportFormatError   missing, cut or unreadable file, unknown cell type, cells naming missing nodes
-    MeshError           what the file describes is not a usable mesh
+    MeshError           nodes and cells that are not a usable mesh
     """
     path = Path(path)
     text = _whole_text(path)

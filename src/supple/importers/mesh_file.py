@@ -42,7 +42,7 @@ def read_mesh(
     Raises
     ------
     ImportFormatError   a suffix without a reader; errors of the reader
-    MeshError           what the file describes is not a usable mesh
+    MeshError           nodes and cells that are not a usable mesh
     """
     reader = READERS.get(Path(path).suffix.lower())
     if reader is None:

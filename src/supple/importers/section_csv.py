@@ -21,11 +21,14 @@ DIAGONAL = [f"{of}{i}{i}" for of in "km" for i in range(1, 7)]
 def read_section_csv(path: str | Path) -> SectionTable:
     """Section table of a file with a line for each section, from the root to the tip.
 
-    Columns, in any order: x, y, z, the position in body axes; axis_x, axis_y, axis_z, the direction of the
-    section's x axis (its component along the curve is removed; any length); k11, k12 .. k66 and m11, m12 ..
-    m66, the upper triangles of stiffness and inertia with the axes, order and signs of `SectionTable`.
-    Missing off-diagonal columns are zero. The z axis of a section is tangent to a parabola: at an inner
-    section, through this section and its neighbours; at an end, through the three sections there.
+    Columns, in any order:
+    x, y, z                     position in body axes
+    axis_x, axis_y, axis_z      direction of the section's x axis, of any length; its component along the
+                                curve is removed
+    k11, k12 .. k66             upper triangle of the stiffness; axes, order and signs of `SectionTable`
+    m11, m12 .. m66             upper triangle of the inertia
+    Missing off-diagonal columns are zero. The z axis of an inner section is tangent to the parabola through
+    this section and its neighbours, that of an end section to the parabola through the three sections there.
 
     Raises
     ------

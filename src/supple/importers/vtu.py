@@ -72,9 +72,9 @@ def read_vtu(
 
     Points of different pieces with equal coordinates are one node. Ghost cells are omitted.
 
-    Each value of an integer array NAME on cells defines a cell set and a node set NAME_VALUE, unless the
-    array has more than 1000 different values in a piece. An integer array NAME of values 0 and 1 on points
-    defines a node set NAME of the points with 1.
+    Each value of an integer array NAME on cells defines a cell set and a node set NAME_VALUE. An array with
+    more than 1000 different values in a piece defines no sets. An integer array NAME of values 0 and 1 on
+    points defines a node set NAME of the points with 1.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def read_vtu(
     Raises
     ------
     ImportFormatError   missing, cut or unreadable file; compression other than zlib; an unsupported cell type
-    MeshError           what the file describes is not a usable mesh
+    MeshError           nodes and cells that are not a usable mesh
     """
     path = Path(path)
     file, root = _opened(path)

@@ -85,7 +85,7 @@ def read_mujoco(
     interfaces of the same name. A slide and a hinge along one axis become a cylindrical joint, two
     perpendicular hinges at one point a universal joint. The constraints connect and weld become ball and
     fixed joints. Bodies of motion capture (mocap) belong to the ground. Limits become stops with the
-    stiffness of MuJoCo; stiffness and damping of joints become springs and dampers; those of balls and free
+    stiffness of MuJoCo. Stiffness and damping of joints become springs and dampers; those of balls and free
     joints become a bushing and a torsion damper about each axis.
     Shapes of bodies are not read, so the machine has no contacts.
 

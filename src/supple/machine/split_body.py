@@ -116,7 +116,7 @@ def split_body(
     """Split a body into tied parts, for rotations beyond the limit of one floating frame.
 
     The rotations relative to a floating frame are limited. With k equal parts, the rotation of each part
-    relative to its own frame is about 1 / k of the rotation in the whole body. SuppleWarning states the
+    relative to its frame is about 1 / k of the rotation in the whole body. SuppleWarning states the
     changes of the three lowest frequencies by the ties, if one of them is 2 % or more.
 
     Parameters

@@ -170,8 +170,8 @@ def _section(outline: RodOutline, cells: RodCells) -> tuple[FloatArray, IntArray
 def _ring(eye: Eye, cells: RodCells, *, toward: float) -> tuple[FloatArray, IntArray]:
     """Points of a ring about the origin, and their numbers (ring + 1, around + width + 1), bore first.
 
-    The columns go once around, with the first repeated at the end; the first width + 1 are at the shank, in
-    the direction `toward` of x, and run from y < 0 to y > 0.
+    The columns go once around; the last column repeats the first. The first width + 1 columns are at the
+    shank, in the direction `toward` of x, and run from y < 0 to y > 0.
     """
     half = eye.shank_angle
     joined = np.linspace(-half, half, cells.width + 1)

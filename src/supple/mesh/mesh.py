@@ -54,7 +54,7 @@ class Mesh(Summarized):
     Raises
     ------
     MeshError   NaN, wrong shapes, numbers out of range, empty sets, orphan nodes, repeated nodes in a cell,
-                inverted or degenerate cells, disconnected parts: each with its own message
+                inverted or degenerate cells, disconnected parts
     """
 
     nodes: FloatArray

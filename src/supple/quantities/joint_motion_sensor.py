@@ -28,8 +28,8 @@ class JointMotionSensor:
         tan(angle) = (y_1 . x_2 - x_1 . y_2) / (x_1 . x_2 + y_1 . y_2),    slide = z_1 . (r_2 - r_1)
 
     z is the axis of the joint. Angle and slide are zero in the undeformed assembled machine. Revolutions are
-    counted: from one output time to the next, the change of the angle must differ by less than half a
-    revolution from the integral of its rate (trapezoidal rule).
+    counted by the integral of the rate from one output time to the next (trapezoidal rule). Its error must be
+    less than half a revolution.
 
     joint : name of the joint
     """

@@ -33,7 +33,7 @@ def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, Any]:
     """Add the arrays of a machine to `arrays`; return their layout and all texts.
 
     Positions in space are relative to the middle of the machine's bounding box; nodes and marks of a body are
-    in its own axes.
+    in the axes of this body.
     """
     middle = 0.5 * (machine.low + machine.high)
     numbers = {body.name: number for number, body in enumerate(machine.bodies)}

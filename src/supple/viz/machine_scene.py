@@ -30,8 +30,10 @@ __all__ = ["MachineScene", "drawn_bodies", "machine_scene"]
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 _EDGE_ON = 0.05
-"""A wall is drawn as an outline if the cosine of the angle between its normal and the direction to the viewer
-is smaller: it is viewed edge-on or from behind."""
+"""Least cosine of the angle between the normal of a wall and the direction to the viewer.
+
+Below it, the wall is viewed edge-on or from behind, and is drawn as an outline.
+"""
 
 
 @dataclass(frozen=True, eq=False)

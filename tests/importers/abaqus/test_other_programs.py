@@ -37,7 +37,7 @@ def test_a_restart_names_the_file_that_is_needed(deck):
 
 
 def test_two_elements_on_a_line_are_refused(deck):
-    with pytest.raises(ImportFormatError, match="on lines of its own"):
+    with pytest.raises(ImportFormatError, match="on separate lines"):
         deck(TETRAHEDRON + "*ELEMENT, TYPE=C3D4\n7, 1, 2, 3, 4, 8, 1, 2, 3, 4\n")
 
 

@@ -188,9 +188,9 @@ def _start(
 ) -> tuple[Array, float]:
     """States (m,) at the start, and the relative difference between linear and nonlinear accelerations there.
 
-    The norm is that of the kinetic energy. The reference is the norm of the nonlinear accelerations, but at
-    least 1e-6 of the norm of the accelerations that joint forces and states cause alone, so that rounding
-    errors do not count.
+    The norm is that of the kinetic energy. The reference is the norm of the nonlinear accelerations. Against
+    rounding errors, the reference is at least 1e-6 of the norm of the accelerations that joint forces and
+    states cause alone.
     """
     axes = in_turning_axes(rest.model, rest.configuration)
     apart = _apart(rest, begun)

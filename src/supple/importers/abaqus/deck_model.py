@@ -345,7 +345,7 @@ def _rows_of_elements(model: AbaqusModel, read: IntegerRows, width: int, name: s
             if beyond < 0 or beyond >= width:
                 raise model.file.error(
                     int(lines[start]),
-                    f"an element of type {name} is an id and {width - 1} nodes, on lines of its own; is the "
+                    f"an element of type {name} is an id and {width - 1} nodes, on separate lines; is the "
                     "file cut short?",
                 )
             if beyond:

@@ -115,8 +115,8 @@ def cells_of(
     """Cell type, cells (C, k) and element index (C,) of each cell, of elements (E, n) of one type.
 
     Shells become triangles, a quadratic beam two lines. Eight-node hexahedra with repeated nodes become
-    wedges, pyramids or tetrahedra, or are omitted if these have no volume; other solids keep their repeated
-    nodes, which a mesh refuses. Triangles with repeated nodes are omitted.
+    wedges, pyramids or tetrahedra, or are omitted if these have no volume. Other solids keep their repeated
+    nodes, which cause a MeshError later. Triangles with repeated nodes are omitted.
     """
     if kind.family is Family.SOLID and kind.n_nodes == 8:
         ordered = np.sort(nodes, axis=1)

@@ -55,7 +55,7 @@ def read_abaqus(
     ImportFormatError   missing or cut file, missing or repeated ids, unknown members of sets; beams, trusses,
                         springs, masses and unknown element types; constraints, nonstructural mass and
                         shell offsets
-    MeshError           what the file describes is not a usable mesh
+    MeshError           nodes and cells that are not a usable mesh
     """
     path = Path(path)
     file = read_keyword_file(path)

@@ -27,7 +27,7 @@ class Orientation:
 
     system : R, C, S or Z;  a, b, c : (3,) points
     axis : local axis (1 to 3) of an additional rotation, 0 without it;  angle : of this rotation, rad
-    distributed : element numbers with their own orientation (*DISTRIBUTION); later ones override earlier ones
+    distributed : orientations of some elements, by element numbers (*DISTRIBUTION); later ones override
     """
 
     system: str

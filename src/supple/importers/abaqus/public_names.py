@@ -37,7 +37,7 @@ def public_ids(model: AbaqusModel) -> PublicIds:
 
 
 def public_name(model: AbaqusModel, scope: int, name: str, taken: Mapping[tuple[int, str], object]) -> str:
-    """A set's own name; INSTANCE.SET if there are several instances, or the model also has that name."""
+    """The name of a set; INSTANCE.SET if there are several instances, or the model also has that name."""
     alone = len(model.scopes) < 3 and (0, name.upper()) not in taken
     return name if not scope or alone else f"{model.scopes[scope].name}.{name}"
 

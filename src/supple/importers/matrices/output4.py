@@ -29,8 +29,8 @@ def read_output4(
 ) -> LabelledMatrix:
     """The stiffness, mass or damping of an OUTPUT4 or OUTPUT2 file, by pyyeti (install `supple[nastran]`).
 
-    The files have no labels. Rows are the analysis set (ASET, BSET, QSET) of the mesh file if their number
-    fits, else all six freedoms of all its grids (the g-set), sorted by id.
+    The files have no labels. If the number of rows fits, the rows are the analysis set (ASET, BSET, QSET) of
+    the mesh file. Otherwise they are all six freedoms of all its grids (the g-set), sorted by id.
 
     Parameters
     ----------

@@ -60,7 +60,7 @@ def read_nastran(
     ImportFormatError   as for `read_nastran_deck`; no elements; elements that are not supported, or whose
                         property or material is not supported, or missing beside others; missing included
                         files
-    MeshError           what the file describes is not a usable mesh, such as flat elements
+    MeshError           nodes and cells that are not a usable mesh, such as flat elements
     Warns
     -----
     SuppleWarning       connections that are not read, such as spot welds

@@ -1,7 +1,7 @@
 """The tables of a TOML file as the TOML reader returns them, for rules on the combination of keys.
 
-The rules read the raw data, not the checked tables, so that they all run even when other keys are wrong and
-every mistake is reported at once. The schema reports values of a wrong type; rules ignore them.
+The rules read the raw data, not the checked tables. Therefore all rules run even if other keys are wrong, and
+all mistakes are reported at once. The schema reports values of a wrong type; rules ignore them.
 """
 
 from __future__ import annotations

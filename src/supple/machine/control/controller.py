@@ -23,8 +23,8 @@ class Controller:
         dz/dt = rates(t, readings, z),     u = outputs(t, readings, z)
 
     Each output adds to the law of time of a force element: the torque of a `TorqueBetween`, the command of a
-    `MotorCurve`, and so on. The states are integrated by the trapezoidal rule (second order, unconditionally
-    stable) together with the motion: outputs and motion of a step belong to the same instant, without lag.
+    `MotorCurve`, and so on. The states are integrated together with the motion, by the trapezoidal rule
+    (second order, unconditionally stable). Outputs and motion of a step are at the same instant.
 
     `rates` and `outputs` are written with `jax.numpy`, and are part of the compiled program, like the
     function of a `TimeFunction`.
@@ -69,9 +69,9 @@ class Controller:
 class SampledController:
     """A control law in plain Python; its outputs are constant until the next sampling instant.
 
-    At each sampling instant `start + i every`, i = 0, 1, ..., of a run, the time integration stops, the law
-    is called once, and the accelerations are computed again for the new outputs. The memory is stored in
-    result files, so that an interrupted run continues exactly.
+    The sampling instants of a run are `start + i every`, i = 0, 1, .... At each of them, the time integration
+    stops, the law is called once, and the accelerations are computed again for the new outputs. Result files
+    contain the memory, so that an interrupted run continues exactly.
 
     reads, drives : as in `Controller`; readings are NumPy arrays and numbers
     law : `(time, readings, memory) -> (outputs, memory)`, outputs `{name: value}` for every driven element

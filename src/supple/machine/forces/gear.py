@@ -30,7 +30,7 @@ class Gear(AxialElement):
 
     with the angles phi_1 and phi_2 of both wheels about the axis, relative to the line of centres. The line
     may rotate about the axis, as for planet gears; no carrier body is needed. `s` is wrapped to plus or minus
-    half a tooth pitch, so the number of revolutions is not limited; beyond half a tooth pitch the wheels skip
+    half a tooth pitch, so the number of revolutions is not limited. Beyond half a tooth pitch the wheels skip
     a tooth.
 
     The joints must keep the axes of both wheels parallel.

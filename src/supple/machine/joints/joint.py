@@ -1,7 +1,7 @@
 """Base of all joints: two ends, axes in the initial configuration, and constraint equations.
 
-The equations are functions of the *joint frames* of both ends (`Pose`), which coincide in the initial
-configuration: points r_1 and r_2, and matrices A_1 and A_2, whose columns are the axes x, y and z. The
+The equations are functions of the *joint frames* of both ends (`Pose`): points r_1 and r_2, and matrices A_1
+and A_2, whose columns are the axes x, y and z. The two frames coincide in the initial configuration. The
 equations must be affine functions of `A_1^T (r_2 - r_1)` and `A_1^T A_2`. `joint_linearization` then computes
 the Jacobian and the geometric stiffness, so a new joint needs only its `constraint`.
 """

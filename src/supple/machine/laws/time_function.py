@@ -20,13 +20,13 @@ __all__ = ["TimeFunction"]
 class TimeFunction(UnboundedLaw):
     """A function of time written with `jax.numpy`.
 
-    It must be smooth enough for its use: twice differentiable where it prescribes a motion.
+    If it prescribes a motion, it must be twice differentiable.
 
-    The function is part of the compiled program, not of its data: another function, or another value of a
-    variable that it reads, needs a new compilation, and the cases of a batch must share one function object.
-    For numbers that differ between runs or cases use other laws. A later process reuses the stored program if
-    the function depends only on its arguments, plain numbers, functions with the same property, `jax.numpy`
-    and `math`.
+    The function is part of the compiled program, not of the data of the program. Another function, or another
+    value of a variable that the function reads, needs a new compilation. The cases of a batch must share one
+    function object. For numbers that differ between runs or cases use other laws. A later process reuses the
+    stored program if the function depends only on its arguments, plain numbers, functions with the same
+    property, `jax.numpy` and `math`.
     """
 
     function: Callable[[Any], Any]

@@ -18,9 +18,9 @@ class Tie:
     """Nodes that move with another part, in explicit runs.
 
     nodes : At(part, node set)
-    on : str    the part that the nodes are tied to. On a part of finite elements, the tied nodes must be at
-                nodes of this part; on a modal part, they may be anywhere on the faces of its cells. Nodes of
-                a modal part can be tied only to another modal part
+    on : str    the part that the nodes are tied to. Nodes tied to a part of finite elements must be at nodes
+                of this part. Nodes tied to a modal part may be anywhere on the faces of its cells. Nodes of a
+                modal part can be tied only to another modal part
     within : float      largest distance of the nodes from the part, relative to the size of the set
     transfer : Collocated() or Mortar()     how nodes follow a modal part with another mesh
     continuity : MeanMotion() or EveryNode(..)      continuity of two modal parts; not used for nodes of
