@@ -316,7 +316,9 @@ def test_what_is_not_read():
         read_mujoco(with_joints('<joint name="j" limited="true" range="-4 4"/>'))
     assert not read_mujoco(with_joints('<joint limited="true" range="-4 4"/>'), leave_out=["limits"]).loads
     spring = '<joint name="j" stiffness="1" springref="{}" {}/>'
-    with pytest.raises(ModelError, match=r"spring of joint 'j' is free at 4 rad .* within half a revolution"):
+    with pytest.raises(
+        ModelError, match=r"spring of joint 'j' has no moment at 4 rad .* within half a revolution"
+    ):
         read_mujoco(with_joints(spring.format(4, "")))
     assert len(read_mujoco(with_joints(spring.format(4, 'limited="true" range="0 1"'))).loads) == 2
     two = '<joint axis="1 0 0" {}/><joint axis="0 1 0"/>'

@@ -203,11 +203,16 @@ class Matrices(ElasticKind):
     )
     mass: FileName = Field(description="as for stiffness, or CalculiX .mas; may be the same file")
     stiffness_name: str | None = Field(
-        None, description="matrix of a DMIG or OUTPUT4 file; default: the one with K.."
+        None,
+        description="name of the matrix in a DMIG or OUTPUT4 file; default: the only name that begins with K",
     )
-    mass_name: str | None = Field(None, description="as stiffness_name; default: the one with M..")
+    mass_name: str | None = Field(
+        None, description="as stiffness_name; default: the only name that begins with M"
+    )
     damping: FileName | None = Field(None, description="as for stiffness; default: no damping matrix")
-    damping_name: str | None = Field(None, description="as stiffness_name; default: the one with B..")
+    damping_name: str | None = Field(
+        None, description="as stiffness_name; default: the only name that begins with B"
+    )
     recovery: FileName | None = Field(
         None, description="HDF5 or OUTPUT4 file of the recovery matrix: motions of inner points from the rows"
     )

@@ -111,7 +111,7 @@ RULES: tuple[Rule, ...] = (
     *parameters.RULES,
     units_are_one_set,
 )
-"""Rules between keys; each section defines its own."""
+"""Rules between keys, defined in the modules of the sections."""
 
 
 def broken_rules(raw: Raw, folder: Path) -> list[tuple[KeyPath, str]]:

@@ -68,7 +68,7 @@ class Condense(CheckedTable):
 
     model_config = BODY_AXIS
 
-    root: str = Field(description="interface at the start of the load path; a joint may support it")
+    root: str = Field(description="interface at the start of the load path; may be supported by a joint")
     tip: str | None = Field(None, description="interface at the end of the path, for bodies with elements")
     stations: int | None = Field(
         None,

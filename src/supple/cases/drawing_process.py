@@ -25,7 +25,7 @@ from supple.other_processes import available_cores, python_command, python_envir
 __all__ = ["DrawingProcess"]
 
 WORTH = 20.0
-"""Wall time of a run, s, below which no process is started: its error estimate is too short to use one."""
+"""Least wall time of a run, s, for a separate process; the error estimate of a shorter run is too short."""
 
 
 class DrawingProcess:

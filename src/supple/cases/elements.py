@@ -55,12 +55,12 @@ _CONTACT = {
     "friction": part(
         machine.Coulomb,
         coefficient=Key(NonNegative, "coefficient of friction", "friction", 0.0),
-        width=Key(Positive, "sliding speed below which it acts as a damper, a velocity", default=None),
+        width=Key(Positive, "sliding speed below which friction acts as a damper, a velocity", default=None),
     ),
 }
 _FOLLOWED = Key(LoadLaw, "prescribed angle or slide over time, rad or length", "law")
 _SLIDING = "friction while sliding, a moment or a force"
-_WIDTH = Key(description="rate or speed below which it acts as a damper, rad per time or velocity")
+_WIDTH = Key(description="rate or speed below which friction acts as a damper, rad per time or velocity")
 
 ElementTable = Annotated[
     Element,
@@ -120,7 +120,7 @@ ElementTable = Annotated[
             torque=part(
                 machine.Curve,
                 x=Key(Numbers, "angular velocities, ascending, rad per time", "speeds"),
-                z=Key(Numbers, "at these speeds; linear between, constant beyond, a moment", "torques"),
+                z=Key(Numbers, "moments at these speeds; linear in between, constant beyond", "torques"),
             ),
             command=Key(LoadLaw, "command over time; default 1", "law", ONE),
         ),
@@ -163,7 +163,8 @@ def _contacts_are_whole(raw: Raw) -> Mistakes:
         if str(kind).startswith("sphere") and each.get("friction") and "width" not in each:
             yield (
                 path,
-                "friction needs width, the sliding speed below which it acts as a damper; add width = 0.001",
+                "friction needs width, the sliding speed below which friction acts as a damper; add "
+                "width = 0.001",
             )
 
 

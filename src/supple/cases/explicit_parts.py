@@ -37,7 +37,7 @@ class ModalPart(CheckedTable):
     )
     highest_hz: Positive | None = Field(
         None,
-        description="frequency above which modes are omitted, periods per time; they would shorten the step",
+        description="frequency, periods per time, above which modes are omitted, as they shorten the step",
     )
     spin_stiffness: bool = Field(False, description="true adds the geometric stiffness of free rotation")
     yield_stress: Positive | None = Field(

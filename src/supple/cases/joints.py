@@ -51,7 +51,7 @@ class Friction(CheckedTable):
 
     coefficient: NonNegative = Field(description="coefficient of friction")
     width: Positive = Field(
-        description="sliding speed below which it acts as a damper, rad per time or velocity"
+        description="sliding speed below which friction acts as a damper, rad per time or velocity"
     )
     radius: Positive | None = Field(None, description="revolute: radius of the pin, a length")
 

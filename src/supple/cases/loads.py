@@ -76,7 +76,7 @@ Pressure = table_of(
     "pressure",
     body=Key(
         PlaceOf,
-        "BODY.NODE_SET, on whose outer faces it acts inwards",
+        "BODY.NODE_SET; the pressure acts on the outer faces of this set, inwards",
         "at",
         through=lambda at, *_: at.partition(".")[0],
     ),

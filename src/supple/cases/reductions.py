@@ -45,7 +45,7 @@ Derivatives = Annotated[Made, OneOf(AllPairsCompressed, Picked, NoDerivatives)]
 _CONDENSED = Field(
     None,
     description="true: missing stiff motion is condensed statically; false: plain tensors, as published, "
-    "which lock without it; default: true for a fixed size, false during self-correction",
+    "which lock without this motion; default: true for a fixed size, false during self-correction",
 )
 
 

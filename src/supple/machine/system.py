@@ -278,8 +278,8 @@ class System(Summarized):
                     if (body := self.placed(end.body, what).body).kind not in _EXPLICIT:
                         raise ModelError(
                             f"{what}: it acts on explicit parts, but body '{body.name}' is "
-                            f"{body.kind}: make it a modal_subdomain or an explicit_subdomain, or leave this "
-                            "out"
+                            f"{body.kind}: make the body a modal_subdomain or an explicit_subdomain, or "
+                            f"leave out the {item[:-1]}"
                         )
                 if isinstance(each, Tie):
                     self.body_index(each.on, what)

@@ -132,8 +132,8 @@ class LargestStress(NamedTuple):
 def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> LargestStress:
     """The largest von Mises stress over nodes, layers and times; errors as for `von_mises_history`.
 
-    All nodes are evaluated at up to two hundred output times. A hundred are evenly
-    spaced; at the others the most coordinates have an extreme, as in short events. The hundred nodes with the largest stress
+    All nodes are evaluated at up to two hundred output times. A hundred of these are evenly spaced; at the
+    others the most coordinates have an extreme, as in short events. The hundred nodes with the largest stress
     at these times are evaluated at all times. The result is exact for up to a hundred output times.
     """
     recovery = stress_recovery(model)

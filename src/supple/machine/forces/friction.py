@@ -126,5 +126,5 @@ def _check_resists(element: AxialElement, what: str, law: TimeLaw) -> None:
     if isinstance(law, Constant) and np.any(np.asarray(law.value) < 0):
         raise ModelError(
             f"{element.label}: the {what} must not be negative, got {law.value}: friction would drive the "
-            "motion. Give its magnitude; it acts against either direction"
+            "motion. Give the magnitude; friction acts against either direction"
         )

@@ -49,7 +49,7 @@ _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 def uneven_times(begin: float, end: float, number: int) -> np.ndarray:
     """Times (number,) in [begin, end), not ascending, at fractions k phi mod 1 with the golden ratio phi.
 
-    Evenly spaced times may all be zeros of a sine; these have no period.
+    Evenly spaced times may all be zeros of a sine; the returned times have no period.
     """
     return begin + (end - begin) * (np.arange(number) * _GOLDEN % 1.0)
 
