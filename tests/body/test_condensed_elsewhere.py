@@ -295,7 +295,7 @@ def test_a_missing_qset_is_asked_for(tmp_path, beam, labels):
     lines = [line for line in files["nodes"].read_text().split("\n") if "QSET" not in line]
     files["nodes"].write_text("\n".join(line for line in lines if "SPOINT" not in line))
     with pytest.raises(
-        ImportFormatError, match=r"6 more rows than the ASET may be some; name them by QSET1 and SPOINT"
+        ImportFormatError, match=r"if the 6 further rows are modal coordinates, name them by QSET1 and SPOINT"
     ):
         read_labelled_superelement("arm", MatrixFiles(**files))
 

@@ -364,7 +364,7 @@ def test_a_deflection_of_explicit_elements_is_seen_from_a_node_set():
     np.testing.assert_allclose(seen, [[1e-3, 0.0, 0.0]], atol=1e-12)
     with pytest.raises(ModelError, match="whose energies are recorded with the run"):
         EnergySensor("energy").channels(machine[0])
-    with pytest.raises(ModelError, match="is seen: give seen_from"):
+    with pytest.raises(ModelError, match="reference of its deflection: give seen_from"):
         read(DeflectionSensor("bent", Place("bar", end)), machine)
 
 

@@ -131,7 +131,7 @@ def test_line_ends_of_windows(tmp_path):
         ("=,*(1)\n", "line 1: '=' repeats the card above, and there is none"),
         ("GRID,1,,0.\n=,*(1),,*(x)\n", r"line 2: '\*\(x\)' adds to '0\.'; both must be numbers"),
         ("GRID,1\n=,*(1)\n=9999999\n", "line 3: '=9999999' repeats over"),
-        ("RBE2,1,2,3,4,5,6,7,8,9\n", r"line 1: '9' stands where only a continuation label may; write it on"),
+        ("RBE2,1,2,3,4,5,6,7,8,9\n", r"line 1: '9' is in the field of the continuation label; write it on"),
         ("GRID*,1,2,3,4,5,6\n", r"line 1: 7 large fields; a line has a name, 4"),
         ("INCLUDE 'model.bdf'\n", "does a file include itself"),
         (

@@ -139,8 +139,8 @@ class AbaqusModel:
         if is_plain_digits(word):
             self.report.doubt(
                 line,
-                f"{what} names {member} {word}, which the file does not define; add the {member}, or take it "
-                "out of the set",
+                f"{what} names {member} {word}, which the file does not define; add the {member}, or remove "
+                "it from the set",
             )
         else:
             self.report.doubt(

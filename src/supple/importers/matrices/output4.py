@@ -174,8 +174,8 @@ def _row_freedoms(source: str, n: int, nodes: NodeTable) -> NDArray[np.int64]:
         aset = f"an ASET of {retained}" if retained else "no ASET"
         if retained and not len(nodes.modal) and n > retained:
             aset += (
-                f" and no modal coordinates: {n - retained} more rows than the ASET may be some; name them "
-                "by QSET1 and SPOINT cards in the mesh file"
+                f" without modal coordinates: if the {n - retained} further rows are modal coordinates, name "
+                "them by QSET1 and SPOINT cards in the mesh file"
             )
         raise ImportFormatError(
             f"{source}: {n} rows, but {nodes.source} has {len(nodes.ids)} grids, so {6 * len(nodes.ids)} "

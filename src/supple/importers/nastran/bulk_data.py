@@ -274,7 +274,7 @@ def _cards(lines: Sequence[RawLine]) -> list[BulkCard]:
             raise _error(
                 file,
                 number,
-                f"'{last}' stands where only a continuation label may; write it on the next line",
+                f"'{last}' is in the field of the continuation label; write it on the next line",
             )
         if starts:
             piece = _Piece(_card_name(file, number, first), data, file, number, "", announces)
