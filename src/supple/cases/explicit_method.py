@@ -53,8 +53,8 @@ class ExplicitMethod(CheckedTable):
     largest_ratio: int = Field(50, ge=1, description="largest number of explicit steps per modal step")
     interface_loss: Positive = Field(
         2e-4,
-        description="largest relative change of energy at the coupling of modal and explicit parts in one "
-        "output step; above it the ratio is halved and the output step repeated",
+        description="largest energy lost or gained at the coupling of modal and explicit parts in one output "
+        "step, relative to the energy of the run; above it the ratio is halved and the output step repeated",
     )
     scheme: Annotated[Projected | Published, Field(discriminator="kind")] = Projected(kind="projected")
 

@@ -61,7 +61,7 @@ class ModalPart(CheckedTable):
 class Viscosity(CheckedTable):
     """Bulk viscosity of solids, which spreads shock fronts over a few elements."""
 
-    linear: NonNegative = Field(0.06, description="damping ratio of the shortest waves")
+    linear: NonNegative = Field(0.06, description="damping ratio of waves with a length of two elements")
     quadratic: NonNegative = Field(1.2, description="number of elements over which a shock is spread")
 
     def build(self) -> BulkViscosity:

@@ -70,10 +70,16 @@ class Accuracy(CheckedTable):
         "interface",
     )
     absolute: Positive | None = Field(None, description="largest RMS error of the nodes, a length")
-    instants: int = Field(24, ge=1, description="number of output times at which the residual is evaluated")
-    directions: int = Field(4, ge=1, description="number of columns added in a round")
+    instants: int = Field(
+        24,
+        ge=1,
+        description="number of times at which the residual is evaluated, besides load peaks and kinks",
+    )
+    directions: int = Field(4, ge=1, description="number of columns added per round")
     largest_size: int = Field(60, ge=1, description="largest number of coordinates")
-    max_rounds: int = Field(8, ge=1, description="largest number of rounds")
+    max_rounds: int = Field(
+        8, ge=1, description="largest number of enrichments, one in each round after the first"
+    )
     of: OfInterest | None = Field(
         None, description="quantity whose error is limited; default: the positions of all nodes"
     )
