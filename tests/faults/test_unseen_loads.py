@@ -181,8 +181,10 @@ def test_smooth_motions_do_not_jump(law):
 
 def test_a_motion_that_ends_before_the_run_is_refused():
     law = Spline([0.0, 0.5, 0.9], [0.0, 0.1, 0.3])
-    with pytest.raises(ModelError, match=r"joint 'drive': its table ends at t = 0\.9, before the run does"):
+    with pytest.raises(ModelError, match=r"joint 'drive': its table ends at t = 0\.9, before the run ends"):
         simulate(moved(law), Run(1.0, 0.1))
     late = Spline([0.1, 0.5, 2.0], [0.0, 0.1, 0.3])
-    with pytest.raises(ModelError, match=r"joint 'drive': its table begins at t = 0\.1, after the run does"):
+    with pytest.raises(
+        ModelError, match=r"joint 'drive': its table begins at t = 0\.1, after the run begins"
+    ):
         simulate(moved(late), Run(1.0, 0.1))

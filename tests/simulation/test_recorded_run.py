@@ -103,7 +103,7 @@ def test_a_load_table_shorter_than_the_run_is_refused_at_its_start(tmp_path):
     motor = PrescribedRotation(
         name="motor", first=GROUND, second=At("bar", "pin"), axis=(0.0, 0.0, 1.0), angle=short
     )
-    with pytest.raises(ModelError, match=r"motor.*its table ends at t = 0.5, before the run does"):
+    with pytest.raises(ModelError, match=r"motor.*its table ends at t = 0.5, before the run ends"):
         simulate_recorded(System((Placed(bar),), (motor,)), RUN, tmp_path / "run.h5", case="short")
 
 

@@ -181,7 +181,7 @@ def test_table_that_ends_before_the_run(pendulum):
     loaded = replace(pendulum, loads=(DeadForce(body="bob", at="hinge", force=force),))
     with pytest.raises(
         ModelError,
-        match=r"DeadForce on 'hinge' of 'bob': its table ends at t = 0.8, before the run does \(t = 1\)",
+        match=r"DeadForce on 'hinge' of 'bob': its table ends at t = 0.8, before the run ends \(t = 1\)",
     ):
         simulate(loaded, Run(duration=1.0, output_step=0.1))
 
@@ -190,7 +190,7 @@ def test_table_that_begins_after_the_run(pendulum):
     loaded = replace(
         pendulum, loads=(DeadForce(body="bob", at="hinge", force=Table([0.2, 2.0], np.zeros((2, 3)))),)
     )
-    with pytest.raises(ModelError, match=r"its table begins at t = 0.2, after the run does \(t = 0\)"):
+    with pytest.raises(ModelError, match=r"its table begins at t = 0.2, after the run begins \(t = 0\)"):
         simulate(loaded, Run(duration=1.0, output_step=0.1))
 
 

@@ -52,10 +52,12 @@ def test_animations_show_bodies_without_values_in_the_plain_colour(actors, tmp_p
 
 
 def test_scenes_need_bodies_at_the_same_times(actors):
-    with pytest.raises(ModelError, match="a scene needs bodies at the same times; these have \\[\\]"):
+    with pytest.raises(
+        ModelError, match="a scene needs bodies at the same times; the numbers of times are \\[\\]"
+    ):
         scene_of([])
     shorter = Actor(actors[0].skin, actors[0].positions[:1])
-    with pytest.raises(ModelError, match=r"these have \[1, 2\]"):
+    with pytest.raises(ModelError, match=r"times are \[1, 2\]"):
         scene_of([shorter, actors[1]])
 
 

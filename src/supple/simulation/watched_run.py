@@ -87,12 +87,12 @@ def check_laws_cover(system: System, begin: float, end: float) -> None:
     for what, law in laws_of(system):
         if begins_after(law, begin):
             raise ModelError(
-                f"{what}: its table begins at t = {law.begin:g}, after the run does (t = {begin:g}). "
+                f"{what}: its table begins at t = {law.begin:g}, after the run begins (t = {begin:g}). "
                 "Extend the table backwards"
             )
         if ends_before(law, end):
             raise ModelError(
-                f"{what}: its table ends at t = {law.end:g}, before the run does (t = {end:g}). "
+                f"{what}: its table ends at t = {law.end:g}, before the run ends (t = {end:g}). "
                 "Extend the table or shorten the run"
             )
 

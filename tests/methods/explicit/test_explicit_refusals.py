@@ -274,7 +274,7 @@ def test_a_run_that_starts_later_has_the_loads_of_its_time(make):
     system = System([part], loads=[DeadForce(at=f"{part.name}.tip", force=gone)])
     energies = simulate(system, Run(0.02, 0.01, start=1.0)).series["energies"]
     assert np.abs(energies).max() < 1e-20
-    with pytest.raises(ModelError, match=r"its table ends at t = 3, before the run does \(t = 3.01\)"):
+    with pytest.raises(ModelError, match=r"its table ends at t = 3, before the run ends \(t = 3.01\)"):
         simulate(system, Run(0.02, 0.01, start=2.99))
 
 

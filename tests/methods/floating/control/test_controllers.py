@@ -292,7 +292,7 @@ def driven_at_rest(torque):
 def test_the_own_law_of_a_driven_element_covers_the_run_and_stops_its_steps():
     """A controller adds to the law of its element; loads have the same checks."""
     short = m.Table([0.0, 0.3], [0.0, 5.0])
-    with pytest.raises(ModelError, match=r"its table ends at t = 0\.3, before the run does"):
+    with pytest.raises(ModelError, match=r"its table ends at t = 0\.3, before the run ends"):
         simulate(driven_at_rest(short), Run(duration=1.0, output_step=0.5))
     with pytest.raises(ModelError, match=r"its value is needed at t = 0\.5"):
         equilibrium(driven_at_rest(short), time=0.5)
