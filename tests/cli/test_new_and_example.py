@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from fixtures.abaqus_text import abaqus_text
 from typer.testing import CliRunner
 
 from supple import cases
@@ -12,6 +13,7 @@ from supple.cases.read_case import read_case
 from supple.cli.main import app
 from supple.errors import ArgumentError, MeshError, ModelError
 from supple.importers import read_mesh
+from supple.mesh import CellType, block
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -78,6 +80,18 @@ def test_a_new_case_is_read_and_built(mesh, kind, tmp_path):
     assert body.condense is not None  # both are slender
     assert (body.interface[0].nodes, body.interface[1].nodes) == ("ROOT", "TIP")
     assert case.tables.output.track == ("wing.tip" if kind == "shell" else "rod.tip",)
+
+
+@pytest.mark.parametrize(("cells", "stations"), [(6, 7), (10, 11), (40, 21)])
+def test_a_coarse_slender_mesh_has_the_stations_that_it_supports(cells, stations, tmp_path):
+    """A row of boxes: one more station than boxes is the most that `condense` accepts."""
+    mesh = block(1.0, 0.1, 0.1, cells, 1, 1, CellType.HEXA8)
+    (tmp_path / "row.inp").write_text(abaqus_text(mesh))
+    cases.write_new_case(tmp_path / "row.inp", tmp_path / "row.toml")
+    case = read_case(tmp_path / "row.toml")
+    assert case.tables.body[0].condense.stations == stations
+    (placed,) = case.system.bodies
+    assert placed.body.line.n == stations
 
 
 def test_a_mesh_beside_the_case_is_named_relative_to_it(tmp_path):

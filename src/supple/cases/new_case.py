@@ -17,10 +17,14 @@ from supple.storage.file_errors import file_errors
 
 __all__ = ["write_new_case"]
 
-SLENDER = 8.0
+SLENDER = 6.0
 """Smallest ratio of the length of a slender body to its next largest size."""
 AT_END = 0.01
 """Largest distance of the nodes of a set from the end of a slender body, relative to its length."""
+STATIONS = (21, 17, 13, 11, 9, 7, 6, 5)
+"""Numbers of stations of a slender body; the first that its mesh supports is chosen."""
+OF_A_SLICE = 3
+"""Smallest number of nodes of a slice between two cuts halfway between stations."""
 
 
 def write_new_case(mesh_file: Path, path: Path) -> None:
@@ -52,13 +56,15 @@ class _Model:
 
     spans : sizes along the principal axes, the longest first
     sets : names of the sets for supports or output, with fewer than half of the nodes
-    ends : names of one set at each end of a slender body
+    ends : names of one set at each end of a slender body; None if its mesh is too coarse for stations
+    stations : their number, for a body with `ends`
     kind : `solid` or `shell`; `nastran` or `abaqus` where the file has properties
     """
 
     spans: tuple[float, float, float]
     sets: Sequence[str]
     ends: tuple[str, str] | None
+    stations: int
     kind: str
 
 
@@ -83,8 +89,19 @@ def _model(nodes: np.ndarray, node_sets: Mapping[str, np.ndarray], kind: str) ->
     axes = np.linalg.svd(nodes - nodes.mean(axis=0), full_matrices=False)[2]
     along = nodes @ axes.T
     longest, second, third = (float(each) for each in np.sort(np.ptp(along, axis=0))[::-1])
-    slender = longest >= SLENDER * second
-    return _Model((longest, second, third), list(sets), _ends(along[:, 0], sets) if slender else None, kind)
+    stations = _stations(along[:, 0]) if longest >= SLENDER * second else 0
+    ends = _ends(along[:, 0], sets) if stations else None
+    return _Model((longest, second, third), list(sets), ends, stations, kind)
+
+
+def _stations(along: np.ndarray) -> int:
+    """The number of stations; 0 if the mesh is too coarse along the axis."""
+    place = (along - along.min()) / np.ptp(along)
+    for number in STATIONS:
+        cuts = (np.arange(number - 1) + 0.5) / (number - 1)
+        if np.histogram(place, cuts)[0].min() >= OF_A_SLICE:
+            return number
+    return 0
 
 
 def _ends(along: np.ndarray, sets: Mapping[str, np.ndarray]) -> tuple[str, str] | None:
@@ -134,9 +151,9 @@ start = "equilibrium"
 
 def _reduction(model: _Model) -> str:
     if model.ends is not None:
-        return """\
+        return f"""\
 # A slender body: stations along its length, for bending of any size. Other bodies take frame and reduction.
-condense = { root = "root", tip = "tip", stations = 21, modes = 12 }"""
+condense = {{ root = "root", tip = "tip", stations = {model.stations}, modes = 12 }}"""
     basis = "craig-bampton" if model.sets else "normal-modes"
     return f"""\
 frame = {{ kind = "mean-axis" }}
