@@ -46,6 +46,19 @@ def test_a_reduced_body_is_written_by_the_ending_with_its_frequencies(strip_file
     assert ("the linear part" in result.output) == (name != "x.sid")
 
 
+def test_the_units_of_a_case_are_printed(strip_file, tmp_path):
+    case = strip_file.parent / "strip.toml"
+    in_mm = strip_file.parent / "in_mm.toml"
+    in_mm.write_text('units = { length = "mm", mass = "t", time = "s" }\n' + case.read_text())
+    for name, expected in (
+        ("x.sid", "mm, t, s; Modelica reads m, kg, s"),
+        ("x.op4", "units of the case: mm, t, s\n"),
+    ):
+        result = exported(in_mm, "-o", tmp_path / name)
+        assert result.exit_code == 0, result.output
+        assert expected in result.output
+
+
 def test_a_deck_with_the_superelement_is_for_calculix_or_abaqus(strip_file, tmp_path):
     for arguments, mark in (((), "*EQUATION"), (("--abaqus",), "*MATRIX ASSEMBLE")):
         result = exported(strip_file, "-o", tmp_path / "x.inp", "--superelement", *arguments)

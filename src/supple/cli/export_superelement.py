@@ -51,6 +51,8 @@ _OF_BODIES: dict[str, Callable[[Path, ReducedBody], object]] = {
 }
 _OPENFAST, _CLOSED = ".dat", ".mnf"
 _SI = ("m", "kg", "s")
+_FOR_SI = (".sid", ".sid_fem")
+"""Formats of Modelica, whose numbers are in SI units."""
 _UPRIGHT = 1e-2
 """Largest angle, rad, between gravity and the z axis of a mesh for OpenFAST: angles may be rounded."""
 _NONE = (
@@ -98,6 +100,7 @@ def export_superelement(path: Path, target: Path, *, body: Sequence[str] | None,
             _write_blade(target, case, cast("IntrinsicBody", chosen))
         else:
             _write(target, suffix, cast("ReducedBody", chosen), case, abaqus=abaqus)
+        _print_units(case, suffix)
 
 
 def _write(target: Path, suffix: str, body: ReducedBody, case: Case | None, *, abaqus: bool) -> None:
@@ -126,6 +129,18 @@ def _report(target: Path, body: ReducedBody, stated: StatedFrequencies, *, linea
     say(f"written to {target}")
 
 
+def _print_units(case: Case, suffix: str) -> None:
+    """Print the units of the numbers in a file, which none of the formats states."""
+    given = _given_units(case)
+    if any(given):
+        expected = f"; Modelica reads {', '.join(_SI)}" if suffix in _FOR_SI and given != _SI else ""
+        say(f"the numbers have the units of the case: {', '.join(given)}{expected}")
+
+
+def _given_units(case: Case) -> tuple[str, str, str]:
+    return case.units.length, case.units.mass, case.units.time
+
+
 def _write_blade(target: Path, case: Case, body: IntrinsicBody) -> None:
     table = next(one for one in case.tables.body if one.name == body.name)
     if table.section_table is None:
@@ -146,7 +161,7 @@ def _write_blade(target: Path, case: Case, body: IntrinsicBody) -> None:
 
 def _check_si(case: Case) -> None:
     """CaseError for a case in other units than m, kg and s, which OpenFAST reads."""
-    given = (case.units.length, case.units.mass, case.units.time)
+    given = _given_units(case)
     if any(given) and given != _SI:
         raise CaseError(
             f"{case.path}: the units of the case are {', '.join(given)}, and OpenFAST reads "
