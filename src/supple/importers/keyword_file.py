@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
 from supple.importers.inclusion import Inclusions, included_file
-from supple.importers.plain_number import is_plain, number_of_word, plain_integer
+from supple.importers.plain_number import is_finite_number, is_integer, is_plain
 
 
 @dataclass(frozen=True)
@@ -154,20 +154,11 @@ def _converted(file: KeywordFile, words: list[str], lines: NDArray[np.int64], dt
         values = None
     if values is None or not is_plain("".join(words)) or not np.isfinite(values).all():
         whole = dtype is np.int64
-        word, line = next(
-            pair for pair in zip(words, lines, strict=True) if not _is_number(pair[0], whole=whole)
-        )
+        is_valid = is_integer if whole else is_finite_number
+        word, line = next(pair for pair in zip(words, lines, strict=True) if not is_valid(pair[0]))
         what = "a whole number of 64 bits" if whole else "a number"
         raise file.error(line, f"'{word[:40]}' is not {what}; correct it, or remove the line")
     return values
-
-
-def _is_number(word: str, *, whole: bool) -> bool:
-    try:
-        plain_integer(word) if whole else number_of_word(word)
-    except ValueError:
-        return False
-    return True
 
 
 def _expanded(

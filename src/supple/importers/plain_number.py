@@ -6,6 +6,7 @@ Python also accepts 1_000, digits of other scripts, nan, infinity and integers o
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 LARGEST_INTEGER = 2**63 - 1
 """Largest 64-bit integer, the type of id arrays; larger integers are rejected."""
@@ -47,3 +48,26 @@ def number_of_word(word: str) -> float:
     if not is_plain(word) or not math.isfinite(number := float(word)):
         raise ValueError(f"'{word[:40]}' is not a number")
     return number
+
+
+def is_number(word: str) -> bool:
+    """Whether Python accepts a word as a number, such as nan, inf and 1_000."""
+    return _is_accepted(float, word)
+
+
+def is_finite_number(word: str) -> bool:
+    """Whether `number_of_word` accepts a word."""
+    return _is_accepted(number_of_word, word)
+
+
+def is_integer(word: str) -> bool:
+    """Whether `plain_integer` accepts a word."""
+    return _is_accepted(plain_integer, word)
+
+
+def _is_accepted(read: Callable[[str], float], word: str) -> bool:
+    try:
+        read(word)
+    except ValueError:
+        return False
+    return True

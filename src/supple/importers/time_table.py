@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
-from supple.importers.plain_number import is_plain
+from supple.importers.plain_number import is_number, is_plain
 from supple.importers.text_file import file_lines
 
 
@@ -67,8 +67,4 @@ def _rows(path: Path) -> NDArray[np.float64]:
 
 def _is_word(text: str) -> bool:
     """Whether an entry begins with a letter and is no number, such as nan."""
-    try:
-        float(text)
-    except ValueError:
-        return text.strip(" \t\"'")[:1].isalpha()
-    return False
+    return not is_number(text) and text.strip(" \t\"'")[:1].isalpha()

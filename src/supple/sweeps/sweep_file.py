@@ -13,7 +13,7 @@ from pydantic import Field
 from supple.cases.read_case import checked_file
 from supple.errors import CaseError, ImportFormatError
 from supple.importers.csv_table import CsvTable, read_csv_table
-from supple.importers.plain_number import number_of_word, plain_integer
+from supple.importers.plain_number import is_finite_number, is_number, number_of_word, plain_integer
 from supple.importers.text_file import file_lines
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Positive, Raw, checked, listed_mistakes
 from supple.sweeps.case_table import (
@@ -293,26 +293,9 @@ def _column(read: CsvTable, name: str) -> Sequence[Any]:
             line = read.lines[words.index("")]
             raise ImportFormatError(f"{read.path}, line {line}: {name} is empty; every case needs a value")
         return found
-    if given and all(map(_is_number, given)):
-        row = next(row for row, word in enumerate(words) if word and not _is_finite(word))
+    if given and all(map(is_number, given)):
+        row = next(row for row, word in enumerate(words) if word and not is_finite_number(word))
         raise ImportFormatError(
             f"{read.path}, line {read.lines[row]}: {name} is '{words[row][:40]}'; write a finite number"
         )
     return words
-
-
-def _is_number(word: str) -> bool:
-    """Whether a word is a number, also nan, inf and 1_000."""
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
-
-
-def _is_finite(word: str) -> bool:
-    try:
-        number_of_word(word)
-    except ValueError:
-        return False
-    return True
