@@ -17,6 +17,7 @@ from supple.machine import (
     At,
     Bushing,
     ConstantRate,
+    ForceElement,
     Joint,
     PrescribedRotation,
     Spin,
@@ -56,9 +57,7 @@ def refuse_other_speeds(found: RestingState, time: float, spin: Spin) -> None:
     """Raise ModelError for a drive with a nonzero rate between bodies that both rotate, or both stand."""
     turning = turning_bodies(found, spin)
     for joint in found.system.joints:
-        if not isinstance(joint, PrescribedRotation) or _turns(joint.first, found, turning) != _turns(
-            joint.second, found, turning
-        ):
+        if not isinstance(joint, PrescribedRotation) or _spans_speeds(joint, found, turning):
             continue
         rate = float(WithRate(joint.law)(time)[1])
         if abs(rate) > SAME_RATE * abs(spin.rate):
@@ -77,9 +76,7 @@ def refuse_turning_bushings(found: RestingState, spin: Spin) -> None:
     """
     turning = turning_bodies(found, spin)
     for load in found.system.loads:
-        if not isinstance(load, Bushing) or _turns(load.first, found, turning) == _turns(
-            load.second, found, turning
-        ):
+        if not isinstance(load, Bushing) or not _spans_speeds(load, found, turning):
             continue
         axis = load.initial_axes.T @ spin.axis
         across = np.eye(3) - np.outer(axis, axis)
@@ -92,6 +89,11 @@ def refuse_turning_bushings(found: RestingState, spin: Spin) -> None:
                 "and no damping of tilt; for a bearing that resists tilt, connect the bushing to a "
                 "body of the bearing that stands, and this body to the rotor by a Revolute joint"
             )
+
+
+def _spans_speeds(part: Joint | ForceElement, found: RestingState, turning: np.ndarray) -> bool:
+    """Whether one end of a joint or force element is on a rotating body, and the other one is not."""
+    return _turns(part.first, found, turning) != _turns(part.second, found, turning)
 
 
 def _turns(end: At | Any, found: RestingState, turning: np.ndarray) -> bool:
@@ -134,9 +136,7 @@ def _turned_on(found: RestingState, time: float, spin: Spin, angle: float) -> Sy
         return replace(joint, angle=float(joint.law(time)) + sense * angle)
 
     def followed_on(load: Any) -> Any:
-        if not isinstance(load, AngleServo) or _turns(load.first, found, turning) == _turns(
-            load.second, found, turning
-        ):
+        if not isinstance(load, AngleServo) or not _spans_speeds(load, found, turning):
             return load
         value, rate = map(float, load.law(time))
         now = value + rate * angle / spin.rate
