@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from supple.equations.checks.energy import Balances, body_balances
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
+from supple.methods.intrinsic.station_mass import first_moments
 from supple.methods.intrinsic.station_motion import driven_twists
 
 __all__ = ["line_balances"]
@@ -32,7 +33,7 @@ def line_balances(body: IntrinsicBody, motion: IntrinsicMotion, gravity: Array) 
     q2 = body.forces_of(motion.coordinates)
     masses = body.line.mass.reshape(n, 6, n, 6).sum(axis=2)[:, :, :3]
     # A station's block is [m 1; s x], and s x is skew-symmetric.
-    moments = np.stack([masses[:, 5, 1], masses[:, 3, 2], masses[:, 4, 0]], axis=1)
+    moments = first_moments(masses)
     centres = np.einsum("nij,tnj->ti", masses[:, :3], positions) + np.einsum(
         "tnij,nj->ti", rotations, moments
     )

@@ -11,8 +11,10 @@ from supple.algebra import read_only
 from supple.algebra.cross import cross_matrices
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.fem import CellMass, FiniteElementModel, cell_masses
+from supple.mesh import CellType
 from supple.methods.intrinsic.expansion import shares_of_stations
 from supple.methods.intrinsic.load_path_tree import LoadPathTree
+from supple.methods.intrinsic.station_mass import first_moments
 
 __all__ = ["arm_terms", "lumped_inertia", "with_shorter_arms"]
 
@@ -22,21 +24,11 @@ LARGEST = 0.45
 """Largest fraction by which arms are shortened; one half would leave beams without rotary inertia."""
 SAFETY = 0.9
 """Fraction of a distance, or of a shortening of arms, at which a mass becomes singular."""
-CORNERS = {
-    1: (1, 0.0),
-    2: (2, 3**-0.5),
-    3: (3, 0.5),
-    4: (4, 5**-0.5),
-    5: (5, 0.4),
-    6: (6, 0.5),
-    8: (8, 3**-0.5),
-    10: (4, 5**-0.5),
-    13: (5, 0.4),
-    15: (6, 0.5),
-    20: (8, 3**-0.5),
-}
-"""By number of nodes of a cell: number of corners, and distance from the centre, relative to that of a
-corner, at which equal masses have the second moments of the cell."""
+REACH = {1: 0.0, 2: 3**-0.5, 3: 0.5, 4: 5**-0.5, 5: 0.4, 6: 0.5, 8: 3**-0.5}
+"""By number of corners of a cell: distance from the centre, relative to that of a corner, at which equal
+masses have the second moments of the cell."""
+_CORNERS = {1: 1} | {kind.n_nodes: kind.n_corners for kind in CellType}
+"""Number of corners by number of nodes; a single node has a concentrated mass."""
 ROUNDING = 1e-12
 """Mass and inertia relative to the largest; a smaller one is zero."""
 
@@ -79,12 +71,11 @@ def _parts(mass: CellMass, nodes: Array) -> Iterator[tuple[Array, Array]]:
     nodes : (E, k, 3)   nodes of the cells, relative to the cells' centres
     """
     whole = _rigid_inertia(mass, nodes)
-    n_corners, reach = CORNERS[nodes.shape[1]]
+    n_corners = _CORNERS[nodes.shape[1]]
     corners = nodes[:, :n_corners] - nodes[:, :n_corners].mean(axis=1, keepdims=True)
     masses = whole[:, 0, 0] / n_corners
-    middle = np.stack([whole[:, 5, 1], whole[:, 3, 2], whole[:, 4, 0]], axis=1)
-    middle = middle / np.where(whole[:, 0, 0], whole[:, 0, 0], 1.0)[:, None]
-    points = middle[:, None] + SAFETY * reach * corners
+    middle = first_moments(whole) / np.where(whole[:, 0, 0], whole[:, 0, 0], 1.0)[:, None]
+    points = middle[:, None] + SAFETY * REACH[n_corners] * corners
     modes = nodal_rigid_modes(points.reshape(-1, 3), 6).reshape(len(nodes), n_corners, 6, 6)[:, :, :3]
     concentrated = masses[:, None, None, None] * (modes.swapaxes(2, 3) @ modes)
     rest = (whole - concentrated.sum(axis=1)) / n_corners
@@ -101,8 +92,7 @@ def arm_terms(inertia: Array, along: Array) -> Array:
     along : (E, 3)  d, vector from the station to the foot of each mass on its segment, the weighted mean of
                     the segment's ends
     """
-    mass = inertia[:, 0, 0]
-    first = np.stack([inertia[:, 5, 1], inertia[:, 3, 2], inertia[:, 4, 0]], axis=1)
+    mass, first = inertia[:, 0, 0], first_moments(inertia)
     turned = cross_matrices(mass[:, None] * along)
     second = first[:, :, None] * along[:, None]
     second = second + second.swapaxes(1, 2)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from supple.errors import ModelError
 
-__all__ = ["cleaned_mass", "mass_factor"]
+__all__ = ["cleaned_mass", "first_moments", "mass_factor"]
 
 Array = NDArray[np.float64]
 
@@ -48,3 +48,8 @@ def mass_factor(mass: Array, length: float) -> Array:
     values, vectors = np.linalg.eigh(mass * np.outer(scale, scale))
     kept = values > MASSLESS * values.max(initial=0.0)
     return (vectors[:, kept] * np.sqrt(values[kept])) / scale[:, None]
+
+
+def first_moments(masses: Array) -> Array:
+    """First moments (n, 3) of rigid masses (n, 6, 6), or of their first three columns, about their points."""
+    return np.stack([masses[:, 5, 1], masses[:, 3, 2], masses[:, 4, 0]], axis=1)
