@@ -34,11 +34,11 @@ def superelement(
 ) -> FlexibleBody:
     """A linear body from nodes and matrices, full or condensed.
 
-    Matrix rows after those of the nodes are modal coordinates of a condensed model (Craig-Bampton). Modal
-    coordinates are zero in the rigid motions R, and K R = 0. The matrices do not contain the direction in
-    which a modal coordinate moves the mass. Without `recovery`, modal displacements therefore have no
-    centrifugal and Coriolis forces and do not change the body's inertia. Angular velocities must then be well
-    below the frequencies of the modes. Recovered points throughout the body supply this direction
+    Matrix rows after those of the nodes are modal coordinates of a condensed model (Craig-Bampton). The body
+    must be free: K R = 0 for its rigid motions R, in which all modal coordinates are zero. The matrices do
+    not define the displacement field of a modal coordinate. Without `recovery`, modal displacements therefore
+    have no centrifugal and Coriolis forces and do not change the body's inertia. Angular velocities must then
+    be well below the frequencies of the modes. Recovered points throughout the body define this field
     (`Recovery`).
 
     Parameters
@@ -47,11 +47,12 @@ def superelement(
     stiffness, mass : sparse or dense (n, n), n >= N * dofs_per_node, node by node: ux uy uz [rx ry rz], then
         modal coordinates
     dofs_per_node   : 3 or 6
-    damping         : (n, n) N s/m, positive semidefinite, rows as in the stiffness; None without
+    damping         : (n, n) N s/m, positive semidefinite, rows as in the stiffness; None: no damping matrix
     interfaces      : as for `flexible_body`, but only with node numbers
     recovery        : interior points of a condensed model, which become the last nodes of the body
-    rigid_tolerance : largest |K R| relative to the forces that cancel in it, and largest negative eigenvalue
-        of the scaled damping; about the relative precision of the printed matrices
+    rigid_tolerance : largest accepted |K R| and |C R| in a row, relative to the forces that cancel in this
+        row; also the largest accepted negative eigenvalue of the damping matrix C, relative to its largest
+        entry after scaling by 1/sqrt(K_ii). Give about the relative precision of the printed matrices
     Raises
     ------
     ModelError   as for `flexible_body`; other values of `dofs_per_node`; an interface on a node set; damping
@@ -110,24 +111,25 @@ def read_superelement(
     ImportFormatError   a file that is not Matrix Market
     ModelError          as for `superelement`, naming the files; only one of `recovery` and `points`
     """
-    places, K, M = read_matrix(nodes).toarray(), read_matrix(stiffness), read_matrix(mass)
-    inside = None
+    positions, K, M = read_matrix(nodes).toarray(), read_matrix(stiffness), read_matrix(mass)
+    interior = None
     if (recovery is None) != (points is None):
         given, other = ("points", "recovery") if recovery is None else ("recovery", "points")
         raise ModelError(f"superelement '{name}': {given} without {other}: give both files, or neither")
     if recovery is not None and points is not None:
-        at = read_matrix(points).toarray()
-        inside = Recovery(at, len(places) + np.arange(len(at)), read_matrix(recovery).toarray())
+        interior_points = read_matrix(points).toarray()
+        ids = len(positions) + np.arange(len(interior_points))
+        interior = Recovery(interior_points, ids, read_matrix(recovery).toarray())
     try:
         return superelement(
             name,
-            places,
+            positions,
             K,
             M,
             dofs_per_node=dofs_per_node,
             damping=None if damping is None else read_matrix(damping),
             interfaces=interfaces,
-            recovery=inside,
+            recovery=interior,
             rigid_tolerance=rigid_tolerance,
         )
     except ModelError as error:

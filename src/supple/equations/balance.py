@@ -2,10 +2,11 @@
 
     M(q) vdot + c(q, v) + f(q) + D(q) v + G(q)^T lambda = Q(t, q, v),        g(q, t) = 0
 
-assembled from the 6 + r equations of each body: force (global), moment about the frame origin (body
-components), deformation. Each term is in its own file: `inertia`, `internal_force`, `joint_force`,
-`marker_force`, `control_force`, `nodal_load`. The tangent omits the change of the damping D(q) with q and the
-dependence of joint friction on the multipliers; otherwise it is exact. Source: [Wu2019] (26)-(28), (50).
+assembled from the bodies. Each body has 3 equations of force (global components), 3 of moment about its frame
+origin (body components), and one for each of its r coordinates of deformation. Each term is in its own file:
+`inertia`, `internal_force`, `joint_force`, `marker_force`, `control_force`, `nodal_load`. The tangent omits
+the change of the damping D(q) with q and the dependence of joint friction on the multipliers; otherwise it is
+exact. Source: [Wu2019] (26)-(28), (50).
 """
 
 from __future__ import annotations
@@ -39,7 +40,10 @@ __all__ = ["Balance", "Linearization", "balance", "constraint_jacobian", "tangen
 
 
 class Linearization(NamedTuple):
-    """Data from the evaluation of the equations for the tangent at the same motion, one entry per group."""
+    """Intermediate results of `balance`, from which `tangent` is computed at the same motion.
+
+    inertia, internal : one entry per group of bodies;   joints : one entry per group of joints
+    """
 
     inertia: tuple[InertiaTerms, ...]
     internal: tuple[InternalMatrices, ...]
@@ -69,16 +73,16 @@ def balance(model: Model, motion: SystemMotion) -> Balance:
     inertial, elastic, inertia_terms, matrices = [], [], [], []
     for group in model.groups:
         states = inertia.floating_states(model, group, motion)
-        own, terms = inertia.force(group, group.of(motion.configuration.rotations), states)
-        inertial.append((group.velocities, own))
+        force, terms = inertia.force(group, group.of(motion.configuration.rotations), states)
+        inertial.append((group.velocities, force))
         inertia_terms.append(terms)
-        own, own_matrices = internal_force.force(group, states)
-        elastic.append((group.velocities, own))
-        matrices.append(own_matrices)
+        force, internal_matrices = internal_force.force(group, states)
+        elastic.append((group.velocities, force))
+        matrices.append(internal_matrices)
     applied = [(load.velocities, -nodal_load.force(load, motion)) for load in model.nodal_loads]
     for forces in model.forces:
-        applied += [(places, -own) for places, own in marker_force.force(model, forces, motion)]
-    applied += [(places, -own) for places, own in control_force.force(model, motion)]
+        applied += [(rows, -force) for rows, force in marker_force.force(model, forces, motion)]
+    applied += [(rows, -force) for rows, force in control_force.force(model, motion)]
     joints = linearized(model, motion.time, motion.configuration)
     return Balance(
         inertia=assembled_vector(n, inertial),
@@ -105,7 +109,7 @@ def tangent(
     """Derivative of the residual with respect to the new accelerations, (n, n).
 
     linearization : of `balance` at the same motion
-    increments : (n,) of the configuration, from the start of the step
+    increments : (n,) change of the configuration since the start of the step
     factors : derivatives of the increments and of the velocities with respect to the accelerations
     """
     blocks = tangent_blocks(model, motion, linearization, increments, factors)
@@ -125,7 +129,7 @@ def tangent_blocks(
     for group, terms, matrices in zip(
         model.groups, linearization.inertia, linearization.internal, strict=True
     ):
-        own = inertia.tangent(
+        matrix = inertia.tangent(
             group,
             group.of(motion.configuration.rotations),
             inertia.floating_states(model, group, motion),
@@ -134,10 +138,10 @@ def tangent_blocks(
             group.of(turns),
             factors,
         )
-        blocks.append(MatrixBlock(group.velocities, group.velocities, own))
+        blocks.append(MatrixBlock(group.velocities, group.velocities, matrix))
     for load in model.nodal_loads:
-        own = -factors.by_position * nodal_load.tangent(load, motion, turns[load.body])
-        blocks.append(MatrixBlock(load.velocities, load.velocities, own))
+        matrix = -factors.by_position * nodal_load.tangent(load, motion, turns[load.body])
+        blocks.append(MatrixBlock(load.velocities, load.velocities, matrix))
     minus = StepFactors(-factors.by_position, -factors.by_velocity)
     for forces in model.forces:
         blocks += marker_force.tangent(model, forces, motion, turns, minus)

@@ -38,9 +38,9 @@ class ControllerSampling:
 
     system: System
     instants: Mapping[int, np.ndarray]
-    """Call times by number of the controller, ascending"""
+    """Ascending call times of each controller; key: index of the controller in the system"""
     rounding: Mapping[int, float]
-    """Difference up to which times are the same call time of a controller"""
+    """Largest difference between two times that count as one call time; key: index of the controller"""
 
     @property
     def every(self) -> np.ndarray:
@@ -57,13 +57,14 @@ class ControllerSampling:
     def _is_call_time(self, number: int, time: float) -> bool:
         """Whether the controller is called at a time.
 
-        The last digits may differ: a run that is continued by a longer one rounds its times differently.
+        Times are compared up to rounding: if a longer run continues a shorter one, the last digits of their
+        call times differ.
         """
         apart = np.abs(self.instants[number] - time)
         return bool(apart.min() <= self.rounding[number])
 
     def called(self, model: Model, motion: SystemMotion, control: ControlState) -> ControlState | None:
-        """The controllers after the due calls; None if no call is due."""
+        """State of all controllers after the calls that are due; None if no call is due."""
         time = float(motion.time)
         due = [number for number in self.instants if self._is_call_time(number, time)]
         if not due:
@@ -101,8 +102,8 @@ class ControllerSampling:
         # Compared with the memory before the call, not with `given`, which the law may have changed in place.
         if shapes != {name: np.shape(value) for name, value in memory.items()}:
             raise ModelError(
-                f"{what}: its memory must keep its names and shapes, as result files contain it; it returned "
-                f"{shapes}; give all entries in memory={{..}}"
+                f"{what}: its memory must keep its names and shapes, because result files store it. The law "
+                f"returned {shapes}; define every entry in the initial memory, memory={{..}}"
             )
         return held, remembered
 
@@ -126,27 +127,27 @@ def sampling_of(system: System, run: Run) -> ControllerSampling | None:
 
 def march_sampled(
     sampling: ControllerSampling,
-    marched: Callable[[S, np.ndarray], Leg[S]],
-    sampled: Callable[[S], S],
+    march: Callable[[S, np.ndarray], Leg[S]],
+    after_calls: Callable[[S], S],
     state: S,
     times: np.ndarray,
 ) -> Leg[S]:
-    """March to each output time, interrupted at call times.
+    """Integrate to each output time, and interrupt the integration at call times.
 
-    marched : function for the march without interruption
-    sampled : function that returns a state after the due calls
+    march : function that integrates to output times without interruption
+    after_calls : function that returns a state after the calls that are due
     """
     now = float(cast(Any, state).time)
     if times[-1] <= now:
-        return marched(state, times)
+        return march(state, times)
     legs: list[Leg[S]] = []
     while now < times[-1]:
-        state = sampled(state)
+        state = after_calls(state)
         later = sampling.later(now)
         later = later[later < times[-1]]
         end = float(later[0]) if later.size else float(times[-1])
         outputs = times[(times > now) & (times <= end)]
-        leg = marched(state, np.unique(np.append(outputs, end)))
+        leg = march(state, np.unique(np.append(outputs, end)))
         if end not in times:  # a call time is not an output time
             kept = min(leg.n_reached, len(outputs))
             rows = jax.tree.map(lambda leaf, kept=kept: leaf[:kept], leg.states)

@@ -41,16 +41,17 @@ class SelfCorrection:
     """The target error of a self-correction, and its limits.
 
     absolute : float        largest allowed RMS error of the nodal positions over the run, unit of length; or
-    relative : float        this error over the largest displacement of a node; displacements are relative to
-                            the body's first interface, or to its floating frame without an interface
-    instants : int          number of stratified samples of the run at which the residual is balanced, in
-                            addition to the times of load peaks and kinks
+    relative : float        ratio of this error to the largest displacement of a node; displacements are
+                            relative to the body's first interface, or to the floating frame of a body that
+                            has no interface
+    instants : int          number of stratified sample times at which static equilibrium gives the motion
+                            outside the basis; the times of load peaks and kinks are added
     directions : int        columns added per round and body; fewer may save a few columns, but a missing
                             stiff direction causes locking and costs a further round
     largest_size : int      largest number of coordinates of the basis
     max_rounds : int        largest number of enrichments
-    of : QuantityOfInterest     quantity whose error is limited; by default the positions of all nodes. Its
-                            unit is that of absolute; relative is a fraction of its size
+    of : QuantityOfInterest     quantity whose error is limited; by default the positions of all nodes.
+                            `absolute` is in the unit of this quantity, `relative` a fraction of its size
 
     Raises ModelError when both or none of absolute and relative are given, or a number is not positive.
     """
@@ -92,11 +93,12 @@ class SelfCorrection:
 
 @dataclass(frozen=True)
 class ReductionStart:
-    """Start of the reduction of one body, and its target error.
+    """Settings with which the self-correction of one body starts, and the target error of this body.
 
     target : SelfCorrection
-    basis, derivatives, quartic : as for `reduce`, with other defaults. Tensors are plain (not condensed) by
-        default: the rounds add the missing directions to the basis, and loads act on motion in the basis only
+    basis, derivatives, quartic : as for `reduce`, with other defaults. By default the tensors are plain (not
+        condensed), because the rounds add missing directions to the basis, and loads do not act on condensed
+        motion
     """
 
     target: SelfCorrection = field(default_factory=lambda: SelfCorrection(relative=1e-3))
@@ -114,12 +116,12 @@ class Round:
 
     body : ReducedBody
     solution : Solution             up to the time at which the run stopped
-    estimated_error : float         of the quantity of interest (by default the largest RMS error of the nodal
-                                    positions), by the error equation; infinite where the run stopped early,
-                                    the error is too large for the equation, or the round is the first and
-                                    its indicator exceeds the allowed error
-    indicator : float               largest RMS over the nodes of the quasi-static motion outside the basis,
-                                    at the sample times; infinite where no equilibrium was found
+    estimated_error : float         error of the quantity of interest by the error equation; by default the
+                                    largest RMS error of the nodal positions. Infinite if the run stopped
+                                    early, if the error is too large for the equation, or if the indicator
+                                    of the first round exceeds the allowed error
+    indicator : float               size of the quasi-static motion outside the basis: its largest RMS over
+                                    the nodes at a sample time; infinite if no equilibrium was found
     singular_values : (k,)          of the displacement fields outside the basis, in the M-norm, descending
     seconds : float                 wall time of reduction, run and error estimate, for all bodies
     allowed : float                 the target error, in the unit of the quantity of interest
@@ -158,7 +160,7 @@ class SelfCorrected:
 
     rounds : Round              the last one meets the target
     basis : ReductionBasis      of the last round
-    next_basis : ReductionBasis     of a further round: the basis with the leading motion outside it
+    next_basis : ReductionBasis     for a further round: `basis`, and the leading directions outside it
     """
 
     rounds: tuple[Round, ...]
@@ -203,7 +205,7 @@ class CorrectedSystem:
 
 
 class SelfCorrectionError(AccuracyError):
-    """The target error was not met; `rounds` holds the assessed runs (none for a correction at rest)."""
+    """The target error was not met; `rounds`: the assessed runs, empty for a correction at rest."""
 
     def __init__(self, message: str, rounds: tuple[Round, ...]) -> None:
         super().__init__(message)

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 
 def node_positions(body: BodyForm, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> Array:
-    """Positions (t, k, 3) in space of all or some nodes (k,), computed by the form of the body.
+    """Positions (t, k, 3) in space of all or some nodes (k,).
 
     Raises
     ------
@@ -79,7 +79,7 @@ class Observer(NamedTuple):
 
 
 def observer(body: BodyForm, motion: Motion, interface: str | None = None) -> Observer:
-    """Motion of an interface of a body, by default the first; without interfaces, of the frame of the body.
+    """Motion of an interface, by default the first; for a body without interfaces, motion of its frame.
 
     Raises ModelError for an interface that the body does not have.
     """
@@ -132,10 +132,10 @@ class TrackedMotion:
     position : (t, 3)        in global axes, unit of length
     seen_from : str          name of the reference interface, as `BODY.INTERFACE` if it is on another body;
           "" without a reference
-    deflection : (t, 3)      displacement relative to this interface, in the mesh axes that rotate with it;
-          zero for a rigid body, unless the interface is on another body, and for a body without a frame,
-          unless an interface is given
-    is_elastic : bool        whether the body has a deflection, because it deforms and has a frame
+    deflection : (t, 3)      displacement relative to this interface, in the mesh axes that rotate with it.
+          Zero for a rigid body if the interface is on this body; zero for a body without a frame if no
+          interface is given
+    is_elastic : bool        whether the body deforms relative to a frame
     """
 
     position: Array

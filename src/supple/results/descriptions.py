@@ -39,7 +39,7 @@ def describe_result(path: Path) -> Iterator[Row]:
     yield "what", "complete" if header.complete else unfinished
     units = UnitSystem.parsed(str(header.metadata.get("units", "")))
     for name, value in header.metadata.items():
-        if name != column_measures.KEY:  # numbers without a meaning for readers
+        if name != column_measures.KEY:  # fingerprint of the basis columns, not for display
             yield name, str(value)
     if header.n_times:
         solution = read_solution(path)
@@ -54,7 +54,7 @@ def describe_result(path: Path) -> Iterator[Row]:
 
 
 def _described(motion: Motion) -> str:
-    """Size of a motion: number of coordinates, or name and row shape of its first array."""
+    """Number of coordinates of a motion, or name of its first array, and shape of one of its rows."""
     if isinstance(motion, FramedMotion):
         return f"{motion.coordinates.shape[1]} coordinates"
     first, values = next(iter(motion.arrays().items()))

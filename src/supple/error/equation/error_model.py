@@ -1,4 +1,4 @@
-"""The system of a run in other columns: bodies whose basis is that of their error."""
+"""System of the error equation: each assessed body is reduced to the columns of its error."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ Array = NDArray[np.float64]
 MULTIPLE = 32
 MOST_DOUBLED = 128
 BRIEF = 5000
-"""Number of steps; in longer runs padding to doubled sizes takes more time than compiling another program."""
+"""Largest number of steps of a short run. In a longer run, 128 instead of 96 columns cost more time than the
+compilation of another program."""
 
 
 def padded_size(size: int, steps: float) -> int:
@@ -35,9 +36,9 @@ def padded_size(size: int, steps: float) -> int:
 def body_of_columns(
     body: FlexibleBody, frame: Frame, columns: Array, damping: Damping | None, steps: float
 ) -> ReducedBody:
-    """A body in columns (n, k), linearised at rest, filled up with padding coordinates.
+    """A body reduced to columns (n, k), linearised about its undeformed state, with padding coordinates.
 
-    steps : number of steps of the run, or of all runs, whose error has these columns
+    steps : total number of steps of the runs that use these columns; it determines the padding
     The effect of the deformation on stiffness and damping is added by `ElasticGain`.
     """
     k = columns.shape[1]
@@ -67,7 +68,7 @@ def body_of_columns(
 
 
 def system_of_columns(system: System, bodies: Mapping[str, ReducedBody]) -> System:
-    """A system with some bodies in other columns, undeformed at the start."""
+    """The system with these bodies in place of those of the same names, undeformed at the start."""
 
     def placed(each: Placed) -> Placed:
         if each.body.name not in bodies:

@@ -21,9 +21,9 @@ WALL_CARDS = ("PSHELL", "PCOMP", "PCOMPG")
 class WallOptions:
     """Wall data of an element.
 
-    thicknesses : T1 .. T4 at the corners, None if blank, where it is T of the property; their mean is used
+    thicknesses : T1 .. T4 at the corners; None (blank) stands for T of the property; the wall has the mean
     relative : whether T1 .. T4 are factors on T of the property
-    offset : ZOFFS, m;  added_mass : of NSM cards, kg/m^2, without PARAM,WTMASS
+    offset : ZOFFS, m;  added_mass : of NSM cards, kg/m^2, not yet multiplied by PARAM,WTMASS
     """
 
     thicknesses: tuple[float | None, ...] = ()
@@ -35,7 +35,7 @@ class WallOptions:
 def read_wall(
     card: BulkCard, materials: Materials, reading: DeckReading, options: WallOptions
 ) -> ShellProperty | WallProperty | str:
-    """The wall of a property card with the options of an element; else the reason for its absence."""
+    """The wall of a property card with the options of an element, or the reason why the card is not read."""
     if card.name == "PSHELL":
         return _pshell(card, materials, reading, options)
     return _pcomp(card, materials, reading, options)
@@ -62,10 +62,10 @@ def _pshell(
             used[place] = found
     if not used:
         return "its property names no material"
-    own = card.real(2, "the thickness T", 0.0)
-    factor = own if options.relative else 1.0
-    given = [own if value is None else factor * value for value in options.thicknesses]
-    t = sum(given) / len(given) if given else own
+    T = card.real(2, "the thickness T", 0.0)
+    factor = T if options.relative else 1.0
+    given = [T if value is None else factor * value for value in options.thicknesses]
+    t = sum(given) / len(given) if given else T
     if t <= 0:
         return "its property has no thickness"
     ratio, shear_ratio = card.real(4, "12I/T^3", 1.0), card.real(6, "TS/T", 5 / 6)

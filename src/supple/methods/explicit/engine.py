@@ -42,7 +42,7 @@ STEPS = "steps"
 OBSTACLES = "obstacles"
 """Name of the series with displacement and velocity of each obstacle, (t, 6 o)."""
 CONTACTS = "contacts"
-"""Name of the series with the force on the nodes of each contact, and its point of action, (t, 6 c)."""
+"""Name of the series with the force on the nodes of each contact, then the point of this force, (t, 6 c)."""
 
 
 class ExplicitEngine:
@@ -63,7 +63,7 @@ class ExplicitEngine:
 
     @property
     def built(self) -> Built:
-        """The system as arrays of the time integration."""
+        """The system prepared for time integration, as arrays."""
         return self._built
 
     def steps(self) -> tuple[float, int]:
@@ -80,26 +80,26 @@ class ExplicitEngine:
 
     def start(self, time: float) -> MarchState:
         """State of the parts as placed, corrected to satisfy the joints."""
-        own = self._built
-        if own.framed.change is not None:
-            report_start(own.framed.change, self._run.validity)
-        return begun(own.model, own.methods, own.start._replace(time=jnp.asarray(time)))
+        prepared = self._built
+        if prepared.framed.change is not None:
+            report_start(prepared.framed.change, self._run.validity)
+        return begun(prepared.model, prepared.methods, prepared.start._replace(time=jnp.asarray(time)))
 
     def resumed(self, last: Solution) -> MarchState:
-        """State at the end of a recorded part, exact to the last bit; ModelError for another system."""
-        like = self._built.start
-        leaves, structure = jax.tree.flatten(like)
-        known = last.engine_state
-        if sum(name.startswith("state ") for name in known) != len(leaves):
+        """State at the end of a recorded run, exact to the last bit; ModelError for another system."""
+        start = self._built.start
+        leaves, structure = jax.tree.flatten(start)
+        stored = last.engine_state
+        if sum(name.startswith("state ") for name in stored) != len(leaves):
             raise ModelError(
-                "this run was recorded by another engine, or for another system: resume it with its own "
-                "system"
+                "the recorded run belongs to another engine or another system: resume it with the system of "
+                "its recording"
             )
-        kept = [
-            jnp.asarray(np.asarray(known[f"state {number}"]), dtype=leaf.dtype).reshape(leaf.shape)
+        leaves_at_end = [
+            jnp.asarray(np.asarray(stored[f"state {number}"]), dtype=leaf.dtype).reshape(leaf.shape)
             for number, leaf in enumerate(leaves)
         ]
-        return jax.tree.unflatten(structure, kept)
+        return jax.tree.unflatten(structure, leaves_at_end)
 
     def march(self, state: MarchState, times: np.ndarray) -> Leg[MarchState]:
         """Integrate to each of the output times; sampled controllers are called at their sample times."""
@@ -109,33 +109,39 @@ class ExplicitEngine:
 
     def _sampled(self, state: MarchState) -> MarchState:
         """The state after calling the controllers that are due."""
-        own = self._built.model
+        model = self._built.model
         assert self._sampling is not None
-        assert own.machine is not None
+        assert model.machine is not None
         assert state.control is not None
-        now = frame_states(own.machine, own.frames, state.frames, state.time)
-        control = self._sampling.called(own.machine, now, jax.tree.map(np.asarray, state.control))
+        now = frame_states(model.machine, model.frames, state.frames, state.time)
+        control = self._sampling.called(model.machine, now, jax.tree.map(np.asarray, state.control))
         return state if control is None else state._replace(control=jax.tree.map(jnp.asarray, control))
 
     def _marched(self, state: MarchState, times: np.ndarray) -> Leg[MarchState]:
         """Integrate to each of the output times without interruption."""
         began = clock.perf_counter()
-        own = self._built
+        prepared = self._built
         ahead = times[times > float(state.time)]
         rows: list[Recorded] = []
         if len(ahead) < len(times):
             rows.append(
                 jax.tree.map(
                     lambda leaf: np.asarray(leaf)[None],
-                    recorded(own.model, own.methods, state, jnp.asarray(0), jnp.asarray(self._first_step())),
+                    recorded(
+                        prepared.model,
+                        prepared.methods,
+                        state,
+                        jnp.asarray(0),
+                        jnp.asarray(self._first_step()),
+                    ),
                 )
             )
         before = int(state.steps)
         stopped, last = None, state
         if len(ahead):
             last, after = march_to(
-                own.model,
-                own.methods,
+                prepared.model,
+                prepared.methods,
                 state,
                 jnp.asarray(self._fixed or 0.0),
                 jnp.asarray(np.pad(ahead, (0, _padded(len(ahead)) - len(ahead)), mode="edge")),
@@ -153,15 +159,15 @@ class ExplicitEngine:
     def solution(self, leg: Leg[MarchState]) -> Solution:
         """The motion of each part, and the series of energies, steps, obstacles and contacts."""
         rows: Recorded = leg.states
-        own = self._built
+        prepared = self._built
         bodies: dict[str, Motion] = {}
         moved = [np.asarray(each).swapaxes(1, 2) for each in (rows.x, rows.v, rows.a)]
-        for name, span in own.blocks.items():
-            x, v, a = (each[:, own.nodes[name]] for each in moved)
+        for name, span in prepared.blocks.items():
+            x, v, a = (each[:, prepared.nodes[name]] for each in moved)
             worst = (rows.plastic[span], rows.alive[span], rows.von_mises[span])
             plastic, alive, stress = (np.concatenate(each, axis=1) for each in worst)
             bodies[name] = NodalMotion(x, v, a, plastic, alive, stress)
-        for (name, frame), marched in zip(own.frames.items(), rows.frames, strict=True):
+        for (name, frame), marched in zip(prepared.frames.items(), rows.frames, strict=True):
             bodies[name] = floating_motion(frame, tuple(np.asarray(leaf) for leaf in marched))
         series = {ENERGIES: np.asarray(rows.energies), STEPS: np.column_stack([rows.step, rows.ratio])}
         if rows.obstacles:
@@ -171,12 +177,12 @@ class ExplicitEngine:
         leaves = jax.tree.leaves(leg.last)
         kept = {f"state {number}": np.asarray(leaf, dtype=float) for number, leaf in enumerate(leaves)}
         times, forces, multipliers = np.asarray(rows.time), {}, {}
-        if own.framed.machine is not None and own.framed.machine.joints:
-            assert own.model.machine is not None
-            active = own.model.machine.active
+        if prepared.framed.machine is not None and prepared.framed.machine.joints:
+            assert prepared.model.machine is not None
+            active = prepared.model.machine.active
             # Joint forces are J^T mu here, -G^T lambda in the other engines.
-            multipliers = joint_multipliers(own.framed.machine, active, -np.asarray(rows.pulls))
-            forces = joint_wrenches(own.framed.machine, times, bodies, multipliers)
+            multipliers = joint_multipliers(prepared.framed.machine, active, -np.asarray(rows.pulls))
+            forces = joint_wrenches(prepared.framed.machine, times, bodies, multipliers)
             kept["active"] = np.array(active, dtype=float)
         return Solution(
             times=times,
@@ -194,17 +200,17 @@ class ExplicitEngine:
         return 0.01 * min([self._run.output_step, self._fixed or np.inf, *limits])
 
     def _check_step(self) -> None:
-        step, own = self._fixed, self._built
-        if own.model.blocks:
-            limit = float(nodes_limit(own.model, own.start, 1.0))
+        step, prepared = self._fixed, self._built
+        if prepared.model.blocks:
+            limit = float(nodes_limit(prepared.model, prepared.start, 1.0))
         else:
-            limit = min(float(each) for each in frame_limits(own.model, own.start))
+            limit = min(float(each) for each in frame_limits(prepared.model, prepared.start))
         if step is None:
             if np.isinf(limit):
                 raise ModelError(
-                    "rigid bodies without springs are stable at any explicit step, so there is no default "
-                    "(servos at their limits at the start do not count): give Run(step=FixedStep(size)), "
-                    "about a hundredth of the period of a revolution or a swing"
+                    "rigid bodies without springs are stable at any explicit step, so no default step can be "
+                    "computed (a servo that is at its limit at the start is no spring): give "
+                    "Run(step=FixedStep(size)), about a hundredth of the period of a revolution or a swing"
                 )
             return
         if step > limit:
@@ -222,7 +228,8 @@ class ExplicitEngine:
             case 1:
                 return (
                     f"an element inverted (det F <= 0) before {when}: refine the mesh there, delete "
-                    "elements at a plastic strain, or use a law that resists inversion (NeoHookean)"
+                    "elements above a limit of plastic strain, or use a law that resists inversion "
+                    "(NeoHookean)"
                 )
             case 2:
                 return (
@@ -234,8 +241,8 @@ class ExplicitEngine:
                 worst = max((name for name in e if name != "external"), key=lambda name: abs(e[name]))
                 return (
                     f"the energy balance has an error of {drift:.3g} at {when}, more than 1 %; the "
-                    f"largest term is {worst} ({e[worst]:.3g}), the interface lost {e['interface']:.3g}: "
-                    "take shorter steps, or a smaller largest_ratio"
+                    f"largest term is {worst} ({e[worst]:.3g}), and {e['interface']:.3g} was lost at the "
+                    "interface: take shorter steps, or a smaller largest_ratio"
                 )
             case 5:
                 where, remedy = (
@@ -245,8 +252,8 @@ class ExplicitEngine:
                 )
                 verb = "lost" if e["interface"] > 0 else "gained"
                 return (
-                    f"the interface energy drifts: {abs(e['interface']):.3g} were {verb} {where} until "
-                    f"{when}, more than 1 %; take {remedy}"
+                    f"the interface energy drifts by more than 1 %: up to {when}, {abs(e['interface']):.3g} "
+                    f"was {verb} {where}; take {remedy}"
                 )
             case _:
                 worst = min(("internal", "hourglass", "contact"), key=lambda name: e[name])

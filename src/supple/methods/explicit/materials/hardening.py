@@ -71,7 +71,10 @@ class PowerHardening:
         return self.initial + self.factor * jnp.maximum(strain, 0.0) ** self.exponent
 
     def multiplier(self, trial: Array, strain: Array, three_mu: float) -> Array:
-        """Plastic strain increment by bisection up to its value without hardening, then Newton's method."""
+        """Plastic strain increment by 12 bisections and 4 Newton steps.
+
+        The bisection starts between 0 and the increment without hardening.
+        """
         excess = jnp.maximum(trial - self.yield_stress(strain), 0.0)
         low, high = jnp.zeros_like(excess), excess / three_mu
         for _ in range(12):
