@@ -12,11 +12,11 @@ __all__ = ["largest_vector"]
 Array = NDArray[np.float64]
 
 STRIDE = 64
-"""Distance of times that are always evaluated; a power of two."""
+"""Interval, in times, of the first pass; each later pass halves it, so it is a power of two."""
 AT_ONCE = 64
 """Number of times whose vectors are in memory together."""
 ROUNDING = 1e-12
-"""Fraction of the length of a vector by which its computed bound may be below its computed length."""
+"""Largest relative rounding error of the bound over all times."""
 
 
 def largest_vector(rows: Any, coordinates: Array) -> tuple[float, int]:
@@ -26,11 +26,11 @@ def largest_vector(rows: Any, coordinates: Array) -> tuple[float, int]:
 
     because f is a norm; e_j are the unit vectors, and q_k is the motion at an evaluated time. A time is
     evaluated only if its bounds from the nearest evaluated times exceed the largest known value; for a
-    vibration, a tenth of the times are evaluated. Vectors that are shorter than this value at all times,
-    |R_p q| <= sum_j |R_p e_j| max_t |q_j|, are left out.
+    vibration, a tenth of the times are evaluated. A vector is left out if its bound over all times,
+    |R_p q| <= sum_j |R_p e_j| max_t |q_j|, is below the largest value of the first pass.
 
-    rows : (3 P, r)     the matrices R_p (3, r) of P vectors. If it is sparse, as for the thousands of
-        coordinates of a full body, the bound excludes nothing, and all times are evaluated
+    rows : (3 P, r)     the matrices R_p (3, r) of P vectors. If the array is sparse, all times are evaluated:
+        with the thousands of coordinates of a full body, the bounds would exclude no time
     coordinates : (t, r)
     """
     if not isinstance(rows, np.ndarray):

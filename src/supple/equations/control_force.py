@@ -4,8 +4,8 @@ The states z of a controller with readings y obey the trapezoidal rule over a st
 
     z_1 = z_0 + h/2 ( f(t_0, y_0, z_0) + f(t_1, y_1, z_1) ),
 
-solved for z_1 at each evaluation of the equations of motion: at the end of the step, the outputs then depend
-only on the time and the readings y_1, and the tangent includes their derivatives.
+which is solved for z_1 at each evaluation of the equations of motion. The outputs at the end of the step are
+then functions of the time and of the readings y_1 alone. The tangent includes the derivatives of the outputs.
 """
 
 from __future__ import annotations
@@ -59,8 +59,8 @@ _ITERATIONS = 3
 def force(model: Model, motion: SystemMotion) -> Iterator[tuple[Places, jax.Array]]:
     """Generalised forces on the bodies that controllers drive."""
     for number, law in enumerate(model.controllers):
-        still = jnp.zeros((len(seen_ends(law)), N_LOCAL))
-        local = local_forces(law, number, motion)(still, still)
+        zero = jnp.zeros((len(seen_ends(law)), N_LOCAL))
+        local = local_forces(law, number, motion)(zero, zero)
         for rows in by_body(driven_ends(law)).values():
             places, carried = moved_with(driven_ends(law), rows)
             yield places, (carried.T @ local[np.array(rows)].reshape(-1))[None]
@@ -69,11 +69,11 @@ def force(model: Model, motion: SystemMotion) -> Iterator[tuple[Places, jax.Arra
 def tangent(
     model: Model, motion: SystemMotion, turns: jax.Array, factors: StepFactors
 ) -> Iterator[MatrixBlock]:
-    """Derivative of `force` with respect to the new accelerations."""
+    """Derivative of `force` with respect to the accelerations at the end of the step."""
     for number, law in enumerate(model.controllers):
         ends, driven = seen_ends(law), driven_ends(law)
-        still = jnp.zeros((len(ends), N_LOCAL))
-        by_place, by_rate = jax.jacfwd(local_forces(law, number, motion), argnums=(0, 1))(still, still)
+        zero = jnp.zeros((len(ends), N_LOCAL))
+        by_place, by_rate = jax.jacfwd(local_forces(law, number, motion), argnums=(0, 1))(zero, zero)
         for rows in by_body(driven).values():
             row_places, on_bodies = moved_with(driven, rows)
             for body, columns in by_body(ends).items():
@@ -89,9 +89,9 @@ def tangent(
 
 
 def stepped(model: Model, motion: SystemMotion) -> ControlState | None:
-    """The controllers at the end of a step; None without controllers.
+    """State of the controllers at the end of a step; None without controllers.
 
-    In a step of zero length only the rates of the states and the joint angles change.
+    In a step of zero length the states z are constant. Their rates and the joint angles are computed anew.
     """
     if not model.controllers:
         return None
@@ -144,8 +144,8 @@ def states_by_controller(model: Model, states: Any) -> list[Any]:
 def _step(motion: SystemMotion) -> ControlStep:
     if motion.control is None:
         raise ModelError(
-            "controllers act in runs and at equilibrium only; otherwise remove them, "
-            "replace(system, controllers=())"
+            "the system has controllers, which this analysis does not support (only runs and equilibria do): "
+            "remove them with replace(system, controllers=())"
         )
     return motion.control
 
@@ -192,10 +192,10 @@ def _all_markers(law: ControlLaw, motion: SystemMotion) -> Marker:
 
 def moved_markers(law: ControlLaw, motion: SystemMotion) -> Callable[[jax.Array, jax.Array], Marker]:
     """All ends, stacked, as a function of their displacements and rates (e, 12)."""
-    still = _all_markers(law, motion)
+    present = _all_markers(law, motion)
 
     def of(variations: jax.Array, rates: jax.Array) -> Marker:
-        return jax.vmap(with_rates)(jax.vmap(displaced)(still, variations), rates)
+        return jax.vmap(with_rates)(jax.vmap(displaced)(present, variations), rates)
 
     return of
 
@@ -268,13 +268,13 @@ def _new_states(law: ControlLaw, number: int, motion: SystemMotion, readings: Ma
         return old
     half = step.size / 2
 
-    def left(states: jax.Array) -> jax.Array:
+    def residual(states: jax.Array) -> jax.Array:
         return states - old - half * (rates + rates_of(law, motion.time, readings, states))
 
     states = old + step.size * rates
     # Unrolled for differentiation: the derivative of the last iteration is exactly that of the solution.
     for _ in range(_ITERATIONS):
-        states = states - jnp.linalg.solve(jax.jacfwd(left)(states), left(states))
+        states = states - jnp.linalg.solve(jax.jacfwd(residual)(states), residual(states))
     return states
 
 
@@ -294,7 +294,10 @@ def _outputs(law: ControlLaw, number: int, motion: SystemMotion, readings: Mappi
 
 
 def local_forces(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
-    """A function of displacements and rates (e, 12) of all e ends: forces (a, 12) on the a driven ends."""
+    """Function that returns the forces (a, 12) on the driven ends, a in number.
+
+    Its arguments are the displacements and the rates, (e, 12) each, of all ends of `seen_ends`.
+    """
     at = moved_markers(law, motion)
     n_read = 2 * len(law.readers)
 

@@ -47,7 +47,7 @@ class LinearizedJoints(NamedTuple):
     """A group of joints at one configuration."""
 
     coefficients: Any
-    """`L` of each joint, (k, m, 12), where it varies with a law; None where it is the same for the group"""
+    """`L` (k, m, 12) of `g = L (d, Q) + b` if it varies with a law of time; None if it is constant"""
     at: JointLinearization
     """Linearisations of the joints, stacked"""
 
@@ -78,7 +78,7 @@ def linearized(model: Model, time: Any, configuration: Configuration) -> tuple[L
 
 
 def constraints(model: Model, time: Any, configuration: Configuration) -> jax.Array:
-    """Active constraint equations `g(q, t)`, (m,)."""
+    """Constraint residuals `g(q, t)` of the active equations, (m,)."""
     parts = []
     for joints in model.joints:
         ends = markers(joints.first, configuration), markers(joints.second, configuration)
@@ -92,7 +92,7 @@ def constraints(model: Model, time: Any, configuration: Configuration) -> jax.Ar
 
 
 def residuals(model: Model, joints: tuple[LinearizedJoints, ...]) -> jax.Array:
-    """Active constraint equations of linearised joints, (m,)."""
+    """Constraint residuals of the active equations, (m,), from joints that are already linearised."""
     parts = [(own.rows, each.at.equations) for own, each in zip(model.joints, joints, strict=True)]
     return _active(model, assembled_vector(model.n_equations, parts))
 
@@ -102,20 +102,21 @@ def constraint_rows(
 ) -> jax.Array:
     """Derivative `G` of the active equations of linearised joints with respect to the velocities, (m, n).
 
-    With `increments` (n,), columns of rotations are for increments: `dpsi = T(increment) dincrement`.
+    With `increments` (n,), the columns of rotations are derivatives with respect to the increments of the
+    rotation vectors, `dpsi = T(increment) dincrement`.
     """
     blocks = constraint_blocks(model, joints, increments)
     return _active(model, assembled_matrix((model.n_equations, model.n_velocities), blocks))
 
 
 joint_rows = CachedProgram(constraint_rows, STARTING)
-"""`constraint_rows` as one compiled program with concrete values."""
+"""`constraint_rows` as a compiled program of its own, for arguments with known values."""
 
 
 def constraint_blocks(
     model: Model, joints: tuple[LinearizedJoints, ...], increments: jax.Array | None = None
 ) -> Iterator[MatrixBlock]:
-    """The contributions to `constraint_rows` of all equations, with the redundant ones."""
+    """Blocks of `constraint_rows`, for all equations, redundant ones included."""
     turns = None if increments is None else turns_by_increment(model, increments)
     for own, each in zip(model.joints, joints, strict=True):
         for ends, part in zip((own.first, own.second), each.at.by_end, strict=True):
@@ -146,7 +147,7 @@ def tangent(
     turns: jax.Array,
     by_position: Any,
 ) -> Iterator[MatrixBlock]:
-    """Geometric stiffness of the joint forces, for the bodies' increments, times `by_position`."""
+    """Geometric stiffness of the joint forces, times `by_position`: blocks in the bodies' increments."""
     every = by_position * all_multipliers(model, motion.multipliers)
     for own, each in zip(model.joints, joints, strict=True):
         ends = (markers(end, motion.configuration, motion.velocity) for end in (own.first, own.second))

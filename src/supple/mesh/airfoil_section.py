@@ -18,16 +18,17 @@ FloatArray = NDArray[np.float64]
 FEWEST_POINTS = 5
 # Largest deviation of the extreme x/c from 0 and 1; beyond it the outline is not relative to its chord.
 CHORD_TOLERANCE = 0.02
-# Points whose two sides are closer than this (y/c), as in rounded data at a thin edge, show no crossing.
+# Least distance between both sides, y/c, that counts in the search for crossings: rounding of the data at a
+# thin trailing edge is no crossing.
 CROSSING_TOLERANCE = 1e-5
 
 
 class TrailingEdge(Enum):
     """Kind of trailing edge of an outline; the value is the part of the chord over which it is closed.
 
-    An airfoil ends in a thin base, which a shell without thickness closes gradually over the last tenth of
-    the chord. A round section (at the root, and in the transition to the first airfoil) stays round to its
-    end.
+    An airfoil has a blunt trailing edge of small thickness. In the shell mesh both sides meet in one line
+    there, so the gap is closed gradually over the last tenth of the chord. A round section (at the root, and
+    in the transition to the first airfoil) stays round almost to its end.
     """
 
     AIRFOIL = 0.1
@@ -61,12 +62,13 @@ class AirfoilSection:
         """Heights y/c (2, len(x)) of the lower and the upper side at x/c, meeting at the trailing edge.
 
         A side that ends short of x/c = 1 is extended at its last height. The gap between the sides is closed
-        linearly over the last part of the chord: y -> y - ramp(x) (y(1) - mean of both y(1)).
+        linearly: y -> y - ramp(x) (y(1) - mean of both y(1)). The ramp rises from 0 to 1 over the last part
+        of the chord, `trailing_edge.value`.
         """
         x = np.asarray(x, dtype=np.float64)
         first, second = _sides(self.outline)
-        # Of points with the same x/c, only the one nearest the leading edge is used: a side with a blunt base
-        # ends at the corner, not at the middle of the base, which some outlines also list.
+        # Of several points with the same x/c, `_interpolate` uses the first from the leading edge. At a blunt
+        # trailing edge this is the corner; some outlines also list the middle between both corners.
         both = np.array([_interpolate(side, x) for side in (first, second)])
         ends = np.array([_interpolate(side, np.ones(1)) for side in (first, second)])
         ramp = np.clip(1 - (1 - x) / self.trailing_edge.value, 0, 1)

@@ -51,8 +51,8 @@ class BladeGrid:
     """Numbers of cells around each side (nose panel, cap, aft panel), over the webs' depth, along the span.
 
     `centre_splits` lists the quadrilaterals that are divided about their centre into four triangles instead
-    of two. Each is a pair (segment from the root, panel from the trailing edge over the lower side) and adds
-    one node and two triangles.
+    of two. Each is a pair of indices: along the span from the root, and around the ring from the trailing
+    edge, lower side first. A split adds one node and two triangles.
     """
 
     nose_panel: int = 4
@@ -85,7 +85,7 @@ class BladeGrid:
 
     @property
     def nose(self) -> int:
-        """Index of the leading edge in a ring; the trailing edge is 0, the lower side in between."""
+        """Index of the leading edge in a ring; the trailing edge has index 0, the lower side comes first."""
         return self.n_around // 2
 
 
@@ -115,11 +115,11 @@ def loft_blade(stations: BladeStations, webs: ShearWebs, grid: BladeGrid = Blade
     skin_nodes = _rings(stations, webs, grid, span)
     rings = np.arange(len(skin_nodes)).reshape(span.size, grid.n_around)
     fore, aft = grid.aft_panel + grid.cap, grid.aft_panel
-    webbed = _webbed(grid)
+    with_webs = _web_rings(grid)
 
     parts, web_grids, n_nodes = [skin_nodes], [], len(skin_nodes)
     for place in (fore, aft):
-        lower, upper = rings[webbed, place], rings[webbed, grid.n_around - place]
+        lower, upper = rings[with_webs, place], rings[with_webs, grid.n_around - place]
         depth = np.linspace(0, 1, grid.web_depth + 1)[1:-1, None]
         inner = skin_nodes[lower][:, None] * (1 - depth) + skin_nodes[upper][:, None] * depth
         numbers = n_nodes + np.arange(inner.shape[0] * inner.shape[1]).reshape(inner.shape[:2])
@@ -159,8 +159,8 @@ def _ring_spans(stations: BladeStations, webs: ShearWebs, grid: BladeGrid) -> Fl
     )
 
 
-def _webbed(grid: BladeGrid) -> slice:
-    """Rings connected by the webs."""
+def _web_rings(grid: BladeGrid) -> slice:
+    """Indices of the rings that the webs reach."""
     return slice(grid.root_segments, grid.root_segments + grid.web_segments + 1)
 
 
@@ -168,18 +168,18 @@ def _rings(stations: BladeStations, webs: ShearWebs, grid: BladeGrid, span: Floa
     """Skin nodes (k * n, 3), ring by ring, from the trailing edge over the lower side to the leading edge."""
     chord, twist, axis, prebend, sweep = stations.curves(span)
     fore, aft = axis + webs.fore / chord, axis + webs.aft / chord
-    webbed = _webbed(grid)
-    outside = webbed.start + np.flatnonzero(
-        (fore[webbed] < NARROWEST_PANEL) | (aft[webbed] > 1 - NARROWEST_PANEL)
+    with_webs = _web_rings(grid)
+    outside = with_webs.start + np.flatnonzero(
+        (fore[with_webs] < NARROWEST_PANEL) | (aft[with_webs] > 1 - NARROWEST_PANEL)
     )
     if outside.size:
         k = outside[0]
         raise MeshError(
             f"webs outside the section at span {span[k]:g}: x/c = {fore[k]:.3f} (fore) and {aft[k]:.3f} "
-            f"(aft) on a chord of {chord[k]:g}; they need {NARROWEST_PANEL} .. "
-            f"{1 - NARROWEST_PANEL}, so end the webs before, or move them nearer to the pitch axis"
+            f"(aft) on a chord of {chord[k]:g}; both must lie between {NARROWEST_PANEL} and "
+            f"{1 - NARROWEST_PANEL}: shorten the webs, or move them nearer to the pitch axis"
         )
-    # Outside the span of the webs, as at a slender tip, the panels have at least this fraction of the chord.
+    # Where there are no webs, as at a slender tip, the limit keeps nose panel and aft panel from vanishing.
     fore, aft = np.maximum(fore, NARROWEST_PANEL), np.minimum(aft, 1 - NARROWEST_PANEL)
     y = stations.shapes(span)
     x = np.broadcast_to(SHAPE_POINTS, y.shape)
@@ -214,10 +214,10 @@ def _parts(n_cells: int) -> FloatArray:
 
 
 def _interpolate_rows(x: FloatArray, y: FloatArray, at: FloatArray) -> FloatArray:
-    """Linear interpolation along the last axis, each row with its own ascending x, at (..., k)."""
-    upper = np.clip((x[..., None, :] <= at[..., None]).sum(axis=-1), 1, x.shape[-1] - 1)
-    x0, x1 = (np.take_along_axis(x, place, axis=-1) for place in (upper - 1, upper))
-    y0, y1 = (np.take_along_axis(y, place, axis=-1) for place in (upper - 1, upper))
+    """Interpolate y(x) linearly at `at` (..., k), row by row; x and y (..., p), x ascending in each row."""
+    right = np.clip((x[..., None, :] <= at[..., None]).sum(axis=-1), 1, x.shape[-1] - 1)
+    x0, x1 = (np.take_along_axis(x, place, axis=-1) for place in (right - 1, right))
+    y0, y1 = (np.take_along_axis(y, place, axis=-1) for place in (right - 1, right))
     return y0 + (y1 - y0) * (at - x0) / (x1 - x0)
 
 

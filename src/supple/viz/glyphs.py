@@ -70,7 +70,7 @@ class Glyphs:
     lines: Array
     marks: tuple[Mark, ...]
     thin_lines: Array | None = None
-    """(t, s, 2, 3)"""
+    """Springs and ties of meshes, and outlines of walls, (t, k, 2, 3)"""
 
     @property
     def is_empty(self) -> bool:
@@ -127,13 +127,13 @@ def surface_glyphs(surface: BodySurface, nodes: Array) -> Glyphs | None:
 def _joint_marks(
     system: System, solution: Solution, joint: Joint, rows: slice | NDArray[np.int64], n_times: int
 ) -> Iterator[Mark]:
-    held, other = (joint.second, joint.first)
-    if held == GROUND:
-        held, other = other, held
+    drawn, other = (joint.second, joint.first)
+    if drawn == GROUND:
+        drawn, other = other, drawn
     if other == GROUND:
-        yield Mark(GROUND_STYLE, np.tile(system.initial_point(held), (n_times, 1)))
+        yield Mark(GROUND_STYLE, np.tile(system.initial_point(drawn), (n_times, 1)))
     style = _JOINT_STYLES.get(type(joint).__name__, MarkStyle(type(joint).__name__, "P"))
-    yield Mark(style, _place(system, solution, held, rows))
+    yield Mark(style, _place(system, solution, drawn, rows))
 
 
 def _place(system: System, solution: Solution, end: At, rows: slice | NDArray[np.int64]) -> Array:

@@ -20,12 +20,13 @@ IntArray = NDArray[np.int64]
 Colouring = Callable[[Array], Array]
 """Function of values (p,); returns red, green, blue (p, 3) in [0, 1]."""
 
-# The light is over the viewer's left shoulder: right, up, towards.
+# Unit vector to the light, over the viewer's left shoulder. Components: right, up, towards the viewer.
 _LIGHT = np.array([-0.45, 0.65, 0.62]) / np.linalg.norm([-0.45, 0.65, 0.62])
 _AMBIENT = 0.58
 # Each pixel of the picture is the average of a square of this many pixels a side.
 _SUPERSAMPLING = 2
-# Mesh lines are omitted if triangles are fewer pixels high, because the lines would merge to grey.
+# Mesh lines are drawn if the median height of the triangles is at least this many pixels. On smaller
+# triangles the lines would merge to grey.
 _FINEST_LINED_TRIANGLE = 3.5
 
 
@@ -55,11 +56,15 @@ class PixelWindow:
 def page_around(
     points: Array, n_columns: int, *, margin: float = 0.04, least_aspect: float = 0.12
 ) -> PixelWindow:
-    """The page for all projected points (..., 2), with a margin and a least aspect ratio."""
+    """Window around all projected points (..., 2).
+
+    margin : on each side, as a fraction of the larger extent
+    least_aspect : least ratio of height to width
+    """
     flat = points.reshape(-1, 2)
     low, high = flat.min(axis=0), flat.max(axis=0)
     centre, half = 0.5 * (low + high), 0.5 * (high - low) + margin * (high - low).max()
-    if not half.any():  # a single point, in the middle of a page of one unit
+    if not half.any():  # a single point, in the middle of a window of one unit
         half = np.array([0.5, 0.5])
     half[1] = max(half[1], least_aspect * half[0])
     half[0] = max(half[0], 0.6 * half[1])
@@ -105,20 +110,20 @@ def is_seen(nodes: Array, skin: Skin, camera: Camera, page: PixelWindow, node: i
     seen = visible_triangles(corners, nearness, (page.n_rows, page.n_columns))
     x, y = (camera.project(nodes[node])[0] - page.low) / page.pixel
     row, column = np.divmod(seen.pixel, page.n_columns)
-    # A node on the rim of the visible surface has half of its pixels beside the surface.
+    # All pixels within two pixels of the node are searched: at an outline, some of them are off the surface.
     near = np.hypot(column + 0.5 - x, row + 0.5 - y) < 2.0
     return bool((skin.triangles[seen.triangle[near]] == node).any())
 
 
 def show(axes: Axes, picture: Array, page: PixelWindow) -> None:
-    """Put a picture on axes, and give them the page's coordinates, in equal scale and without a frame."""
+    """Draw a picture on axes, with the window's coordinates as limits, equal scales and no frame."""
     extent = (page.low[0], page.high[0], page.low[1], page.high[1])
     axes.imshow(picture, extent=extent, origin="lower", interpolation="antialiased", zorder=2.0)
     carry(axes, page)
 
 
 def carry(axes: Axes, page: PixelWindow) -> None:
-    """Give axes the page's coordinates, in equal scale and without a frame."""
+    """Set the limits of axes to a window, with equal scales and no frame."""
     axes.set_xlim(page.low[0], page.high[0])
     axes.set_ylim(page.low[1], page.high[1])
     axes.set_aspect("equal")

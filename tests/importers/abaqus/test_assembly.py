@@ -167,7 +167,7 @@ def test_a_part_without_an_instance_of_it_is_named(deck):
 
 def test_an_instance_of_another_analysis_is_left_out(deck):
     made = deck(assembly().replace("*INSTANCE, NAME=b, PART=block", "*INSTANCE, LIBRARY=old, INSTANCE=x"))
-    assert made.left_out[0].meaning == "an instance of another analysis is missing"
+    assert made.left_out[0].meaning == "this instance of another analysis is not read"
 
 
 def test_the_mesh_of_an_assembly(tmp_path):

@@ -350,7 +350,7 @@ def test_a_file_that_includes_itself(read):
             SQUARE + "*PART, NAME=a\n*END PART\n*INSTANCE, NAME=i, PART=b\n",
             "line 15: an instance of part 'B'",
         ),
-        (SQUARE + "*INSTANCE, NAME=a\n1.\n0., 0., 1.\n", "line 15: an instance rotates about two points"),
+        (SQUARE + "*INSTANCE, NAME=a\n1.\n0., 0., 1.\n", "line 15: an instance rotates about the line"),
         (SQUARE + "*NSET, NSET=a, INSTANCE=b\n10\n", "line 13: no instance 'b'; correct its name"),
         (
             SQUARE + "*SYSTEM\n0., 0., 0., 0., 0., 1.\n*NODE\n5, 1.\n",

@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 class Scope:
     """Scope of names and ids: an instance, or the model outside all instances.
 
-    rotation, shift : (3, 3), (3,) a position x of the part becomes rotation x + shift
+    rotation, shift : (3, 3), (3,)   a point x of the part is placed at `rotation @ x + shift`
     """
 
     name: str = ""
@@ -61,7 +61,7 @@ def scoped_blocks(file: KeywordFile, report: Report) -> tuple[tuple[Scope, ...],
                 found += [ScopedBlock(scope, 0, inside) for inside in parts[name][1]]
                 used.add(name)
             elif "LIBRARY" in block.options:
-                report.leave_out_block(block, "an instance of another analysis is missing")
+                report.leave_out_block(block, "this instance of another analysis is not read")
             elif parts:
                 raise file.error(
                     block.line, f"an instance of part '{name}', which the file does not define; add the part"
@@ -110,7 +110,8 @@ def _instance(file: KeywordFile, block: KeywordBlock) -> Scope:
     if len(rows[1]) != 7 or rows[1][:3] == rows[1][3:6]:
         raise file.error(
             given[1][0],
-            "an instance rotates about two points (6 numbers), by an angle in degrees",
+            "an instance rotates about the line through two points, by an angle in degrees: give 7 numbers, "
+            "with two different points",
         )
     start, end, angle = np.array(rows[1][:3]), np.array(rows[1][3:6]), rows[1][6]
     axis = (end - start) / np.linalg.norm(end - start)

@@ -2,8 +2,9 @@
 
 The kinks of a Python function of time are unknown. The function is evaluated at about 17 000 equally spaced
 times of the run, or fewer if it has many values. Where neighbouring samples differ much, jumps are located by
-repeated subdivision. A pulse has a turning point; a step that ends there does not miss the pulse, and step
-control refines the next steps. Features shorter than the distance of the samples can be missed.
+repeated subdivision. A pulse has a turning point. If a time step ends there, the integration does not miss
+the pulse, and step control shortens the next steps. Features shorter than the sampling interval can be
+missed.
 """
 
 from __future__ import annotations
@@ -21,17 +22,21 @@ from supple.programs.program_cache import CachedProgram
 __all__ = ["Jumps", "jumps", "law_samples", "sampled_instants"]
 
 BLOCK = 64 * 33
-"""Number of times that one program evaluates: the subdivisions of all jumps in one round."""
+"""Largest number of times in one call of the program: 33 points of subdivision for each of 64 jumps."""
 N_SAMPLES = 8 * BLOCK - 1
+"""Largest number of sampling intervals of a run."""
 MOST_NUMBERS = 4_000_000
-"""Largest number of values in all samples: limits the memory for a load on many nodes by fewer samples."""
+"""Largest number of values in all samples; limits the memory. A load on many nodes has fewer samples."""
 MOST_JUMPS = 64
 DIVISIONS, ROUNDS = 32, 5
-"""Parts of an interval, and rounds of subdivision: a jump is located to 32^-5 of the distance of samples."""
+"""Parts of an interval, and rounds of subdivision: a jump is located to 32^-5 of the sampling interval."""
 JUMPS = 1e-4
 """Smallest change in the last subdivided interval that is a jump, relative to the range of the function."""
 TURNS = 1e-3
-"""Smallest change of value to one of the adjacent turning points, relative to the range; less is ignored."""
+"""Least change of value to an adjacent turning point, relative to the range of the function.
+
+A turning point is ignored if the changes on both sides are smaller.
+"""
 MOST_TURNS = 512
 """Largest number of turning points; with more, none is used, since no step misses the oscillation."""
 
@@ -51,13 +56,13 @@ class Jumps(NamedTuple):
 def law_samples(law: _OfTime, times: np.ndarray, *, order: int = 0) -> list[np.ndarray]:
     """Values (k, m) of a law at times (k,), and its derivatives up to an order, (k, m) each."""
     # All blocks have one size, so one compiled program evaluates any number of times.
-    size = max(1, min(BLOCK, MOST_NUMBERS // _numbers(law)))
+    size = max(1, min(BLOCK, MOST_NUMBERS // _n_values(law)))
     blocks = np.pad(times, (0, -len(times) % size), mode="edge").reshape(-1, size)
     parts = [jax.device_get(_program(order)(law, block)) for block in blocks]
     return [np.concatenate(each)[: len(times)] for each in zip(*parts, strict=True)]
 
 
-def _numbers(law: _OfTime) -> int:
+def _n_values(law: _OfTime) -> int:
     """Number of values of a law at one time."""
     shape = jax.eval_shape(lambda time: jnp.asarray(law(time)), jnp.zeros(())).shape
     return max(1, int(np.prod(shape)))
@@ -106,12 +111,12 @@ def sampled_instants(law: _OfTime, begin: float, end: float) -> np.ndarray:
     """Times (k,) strictly between `begin` and `end`: both sides of each jump, and turning points."""
     if not end > begin:
         return np.zeros(0)
-    numbers = _numbers(law)
-    n = min(N_SAMPLES, MOST_NUMBERS // numbers)
+    n_values = _n_values(law)
+    n = min(N_SAMPLES, MOST_NUMBERS // n_values)
     times = np.linspace(begin, end, max(n, 2) + 1)
 
     # Three random combinations represent many components: a change of any component changes all three.
-    mix = np.random.default_rng(0).standard_normal((numbers, 3))
+    mix = np.random.default_rng(0).standard_normal((n_values, 3))
 
     def of_times(at: np.ndarray) -> np.ndarray:
         (values,) = law_samples(law, at)

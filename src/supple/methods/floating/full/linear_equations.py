@@ -1,7 +1,8 @@
 """Linear equations of machines with full bodies about a steady motion: sparse matrices of all freedoms.
 
-The equations of the border are compiled, with `w = B q` for the interfaces of a full body. The equations of
-its interior are added coordinate by coordinate, with the six conditions `D q = 0` of its frame.
+The border consists of frames, reduced and rigid bodies, stations, and the motions `w = B q` of the interfaces
+of full bodies. Its equations come from a compiled program. The sparse matrices of each full body in all its
+coordinates q are added, and so are its six frame constraints `D q = 0`.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ class SparseEquations(NamedTuple):
     damping: Any
     """Sparse (n, n), with the gyroscopic terms"""
     damping_columns: np.ndarray
-    """`W` (n, w), of damped modes and of interfaces relative to which mass-proportional damping acts"""
+    """`W` (n, w): columns of damped modes, and of mass-proportional damping relative to an interface"""
     damping_signs: np.ndarray
     """Diagonal of `S`, (w,), each 1 or -1"""
     stiffness: Any
@@ -38,12 +39,12 @@ class SparseEquations(NamedTuple):
     constraint: Any
     """Sparse (m, n): constraints of joints, and of frames of full bodies"""
     interior: np.ndarray
-    """Numbers of the freedoms whose submatrices are sparse, and regular by themselves"""
+    """Indices of the freedoms that are factored first: their block of K is sparse and regular"""
     control: LinearControl
-    """States z of controllers"""
+    """`H`, and the rates of the states z of all controllers"""
 
     def damped(self, motions: np.ndarray) -> np.ndarray:
-        """`(C + W S W^T) p` for motions (n, k)."""
+        """`(C + W S W^T) p` for k vectors p, (n, k)."""
         along = self.damping_signs[:, None] * (self.damping_columns.T @ motions)
         return self.damping @ motions + self.damping_columns @ along
 
@@ -53,7 +54,7 @@ def full_linear_equations(machine: FullSystem, turning: SteadyRotation, terms: E
     border = linear_equations(
         machine.model, _border_turning(machine, turning), terms.border_motion, terms.border
     )
-    seen = to_border(machine, terms)
+    border_map = to_border(machine, terms)
     states = dict(zip((each.index for each in machine.interiors), terms.interior_states, strict=True))
     inner = {
         each.index: _turning_parts(each.linear_parts(states[each.index]), states[each.index].angular_velocity)
@@ -63,11 +64,11 @@ def full_linear_equations(machine: FullSystem, turning: SteadyRotation, terms: E
         body.index: _line_parts(body, line) for body, line in zip(machine.lines, terms.lines, strict=True)
     }
     mass, damping, stiffness = (
-        csr_array(seen.T @ csr_array(of_border) @ seen)
+        csr_array(border_map.T @ csr_array(of_border) @ border_map)
         + _by_body(machine, {index: parts[number] for index, parts in inner.items()})
         for number, of_border in enumerate((border.mass, border.damping, border.stiffness))
     )
-    columns = {each.index: _behind_frame(each.damping.columns.T).T for each in machine.interiors}
+    columns = {each.index: _with_frame_zeros(each.damping.columns.T).T for each in machine.interiors}
     signs = {each.index: each.damping.signs for each in machine.interiors}
     return SparseEquations(
         mass=csr_array((mass + mass.T) / 2),
@@ -75,9 +76,9 @@ def full_linear_equations(machine: FullSystem, turning: SteadyRotation, terms: E
         damping_columns=_by_body(machine, columns, square=False).toarray(),
         damping_signs=np.concatenate([np.zeros(0), *(signs[index] for index in sorted(signs))]),
         stiffness=stiffness,
-        constraint=csr_array(vstack([csr_array(border.constraint) @ seen, frame_conditions(machine)])),
+        constraint=csr_array(vstack([csr_array(border.constraint) @ border_map, frame_conditions(machine)])),
         interior=_interior(machine),
-        control=border.control.along(seen),
+        control=border.control.along(border_map),
     )
 
 
@@ -104,7 +105,10 @@ def _line_parts(body: StationBody, line: LineEvaluation) -> tuple[Any, ...]:
 
 
 def _along_axes(rotations: np.ndarray, n: int) -> np.ndarray:
-    """Map (n, n) of velocities along the axes of frames, six for each, to velocities along global axes."""
+    """Matrix (n, n) that rotates the translational velocity of each frame to global axes.
+
+    Each frame has six velocities, translation first. The other velocities are unchanged.
+    """
     axes = np.eye(n)
     for number, rotation in enumerate(rotations):
         axes[6 * number : 6 * number + 3, 6 * number : 6 * number + 3] = rotation
@@ -112,7 +116,7 @@ def _along_axes(rotations: np.ndarray, n: int) -> np.ndarray:
 
 
 def _border_turning(machine: FullSystem, turning: SteadyRotation) -> SteadyRotation:
-    """The steady rotation of the border, whose stations rotate with their bodies."""
+    """The steady rotation of the border: each station has the angular velocity of its body."""
     if not machine.lines:
         return turning
     rates = np.asarray(turning.angular_velocities)
@@ -122,14 +126,14 @@ def _border_turning(machine: FullSystem, turning: SteadyRotation) -> SteadyRotat
 
 
 def to_border(machine: FullSystem, terms: Evaluation) -> csr_array:
-    """Map of all freedoms to those of the border: interfaces and stations move with their bodies."""
+    """Sparse matrix from the velocities of all freedoms to those of the border."""
     parts: dict[int, Any] = {
         each.index: block_diag([eye_array(6), each.interface_rows]) for each in machine.interiors
     }
     for body, line in zip(machine.lines, terms.lines, strict=True):
-        there, size = line.stations.rotations, len(line.residual)
+        rotations, size = line.stations.rotations, len(line.residual)
         parts[body.index] = (
-            _along_axes(there, 6 * len(there)).T
+            _along_axes(rotations, 6 * len(rotations)).T
             @ line.stations.motion
             @ _along_axes(line.state.rotation[None], size)
         )
@@ -145,26 +149,27 @@ def to_border(machine: FullSystem, terms: Evaluation) -> csr_array:
 
 def frame_conditions(machine: FullSystem) -> csr_array:
     """`D` of all full bodies, (6 b, n)."""
-    rows = {each.index: _behind_frame(each.frame_rows).T for each in machine.interiors}
+    rows = {each.index: _with_frame_zeros(each.frame_rows).T for each in machine.interiors}
     return csr_array(_by_body(machine, rows, square=False).T)
 
 
-def _behind_frame(rows: np.ndarray) -> csr_array:
-    """Rows for the coordinates of a full body, (k, 6 + n)."""
+def _with_frame_zeros(rows: np.ndarray) -> csr_array:
+    """Rows (k, 6 + n): six zeros for the frame, then the rows (k, n) for the coordinates of a body."""
     return csr_array(hstack([csr_array((len(rows), 6)), csr_array(rows)]))
 
 
 def _by_body(machine: FullSystem, parts: Mapping[int, Any], *, square: bool = True) -> csr_array:
-    """Matrices of some bodies at the places of their freedoms, zero elsewhere."""
+    """Block-diagonal matrix of all bodies, from blocks by index of the body; zero for other bodies."""
     sizes = [part.stop - part.start for part in machine.slices]
     blocks = [parts.get(i, csr_array((size, size if square else 0))) for i, size in enumerate(sizes)]
     return csr_array(block_diag(blocks))
 
 
 def _interior(machine: FullSystem) -> np.ndarray:
-    """Numbers of full bodies' coordinates among all freedoms, without those that fix their rigid motion.
+    """Indices among all freedoms: coordinates of full bodies, without six per body.
 
-    In a machine without full bodies: numbers of the coordinates of bodies with stations.
+    With these six held, the body has no rigid motion, so its stiffness matrix is regular. In a machine
+    without full bodies: indices of the coordinates of bodies with stations.
     """
     found = [np.zeros(0, dtype=int)]
     for interior in machine.interiors:
