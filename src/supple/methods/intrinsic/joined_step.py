@@ -6,6 +6,7 @@ of residuals, is computed at the first iteration, and again only where the resid
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -105,6 +106,38 @@ def joined_step(
         sums = jax.ops.segment_sum(jnp.stack([left, terms], axis=1) ** 2, kinds, int(kinds.max()) + 1)
         return jnp.max(jnp.sqrt(sums[:, 0] / jnp.maximum(sums[:, 1], 1e-300)))
 
+    first = jnp.concatenate([flat, state.multipliers, jnp.zeros(m)])
+    unknown, error, count = _solved(missing, measured, first, tolerance, most)
+    after = unravel(unknown[:size])
+    # A step of zero length repeats its start.
+    end = moved_instant(arrays, now, mixed(h, 1 - gamma, after), h)
+    multipliers = unknown[size : size + m]
+    ending = seen_motion(
+        arrays, end, after, multipliers, state.control and ControlStep(state.control, jnp.asarray(h))
+    )
+    reached = JoinedState(
+        end,
+        after,
+        multipliers,
+        stepped(arrays.model, ending),
+        jnp.maximum(state.worst, error),
+        state.iterations + count,
+    )
+    return jax.tree.map(lambda a, b: jnp.where(h > 0, a, b), reached, state)
+
+
+def _solved(
+    missing: Callable[[jax.Array], jax.Array],
+    measured: Callable[[jax.Array, jax.Array, jax.Array], jax.Array],
+    first: jax.Array,
+    tolerance: Any,
+    most: Any,
+) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Zero of `missing` by modified Newton's method from `first`: unknowns, relative residual, iterations.
+
+    measured : relative residual from the derivative, the unknowns and the residuals
+    """
+
     def twice(unknown: jax.Array) -> tuple[jax.Array, jax.Array]:
         left = missing(unknown)
         return left, left
@@ -129,7 +162,6 @@ def joined_step(
         after = measured(known.slope, unknown, left)
         return unknown, left, after, ~(after <= SLOW * error), count + 1, known
 
-    first = jnp.concatenate([flat, state.multipliers, jnp.zeros(m)])
     none = jnp.zeros((len(first), len(first)))
     begin = (
         first,
@@ -140,22 +172,7 @@ def joined_step(
         _Tangent(none, none),
     )
     unknown, _, error, _, count, _ = jax.lax.while_loop(goes_on, improve, begin)
-    after = unravel(unknown[:size])
-    # A step of zero length repeats its start.
-    end = moved_instant(arrays, now, mixed(h, 1 - gamma, after), h)
-    multipliers = unknown[size : size + m]
-    ending = seen_motion(
-        arrays, end, after, multipliers, state.control and ControlStep(state.control, jnp.asarray(h))
-    )
-    reached = JoinedState(
-        end,
-        after,
-        multipliers,
-        stepped(arrays.model, ending),
-        jnp.maximum(state.worst, error),
-        state.iterations + count,
-    )
-    return jax.tree.map(lambda a, b: jnp.where(h > 0, a, b), reached, state)
+    return unknown, error, count
 
 
 def _kinds(arrays: JoinedArrays, rates: JoinedRates, m: int) -> np.ndarray:
