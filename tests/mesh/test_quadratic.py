@@ -27,6 +27,15 @@ def test_one_new_node_for_each_edge(linear, quadratic):
     assert list(fine.cells) == [quadratic]
 
 
+def test_ids_stay_and_quadratic_cells_stay():
+    linear = block(2.0, 1.0, 1.0, 2, 1, 1, CellType.HEXA8)
+    ids, own = 10 + np.arange(linear.n_nodes), {CellType.HEXA8: np.array([7, 9])}
+    mesh = to_quadratic(Mesh(linear.nodes, linear.cells, node_ids=ids, cell_ids=own))
+    np.testing.assert_array_equal(mesh.node_ids, 10 + np.arange(mesh.n_nodes))
+    np.testing.assert_array_equal(mesh.cell_ids[CellType.HEXA20], [7, 9])
+    assert to_quadratic(mesh) is mesh
+
+
 def test_sets_and_links_follow():
     sets = {"half": {CellType.HEXA8: [0]}}
     linear = block(2.0, 1.0, 1.0, 2, 1, 1, CellType.HEXA8)

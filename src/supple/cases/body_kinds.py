@@ -46,7 +46,7 @@ from supple.importers.toml import (
     names,
     tables,
 )
-from supple.mesh import Mesh
+from supple.mesh import Mesh, to_quadratic
 from supple.mesh.mesh_part import mesh_part
 
 Kinematics = Literal["green-lagrange", "von-karman"]
@@ -104,8 +104,13 @@ class Homogeneous(ElasticKind):
             inside = {name: nodes[np.isin(nodes, part.nodes)] for name, nodes in read.node_sets.items()}
             sets = {name: nodes for name, nodes in inside.items() if len(nodes)}
             read = mesh_part(read, read.cells_of(cells), sets).mesh
+        read = self.refined(read)
         material = Isotropic(self.youngs_modulus, self.poissons_ratio, self.density)
         return elements_source(read, lambda: self.model(read, material))
+
+    def refined(self, mesh: Mesh) -> Mesh:
+        """The mesh on which the elements are."""
+        return mesh
 
     @abstractmethod
     def model(self, mesh: Mesh, material: Isotropic) -> FiniteElementModel:
@@ -150,6 +155,16 @@ def _check_cells(mesh: Mesh, dimension: int) -> None:
 
 class Solid(Homogeneous):
     """Green-Lagrange solid elements (tetrahedra, hexahedra) on every cell of the mesh."""
+
+    second_order: bool = Field(
+        False,
+        description="add a node in the middle of each edge, such as TETRA10 for TETRA4: first-order "
+        "tetrahedra and wedges are too stiff in bending",
+    )
+
+    def refined(self, mesh: Mesh) -> Mesh:
+        """The mesh, with cells of second order if the case has `second_order`."""
+        return to_quadratic(mesh) if self.second_order else mesh
 
     def model(self, mesh: Mesh, material: Isotropic) -> FiniteElementModel:
         """Solids of one material."""

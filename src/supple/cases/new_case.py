@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from supple.cases.result_machine import path_from
 from supple.errors import ArgumentError
 from supple.importers import DECK_SUFFIXES, read_deck, read_mesh
-from supple.mesh import CellType
+from supple.mesh import CellType, Mesh
 from supple.storage.file_errors import file_errors
 
 __all__ = ["write_new_case"]
@@ -25,6 +25,8 @@ STATIONS = (21, 17, 13, 11, 9, 7, 6, 5)
 """Numbers of stations of a slender body; the first that its mesh supports is chosen."""
 OF_A_SLICE = 3
 """Smallest number of nodes of a slice between two cuts halfway between stations."""
+OF_FIRST_ORDER = 20_000
+"""Largest number of nodes of a mesh that gets mid-edge nodes: tetrahedra have eight times as many then."""
 
 
 def write_new_case(mesh_file: Path, path: Path) -> None:
@@ -59,6 +61,7 @@ class _Model:
     ends : names of one set at each end of a slender body; None if its mesh is too coarse for stations
     stations : their number, for a body with `ends`
     kind : `solid` or `shell`; `nastran` or `abaqus` where the file has properties
+    second_order : whether the mesh has cells of first order that are too stiff in bending
     """
 
     spans: tuple[float, float, float]
@@ -66,6 +69,7 @@ class _Model:
     ends: tuple[str, str] | None
     stations: int
     kind: str
+    second_order: bool = False
 
 
 def _read(file: Path) -> _Model:
@@ -81,7 +85,14 @@ def _read(file: Path) -> _Model:
             "(.bdf, .inp), or write a case with a section_table"
         )
     solid = any(kind.dimension == 3 for kind in mesh.cells)
-    return _model(mesh.nodes, mesh.node_sets, "solid" if solid else "shell")
+    model = _model(mesh.nodes, mesh.node_sets, "solid" if solid else "shell")
+    return replace(model, second_order=_is_too_stiff(mesh))
+
+
+def _is_too_stiff(mesh: Mesh) -> bool:
+    """Whether more nodes would help: cells of first order, not all HEXA8, in a mesh that may grow."""
+    first = all(kind.dimension == 3 and kind.n_nodes == kind.n_corners for kind in mesh.cells)
+    return first and set(mesh.cells) != {CellType.HEXA8} and mesh.n_nodes <= OF_FIRST_ORDER
 
 
 def _model(nodes: np.ndarray, node_sets: Mapping[str, np.ndarray], kind: str) -> _Model:
@@ -164,6 +175,11 @@ reduction = {{ basis = "{basis}", accuracy = {{ relative = 1e-3 }} }}"""
 def _material(model: _Model) -> str:
     steel = "youngs_modulus = 210.0e9, poissons_ratio = 0.3, density = 7850.0"
     if model.kind == "solid":
+        if model.second_order:
+            given = f"solid = {{ {steel}, second_order = true }}"
+            return (
+                f"# GUESS: steel. First-order cells are too stiff; second_order adds mid-edge nodes.\n{given}"
+            )
         return f"solid = {{ {steel} }}   # GUESS: steel"
     if model.kind == "shell":
         wall = f"thickness = {model.spans[1] / 100:.3g}"

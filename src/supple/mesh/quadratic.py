@@ -21,13 +21,15 @@ _QUADRATIC = {
 def to_quadratic(mesh: Mesh) -> Mesh:
     """The mesh with the quadratic type of each solid cell, such as TETRA10 for TETRA4; edges stay straight.
 
-    New nodes follow the old; a node set contains a new node when it contains both ends of the edge. Node ids
-    and cell ids of `mesh` are not copied.
+    New nodes follow the old, with ids above the largest; a node set contains a new node when it contains both
+    ends of the edge. A mesh of quadratic cells is returned as it is.
 
     Raises
     ------
-    MeshError   cells that have no quadratic form
+    MeshError   cells that have no quadratic form, or cells of both orders
     """
+    if mesh.cells and set(mesh.cells) <= set(_QUADRATIC.values()):
+        return mesh
     for kind in mesh.cells:
         if kind not in _QUADRATIC:
             raise MeshError(
@@ -52,7 +54,9 @@ def to_quadratic(mesh: Mesh) -> Mesh:
         name: {_QUADRATIC[kind]: members for kind, members in by_kind.items()}
         for name, by_kind in mesh.cell_sets.items()
     }
-    return Mesh(nodes, cells, node_sets, cell_sets, links=mesh.links)
+    node_ids = np.concatenate([mesh.node_ids, mesh.node_ids.max() + 1 + np.arange(len(edges))])
+    cell_ids = {_QUADRATIC[kind]: ids for kind, ids in mesh.cell_ids.items()}
+    return Mesh(nodes, cells, node_sets, cell_sets, node_ids, cell_ids, mesh.links)
 
 
 def _with_middles(members: IntArray, edges: IntArray, n_nodes: int) -> IntArray:
