@@ -267,7 +267,7 @@ def test_a_bent_bar_of_solids_is_the_same_in_every_frame(ends, other, allowed):
     """Tip at a tenth of the length, obliquely: joints turn by 0.1 rad and more against the other frames."""
     model = solid_model(block(2.0, 0.1, 0.1, 8, 1, 1, CellType.HEXA8), Isotropic(2e6, 0.0, 1000.0))
     body = flexible_body("bar", model, [ends("root", "root"), ends("tip", "tip")])
-    force = np.array([0.0, 3.2, 4.0])
+    force = np.array([0.0, 0.8, 1.0])
     own, elsewhere = (clamped_tip(body, frame, force) for frame in (NodalFixedFrame("root"), FRAMES[other]))
     moved_by = np.linalg.norm(own - [2.0, 0, 0])
     assert moved_by > 0.19

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 from fixtures.solid_blocks import solid_block
+from scipy.spatial.transform import Rotation
 
 from supple.fem import Isotropic, Section, assemble, finite_element_model
+from supple.fem.strain_operator import strain_operator
 from supple.mesh import CellType
 
 
@@ -47,6 +49,49 @@ def test_a_rigid_rotation_by_any_angle_stores_no_energy(material, distorted):
     q = (mesh.nodes @ (R - np.eye(3)).T).ravel()
     assert assembly.energy(q) < 1e-25 * assembly.energy(1.1 * q) + 1e-14
     assert np.abs(assembly.internal_force(q)).max() < 1e-13 * np.abs(assembly.internal_force(1.1 * q)).max()
+
+
+def test_a_rotation_of_the_deformed_cell_changes_no_energy(material, distorted, rng):
+    """U(R (X + u) - X) = U(u) at strains of about 0.2, and the forces turn with it."""
+    mesh = distorted(solid_block(1.0, 0.9, 0.8, 1, 1, 1, CellType.HEXA8), 0.06)
+    assembly = assemble(bending_model(mesh, material))
+    R = Rotation.from_rotvec([1.0, -0.7, 2.0]).as_matrix()
+    places = mesh.nodes + 0.1 * rng.normal(size=mesh.nodes.shape)
+    moved, turned = (places - mesh.nodes).ravel(), (places @ R.T - mesh.nodes).ravel()
+    assert assembly.energy(turned) == pytest.approx(assembly.energy(moved), rel=1e-12)
+    rotated = assembly.internal_force(moved).reshape(-1, 3) @ R.T
+    assert np.allclose(
+        assembly.internal_force(turned).reshape(-1, 3), rotated, rtol=0, atol=1e-12 * np.abs(rotated).max()
+    )
+
+
+def test_force_tangent_and_their_derivatives_are_those_of_the_energy(material, distorted, rng):
+    """Each against complex differences of the one before; the polynomial terms sum to the force."""
+    mesh = distorted(solid_block(1.0, 0.9, 0.8, 2, 1, 1, CellType.HEXA8), 0.06)
+    assembly = assemble(bending_model(mesh, material))
+    q, x, rates = 0.1 * rng.normal(size=(3, 3 * mesh.n_nodes))
+    step = 1e-30j
+    force = assembly.internal_force(q)
+    scale = np.abs(force).max()
+
+    def derivative(function, at):
+        return function(at + step * x).imag / step.imag
+
+    assert derivative(assembly.energy, q) == pytest.approx(force @ x, rel=1e-12)
+    assert np.abs(derivative(assembly.internal_force, q) - assembly.tangent(q) @ x).max() < 1e-12 * scale
+    moved = derivative(lambda at: assembly.tangent(at) @ rates, np.zeros_like(q))
+    assert np.abs(moved - assembly.tangent_derivative(x) @ rates).max() < 1e-12 * scale
+    damped = derivative(lambda at: assembly.strain_rate_force(at, rates), q)
+    assert np.abs(damped - assembly.strain_rate_tangent(q, rates) @ x).max() < 1e-12 * scale
+    operator = strain_operator(assembly)
+    assert np.abs(operator.force(q, rates, 0.0) - force).max() < 1e-12 * scale
+    both = force + 0.3 * assembly.strain_rate_force(q, rates)
+    assert np.abs(operator.force(q, rates, 0.3) - both).max() < 1e-12 * np.abs(both).max()
+    pairs = assembly.pair_forces(x[:, None])[:, 0]
+    assert np.abs(pairs - assembly.tangent_derivative(x) @ x).max() < 1e-12 * np.abs(pairs).max()
+    works = assembly.works(q[:, None], x[:, None])
+    powers = works.linear[0, 0] * 0.5 + works.turned[0, 0, 0] + 0.5 * works.cubic[0, 0, 0]
+    assert force @ x == pytest.approx(x @ assembly.tangent(0 * q) @ q + powers, rel=1e-12)
 
 
 def test_pure_bending_is_exact_on_one_row_of_boxes():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -169,7 +169,7 @@ def _refuse_tied(body: Any, pieces: Sequence[RigidPiece], around: NDArray[np.int
 def _renumbered(block: QuadraticStrain, freedoms: NDArray[np.int64], *, linear: bool) -> QuadraticStrain:
     form = np.zeros_like(block.N) if linear else block.N
     own = np.searchsorted(freedoms, block.dofs)
-    return QuadraticStrain(own, block.B, block.G, form, block.D, block.w)
+    return replace(block, dofs=own, N=form)
 
 
 def _resultants(layer: _Layer, plane: CuttingPlane, moved: Array, condensed: Array | None) -> Array:

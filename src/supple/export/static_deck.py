@@ -203,7 +203,7 @@ def _write_mesh(file: TextIO, model: FiniteElementModel, program: DeckProgram, s
     first = _first_numbers(model)
     for number, section in enumerate(model.sections, 1):
         kind = _SOLID_TYPES.get(section.cell_type, program.shell)
-        kind += "I" if section.incompatible else "R" if section.reduced else ""
+        kind += "I" if section.has_incompatible_modes else "R" if section.reduced else ""
         file.write(f"*ELEMENT, TYPE={kind}, ELSET={_section_name(number)}\n")
         nodes = _element_nodes(section, mesh, sides)
         rows = np.column_stack([first[section.cell_type] + section.cells, nodes + 1])

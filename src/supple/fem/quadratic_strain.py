@@ -5,6 +5,10 @@ At integration point g of an element with freedoms q (total Lagrangian, undeform
     eps_g(q) = B_g q + 1/2 N(G_g q, G_g q)
     U(q) = 1/2 sum_g w_g eps_g^T D eps_g
 
+or, with k strains R of the element's own (`enhanced`), of which those of least energy are added,
+
+    U(q) = min_c 1/2 sum_g w_g (eps_g + R_g c)^T D (eps_g + R_g c),      sum_g w_g R_g^T D R_g = 1.
+
 The internal force is a cubic polynomial of q, so every derivative below is exact. The functions work on all
 elements of a block at once and accept complex q (for complex-step differentiation).
 """
@@ -36,6 +40,7 @@ class QuadraticStrain:
     N : float array (s, d, d) or (E, g, s, d, d)    quadratic form, symmetric in its last two indices
     D : float array (s, s) or (E, s, s)     constitutive matrix
     w : float array (E, g)              weights: quadrature weight times Jacobian
+    enhanced : float array (E, g, s, k) or None     strains R, orthonormal in energy; None for no such strains
     """
 
     dofs: NDArray[np.int64]
@@ -44,15 +49,18 @@ class QuadraticStrain:
     N: FloatArray
     D: FloatArray
     w: FloatArray
+    enhanced: FloatArray | None = None
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            getattr(self, field.name).setflags(write=False)
+            if getattr(self, field.name) is not None:
+                getattr(self, field.name).setflags(write=False)
 
     def of(self, elements: slice | NDArray[np.int64]) -> QuadraticStrain:
         """The same arrays for some of the elements."""
         names = ["dofs", "B", "G", "w"]
         names += ["D"] * (self.D.ndim == 3) + ["N"] * (self.N.ndim == 5)
+        names += ["enhanced"] * (self.enhanced is not None)
         return replace(self, **{name: getattr(self, name)[elements] for name in names})
 
     @property
@@ -61,16 +69,28 @@ class QuadraticStrain:
         D = self.D if self.D.ndim == 3 else self.D[None]
         return self.w[:, :, None, None] * D[:, None]
 
+    def with_enhanced(self, eps: Array) -> Array:
+        """Strains eps - R sum_g w R^T D eps (E, g, s, m) with the enhanced strains of least energy."""
+        if self.enhanced is None:
+            return eps
+        R, stress = _over_points(self.enhanced), _over_points(self.weighted_D @ self.enhanced)
+        flat = _over_points(eps)
+        return (flat - R @ (stress.swapaxes(1, 2) @ flat)).reshape(eps.shape)
+
+    def weighted_stress(self, eps: Array) -> Array:
+        """w_g D of the strains `with_enhanced`, (E, g, s, m)."""
+        return self.weighted_D @ self.with_enhanced(eps)
+
 
 def strain(block: QuadraticStrain, q: Array) -> Array:
     """Strains eps (E, g, s) from element freedoms q (E, n)."""
     a = _apply(block.G, q)
-    return _apply(block.B, q) + 0.5 * _apply(_contract(block.N, a), a)
+    return _strain(block, q, _contract(block.N, a), a)
 
 
 def strains(block: QuadraticStrain, Q: Array) -> Array:
     """Strains (E, g, s, t) of t sets of element freedoms Q (E, n, t)."""
-    return _directions(block.B, Q) + _half_square(block.N, _directions(block.G, Q))
+    return block.with_enhanced(_directions(block.B, Q) + _half_square(block.N, _directions(block.G, Q)))
 
 
 def energy(block: QuadraticStrain, q: Array) -> Array:
@@ -89,7 +109,7 @@ def internal_force(block: QuadraticStrain, q: Array) -> Array:
     a = _apply(block.G, q)
     Na = _contract(block.N, a)
     D = block.D if block.D.ndim == 2 else block.D[:, None]
-    stress = block.w[..., None] * _apply(D, _apply(block.B, q) + 0.5 * _apply(Na, a))
+    stress = block.w[..., None] * _apply(D, _strain(block, q, Na, a))
     return _gather(block.B, stress) + _gather(block.G, _gather_points(Na, stress))
 
 
@@ -101,7 +121,7 @@ def internal_forces(block: QuadraticStrain, Q: FloatArray, stretching: FloatArra
     stretching : z (E, n, t)    displacement of which only the linear strain B z acts, as a condensed motion
     """
     a = _directions(block.G, Q)
-    stress = block.weighted_D @ (_directions(block.B, Q + stretching) + _half_square(block.N, a))
+    stress = block.weighted_stress(_directions(block.B, Q + stretching) + _half_square(block.N, a))
     form = "sde" if block.N.ndim == 3 else "Egsde"
     turned = np.einsum(f"Egst,{form},Eget->Egdt", stress, block.N, a, optimize=True)
     return _gather_directions(block.B, stress) + _gather_directions(block.G, turned)
@@ -115,7 +135,7 @@ def strain_rate_force(block: QuadraticStrain, q: Array, rates: Array) -> Array:
     """
     Na = _contract(block.N, _apply(block.G, q))
     strain_rate = _apply(block.B, rates) + _apply(Na, _apply(block.G, rates))
-    stress = _apply(block.weighted_D, strain_rate)
+    stress = block.weighted_stress(strain_rate[..., None])[..., 0]
     return _gather(block.B, stress) + _gather(block.G, _gather_points(Na, stress))
 
 
@@ -127,10 +147,9 @@ def strain_rate_tangent(block: QuadraticStrain, q: Array, rates: Array) -> Array
     Na = _contract(block.N, _apply(block.G, q))
     A = block.B + Na @ block.G
     A_rate = _contract(block.N, _apply(block.G, rates)) @ block.G
-    weighted_D = block.weighted_D
-    stress = _apply(weighted_D, _apply(A, rates))
+    stress = block.weighted_stress(_apply(A, rates)[..., None])[..., 0]
     turned = _congruence(block.G, _stress_form(block.N, stress) @ block.G)
-    return _congruence(A, weighted_D @ A_rate) + turned
+    return _congruence(A, block.weighted_stress(A_rate)) + turned
 
 
 def tangent(block: QuadraticStrain, q: Array, *, material: float = 1.0) -> Array:
@@ -146,16 +165,15 @@ def tangent_parts(block: QuadraticStrain, q: Array) -> Array:
     """The material and the geometric term of the tangent, (E, 2, n, n)."""
     a = _apply(block.G, q)
     Na = _contract(block.N, a)
-    weighted_D = block.weighted_D
     A = block.B + Na @ block.G
-    stress = _apply(weighted_D, _apply(block.B, q) + 0.5 * _apply(Na, a))
-    material = _congruence(A, weighted_D @ A)
+    stress = _apply(block.weighted_D, _strain(block, q, Na, a))
+    material = _congruence(A, block.weighted_stress(A))
     return np.stack([material, _congruence(block.G, _stress_form(block.N, stress) @ block.G)], axis=1)
 
 
 def stiffness(block: QuadraticStrain) -> FloatArray:
     """Linear stiffness (E, n, n): the tangent at q = 0."""
-    return _congruence(block.B, block.weighted_D @ block.B)
+    return _congruence(block.B, block.weighted_stress(block.B))
 
 
 def tangent_derivative(block: QuadraticStrain, x: Array) -> Array:
@@ -163,10 +181,9 @@ def tangent_derivative(block: QuadraticStrain, x: Array) -> Array:
 
     sum_g w { B^T D N(Gx)G + [N(Gx)G]^T D B + G^T N^T(D B x) G }
     """
-    weighted_D = block.weighted_D
     A1 = _contract(block.N, _apply(block.G, x)) @ block.G
-    stress = _apply(weighted_D, _apply(block.B, x))
-    half = _congruence(block.B, weighted_D @ A1)
+    stress = block.weighted_stress(_apply(block.B, x)[..., None])[..., 0]
+    half = _congruence(block.B, block.weighted_stress(A1))
     return half + half.swapaxes(1, 2) + _congruence(block.G, _stress_form(block.N, stress) @ block.G)
 
 
@@ -184,8 +201,8 @@ def pair_forces(block: QuadraticStrain, X: FloatArray) -> FloatArray:
     """
     m = X.shape[2]
     a = _directions(block.G, X)
-    stress = block.weighted_D @ _directions(block.B, X)
-    stiff_B = block.weighted_D @ block.B
+    stress = block.weighted_stress(_directions(block.B, X))
+    stiff_B = block.weighted_stress(block.B)
     forces = np.empty((*block.dofs.shape, m * (m + 1) // 2))
     # One direction and all later ones at a time: the arrays of all pairs at once would be large.
     start = 0
@@ -212,14 +229,14 @@ def force_parts(block: QuadraticStrain, X: FloatArray) -> Iterator[FloatArray]:
     X : float array (E, n, m)       directions; pairs in the order of numpy.triu_indices(m)
     """
     m = X.shape[2]
-    weighted_D = block.weighted_D
     a = _directions(block.G, X)
-    stress = weighted_D @ _directions(block.B, X)
+    stress = block.weighted_stress(_directions(block.B, X))
     second_strain = np.concatenate([_contract(block.N, a[..., j]) @ a[..., j:] for j in range(m)], axis=-1)
-    yield _gather_directions(weighted_D @ block.B, second_strain)
+    yield _gather_directions(block.weighted_stress(block.B), second_strain)
     turned = [_contract(block.N, a[..., j]) @ block.G for j in range(m)]
     yield from (_gather_directions(each, stress) for each in turned)
-    yield from (_gather_directions(weighted_D @ each, second_strain) for each in turned)
+    second_stress = block.weighted_stress(second_strain)
+    yield from (_gather_directions(each, second_stress) for each in turned)
 
 
 def strain_pair_forces(
@@ -241,7 +258,7 @@ def strain_pair_forces(
     float array (E, n, p)
     """
     a = _directions(block.G, X)
-    stiff_B = block.weighted_D @ block.B
+    stiff_B = block.weighted_stress(block.B)
     forces = np.empty((*block.dofs.shape, len(first)))
     # One direction and all directions paired with it at a time: the arrays of all pairs would be large.
     for j in np.unique(first):
@@ -249,6 +266,12 @@ def strain_pair_forces(
         second_strain = _contract(block.N, a[..., j]) @ a[..., second[pairs]]
         forces[..., pairs] = _gather_directions(stiff_B, second_strain)
     return forces
+
+
+def _strain(block: QuadraticStrain, q: Array, Na: Array, a: Array) -> Array:
+    """Strains (E, g, s) from q (E, n), a = G q and N(a, .)."""
+    eps = _apply(block.B, q) + 0.5 * _apply(Na, a)
+    return block.with_enhanced(eps[..., None])[..., 0]
 
 
 def _apply(operator: Array, vector: Array) -> Array:

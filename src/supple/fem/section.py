@@ -63,7 +63,7 @@ class Section:
     offsets: FloatArray | None = None
     released: NDArray[np.bool_] | None = None
     reduced: bool = False
-    incompatible: bool = False
+    incompatible: bool = True
     mass_share: FloatArray | None = None
     surface_curvature: FloatArray | None = None
 
@@ -89,6 +89,11 @@ class Section:
             for name in ("offsets", "released"):
                 if getattr(self, name) is not None:
                     raise ModelError(f"{name} are for beams only, not for {type(self.property).__name__}")
+
+    @property
+    def has_incompatible_modes(self) -> bool:
+        """Whether the cells are HEXA8 with incompatible modes."""
+        return self.incompatible and self.cell_type is CellType.HEXA8
 
     def turns_nodes(self) -> bool:
         """Whether the cells have stiffness in the nodal rotations."""

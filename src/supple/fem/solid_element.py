@@ -58,9 +58,9 @@ def solid_strain(
 
         G q = grad u,   B q = its symmetric part,   strains xx yy zz yz xz xy (engineering shears)
 
-    Incompatible modes a follow the nodes by their linear equilibrium, K_aa a = -K_au q, and are then part of
-    u: the linear stiffness is that of Wilson and Taylor, and finite rotations, for which a = 0, have no
-    strain.
+    The symmetric gradients of the incompatible modes are enhanced strains, added to the strain of q and not
+    to its gradient ([SimoRifai1990]; for Green-Lagrange strains [KlinkelWagner1997]). The linear stiffness is
+    that of Wilson and Taylor, and the energy is invariant to any rotation.
 
     Parameters
     ----------
@@ -74,11 +74,12 @@ def solid_strain(
     B, G = _of_gradients((reference @ np.linalg.inv(jacobian)).swapaxes(2, 3))
     D = material.elasticity if directions is None else turned_elasticity(material.elasticity, directions)
     w = rule.weights * np.linalg.det(jacobian)
+    enhanced = None
     if element.incompatible:
-        B_own, G_own = _of_gradients(_incompatible_gradients(element, corners, jacobian))
-        force = np.einsum("egsi,egst->egit", B_own, w[..., None, None] * np.reshape(D, (-1, 1, 6, 6)))
-        condensed = -np.linalg.solve((force @ B_own).sum(axis=1), (force @ B).sum(axis=1))[:, None]
-        B, G = B + B_own @ condensed, G + G_own @ condensed
+        modes, _ = _of_gradients(_incompatible_gradients(element, corners, jacobian))
+        stress = w[..., None, None] * np.reshape(D, (-1, 1, 6, 6)) @ modes
+        energy = np.einsum("egsi,egsj->eij", modes, stress, optimize=True)
+        enhanced = modes @ np.linalg.inv(np.linalg.cholesky(energy)).swapaxes(1, 2)[:, None]
     return QuadraticStrain(
         dofs=dofs,
         B=B,
@@ -86,6 +87,7 @@ def solid_strain(
         N=SOLID_FORM,
         D=D,
         w=w,
+        enhanced=enhanced,
     )
 
 
@@ -195,8 +197,8 @@ SOLID_ELEMENTS = {
         (CellType.HEXA20, product_rule(CellType.HEXA20, 5)),
     )
 }
-"""The default element of each cell type. Linear elements are too stiff in bending, above all slender ones:
-prefer quadratic elements.
+"""The plain element of each cell type. Linear elements are too stiff in bending, above all slender ones:
+prefer quadratic elements, or HEXA8 with incompatible modes.
 """
 
 _REDUCED_HEXA20 = replace(SOLID_ELEMENTS[CellType.HEXA20], strain_rule=reduced_cube())

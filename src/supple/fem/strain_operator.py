@@ -61,8 +61,11 @@ class _Part(NamedTuple):
         return np.einsum("psk,sp->kp", self.products, stress)
 
     def stress(self, strain: Array) -> Array:
-        """`w D strain`, (s, P)."""
+        """`w D strain` with the enhanced strains, (s, P)."""
         D, w = self.block.D, self.block.w
+        if self.block.enhanced is not None:
+            by_point = strain.T.reshape(*w.shape, -1, 1)
+            strain = self.block.with_enhanced(by_point).reshape(w.size, -1).T
         if D.ndim == 2:
             return w.ravel() * (D @ strain)
         by_element = strain.T.reshape(*w.shape, -1) @ D.swapaxes(1, 2)

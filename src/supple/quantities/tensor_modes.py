@@ -204,10 +204,10 @@ def tensor_modes(
     for section, averaging in zip(recovery.sections, recovery.averaging, strict=True):
         for part in _parts(section, averaging.tocsr()[rows], fields.shape[1]):
             columns = fields[part.arrays.dofs][:, None]
-            part.add_to(linear, part.arrays.B @ columns)
+            part.add_to(linear, part.arrays.with_enhanced(part.arrays.B @ columns))
             if quadratic is not None:
                 for pairs, strains in _pair_strains(part.arrays.N, part.arrays.G @ columns[..., :r]):
-                    part.add_to(quadratic[..., pairs], strains)
+                    part.add_to(quadratic[..., pairs], part.arrays.with_enhanced(strains))
     layered = (len(chosen), n_layers, 6, -1)
     return TensorModes(
         nodes=chosen,

@@ -264,11 +264,11 @@ def _stress_scaled_strains(block: QuadraticStrain, chunk: slice, nodal_basis: np
     root = np.sqrt(part.w)[:, :, None, None] * root
     r = columns.shape[-1]
     upper = np.ravel_multi_index(np.triu_indices(r), (r, r))
-    linear = root @ (part.B @ columns[:, None])
+    linear = root @ part.with_enhanced(part.B @ columns[:, None])
     gradients = part.G @ columns[:, None]
     both = np.swapaxes(gradients, -1, -2)[:, :, None] @ (part.N @ gradients[:, :, None])
     packed = both.reshape(*both.shape[:3], r * r)[..., upper]
-    quadratic = root @ packed
+    quadratic = root @ part.with_enhanced(packed)
     return linear.reshape(-1, r), quadratic.reshape(-1, len(upper))
 
 

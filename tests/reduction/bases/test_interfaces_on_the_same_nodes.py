@@ -45,7 +45,8 @@ def bodies():
         Herting(3),
         Rubin(n_columns=12),
         Guyan(),
-        ErrorControlled(1e-2, 4),
+        # Its four modes lack the static shapes of the interfaces.
+        pytest.param(ErrorControlled(1e-2, 4), marks=pytest.mark.filterwarnings("ignore:.*locks")),
     ],
     ids=lambda basis: type(basis).__name__,
 )
