@@ -7,7 +7,7 @@ import pytest
 
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
 from supple.equations import StaticSearch
-from supple.errors import ConvergenceError, ModelError
+from supple.errors import ConvergenceError, ModelError, SuppleWarning
 from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.integrate import FixedStep, Run, Tolerances
 from supple.linearization import linearize
@@ -146,6 +146,17 @@ def test_a_bar_that_turns_is_stretched(form):
 X, TOP = (1, 0, 0), (0, 0, 2.0)
 
 
+def on_a_tower(joint, mass, offset):
+    """A rotor whose centre of mass is `offset` from its axis, on a tower fixed to the ground."""
+    eye = np.eye(3)
+    tower = RigidBody("tower", 5.0, np.zeros(3), eye, {"base": np.zeros(3), "top": np.array(TOP)})
+    rotor = RigidBody("rotor", mass, np.array([0, offset, 0]), eye, {"hub": np.zeros(3)})
+    own = {Revolute: {"axis": X}, PrescribedRotation: {"axis": X, "angle": 0.0}}.get(joint, {})
+    shaft = joint(first="tower.top", second="rotor.hub", name="shaft", **own)
+    base = Fixed(first=GROUND, second="tower.base", name="base")
+    return System([tower, Placed(rotor, position=TOP)], [base, shaft])
+
+
 @pytest.mark.parametrize(
     ("joint", "spin", "fixes"),
     [
@@ -158,19 +169,28 @@ X, TOP = (1, 0, 0), (0, 0, 2.0)
 )
 def test_a_joint_to_what_stands_lets_a_body_spin_or_is_an_error(joint, spin, fixes):
     """A rotor on a tower, whose centre of mass is 0.1 from its axis: it pulls its bearing by m e w^2."""
-    mass, offset, eye = 2.0, 0.1, np.eye(3)
-    tower = RigidBody("tower", 5.0, np.zeros(3), eye, {"base": np.zeros(3), "top": np.array(TOP)})
-    rotor = RigidBody("rotor", mass, np.array([0, offset, 0]), eye, {"hub": np.zeros(3)})
-    own = {Revolute: {"axis": X}, PrescribedRotation: {"axis": X, "angle": 0.0}}.get(joint, {})
-    shaft = joint(first="tower.top", second="rotor.hub", name="shaft", **own)
-    base = Fixed(first=GROUND, second="tower.base")
-    machine = System([tower, Placed(rotor, position=TOP)], [base, shaft])
+    mass, offset = 2.0, 0.1
+    machine = on_a_tower(joint, mass, offset)
     if fixes:
         with pytest.raises(ModelError, match=f"'shaft' prevents the spin: .* 'tower.top' .* fixes {fixes}"):
             equilibrium(machine, spin=spin)
     else:
         force = equilibrium(machine, spin=spin).joint_forces["shaft"][:3]
         assert np.linalg.norm(force) == pytest.approx(mass * offset * spin.rate**2, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("joint", "spin"), [(Revolute, Spin(5.0, X, TOP)), (PrescribedRotation, Spin(5.0, X, TOP))]
+)
+def test_a_bearing_in_a_machine_that_rotates_as_a_whole_is_warned_of(joint, spin):
+    with pytest.warns(SuppleWarning, match="joint 'base' to the ground .* joint 'shaft' is a bearing about"):
+        equilibrium(on_a_tower(joint, 2.0, 0.1), spin=spin)
+
+
+@pytest.mark.parametrize(("joint", "spin"), [(Fixed, Spin(5.0, X, TOP)), (Revolute, Spin(5.0, X))])
+def test_a_machine_on_a_rotating_platform_is_not_warned_of(joint, spin):
+    """Without a bearing about the axis of the spin."""
+    assert equilibrium(on_a_tower(joint, 2.0, 0.1), spin=spin).joint_forces
 
 
 @pytest.mark.parametrize("frame", [NodalFixedFrame("root"), MeanAxisFrame()], ids=["fixed", "mean"])
