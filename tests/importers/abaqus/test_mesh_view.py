@@ -40,6 +40,25 @@ def read(tmp_path):
     return read_text
 
 
+def test_sets_of_surface_elements_are_sets_of_their_nodes(read):
+    """As Gmsh writes a solid with named surfaces; a node set keeps its name."""
+    cell = "".join(
+        f"{i}, {x}, {y}, {z}\n" for i, (x, y, z) in enumerate([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], 1)
+    )
+    mesh = read(
+        f"*NODE\n{cell}*ELEMENT, TYPE=CPS3, ELSET=Surface1\n1, 1, 2, 3\n*ELEMENT, TYPE=CPS3, ELSET=Surface2\n"
+        "2, 1, 2, 4\n*ELEMENT, TYPE=C3D4, ELSET=Volume1\n3, 1, 2, 3, 4\n*ELSET, ELSET=root\n1\n"
+        "*ELSET, ELSET=Tip\n2\n*NSET, NSET=TIP\n4\n"
+    )
+    assert {name: nodes.tolist() for name, nodes in mesh.node_sets.items()} == {
+        "TIP": [3],
+        "Surface1": [0, 1, 2],
+        "Surface2": [0, 1, 3],
+        "root": [0, 1, 2],
+    }
+    assert list(mesh.cell_sets) == ["Volume1"]
+
+
 # --- what is read
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from supple.arguments import checked_arguments
 from supple.importers.abaqus.deck_model import read_model
 from supple.importers.abaqus.element_types import Family, cells_of, element_type
+from supple.importers.abaqus.keyword_elements import ElementBlock
 from supple.importers.abaqus.public_names import public_ids, public_sets
 from supple.importers.file_mesh import CellOrigin, FileMesh, UnusedNodes
 from supple.importers.keyword_file import KeywordFile, read_keyword_file
@@ -40,7 +42,9 @@ def read_abaqus(
 
     Reads nodes, solid, shell and membrane elements, sets and instances as `read_abaqus_deck` does. A
     four-node shell becomes two triangles; a quadratic shell becomes triangles over the nodes on its edges.
-    Set names are compared regardless of case and keep their first spelling.
+    Plane and surface elements are no cells; a set of them, as meshers write for surfaces, becomes the set of
+    their nodes, unless a node set has its name. Set names are compared regardless of case and keep their
+    first spelling.
 
     Parameters
     ----------
@@ -61,6 +65,7 @@ def read_abaqus(
     file = read_keyword_file(path)
     _refuse_what_is_beyond_a_mesh(file)
     model = read_model(file, strict=True)
+    surfaces = [block for block in model.elements if block.type.family in _CARRIERS]
     cells: dict[CellType, list[IntArray]] = {}
     owners: dict[CellType, list[IntArray]] = {}
     origins: dict[CellType, list[CellOrigin]] = {}
@@ -76,24 +81,32 @@ def read_abaqus(
             )
     owner_of = {kind: np.concatenate(parts) for kind, parts in owners.items()}
     ids = public_ids(model)
-    cell_sets = {
-        name: {
-            kind: found
-            for kind, of in owner_of.items()
-            if (found := np.flatnonzero(np.isin(of, members))).size
-        }
-        for name, members in public_sets(model, model.element_sets).items()
-    }
+    node_sets, cell_sets = public_sets(model, model.node_sets), {}
+    taken = {name.upper() for name in node_sets}
+    for name, members in public_sets(model, model.element_sets).items():
+        found = {kind: np.flatnonzero(np.isin(of, members)) for kind, of in owner_of.items()}
+        on_surfaces = _nodes_of(surfaces, members)
+        if len(on_surfaces) and not any(map(len, found.values())):
+            if name.upper() not in taken:
+                node_sets[name] = on_surfaces
+        else:
+            cell_sets[name] = {kind: own for kind, own in found.items() if len(own)}
     return FileMesh(
         path,
         model.positions,
         {kind: np.vstack(parts) for kind, parts in cells.items()},
-        public_sets(model, model.node_sets),
+        node_sets,
         cell_sets,
         {kind: tuple(each) for kind, each in origins.items()},
         ids.nodes,
         {kind: ids.elements[of] for kind, of in owner_of.items()},
     ).to_mesh(only=only, unused_nodes=unused_nodes)
+
+
+def _nodes_of(blocks: Sequence[ElementBlock], members: IntArray) -> IntArray:
+    """Nodes of those elements of the blocks that are in `members`."""
+    rows = [block.nodes[np.isin(block.numbers, members)] for block in blocks]
+    return np.unique(np.concatenate([each.ravel() for each in rows])) if rows else np.zeros(0, np.int64)
 
 
 def read_abaqus_nodes(path: str | Path) -> NodeTable:
