@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -108,6 +109,18 @@ def test_first_order_tetrahedra_get_mid_edge_nodes(tmp_path):
     found = np.sqrt(body.lowest_modes(7).values[6]) / (2 * np.pi)
     beam = 22.373 / (2 * np.pi) * np.sqrt(2.1e11 * 0.05**2 / 12 / 7850.0)
     assert found == pytest.approx(beam, rel=0.02)
+
+
+def test_the_clamped_set_has_an_extent_and_the_tracked_one_is_apart(tmp_path):
+    """A node cannot clamp a solid, and a set of the clamped nodes does not move."""
+    cube = block(1.0, 1.0, 1.0, 2, 2, 2, CellType.HEXA8)
+    root = cube.nodes_of("root")
+    sets = {"corner": cube.nodes_of("tip")[:1], "root": root, "again": root[:3]}
+    (tmp_path / "cube.inp").write_text(abaqus_text(replace(cube, node_sets=sets)))
+    cases.write_new_case(tmp_path / "cube.inp", tmp_path / "cube.toml")
+    case = read_case(tmp_path / "cube.toml")
+    assert case.tables.body[0].interface[0].nodes == "ROOT"
+    assert case.tables.output.track == ("cube.CORNER",)
 
 
 def test_a_mesh_beside_the_case_is_named_relative_to_it(tmp_path):

@@ -32,10 +32,11 @@ OF_FIRST_ORDER = 20_000
 def write_new_case(mesh_file: Path, path: Path) -> None:
     """Write a case of one body to `path`: clamped at a node set of its mesh, loaded by gravity.
 
-    The node set is the first with fewer than half of the nodes; without such a set, interface and joint are
-    written as comments. A slender mesh with node sets at both ends is condensed to stations between them;
-    other bodies are reduced with an allowed error. Every guess is marked: units, gravity, clamped set, times,
-    and, unless the file is a deck with properties, material and thickness.
+    The node set is the first with three nodes or more, but fewer than half of the nodes; without any set of
+    fewer than half, interface and joint are written as comments. A slender mesh with node sets at both ends
+    is condensed to stations between them; other bodies are reduced with an allowed error. Every guess is
+    marked: units, gravity, clamped set, times, and, unless the file is a deck with properties, material and
+    thickness.
 
     Raises
     ------
@@ -58,6 +59,8 @@ class _Model:
 
     spans : sizes along the principal axes, the longest first
     sets : names of the sets for supports or output, with fewer than half of the nodes
+    root : the first of them with three nodes or more, or the first; None without sets
+    tracked : the last of them that has no node of `root`; None if there is none
     ends : names of one set at each end of a slender body; None if its mesh is too coarse for stations
     stations : their number, for a body with `ends`
     kind : `solid` or `shell`; `nastran` or `abaqus` where the file has properties
@@ -66,6 +69,8 @@ class _Model:
 
     spans: tuple[float, float, float]
     sets: Sequence[str]
+    root: str | None
+    tracked: str | None
     ends: tuple[str, str] | None
     stations: int
     kind: str
@@ -102,7 +107,10 @@ def _model(nodes: np.ndarray, node_sets: Mapping[str, np.ndarray], kind: str) ->
     longest, second, third = (float(each) for each in np.sort(np.ptp(along, axis=0))[::-1])
     stations = _stations(along[:, 0]) if longest >= SLENDER * second else 0
     ends = _ends(along[:, 0], sets) if stations else None
-    return _Model((longest, second, third), list(sets), ends, stations, kind)
+    root = next((name for name, own in sets.items() if len(own) > 2), next(iter(sets), None))
+    apart = [name for name, own in sets.items() if root and not np.isin(own, sets[root]).any()]
+    tracked = apart[-1] if apart else None
+    return _Model((longest, second, third), list(sets), root, tracked, ends, stations, kind)
 
 
 def _stations(along: np.ndarray) -> int:
@@ -191,7 +199,7 @@ def _support(name: str, model: _Model) -> str:
     known = (
         ", ".join(model.sets[:20]) or "none: name the nodes in the mesher, or give node_indices = [..] here"
     )
-    root, tip = model.ends or ((model.sets or ["SET"])[0], None)
+    root, tip = model.ends or (model.root or "SET", None)
     held = f"""\
 # Node sets with fewer than half of the nodes (at most 20): {known}
 [[body.interface]]
@@ -221,6 +229,6 @@ second = "{name}.root"
 
 
 def _output(name: str, model: _Model) -> str:
-    """The table [output], which tracks the tip or the last set; empty where only the clamped set exists."""
-    place = "tip" if model.ends is not None else model.sets[-1] if len(model.sets) > 1 else None
+    """The table [output], which tracks the tip or a set apart from the clamped one; empty without them."""
+    place = "tip" if model.ends is not None else model.tracked
     return f'\n[output]\ntrack = ["{name}.{place}"]\n' if place else ""

@@ -59,6 +59,23 @@ def test_sets_of_surface_elements_are_sets_of_their_nodes(read):
     assert list(mesh.cell_sets) == ["Volume1"]
 
 
+def test_plane_stress_elements_alone_are_a_surface(read):
+    """As Gmsh writes a surface with a named edge, a truss without a section; no cell has the middle node."""
+    places = [(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0), (1, 0.5), (0.5, 1), (0, 0.5), (0.5, 0.5)]
+    nodes = "".join(f"{i}, {x}, {y}, 0\n" for i, (x, y) in enumerate(places, 1))
+    edge = "*ELEMENT, TYPE=T3D2, ELSET=Line4\n1, 1, 2\n"
+    quad = "*ELEMENT, TYPE=CPS4, ELSET=Surface1\n12, 1, 2, 3, 4\n"
+    quad += "*ELSET, ELSET=skin\n12\n*ELSET, ELSET=clamp\n1\n"
+    mesh = read("*NODE\n" + "".join(nodes.splitlines(keepends=True)[:4]) + edge + quad)
+    assert mesh.cells[CellType.TRIANGLE3].shape == (2, 3)
+    assert {name: own.tolist() for name, own in mesh.node_sets.items()} == {"Line4": [0, 1], "clamp": [0, 1]}
+    assert sorted(mesh.cell_sets) == ["Surface1", "skin"]
+    whole = read(f"*NODE\n{nodes}*ELEMENT, TYPE=M3D9, ELSET=Surface1\n12, 1, 2, 3, 4, 5, 6, 7, 8, 9\n")
+    assert whole.n_nodes == 8
+    with pytest.raises(ImportFormatError, match="elements of type T3D2 are not part of a mesh"):
+        read("*NODE\n" + nodes + edge + quad + "*SOLID SECTION, ELSET=Line4, MATERIAL=m\n1.\n")
+
+
 # --- what is read
 
 

@@ -32,6 +32,7 @@ _SHELL_OPTIONS_BEYOND_A_MESH = ("COMPOSITE", "NODALTHICKNESS", "OFFSET")
 _MESHED = (Family.SOLID, Family.SHELL, Family.MEMBRANE)
 _KNOWN = "S3, S4, S6, S8, M3D3, .., C3D4, C3D5, C3D6, C3D8, C3D10, C3D13, C3D15, C3D20, C3D27 and variants"
 _CARRIERS = (Family.PLANE, Family.CARRIER)
+_PLANE_STRESS = "CPS"
 
 
 @checked_arguments
@@ -42,9 +43,10 @@ def read_abaqus(
 
     Reads nodes, solid, shell and membrane elements, sets and instances as `read_abaqus_deck` does. A
     four-node shell becomes two triangles; a quadratic shell becomes triangles over the nodes on its edges.
-    Plane and surface elements are no cells; a set of them, as meshers write for surfaces, becomes the set of
-    their nodes, unless a node set has its name. Set names are compared regardless of case and keep their
-    first spelling.
+    Meshers write named surfaces as plane or surface elements, and lines as trusses without a section: these
+    are no cells, and a set of them becomes the set of their nodes, unless a node set has its name. In a mesh
+    without solids and shells, plane stress elements are its surface. Set names are compared regardless of
+    case and keep their first spelling.
 
     Parameters
     ----------
@@ -65,13 +67,13 @@ def read_abaqus(
     file = read_keyword_file(path)
     _refuse_what_is_beyond_a_mesh(file)
     model = read_model(file, strict=True)
-    surfaces = [block for block in model.elements if block.type.family in _CARRIERS]
+    meshed = [block for block in model.elements if block.type.family in _MESHED]
+    meshed = meshed or [block for block in model.elements if block.type.name.startswith(_PLANE_STRESS)]
+    others = [block for block in model.elements if block not in meshed]
     cells: dict[CellType, list[IntArray]] = {}
     owners: dict[CellType, list[IntArray]] = {}
     origins: dict[CellType, list[CellOrigin]] = {}
-    for block in model.elements:
-        if block.type.family in _CARRIERS:
-            continue
+    for block in meshed:
         for kind, made, owner in cells_of(block.type, block.nodes, model.positions):
             cells.setdefault(kind, []).append(made)
             owners.setdefault(kind, []).append(block.first + owner)
@@ -85,13 +87,17 @@ def read_abaqus(
     taken = {name.upper() for name in node_sets}
     for name, members in public_sets(model, model.element_sets).items():
         found = {kind: np.flatnonzero(np.isin(of, members)) for kind, of in owner_of.items()}
-        on_surfaces = _nodes_of(surfaces, members)
-        if len(on_surfaces) and not any(map(len, found.values())):
+        of_others = _nodes_of(others, members)
+        if len(of_others) and not any(map(len, found.values())):
             if name.upper() not in taken:
-                node_sets[name] = on_surfaces
+                node_sets[name] = of_others
         else:
             cell_sets[name] = {kind: own for kind, own in found.items() if len(own)}
-    return FileMesh(
+    # Nodes in the interior of a face or cell of nine or 27 nodes: no cell has them.
+    interior = np.zeros(len(model.positions), dtype=bool)
+    for block in meshed:
+        interior[block.nodes] = True
+    whole = FileMesh(
         path,
         model.positions,
         {kind: np.vstack(parts) for kind, parts in cells.items()},
@@ -100,7 +106,8 @@ def read_abaqus(
         {kind: tuple(each) for kind, each in origins.items()},
         ids.nodes,
         {kind: ids.elements[of] for kind, of in owner_of.items()},
-    ).to_mesh(only=only, unused_nodes=unused_nodes)
+    )
+    return whole.without_unused(interior).to_mesh(only=only, unused_nodes=unused_nodes)
 
 
 def _nodes_of(blocks: Sequence[ElementBlock], members: IntArray) -> IntArray:
@@ -132,11 +139,13 @@ def read_abaqus_nodes(path: str | Path) -> NodeTable:
 
 
 def _refuse_what_is_beyond_a_mesh(file: KeywordFile) -> None:
+    has_sections = any(block.key == "SOLIDSECTION" for block in file.blocks)
+    permitted = (*_MESHED, *_CARRIERS) if has_sections else (*_MESHED, *_CARRIERS, Family.ROD)
     for block in file.blocks:
         kind = element_type(block.options.get("TYPE", "").upper())
         if block.key == "ELEMENT" and kind.family is Family.UNKNOWN:
             raise file.error(block.line, f"unknown element type '{kind.name}'; supported are TYPE={_KNOWN}")
-        if block.key == "ELEMENT" and kind.family not in (*_MESHED, *_CARRIERS):
+        if block.key == "ELEMENT" and kind.family not in permitted:
             raise file.error(
                 block.line,
                 f"elements of type {kind.name} are not part of a mesh of surfaces and solids; read the file "
