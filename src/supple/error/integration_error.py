@@ -155,7 +155,8 @@ def _remedy_of_step(run: Run, whole: float) -> str:
             "a half because a load jumps; adaptive steps stop at jumps" if whole == AT_JUMPS else "a quarter"
         )
         return f"halve the step of {fixed_step(run):.3g}, which leaves {left}"
-    return f"ask for a smaller local error than {run.step_control.tolerance:.3g}; an eighth leaves a quarter"
+    local = run.step_control.tolerance
+    return f"allow a local error below {local:.3g}: an eighth of it leaves a quarter of the step's error"
 
 
 _ADAPTIVE = "a run with an eighth of the local error"
