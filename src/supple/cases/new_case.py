@@ -25,7 +25,7 @@ STATIONS = (21, 17, 13, 11, 9, 7, 6, 5)
 """Numbers of stations of a slender body; the first that its mesh supports is chosen."""
 OF_A_SLICE = 3
 """Smallest number of nodes of a slice between two cuts halfway between stations."""
-OF_FIRST_ORDER = 20_000
+OF_FIRST_ORDER = 5_000
 """Largest number of nodes of a mesh that gets mid-edge nodes: tetrahedra have eight times as many then."""
 
 
