@@ -35,6 +35,15 @@ def test_the_largest_part_is_named_with_its_remedy():
     assert whole.advice == "the error of the step is 40 times that of the basis: halve the step"
 
 
+def test_an_error_far_below_the_allowed_one_needs_no_remedy():
+    small = stated(basis=part(1e-9), step=part(1e-9), newton=part(4e-7), model=part(0.0), allowed=1e-4)
+    assert small.advice == "the sum is 0.004 of the allowed error"
+    assert (
+        "mend it"
+        in stated(basis=part(0.0), step=part(0.0), newton=part(4e-5), model=part(0.0), allowed=1e-4).advice
+    )
+
+
 def test_a_part_without_a_number_leads_and_keeps_the_sum_from_any_limit():
     unknown = ErrorStatement("positions", 0.5, basis=part(np.inf), step=part(1e-3), allowed=1.0)
     assert unknown.largest == "basis"

@@ -16,6 +16,8 @@ PARTS = ("basis", "step", "newton", "model")
 
 LARGE_MODEL = 0.05
 """Ratio of the model part to the size of the quantity, above which the kinematics do not suffice."""
+SMALL = 0.1
+"""Ratio of the sum to the allowed error, below which no part needs a remedy."""
 
 
 @dataclass(frozen=True)
@@ -113,11 +115,14 @@ class ErrorStatement(Summarized):
     def advice(self) -> str:
         """Sentence with the largest part, its ratio to the second largest, and its remedy; may be empty.
 
-        A sentence about the model part precedes it if that part is large.
+        A sentence about the model part precedes it if that part is large. If the sum is less than a tenth of the
+        allowed error, the sentence is this ratio instead.
         """
         name = self.largest
         if name is None:
             return ""
+        if self.total is not None and self.allowed is not None and self.total < SMALL * self.allowed:
+            return f"the sum is {self.total / self.allowed:.2g} of the allowed error"
         if self.model_warning:
             return self.model_warning if name == "model" else f"{self.model_warning}; {self._of(name)}"
         return self._of(name)

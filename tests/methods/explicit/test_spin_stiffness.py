@@ -31,7 +31,6 @@ from supple.methods.explicit.frame_model import FrameState
 from supple.methods.explicit.spin_stiffness import PAIRS, largest_of_unit_spin
 from supple.reduction import CompressedDerivatives, NoLoads, NormalModes, reduce
 
-
 AROUND = np.array([0.97, 1.2])
 """Where the frequencies of bending are under the spin, relative to those at rest."""
 
