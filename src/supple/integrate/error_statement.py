@@ -115,8 +115,8 @@ class ErrorStatement(Summarized):
     def advice(self) -> str:
         """Sentence with the largest part, its ratio to the second largest, and its remedy; may be empty.
 
-        A sentence about the model part precedes it if that part is large. If the sum is less than a tenth of the
-        allowed error, the sentence is this ratio instead.
+        A sentence about the model part precedes it if that part is large. If the sum is less than a tenth of
+        the allowed error, the sentence is this ratio instead.
         """
         name = self.largest
         if name is None:
