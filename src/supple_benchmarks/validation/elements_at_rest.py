@@ -1,4 +1,4 @@
-"""Static cases of shells and solids under small loads: common test problems of elements."""
+"""Static cases of shells and solids, nearly all under small loads: common test problems of elements."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from supple.fem import FiniteElementModel, HomogeneousSection, Isotropic, shell_
 from supple.machine import GROUND, At, DeadForce, DeadTorque, Fixed, System
 from supple.mesh import CellType, Mesh, block, cylinder_shell, plate, strip
 from supple.simulation import equilibrium
+from supple_benchmarks.references.elastica import elastica
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
 
 __all__ = ["CASES"]
@@ -99,6 +100,26 @@ def curved_beam() -> Sequence[Comparison]:
     return (Comparison("deflection in its plane, m", moved, exact, source, 5e-3),)
 
 
+def bent_row_of_boxes() -> Sequence[Comparison]:
+    """A cantilever of one row of HEXA8, bent to half of its length by a transverse dead force at its tip."""
+    length, side, E = 10.0, 0.5, 1e6
+    bending = E * side**4 / 12
+    force = 2 * bending / length**2
+    along, across, _ = elastica(bending, length, force)
+    mesh = block(length, side, side, 20, 1, 1, CellType.HEXA8)
+    bar = flexible_body("bar", solid_model(mesh, Isotropic(E, 0.0, 1.0)), [RigidInterface("root", "root")])
+    wall = Fixed(first=GROUND, second=At("bar", "root"))
+    # The nodes of the tip are free: a rigid section would add a strain of third order in its rotation.
+    load = DeadForce(body="bar", at=mesh.nodes_of("tip"), force=(0, 0, force / 4))
+    rest = equilibrium(System([FullBody(bar, NodalFixedFrame("root"))], [wall], [load]))
+    moved = _mean_at(mesh, rest.system.bodies[0].positions() - mesh.nodes)
+    source = "elastica, by shooting"
+    return (
+        Comparison("shortening, m", -float(moved[0]), length - along, source, 5e-3),
+        Comparison("deflection, m", float(moved[2]), across, source, 5e-3),
+    )
+
+
 def square_bar_in_torsion() -> Sequence[Comparison]:
     """A square bar of quadratic bricks: twist per length away from the ends."""
     side, torque, n = 0.1, 100.0, 12
@@ -146,6 +167,7 @@ CASES = (
     ValidationCase("twisted beam of shells", twisted_beam),
     ValidationCase("curved beam of shells", curved_beam),
     ValidationCase("clamped plate under its weight", clamped_plate),
+    ValidationCase("bent row of eight-node boxes", bent_row_of_boxes),
     ValidationCase("square bar in torsion", square_bar_in_torsion),
     ValidationCase("tube in torsion", tube_in_torsion),
 )
