@@ -7,13 +7,13 @@ import warnings
 import numpy as np
 import pytest
 
-from supple.body import FullBody, NodalFixedFrame, RigidInterface, flexible_body
+from supple.body import AveragingInterface, FullBody, NodalFixedFrame, RigidInterface, flexible_body
 from supple.error import ReductionStart, SelfCorrection, correct_at_rest
 from supple.errors import ValidityWarning
-from supple.fem import HomogeneousSection, Isotropic, shell_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.linearization import campbell_diagram, linearize, machine_modes
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, Spin, System
-from supple.mesh import strip
+from supple.mesh import CellType, block, strip
 from supple.reduction import CraigBampton, NoDerivatives, reduce
 from supple.simulation import equilibrium
 
@@ -76,3 +76,25 @@ def test_modes_of_a_linear_arm_in_rotation_warn_of_the_stiffness_that_they_lack(
     assert [each[:22] for each in said] == ["at 2 of 4 speeds: body"]
     _, said = messages(lambda: linearize(clamped(reduced), spin=Spin(rate, (1, 0, 0))))
     assert said == []
+
+
+@pytest.mark.parametrize(
+    ("tip", "alpha", "warned", "deflection"),
+    [
+        (RigidInterface, 1.0, False, 0.30172),
+        (RigidInterface, 2.0, True, None),
+        (AveragingInterface, 2.0, False, 0.49346),
+    ],
+)
+def test_a_rigid_interface_of_solids_warns_of_large_rotations(tip, alpha, warned, deflection):
+    """A cantilever under F = alpha E I / L^2 at its tip: the elastica, which rotates by
+    0.46 and 0.78 rad. The row beside a rigid tip is strained by the third order of its rotation."""
+    mesh = block(1.0, 0.05, 0.05, 20, 1, 1, CellType.HEXA8)
+    ends = [RigidInterface("root", "root"), tip("tip", "tip")]
+    bar = flexible_body("arm", solid_model(mesh, Isotropic(E, 0.0, DENSITY)), ends)
+    force = alpha * E * 0.05**4 / 12
+    found, said = messages(lambda: equilibrium(clamped(FullBody(bar, ROOT), force)))
+    assert [text[:38] for text in said] == ["a rigid interface of body 'arm' rotates"[:38]] * warned
+    if deflection:
+        moved = found.system.bodies[0].positions()[mesh.nodes_of("tip"), 2].mean()
+        assert moved == pytest.approx(deflection, rel=5e-3)
