@@ -46,5 +46,8 @@ def read_mesh(
     """
     reader = READERS.get(Path(path).suffix.lower())
     if reader is None:
-        raise ImportFormatError(f"{path}: no reader for this suffix; mesh files end in {', '.join(READERS)}")
+        raise ImportFormatError(
+            f"{path}: no reader for this suffix; mesh files end in {', '.join(READERS)}. Gmsh and meshio "
+            "convert other formats (.unv, .med, .vtk, ..)"
+        )
     return reader(path, only=only, unused_nodes=unused_nodes)
