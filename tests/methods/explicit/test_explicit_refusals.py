@@ -18,12 +18,13 @@ from supple.machine import (
     AngleServo,
     At,
     Ball,
+    Constant,
     Contact,
     DeadForce,
     DeadTorque,
     FollowerForce,
-    FollowerPressure,
     HingeFriction,
+    NodalLoad,
     Placed,
     Revolute,
     RigidPlane,
@@ -57,6 +58,13 @@ MODEL = bar(CellType.HEXA8)
 BODY = flexible_body("box", MODEL)
 WALL = RigidPlane((0, 0, 0), (1, 0, 0))
 END = At("ball", "tip")
+
+
+class OwnLoad(NodalLoad):
+    """A load of one's own, in the axes of a frame."""
+
+    label, law = "own load", Constant(1.0)
+    nodes, facets, value_shapes, facet_forces = np.arange(1), np.zeros((1, 1), int), ((),), None
 
 
 def ball():
@@ -240,9 +248,11 @@ def test_what_a_march_does_not_follow_is_refused_with_the_remedy():
         simulate(System([ball()], joints=[pin], loads=[spring]), replace(run, step=FixedStep(2.1e-3)))
     with pytest.raises(ModelError, match="joined to each other need ProjectedDifference"):
         simulate(System([ball()], joints=[pin]), replace(run, method=Explicit(PublishedScheme())))
-    pressure = FollowerPressure(body="bar", faces=np.array([[0, 1, 2]]), pressure=1.0)
-    with pytest.raises(ModelError, match=r"FollowerPressure.*: nodes of explicit elements support DeadForce"):
-        simulate(System([explicit_bar(CellType.HEXA8)], loads=[pressure]), RUN)
+    own = OwnLoad(body="bar")
+    with pytest.raises(
+        ModelError, match="explicit elements support DeadForce and FollowerPressure only"
+    ):
+        simulate(System([explicit_bar(CellType.HEXA8)], loads=[own]), RUN)
 
 
 def test_the_step_of_the_run_is_taken():

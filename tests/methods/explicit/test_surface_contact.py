@@ -1,5 +1,7 @@
 """Contact between sub-domains: momentum, two bars that hit in closed form, limits, modal faces, refusals."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fixtures.explicit_bars import SOFT, stepped
@@ -11,12 +13,14 @@ from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.integrate import Run, Solution, Statistics, Validity, run
 from supple.machine import (
     At,
+    FollowerPressure,
     Placed,
     Support,
     SurfaceContact,
     System,
 )
 from supple.mesh import CellType, Mesh, block, strip
+from supple.mesh.outer_faces import outer_triangles
 from supple.methods.explicit import (
     ENERGIES,
     ExplicitEngine,
@@ -231,3 +235,13 @@ def test_only_elements_below_the_faces_of_a_contact_are_watched(deleted, found):
     watch = deletion_watch(breaking("cube.tip", "bar.root"), Validity())
     assert list(watch.observe({}, leg).values()) == found
     assert not deletion_watch(breaking("bar.all", "cube.tip"), Validity()).below
+
+
+def test_elements_below_a_pressure_are_watched():
+    system = breaking("bar.all", "cube.tip")
+    bar = system.placed("bar").body
+    faces = outer_triangles(bar.mesh, bar.mesh.nodes_of("root"))
+    pressed = replace(system, loads=[FollowerPressure(body="bar", faces=faces, pressure=1.0)])
+    ((message, part, below),) = deletion_watch(pressed, Validity()).below
+    assert "the pressure still acts on the nodes" in message.lower()
+    assert (part, list(below)) == ("bar", [True, False])

@@ -9,6 +9,7 @@ from supple.machine import (
     At,
     DeadForce,
     EndReading,
+    FollowerPressure,
     ForceElement,
     JointFriction,
     Mortar,
@@ -84,8 +85,14 @@ def _check_load(system: System, load: object) -> None:
         )
     if isinstance(load, ForceElement):
         _check_frames(system, load.label, (load.first, load.second))
-    elif isinstance(load, NodalLoad) and not (isinstance(load, DeadForce) or _has_frame(system, load.body)):
-        raise ModelError(f"{load.label}: nodes of explicit elements support DeadForce only")
+    elif (
+        isinstance(load, NodalLoad)
+        and not isinstance(load, DeadForce | FollowerPressure)
+        and not _has_frame(system, load.body)
+    ):
+        raise ModelError(
+            f"{load.label}: nodes of explicit elements support DeadForce and FollowerPressure only"
+        )
 
 
 def _check_frames(system: System, what: str, ends: tuple[At, ...]) -> None:

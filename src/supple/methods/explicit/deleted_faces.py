@@ -1,17 +1,18 @@
-"""Check for deleted elements below the faces of a contact; the faces remain those at the start."""
+"""Check for deleted elements below the faces of contacts and pressures; faces remain those at the start."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ValidityError, ValidityWarning
 from supple.integrate import Solution, Validity
-from supple.machine import SurfaceContact, System
+from supple.machine import FollowerPressure, SurfaceContact, System
 from supple.mesh.outer_faces import outer_triangles
 from supple.methods.explicit.explicit_shell import ExplicitShell
 from supple.methods.explicit.explicit_subdomain import ExplicitSubdomain
@@ -22,17 +23,19 @@ __all__ = ["DeletionWatch", "deletion_watch"]
 
 @dataclass(frozen=True, eq=False)
 class DeletionWatch:
-    """Contacts with faces of parts whose elements can be deleted, and the elements (E,) below these faces."""
+    """Parts whose elements can be deleted below faces of a contact or a pressure.
+
+    below : message, name of the part, and its elements (E,) below the faces
+    """
 
     validity: Validity
-    below: tuple[tuple[SurfaceContact, NDArray[np.bool_]], ...]
+    below: tuple[tuple[str, str, NDArray[np.bool_]], ...]
 
     def observe(self, so_far: Mapping[str, float], leg: Solution) -> dict[str, float]:
         """Messages with the time of the first deletion; ValidityError at the first one if strict."""
         found = dict(so_far)
-        for contact, below in self.below:
-            alive = leg.motion(contact.surface.body, NodalMotion).alive[:, below].all(axis=1)
-            message = _uncovers(contact)
+        for message, part, below in self.below:
+            alive = leg.motion(part, NodalMotion).alive[:, below].all(axis=1)
             if not alive.all():
                 found.setdefault(message, float(leg.times[alive.argmin()]))
                 if self.validity.strict:
@@ -40,25 +43,38 @@ class DeletionWatch:
         return found
 
     def report(self, found: Mapping[str, float]) -> None:
-        """Warn about every contact with deleted elements."""
+        """Warn about every contact and pressure with deleted elements."""
         for message, time in found.items():
             warnings.warn(f"{message} (t = {time:.4g})", ValidityWarning, stacklevel=3)
 
 
 def deletion_watch(system: System, validity: Validity) -> DeletionWatch:
-    """Prepare the contacts of a system that have faces of elements that can be deleted."""
+    """Prepare the contacts and pressures of a system on faces of elements that can be deleted."""
     below = []
     for contact in system.surface_contacts:
         part = system.placed(contact.surface.body).body
-        if isinstance(part, ExplicitSubdomain | ExplicitShell) and np.isfinite(part.deletion):
+        if _can_lose_elements(part):
             faces = outer_triangles(part.mesh, system.node_numbers(contact.surface))
-            # Three nodes of an element on the surface are the corners of a face.
-            on = [
-                np.isin(part.mesh.cells[own.cell_type][own.cells], faces).sum(axis=1) >= 3
-                for own in part.model.sections
-            ]
-            below.append((contact, np.concatenate(on)))
+            below.append((_uncovers(contact), part.name, _below(part, faces)))
+    for load in system.loads:
+        if isinstance(load, FollowerPressure):
+            part = system.placed(load.body).body
+            if _can_lose_elements(part):
+                below.append((_still_presses(load), part.name, _below(part, np.asarray(load.faces))))
     return DeletionWatch(validity, tuple(below))
+
+
+def _can_lose_elements(part: object) -> TypeGuard[ExplicitSubdomain | ExplicitShell]:
+    return isinstance(part, ExplicitSubdomain | ExplicitShell) and bool(np.isfinite(part.deletion))
+
+
+def _below(part: ExplicitSubdomain | ExplicitShell, faces: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """The elements (E,) below some faces: three nodes of an element on them are the corners of a face."""
+    on = [
+        np.isin(part.mesh.cells[own.cell_type][own.cells], faces).sum(axis=1) >= 3
+        for own in part.model.sections
+    ]
+    return np.concatenate(on)
 
 
 def _uncovers(contact: SurfaceContact) -> str:
@@ -66,4 +82,12 @@ def _uncovers(contact: SurfaceContact) -> str:
         f"contact of '{contact.nodes}' with '{contact.surface}': elements below its faces are deleted. The "
         "contact has no faces on the elements behind them, so nodes pass through these elements, and later "
         "results there are wrong: leave the deletion strain out, or raise it"
+    )
+
+
+def _still_presses(load: FollowerPressure) -> str:
+    return (
+        f"{load.label}: elements below its faces are deleted. The pressure still acts on the nodes of these "
+        "faces, so later results are wrong: leave the deletion strain out, raise it, or end the pressure "
+        "earlier (its law)"
     )

@@ -5,14 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
+from supple.equations.nodal_load import PreparedLoad, prepared
 from supple.errors import ModelError
-from supple.machine import At, BaseAcceleration, Contact, DeadForce, Placed, System, Tie
+from supple.machine import At, BaseAcceleration, Contact, DeadForce, FollowerPressure, Placed, System, Tie
 from supple.machine.ties.meeting import meeting_nodes
 from supple.methods.explicit.march.build_blocks import explicit_blocks
 from supple.methods.explicit.march.build_frames import Framed, MarchNodes, build_frames
@@ -110,6 +112,7 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
         touching,
         framed.surfaces,
         _loaded(system, numbers),
+        _pressed(system, numbers),
         jnp.asarray([obstacle.mass for obstacle in obstacles], dtype=float),
         jnp.asarray(system.gravity),
         jnp.asarray(max(framed.contact_rate, of_obstacles)),
@@ -166,6 +169,15 @@ def _loaded(system: System, numbers: dict[str, IntArray]) -> tuple[Any, ...]:
             own, shared = _loaded_nodes(system, load)
             found.append((jnp.asarray(numbers[load.body][own]), shared, load.law))
     return tuple(found)
+
+
+def _pressed(system: System, numbers: dict[str, IntArray]) -> tuple[tuple[jax.Array, PreparedLoad], ...]:
+    """Nodes and arrays of each pressure on faces of explicit elements."""
+    return tuple(
+        (jnp.asarray(numbers[load.body][load.nodes]), prepared(load))
+        for load in system.loads
+        if isinstance(load, FollowerPressure) and load.body in numbers
+    )
 
 
 def _loaded_nodes(system: System, load: DeadForce) -> tuple[IntArray, float]:

@@ -10,6 +10,7 @@ from jax.tree_util import register_static
 
 from supple.equations.configuration import ControlState
 from supple.equations.machine_model import Model
+from supple.equations.nodal_load import PreparedLoad
 from supple.machine.obstacles import Obstacle
 from supple.methods.explicit.frame_chart import FrameChart
 from supple.methods.explicit.frame_model import FrameModel, FrameState
@@ -71,6 +72,8 @@ class MarchModel(NamedTuple):
     contact_rate : largest stiffness over mass of a node in contact, 1/s^2
     base_accelerations : laws of base accelerations, (3,) m/s^2
     machine : the frames as floating bodies with their joints and forces; None without frames
+    loaded : nodes, number of nodes that share the force, and law of each force on explicit nodes
+    pressed : nodes and `PreparedLoad` of each pressure on faces of explicit elements
     driven : (m,)   1 for equations of joints with laws, else 0
     """
 
@@ -83,6 +86,7 @@ class MarchModel(NamedTuple):
     touching: tuple[NodesTouching, ...]
     surfaces: tuple[TouchingSurface, ...]
     loaded: tuple[Any, ...]
+    pressed: tuple[tuple[Array, PreparedLoad], ...]
     obstacle_mass: Array
     gravity: Array
     contact_rate: Array

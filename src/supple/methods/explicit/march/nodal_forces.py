@@ -7,6 +7,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
+from supple.equations.nodal_load import nodal_forces
 from supple.machine.obstacles import Obstacle
 from supple.methods.explicit.march.element_block import BlockState, ElementInstant
 from supple.methods.explicit.march.frame_forces import gravity_at
@@ -65,6 +66,8 @@ def explicit_forces(
     external = model.mass * gravity_at(model, time)[:, None]
     for nodes, shared, law in model.loaded:
         external = external.at[:, nodes].add(jnp.broadcast_to(law(time) / shared, (len(nodes), 3)).T)
+    for nodes, load in model.pressed:
+        external = external.at[:, nodes].add(nodal_forces(load, x[:, nodes].T, jnp.eye(3), time).T)
     return AssembledForces(
         jnp.stack([internal, hourglass, contact, external]),
         tuple(reached),
