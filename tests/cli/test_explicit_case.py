@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from supple.cases import read_case, run_case
+from supple.cases.result_tables import recorded_quantities
 from supple.cli.main import app
 from supple.errors import CaseError
 from supple.machine import (
@@ -182,6 +183,12 @@ def test_a_part_has_the_yield_stress_and_the_viscosity_that_the_file_says(bar):
     system = read_case(bar(said, none)).system
     assert system.placed("rest").body.yield_stress == 90e6
     assert not system.placed("nose").body.bulk_viscosity.acts
+
+
+def test_the_table_of_a_run_has_the_forces_of_its_contacts(bar):
+    case = read_case(bar())
+    names = [each.name for each in recorded_quantities(case, case.system)]
+    assert names == ["contact of nose.TIP", "position nose.JOINT", "energy"]
 
 
 def test_two_modal_parts_are_tied_as_the_file_says(bar):

@@ -1,10 +1,18 @@
-"""Content of the table of a run: sensors, joint forces, tracked places, energies."""
+"""Content of the table of a run: sensors, joint and contact forces, tracked places, energies."""
 
 from __future__ import annotations
 
 from supple.cases.case import Case
 from supple.machine import System
-from supple.quantities import DeflectionSensor, EnergySensor, JointForceSensor, PositionSensor, Quantity
+from supple.quantities import (
+    ContactForceSensor,
+    DeflectionSensor,
+    EnergySensor,
+    JointForceSensor,
+    PositionSensor,
+    Quantity,
+    contact_names,
+)
 from supple.results.march_energy_sensor import MarchEnergySensor
 from supple.simulation.engines import is_explicit
 
@@ -14,12 +22,13 @@ __all__ = ["recorded_quantities"]
 def recorded_quantities(case: Case, system: System) -> tuple[Quantity, ...]:
     """All quantities of a table, with unique names.
 
-    The sensors of the case come first. `joint NAME`, `position BODY.PLACE`, `deflection BODY.PLACE` and
-    `energy` follow, deflections only of deformable bodies with a frame. A sensor with one of these names
-    replaces that quantity.
+    The sensors of the case come first. `joint NAME`, `contact of BODY.NODE_SET`, `position BODY.PLACE`,
+    `deflection BODY.PLACE` and `energy` follow, deflections only of deformable bodies with a frame. A sensor
+    with one of these names replaces that quantity.
     """
     sensors = {sensor.name: sensor for sensor in case.sensors}
     others: list[Quantity] = [JointForceSensor(f"joint {joint.name}", joint.name) for joint in system.joints]
+    others += [ContactForceSensor(name, name) for name in contact_names(system)]
     for words in case.parts.output.track:
         place = case.place(words)
         body = system.placed(place.body).body

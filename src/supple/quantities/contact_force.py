@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -10,8 +13,9 @@ from numpy.typing import NDArray
 from supple.integrate import Solution
 from supple.machine import System
 from supple.methods.explicit import CONTACTS
+from supple.quantities.reading import Channel, QuantityKind
 
-__all__ = ["ContactForce", "contact_forces"]
+__all__ = ["ContactForce", "ContactForceSensor", "contact_forces", "contact_names"]
 
 Array = NDArray[np.float64]
 
@@ -24,13 +28,43 @@ class ContactForce(NamedTuple):
     place: Array
 
 
+def contact_names(system: System) -> list[str]:
+    """Names of all contacts, those with rigid obstacles first: `contact of BODY.NODE_SET`.
+
+    A number distinguishes further contacts of the same nodes.
+    """
+    seen: Counter[str] = Counter()
+    names = []
+    for contact in (*system.rigid_contacts, *system.surface_contacts):
+        name = f"contact of {contact.nodes}"
+        seen[name] += 1
+        names.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
+    return names
+
+
 def contact_forces(system: System, solution: Solution) -> list[ContactForce]:
-    """Forces of all contacts, those with rigid obstacles first; empty for a run without contact forces."""
+    """Forces of all contacts, in the order of `contact_names`; empty for a run without contact forces."""
     if CONTACTS not in solution.series:
         return []
-    contacts = (*system.rigid_contacts, *system.surface_contacts)
-    recorded = np.split(solution.series[CONTACTS], len(contacts), axis=1)
-    return [
-        ContactForce(f"contact of {contact.nodes}", own[:, :3], own[:, 3:])
-        for contact, own in zip(contacts, recorded, strict=True)
-    ]
+    names = contact_names(system)
+    recorded = np.split(solution.series[CONTACTS], len(names), axis=1)
+    return [ContactForce(name, own[:, :3], own[:, 3:]) for name, own in zip(names, recorded, strict=True)]
+
+
+@dataclass(frozen=True)
+class ContactForceSensor:
+    """Force of a contact of an explicit run on its nodes, (t, 3), global axes.
+
+    contact : one of `contact_names`
+    """
+
+    name: str
+    contact: str
+
+    def channels(self, _system: System) -> Sequence[Channel]:
+        """Fx, Fy, Fz."""
+        return [Channel(f"F{axis}", QuantityKind.FORCE, "global") for axis in "xyz"]
+
+    def values(self, system: System, solution: Solution) -> Array:
+        """(t, 3)."""
+        return {each.name: each.force for each in contact_forces(system, solution)}[self.contact]

@@ -14,6 +14,7 @@ from supple.fem import FiniteElementModel, cells_without_stress, has_stress
 from supple.integrate import FramedMotion, Motion, Solution, Statistics
 from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody
+from supple.quantities.contact_force import contact_forces
 from supple.quantities.force_sensors import joint_loads, joint_meanings
 from supple.quantities.stress_history import largest_stress
 from supple.quantities.tracked_motion import TrackedMotion
@@ -59,6 +60,10 @@ def summarize(
         "joints": {
             name: {**meanings[name], **_joint_numbers(loads, solution.times)}
             for name, loads in joint_loads(system, solution).items()
+        },
+        "contacts": {
+            each.name: _contact_numbers(each.force, solution.times)
+            for each in contact_forces(system, solution)
         },
         "start": start_numbers(system, solution),
         "errors": {name: each.plain() for name, each in solution.errors.items()},
@@ -244,6 +249,16 @@ def _joint_numbers(loads: Mapping[str, np.ndarray], times: np.ndarray) -> dict[s
         numbers[f"time of largest {what}"] = float(times[largest])
         numbers[f"last {what}"] = components[-1]
     return numbers
+
+
+def _contact_numbers(force: np.ndarray, times: np.ndarray) -> dict[str, Any]:
+    size = np.linalg.norm(force, axis=1)
+    largest = int(np.argmax(size))
+    return {
+        "largest force": float(size[largest]),
+        "time of largest force": float(times[largest]),
+        "components of largest force": force[largest],
+    }
 
 
 def cost_numbers(cost: Statistics) -> dict[str, float]:

@@ -22,11 +22,13 @@ class TextTable(NamedTuple):
 
 
 def motion_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
-    """Tables of bodies and joints, and of places, stress, sensors and energies, if any.
+    """Tables of bodies, and of joints, contacts, places, stress, sensors and energies, if any.
 
     numbers : from `summarize`, with those of `stress_numbers` and of sensors
     """
     tables = [body_table(numbers), joint_table(numbers)]
+    if numbers.get("contacts"):
+        tables.append(contact_table(numbers))
     if numbers["tracked"]:
         tables += [motion_table(numbers), place_table(numbers)]
     if numbers.get("stress"):
@@ -35,7 +37,7 @@ def motion_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
         tables.append(sensor_table(numbers))
     if numbers.get("energies"):
         tables += [part_table(numbers), energy_table(numbers)]
-    return tables[:3] + [table for table in tables[3:] if table.rows]
+    return [table for table in tables if table.rows]
 
 
 def stress_table(numbers: Mapping[str, Any]) -> TextTable:
@@ -206,6 +208,22 @@ def joint_table(numbers: Mapping[str, Any]) -> TextTable:
     time = headed("time of largest", units.get("time", ""))
     heads = ("joint", "acts on", "load", "largest magnitude", time, "at the end: x, y, z of the joint")
     return TextTable("Joints", heads, rows)
+
+
+def contact_table(numbers: Mapping[str, Any]) -> TextTable:
+    """Largest force of each contact on its nodes, at the output times; numbers from `summarize`."""
+    force, time = (numbers["units"].get(what, "") for what in ("force", "time"))
+    rows = []
+    for name, contact in numbers["contacts"].items():
+        largest, components = contact["largest force"], contact["components of largest force"]
+        when = contact["time of largest force"] if largest else 0.0
+        words = _vector(without_noise(components, like=[largest]))
+        rows.append([name.removeprefix("contact of "), _number(largest), _number(when), words])
+    heads = (
+        *("contact of", headed("largest force on the nodes", force), headed("at time", time)),
+        headed("x, y, z of that force", force),
+    )
+    return TextTable("Contacts", heads, rows)
 
 
 def correction_table(numbers: Sequence[Mapping[str, Any]], units: UnitSystem = UNNAMED) -> TextTable:

@@ -249,9 +249,7 @@ def test_what_a_march_does_not_follow_is_refused_with_the_remedy():
     with pytest.raises(ModelError, match="joined to each other need ProjectedDifference"):
         simulate(System([ball()], joints=[pin]), replace(run, method=Explicit(PublishedScheme())))
     own = OwnLoad(body="bar")
-    with pytest.raises(
-        ModelError, match="explicit elements support DeadForce and FollowerPressure only"
-    ):
+    with pytest.raises(ModelError, match="explicit elements support DeadForce and FollowerPressure only"):
         simulate(System([explicit_bar(CellType.HEXA8)], loads=[own]), RUN)
 
 
