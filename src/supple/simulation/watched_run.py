@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,12 +15,13 @@ from supple.equations.checks.step_length import report_step_length
 from supple.equations.checks.step_resolution import warn_of_missed_loads
 from supple.equations.checks.validity import watch
 from supple.equations.stops import laws_of
-from supple.errors import ModelError, StepCutWarning
+from supple.errors import ConvergenceError, ModelError, StepCutWarning
 from supple.integrate import FixedStep, Progress, Recorder, Run, Solution, Statistics, StepControl
 from supple.integrate import run as march_through
 from supple.machine import System
 from supple.machine.laws.time_law import begins_after, ends_before
 from supple.methods.explicit.deleted_faces import deletion_watch
+from supple.methods.explicit.shell_strain import shell_strain_watch
 from supple.methods.explicit.yielding import yield_watch
 from supple.methods.intrinsic.report_truncation import report_truncation
 from supple.simulation.engines import engine_for, is_explicit
@@ -47,6 +49,7 @@ def watched_run(
         watch(system, run.validity),
         yield_watch(system, run.validity),
         deletion_watch(system, run.validity),
+        shell_strain_watch(system, run.validity),
     )
     peaks: list[Any] = [{} for _ in watches]
 
@@ -59,13 +62,24 @@ def watched_run(
             report_step_length(leg.statistics, run)
 
     engine = engine_for(system, run)
-    solution = march_through(engine, times, resume=resume, progress=progress, record=observed, check=check)
+    try:
+        solution = march_through(
+            engine, times, resume=resume, progress=progress, record=observed, check=check
+        )
+    except ConvergenceError:
+        if any(peaks):  # the limits exceeded may be the cause of the early end
+            _report(watches, peaks)
+        raise
     _report_rejected_steps(solution.statistics, run.step_control)
-    for own, found in zip(watches, peaks, strict=True):
-        own.report(found)
+    _report(watches, peaks)
     report_half_revolutions(system, run, solution)
     report_resolution(system, run, solution)
     return replace(report_truncation(system, run, solution), columns=measured_columns(system))
+
+
+def _report(watches: Sequence[Any], peaks: Sequence[Any]) -> None:
+    for own, found in zip(watches, peaks, strict=True):
+        own.report(found)
 
 
 def report_resolution(system: System, run: Run, solution: Solution) -> None:

@@ -7,9 +7,9 @@ import pytest
 from fixtures.explicit_bars import stepped
 from scipy.spatial.transform import Rotation
 
-from supple.errors import ModelError
+from supple.errors import ConvergenceError, ModelError, ValidityError, ValidityWarning
 from supple.fem import HomogeneousSection, Isotropic, shell_model
-from supple.integrate import Run
+from supple.integrate import Run, Solution, Statistics, Validity
 from supple.machine import (
     Placed,
     System,
@@ -23,8 +23,17 @@ from supple.methods.explicit import (
     PowerHardening,
     explicit_shell,
 )
-from supple.methods.explicit.elements import layered_force, layered_von_mises, rest_layers, shell_force
+from supple.methods.explicit.elements import (
+    layered_force,
+    layered_von_mises,
+    rest_layers,
+    shell_force,
+    triangle_stretch,
+)
 from supple.methods.explicit.materials.plane_stress import elastic_state, mises_of, plane_stress
+from supple.methods.explicit.motions import NodalMotion
+from supple.methods.explicit.shell_strain import shell_strain_watch
+from supple.simulation import simulate, watched_run
 
 METAL = Isotropic(1000.0, 0.3, 1.0)
 THICKNESS, YIELD = 0.05, 1.0
@@ -32,9 +41,9 @@ PERFECT = J2Plasticity(METAL, LinearHardening(YIELD))
 ANGLE = np.array([0.4, -1.1, 0.7])
 
 
-def plate(law=PERFECT, cells=(4, 2), **more):
+def plate(law=PERFECT, cells=(4, 2), name="plate", **more):
     model = shell_model(strip(2.0, 0.5, *cells), HomogeneousSection(METAL, THICKNESS))
-    return explicit_shell(model, name="plate", law=law, **more)
+    return explicit_shell(model, name=name, law=law, **more)
 
 
 @pytest.fixture(scope="module")
@@ -214,3 +223,57 @@ def test_what_no_shell_can_yield_by_is_refused():
         plate(layers=1)
     with pytest.raises(ModelError, match="deletion"):
         plate(deletion=0.0)
+
+
+def test_the_step_shortens_with_the_smallest_stretch_of_a_triangle():
+    """A plate pressed to 0.7 of its length, sheared and rotated: the singular value of the deformation."""
+    body = plate()
+    engine = ExplicitEngine(System([body]), Run(1.0, 1.0))
+    arrays, start = engine.built.model.blocks[0], engine.built.start
+    alive = jnp.ones(16)
+    rest = float(arrays.longest_step(start.x, start.v, alive, 0.0))
+    assert rest == pytest.approx(body.step_limit, rel=1e-14)
+    changed = np.array([[0.7, 0.3, 0], [0, 1.1, 0], [0, 0, 1.0]])
+    x = jnp.asarray(Rotation.from_rotvec(ANGLE).as_matrix() @ changed) @ start.x
+    smallest = np.linalg.svd(changed[:2, :2], compute_uv=False)[-1]
+    assert np.asarray(triangle_stretch(arrays.block, x)) == pytest.approx(smallest, rel=1e-12)
+    found = float(arrays.longest_step(x, start.v, alive, 0.0))
+    assert found == pytest.approx(smallest * rest, rel=1e-12)
+    flat = jnp.asarray(np.diag([0.0, 1.0, 1.0])) @ start.x
+    assert float(arrays.longest_step(flat, start.v, alive, 0.0)) == pytest.approx(0.05 * rest)
+
+
+def strained(largest):
+    """A leg of the plate, the second of whose cells strains at t = 1."""
+    strain = np.zeros((2, 16))
+    strain[1, 1] = largest
+    none = np.zeros((2, 0, 3))
+    motion = NodalMotion(none, none, none, strain, 1 + 0 * strain, 0 * strain)
+    return Solution(np.array([0.0, 1.0]), {"plate": motion}, {}, Statistics())
+
+
+def test_a_strain_that_is_not_small_is_warned_of(recwarn):
+    system = System([plate(), plate(None, name="elastic")])
+    watch = shell_strain_watch(system, Validity())
+    watch.report(watch.observe({}, strained(0.19)))
+    assert not recwarn.list
+    told = r"'plate' reaches a plastic strain of 0.21 in cell 1 \(t = 1\).*wrong by more than 10 %"
+    with pytest.warns(ValidityWarning, match=told):
+        watch.report(watch.observe({}, strained(0.21)))
+    with pytest.raises(ValidityError, match=told):
+        shell_strain_watch(system, Validity(strict=True)).observe({}, strained(0.21))
+
+
+def test_a_run_that_ends_early_warns_of_the_limits_it_exceeded(monkeypatch):
+    """They may be the cause: a shell of large strain ends with a collapsed cell and spurious energy."""
+
+    def ended(*_, record, **__):
+        record(strained(1.3))
+        raise ConvergenceError("the internal energy is negative")
+
+    monkeypatch.setattr(watched_run, "march_through", ended)
+    with (
+        pytest.warns(ValidityWarning, match="reaches a plastic strain of 1.3"),
+        pytest.raises(ConvergenceError),
+    ):
+        simulate(System([plate()]), Run(1.0, 1.0))

@@ -56,6 +56,13 @@ class ShellElements:
     bending: FloatArray
     drilling: FloatArray
 
+    @cached_property
+    def step_limits(self) -> FloatArray:
+        """2 / omega_max of each triangle at rest, (E,), s."""
+        diagonal = np.tile(np.column_stack([self.mass] * 3 + [self.inertia] * 3), (1, 3))
+        scaled = self.stiffness / np.sqrt(diagonal[:, :, None] * diagonal[:, None])
+        return 2 / np.sqrt(np.linalg.eigvalsh(scaled)[:, -1])
+
 
 @dataclass(frozen=True, eq=False)
 class ExplicitShell(ElementPart):
@@ -169,12 +176,7 @@ class ExplicitShell(ElementPart):
     @cached_property
     def step_limit(self) -> float:
         """Longest stable step at rest, s, from the fastest mode of any single element (Irons, Treharne)."""
-        largest = 0.0
-        for own in self.elements:
-            diagonal = np.tile(np.column_stack([own.mass] * 3 + [own.inertia] * 3), (1, 3))
-            scaled = own.stiffness / np.sqrt(diagonal[:, :, None] * diagonal[:, None])
-            largest = max(largest, float(np.linalg.eigvalsh(scaled)[:, -1].max()))
-        return float(2 / np.sqrt(largest))
+        return min(float(own.step_limits.min()) for own in self.elements)
 
 
 @checked_arguments

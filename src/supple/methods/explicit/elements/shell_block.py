@@ -41,6 +41,7 @@ __all__ = [
     "shell_block",
     "shell_force",
     "shell_von_mises",
+    "triangle_stretch",
 ]
 
 FloatArray = NDArray[np.float64]
@@ -196,6 +197,24 @@ def shell_von_mises(block: ShellBlock, x: Array, triads: Array) -> Array:
     xx, yy, zz, yz, xz, xy = jnp.moveaxis(jnp.einsum("lcae,ae->lce", block.to_stress, d), 1, 0)
     normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
     return jnp.sqrt(0.5 * normal + 3 * (yz**2 + xz**2 + xy**2)).max(axis=0)
+
+
+def triangle_stretch(block: ShellBlock, x: Array) -> Array:
+    """Smallest stretch (E,) in the plane of each triangle, at positions x (3, N)."""
+    (aa, ab, bb), now = _metric(block.rest), _metric(x[:, block.nodes])
+    # Cauchy-Green tensor in axes along the first side at rest and across it.
+    share, across = ab / aa, bb - ab**2 / aa
+    along = now[0] / aa
+    mixed = (now[1] - share * now[0]) / jnp.sqrt(aa * across)
+    other = (now[2] - 2 * share * now[1] + share**2 * now[0]) / across
+    smallest = 0.5 * (along + other) - jnp.sqrt(0.25 * (along - other) ** 2 + mixed**2)
+    return jnp.sqrt(jnp.maximum(smallest, 0.0))
+
+
+def _metric(corners: Array) -> tuple[Array, Array, Array]:
+    """Scalar products a.a, a.b, b.b of two sides of triangles (3, 3, E)."""
+    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return (a * a).sum(axis=0), (a * b).sum(axis=0), (b * b).sum(axis=0)
 
 
 def _axes(corners: Array) -> Array:

@@ -46,7 +46,7 @@ class Shells:
     @property
     def step_limit(self) -> float:
         """Step limit of all triangles at rest, s; infinite if there are no triangles."""
-        return min((float(own.limit) for own in self.blocks), default=np.inf)
+        return min((float(own.limit.min()) for own in self.blocks), default=np.inf)
 
     def start(self) -> TriadState:
         """The triads at the start: the identity, whatever the rotations of the parts that share them."""
@@ -107,7 +107,7 @@ def explicit_shells(parts: Sequence[Placed], numbers: Mapping[str, IntArray], n_
                 r,
                 None if body.law is None else _layers(each, body.layers, turn),
             )
-            made.blocks.append(TriangleArrays(block, jnp.asarray(body.step_limit)))
+            made.blocks.append(TriangleArrays(block, jnp.asarray(each.step_limits)))
             made.rules.append(Triangles(body.law, body.deletion))
     return made
 

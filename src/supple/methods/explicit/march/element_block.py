@@ -19,6 +19,7 @@ from supple.methods.explicit.elements import (
     shell_force,
     shell_von_mises,
     smallest_stretch,
+    triangle_stretch,
 )
 from supple.methods.explicit.elements.bulk_viscosity import bulk_share
 from supple.methods.explicit.elements.solid_block import deformation
@@ -35,6 +36,10 @@ __all__ = [
     "Triangles",
     "with_contact",
 ]
+
+
+_COLLAPSED = 0.05
+"""Smallest stretch that shortens the step: a collapsed triangle would need endless steps."""
 
 
 class ElementInstant(NamedTuple):
@@ -97,15 +102,21 @@ class SolidArrays(NamedTuple):
 
 
 class TriangleArrays(NamedTuple):
-    """Triangles of a shell, and their step limit, s."""
+    """Triangles of a shell, and their step limits (E,) at rest, s."""
 
     block: ShellBlock
     limit: Array
     beta: None = None
 
-    def longest_step(self, _x: Array, _v: Array, _alive: Array, contact_rate: Array) -> Array:
-        """Step limit at rest, with all contacts closed, s: strains of shells are small."""
-        return with_contact(self.limit, contact_rate)
+    def longest_step(self, x: Array, _v: Array, alive: Array, contact_rate: Array) -> Array:
+        """Step limit of the remaining triangles in their present state, s, with all contacts closed.
+
+        Bending stiffness acts through the rotation of a triangle by the motion of its corners, which is
+        inversely proportional to its height.
+        """
+        stretch = jnp.clip(triangle_stretch(self.block, x), _COLLAPSED, 1.0)
+        longest = with_contact(self.limit * stretch, contact_rate)
+        return jnp.min(jnp.where(alive > 0, longest, jnp.inf))
 
 
 def with_contact(limit: Array, rate: Array) -> Array:
