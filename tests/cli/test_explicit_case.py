@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from supple.cases import read_case, run_case
+from supple.cases.implausible_units import warn_of_units
 from supple.cases.result_tables import recorded_quantities
 from supple.cli.main import app
-from supple.errors import CaseError
+from supple.errors import CaseError, UnitsWarning
 from supple.machine import (
     EveryNode,
     MeanMotion,
@@ -189,6 +191,20 @@ def test_the_table_of_a_run_has_the_forces_of_its_contacts(bar):
     case = read_case(bar())
     names = [each.name for each in recorded_quantities(case, case.system)]
     assert names == ["contact of nose.TIP", "position nose.JOINT", "energy"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("density = 2700.0", "density = 2.7e-9", "'nose': the density is 2.7e-09 kg/m3; steel has 7850"),
+        ("yield_stress = 100e6", "yield_stress = 100e9", "'nose': the yield stress is 1e.11 Pa, and Young's"),
+    ],
+)
+def test_implausible_numbers_of_explicit_elements_are_warned_of(bar, old, new, message):
+    """A stress in another unit than the modulus makes a plastic part elastic, or the reverse."""
+    with pytest.warns(UnitsWarning) as heard:
+        warn_of_units(read_case(bar((old, new))))
+    assert [each for each in heard if re.search(message, str(each.message))]
 
 
 def test_two_modal_parts_are_tied_as_the_file_says(bar):

@@ -11,13 +11,17 @@ from collections.abc import Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
+from numpy.typing import NDArray
 
 from supple.body import FlexibleBody
 from supple.body.model_check import USUAL_SPEEDS, WAVES_IN_STEEL, wave_speed
 from supple.cases.case import Case
 from supple.errors import UnitsWarning
-from supple.fem import Isotropic
+from supple.fem import FiniteElementModel, Isotropic
+from supple.methods.explicit import J2Plasticity
+from supple.methods.explicit.element_part import ElementPart
 from supple.reduction import ReducedBody
 from supple.units import SI, UnitSystem
 
@@ -43,6 +47,8 @@ _SPEED = _Range(
 # Lower limit of a metal's density, kg/m3, and upper limit of a rubber's modulus, Pa. No material has the
 # density of a metal and the modulus of rubber, but a model with mixed kg, mm and MPa has.
 _METAL, _RUBBER = 3e3, 2e9
+_HARDEST = 0.1
+"""Upper limit of the yield stress of a material, relative to Young's modulus."""
 _REMEDY = "give the units of the numbers (units), and use one consistent set"
 
 
@@ -56,6 +62,9 @@ def warn_of_units(case: Case) -> None:
     doubts = list(_of_gravity(case.units, case.tables.gravity))
     for name, body in case.flexible.items():
         doubts += [f"body '{name}': {doubt}" for doubt in _of_body(case.units, body)]
+    if any(table.explicit is not None for table in case.parts.body):
+        for name, part in case.system.bodies_of(ElementPart).items():
+            doubts += [f"body '{name}': {doubt}" for doubt in _of_part(case.units, part)]
     _warn(doubts)
 
 
@@ -76,12 +85,33 @@ def _of_gravity(units: UnitSystem, gravity: Iterable[float]) -> Iterator[str]:
 
 
 def _of_body(units: UnitSystem, body: FlexibleBody) -> list[str]:
-    extent = float(np.ptp(body.nodes, axis=0).max())
-    doubts = list(_outside(units, "its size", extent, units.length, _SIZE))
-    for material in _materials(body):
-        doubts += _of_material(units, material)
+    doubts = list(_of_shape(units, body.nodes, body.model))
     # A size or material out of range also changes the wave speed: one warning is enough.
     return doubts or list(_of_waves(units, body))
+
+
+def _of_shape(
+    units: UnitSystem, nodes: NDArray[np.float64], model: FiniteElementModel | None
+) -> Iterator[str]:
+    """Doubts of the size and the materials."""
+    extent = float(np.ptp(nodes, axis=0).max())
+    yield from _outside(units, "its size", extent, units.length, _SIZE)
+    for material in _materials(model):
+        yield from _of_material(units, material)
+
+
+def _of_part(units: UnitSystem, part: ElementPart) -> Iterator[str]:
+    """Doubts of explicit elements, also of a yield stress in another unit than the modulus."""
+    yield from _of_shape(units, part.nodes, part.model)
+    law = getattr(part, "law", None)
+    if isinstance(law, J2Plasticity):
+        stress, modulus = float(law.hardening.yield_stress(jnp.zeros(()))), law.elastic.youngs_modulus
+        if stress > _HARDEST * modulus:
+            unit = f" {units.stress}" if units.stress else ""
+            yield (
+                f"the yield stress is {stress:.3g}{unit}, and Young's modulus {modulus:.3g}{unit}; materials "
+                f"yield below {_HARDEST:g} of their modulus"
+            )
 
 
 def _of_waves(units: UnitSystem, body: FlexibleBody) -> Iterator[str]:
@@ -94,9 +124,9 @@ def _of_waves(units: UnitSystem, body: FlexibleBody) -> Iterator[str]:
         yield f"wave speed about {speed:.1e} per unit of time ({WAVES_IN_STEEL})"
 
 
-def _materials(body: FlexibleBody) -> list[Isotropic]:
-    """The isotropic materials of a body's elements, each once; a laminate has none."""
-    properties = [section.property for section in body.model.sections] if body.model is not None else []
+def _materials(model: FiniteElementModel | None) -> list[Isotropic]:
+    """The isotropic materials of elements, each once; a laminate has none."""
+    properties = [section.property for section in model.sections] if model is not None else []
     found = [each if isinstance(each, Isotropic) else getattr(each, "material", None) for each in properties]
     return list(dict.fromkeys(each for each in found if each is not None))
 
