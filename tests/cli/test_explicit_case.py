@@ -169,6 +169,15 @@ def test_every_mistake_is_listed_with_its_line(bar):
         read_case(bar(('on = "rest"', every)))
 
 
+def test_an_error_estimate_that_no_explicit_run_has_is_refused(bar):
+    asked = ("[output]", "[error]\nintegration = false\nbasis = true\n\n[output]")
+    with pytest.raises(
+        CaseError, match=r"error.basis: the error of an explicit run is not estimated"
+    ) as caught:
+        read_case(bar(asked))
+    assert "integration" not in str(caught.value)
+
+
 def test_a_modal_part_stiffens_with_its_spin_where_the_file_says_so(bar):
     assert read_case(bar()).system.placed("rest").body.spin_stiffness is None
     spun = ("modes = 4", "modes = 4, spin_stiffness = true")

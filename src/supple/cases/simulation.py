@@ -83,6 +83,9 @@ def _an_explicit_march_has_its_own_steps(raw: Raw) -> Mistakes:
     for key in ("adaptive", "rho_inf", "kinematic"):
         if key in given:
             yield ("simulation", key), "not available in explicit runs; remove the key"
+    for key, asked in table(raw, "error").items():
+        if asked:
+            yield ("error", key), "the error of an explicit run is not estimated; remove the key"
     if not any("explicit" in body for _, body in tables(raw, "body")):
         return
     what = "explicit elements start as they are placed; remove the key"
