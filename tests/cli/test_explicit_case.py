@@ -169,6 +169,21 @@ def test_every_mistake_is_listed_with_its_line(bar):
         read_case(bar(('on = "rest"', every)))
 
 
+@pytest.mark.parametrize(
+    "table",
+    [
+        '[[joint]]\nkind = "fixed"\nfirst = "ground"\nsecond = "nose.TIP"',
+        '[[load]]\nkind = "force"\nfollower = true\nat = "nose.TIP"\nvector = [1.0, 0.0, 0.0]',
+        '[[load]]\nkind = "torque"\nat = "nose.TIP"\nvector = [1.0, 0.0, 0.0]',
+    ],
+)
+def test_what_needs_an_interface_of_explicit_elements_is_told_the_way_round(bar, table):
+    """Not to add an interface, which explicit elements do not take."""
+    with pytest.raises(CaseError, match=r"'nose' has explicit elements.*tie the nodes to a modal") as caught:
+        read_case(bar(("[output]", f"{table}\n\n[output]")))
+    assert "add one" not in str(caught.value)
+
+
 def test_an_error_estimate_that_no_explicit_run_has_is_refused(bar):
     asked = ("[output]", "[error]\nintegration = false\nbasis = true\n\n[output]")
     with pytest.raises(

@@ -7,6 +7,12 @@ from typing import Any
 from supple.cases.body_kinds import kind_of
 from supple.importers.toml import KeyPath, Mistakes, Raw, names, nearest_hint, tables, unknown
 
+NO_INTERFACES = (
+    "has explicit elements, and these have no interfaces, which joints, springs, torques, follower loads and "
+    "rotations need: tie the nodes to a modal part ([[tie]]) and give an interface of that part; [[support]] "
+    "fixes nodes in space"
+)
+
 
 def place_exists(raw: Raw, path: KeyPath, place: Any, may_be: str) -> Mistakes:
     """The rule that a place exists; a node set can be checked only once the mesh has been read."""
@@ -32,5 +38,7 @@ def place_exists(raw: Raw, path: KeyPath, place: Any, may_be: str) -> Mistakes:
         body, interfaces = bodies[name], names(bodies[name], "interface")
         kind = kind_of(body)
         may_be_a_set = may_be == "node set" and "mesh" in body and (kind is None or kind.has_elements)
-        if where not in interfaces and not may_be_a_set:
+        if "explicit" in body and not may_be_a_set:
+            yield path, f"{name!r} {NO_INTERFACES}"
+        elif where not in interfaces and not may_be_a_set:
             yield path, unknown(f"interface of {name!r}", where, interfaces)

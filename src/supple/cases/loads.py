@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from supple.cases.body_kinds import at_elements
+from supple.cases.ends import NO_INTERFACES
 from supple.cases.laws import ONE, LoadLaw
 from supple.cases.shared_rules import PlaceOf
 from supple.cases.table import Key, Made, OneOf, part, table_of
@@ -96,11 +97,13 @@ def _suit_their_place(raw: Raw) -> Mistakes:
     places = {
         f"{body.get('name')}.{name}" for _, body in tables(raw, "body") for name in names(body, "interface")
     }
+    explicit = {body.get("name") for _, body in tables(raw, "body") if "explicit" in body}
     for path, load in tables(raw, "load"):
         turns = load.get("kind") == "torque" or load.get("follower") is True
         if turns and load.get("at") not in places:
+            name = str(load.get("at")).partition(".")[0]
             message = "a torque or a follower load needs an interface; add one at these nodes"
-            yield (*path, "at"), message
+            yield (*path, "at"), f"{name!r} {NO_INTERFACES}" if name in explicit else message
 
 
 _OF_PRESSURE = ("to carry a pressure", "a pressure acts on the faces of")

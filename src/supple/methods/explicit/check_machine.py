@@ -123,8 +123,8 @@ def _check_support(system: System, support: Support) -> None:
     most = 6 if isinstance(system.placed(part).body, ExplicitShell) else 3
     if not all(0 <= axis < most for axis in support.axes):
         raise ModelError(
-            f"support of '{support.nodes}': axes {support.axes}; give 0 to {most - 1} (3 to 5: rotations of "
-            "shells)"
+            f"support of '{support.nodes}': axes {support.axes}; give 0 to {most - 1} (3 to 5, in a case "
+            "file rotations = true: rotations, of shells alone)"
         )
 
 
