@@ -76,7 +76,9 @@ def explicit_cost_line(numbers: Mapping[str, Any]) -> str:
     steps, cost = numbers["steps"], numbers["statistics"]
     time = numbers["units"].get("time", "")
     longest = f"{steps['largest']:.3g}{f' {time}' if time else ''}"
+    is_mixed = {"modal", "explicit"} <= {body["kind"] for body in numbers["bodies"].values()}
+    per_modal_step = f", up to {steps['largest ratio']} per step of the modal parts" if is_mixed else ""
     return (
-        f"{cost['steps']} explicit steps of at most {longest}, up to {steps['largest ratio']} per step of "
-        f"the modal parts; {cost['seconds']:.2f} s with compilation"
+        f"{cost['steps']} explicit steps of at most {longest}{per_modal_step}; {cost['seconds']:.2f} s with "
+        "compilation"
     )
