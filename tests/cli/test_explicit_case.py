@@ -14,6 +14,7 @@ from supple.cases.implausible_units import warn_of_units
 from supple.cases.result_tables import recorded_quantities
 from supple.cli.main import app
 from supple.errors import CaseError, UnitsWarning
+from supple.integrate import Solution, Statistics
 from supple.machine import (
     EveryNode,
     MeanMotion,
@@ -21,8 +22,10 @@ from supple.machine import (
 )
 from supple.mesh import CellType, block
 from supple.methods.explicit import (
+    OBSTACLES,
     BulkViscosity,
 )
+from supple.quantities import read_sensors
 from supple.storage import read_solution
 
 CASE = """
@@ -215,6 +218,15 @@ def test_the_table_of_a_run_has_the_forces_of_its_contacts(bar):
     case = read_case(bar())
     names = [each.name for each in recorded_quantities(case, case.system)]
     assert names == ["contact of nose.TIP", "position nose.JOINT", "energy"]
+    moving = ("normal = [-1.0, 0.0, 0.0]", "normal = [-1.0, 0.0, 0.0], mass = 2.0")
+    case = read_case(bar(moving))
+    obstacle = recorded_quantities(case, case.system)[1]
+    assert obstacle.name == "obstacle of nose.TIP"
+    series = {OBSTACLES: np.array([[0, 0, 0, -1.0, 0, 0], [-0.5, 0, 0, 3.0, 0, 0]])}
+    run = Solution(np.arange(2.0), {}, {}, Statistics(), series=series)
+    (reading,) = read_sensors([obstacle], case.system, run)
+    assert [channel.name for channel in reading.channels] == ["x", "y", "z", "vx", "vy", "vz"]
+    assert reading.values[1, 3] == 3.0
 
 
 @pytest.mark.parametrize(

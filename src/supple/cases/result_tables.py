@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from supple.cases.case import Case
 from supple.machine import System
 from supple.quantities import (
@@ -9,6 +11,7 @@ from supple.quantities import (
     DeflectionSensor,
     EnergySensor,
     JointForceSensor,
+    ObstacleSensor,
     PositionSensor,
     Quantity,
     contact_names,
@@ -22,13 +25,17 @@ __all__ = ["recorded_quantities"]
 def recorded_quantities(case: Case, system: System) -> tuple[Quantity, ...]:
     """All quantities of a table, with unique names.
 
-    The sensors of the case come first. `joint NAME`, `contact of BODY.NODE_SET`, `position BODY.PLACE`,
-    `deflection BODY.PLACE` and `energy` follow, deflections only of deformable bodies with a frame. A sensor
-    with one of these names replaces that quantity.
+    The sensors of the case come first. `joint NAME`, `contact of BODY.NODE_SET`, `obstacle of BODY.NODE_SET`,
+    `position BODY.PLACE`, `deflection BODY.PLACE` and `energy` follow: obstacles that move, deflections of
+    deformable bodies with a frame. A sensor with one of these names replaces that quantity.
     """
     sensors = {sensor.name: sensor for sensor in case.sensors}
     others: list[Quantity] = [JointForceSensor(f"joint {joint.name}", joint.name) for joint in system.joints]
-    others += [ContactForceSensor(name, name) for name in contact_names(system)]
+    contacts = contact_names(system)
+    others += [ContactForceSensor(name, name) for name in contacts]
+    for name, contact in zip(contacts, system.rigid_contacts, strict=False):
+        if np.isfinite(contact.obstacle.mass) or any(contact.obstacle.velocity):
+            others.append(ObstacleSensor(name.replace("contact", "obstacle", 1), name))
     for words in case.parts.output.track:
         place = case.place(words)
         body = system.placed(place.body).body
