@@ -6,6 +6,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from fixtures.bar_of_every_form import DENSITY, LENGTH, MODULUS, WIDTH, bar_as, elastic
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import spsolve
 from scipy.spatial.transform import Rotation
 
 import supple as sp
@@ -17,6 +19,7 @@ from supple.machine import (
     At,
     Contact,
     Controller,
+    Fixed,
     JointReading,
     Placed,
     Revolute,
@@ -26,6 +29,7 @@ from supple.machine import (
     TorqueBetween,
 )
 from supple.mesh import CellType, block
+from supple.quantities import EnergySensor
 from supple.reduction import CraigBampton, NoDerivatives, Rubin, reduce
 from supple.simulation import Start, simulate
 from supple.simulation.recorded_columns import measured_columns
@@ -208,6 +212,44 @@ def test_a_state_in_metres_and_seconds_goes_on_in_millimetres_and_milliseconds()
     assert here[1] == pytest.approx(there[1], rel=1e-9)  # mm/ms
     with pytest.raises(ModelError, match="another mesh"):
         Start(solution, machine=System([Placed(body)])).place(System([Placed(other)]))
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        "rigid",
+        "reduced",
+        *(pytest.param(form, marks=pytest.mark.slow) for form in ("full", "intrinsic", "modal")),
+    ],
+)
+def test_a_latch_stops_the_root_and_the_rest_goes_on_vibrating(form):
+    """A bar that rotates about its hinge is locked there: an impact without rebound, of all freedoms.
+
+    v = v_0 - M^-1 G^T (G M^-1 G^T)^-1 G v_0 with the mass M of the elements and the rows G of the root.
+    """
+    body, rate = bar_as(form), 0.1
+    still, q = np.zeros((1, 3)), np.zeros((1, body.n_coordinates))
+    turning = np.array([[0.0, rate, 0.0]])
+    if form == "intrinsic":
+        swung = System([Placed(body, angular_velocity=turning[0])], [HINGE])
+        solution = simulate(swung, Run(1e-4, 1e-4, step=FixedStep(1e-4)))
+    else:
+        motion = FloatingMotion(still, np.eye(3)[None], q, still, turning, q, still, still, q)
+        columns = measured_columns(System([Placed(body)]))
+        solution = Solution(np.zeros(1), {"bar": motion}, {}, Statistics(), columns=columns)
+    latch = Fixed(first="ground", second="bar.root", name="latch")
+    found = Start(solution, solution.times[0]).place(System([Placed(body)], [latch]))
+    run = Run(1e-5, 1e-5, step=FixedStep(1e-5))
+    with pytest.warns(StartWarning, match=r"earlier motion, which an impact without rebound changes"):
+        after = simulate(found.system, run)
+    kinetic = EnergySensor("energy").values(found.system, after)[0, 0]
+
+    mass, rows = elastic().mass, elastic().interface("root").motion.toarray()
+    before = elastic().rigid_modes @ [0, 0, 0, 0, rate, 0]
+    soft = spsolve(csc_array(mass), csc_array(rows.T)).toarray()
+    locked = before - soft @ np.linalg.solve(rows @ soft, rows @ before)
+    expected = 0.0 if form == "rigid" else locked @ (mass @ locked) / 2
+    assert kinetic == pytest.approx(expected, rel=1e-6 if form == "full" else 0.02, abs=1e-12)
 
 
 def test_what_cannot_go_on_is_refused():

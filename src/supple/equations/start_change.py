@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from supple.equations.build_model import row_scales, system_length
 from supple.equations.configuration import Configuration
-from supple.equations.start_velocity import given_parts
+from supple.equations.start_velocity import given_parts, has_motion
 from supple.machine import System
 
 __all__ = [
@@ -105,6 +105,7 @@ class StartChange:
     taken : bodies without a given velocity that start with one
     unmet, deforming : joints whose rates no rigid motion of the bodies satisfies, the worst first; bodies
         that start with a deformation rate for this reason
+    is_impact : whether the given velocities are those of an earlier motion, which joints change by an impact
     """
 
     open: tuple[ConstraintViolation, ...]
@@ -115,6 +116,7 @@ class StartChange:
     taken: tuple[VelocityFromJoints, ...]
     unmet: tuple[ConstraintViolation, ...]
     deforming: tuple[DeformingStart, ...]
+    is_impact: bool = False
 
     @classmethod
     def of_positions_and_velocities(
@@ -163,6 +165,7 @@ class StartChange:
             taken=velocities_taken(system, after),
             unmet=_open(system, np.abs(unmet), misfits & _are_largest(unmet / scales)),
             deforming=tuple(DeformingStart(names[i], float(energies.deforming[i])) for i in deforming),
+            is_impact=has_motion(system),
         )
 
 

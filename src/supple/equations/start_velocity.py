@@ -12,6 +12,12 @@ kinetic energy. Rates that no rigid motion cancels are cancelled by a motion `x`
 addition to the best rigid motion:
 
     G x = - (r + G R w),    least over x and w of  x^T M x / 2
+
+Velocities of an earlier motion (`Placed.is_moving`) are those of deformable bodies. Joints that do not allow
+them, such as a latch that engages, act as an impact without rebound. It changes all velocities by the motion
+of least kinetic energy, without a rigid motion before:
+
+    G x = - r,      least  x^T M x / 2
 """
 
 from __future__ import annotations
@@ -32,6 +38,8 @@ __all__ = [
     "VelocityChange",
     "change_by_levels",
     "given_parts",
+    "has_motion",
+    "impact_fit",
     "levels_of_body",
     "rigid_fit",
     "velocity_change",
@@ -62,7 +70,7 @@ class VelocityChange(NamedTuple):
     rigid: np.ndarray
     """Rigid motion of the frames"""
     against: np.ndarray
-    """The part of `rigid` that changes given velocities"""
+    """The part of the sum that changes given velocities"""
     deforming: np.ndarray
     """The motion beyond rigid motion, of least kinetic energy; rounding if there is none"""
     fit: RigidFit
@@ -76,6 +84,10 @@ def velocity_change(
     machine : without redundant equations, its joints closed
     velocity : (n,)  as given, zero by default
     """
+    if has_motion(machine.system):
+        fit = impact_fit(terms.rate)
+        change = machine.least_change(configuration, velocity, terms, fit.left)
+        return VelocityChange(np.zeros_like(change), change, change, fit)
     frames = np.concatenate([np.arange(part.start, part.start + 6) for part in machine.joint_slices])
     motions = zip(given_parts(machine.system), machine.frame_masses(configuration), strict=True)
     by_body = [levels_of_body(given, mass) for given, mass in motions]
@@ -123,6 +135,16 @@ def rigid_fit(
         found, left = moving(scipy.linalg.cholesky((masses + masses.T) / 2))
     by_level = [own @ by for own, by in zip(levels, found, strict=True)]
     return RigidFit(by_level, left, np.zeros_like(left) if fits else left, largest)
+
+
+def has_motion(system: System) -> bool:
+    """Whether the velocities are those of an earlier motion, which joints change by an impact."""
+    return any(placed.is_moving for placed in system.bodies)
+
+
+def impact_fit(rates: np.ndarray) -> RigidFit:
+    """No rigid motion, for an impact: all rates (m,) of the joints are left to the least motion."""
+    return RigidFit([], np.asarray(rates), np.zeros(len(rates)), 0.0)
 
 
 def given_parts(system: System) -> np.ndarray:

@@ -75,6 +75,8 @@ class Placed(Summarized):
     coordinates, coordinate_rates : (r,) reduced coordinates at the start, and their rates; default zero
     assembled : AssembledPose pose at assembly, which determines the points and axes of joints and forces;
         default the initial pose. The two poses differ, for example, after `equilibrium`.
+    is_moving : whether velocities and rates are those of an earlier motion (`Start`). Joints that do not
+        allow them then act as an impact, which changes the velocities of all coordinates.
     Raises ModelError for a vector of the wrong size, a matrix that is not a rotation, or a FlexibleBody,
         which must first be reduced, or placed as a FullBody.
     """
@@ -87,6 +89,7 @@ class Placed(Summarized):
     coordinates: np.ndarray = field(default_factory=lambda: np.zeros(0))
     coordinate_rates: np.ndarray = field(default_factory=lambda: np.zeros(0))
     assembled: AssembledPose | None = None
+    is_moving: bool = False
 
     def summary(self) -> Summary:
         """Initial position and velocity of the body."""

@@ -86,7 +86,8 @@ def _refuse_sampled(system: System) -> None:
 
 def at_rest(placed: Placed) -> Placed:
     """The placed body without velocities and coordinate rates."""
-    return replace(placed, velocity=None, angular_velocity=None, coordinate_rates=np.zeros(0))
+    none = np.zeros(0)
+    return replace(placed, velocity=None, angular_velocity=None, coordinate_rates=none, is_moving=False)
 
 
 def placed_at_rest(found: RestingState) -> System:

@@ -107,7 +107,8 @@ class Start:
         forces remain those of the machine as placed. Rigid obstacles that move are matched by the order of
         their contacts, and have their position and velocity. Accelerations and joint forces are recomputed at
         the start of the run. The run therefore differs from an uninterrupted run by errors of the order of
-        the integration error.
+        the integration error. Joints that do not allow the velocities, such as a latch that the motion lacks,
+        act as an impact without rebound (`start_velocity`).
 
         Raises
         ------
@@ -145,7 +146,7 @@ class Start:
                     f"body '{name}' has other intrinsic modes than the motion: condense it with the same "
                     "modes, in the same units"
                 )
-            return placed_at_instant(placed, motion, self.row), None
+            return replace(placed_at_instant(placed, motion, self.row), is_moving=True), None
         if not isinstance(motion, FloatingMotion) or not body.has_frame or body.kind == "intrinsic":
             raise ModelError(
                 f"body '{name}' is {body.kind}, and its motion is {motion.kind}: keep the form "
@@ -161,7 +162,7 @@ class Start:
             state, q, dq, loss = carried_deformation(then, state, deformation, body, nodes)
         moved = placed.moved_to(state.position, state.rotation)
         velocities = {"velocity": state.velocity, "angular_velocity": state.angular_velocity}
-        return replace(moved, coordinates=q, coordinate_rates=dq, **velocities), loss
+        return replace(moved, coordinates=q, coordinate_rates=dq, is_moving=True, **velocities), loss
 
     def _is_same(self, placed: Placed, motion: Motion) -> bool:
         """Whether the body has the coordinates of the motion; ModelError if that cannot be determined."""

@@ -39,11 +39,15 @@ def report_start(change: StartChange, validity: Validity) -> None:
         before, after = change.energies
         bodies = ", ".join(map(_slowed, change.slowed[:MOST_NAMES]))
         percent = f" ({100 * (after / before - 1):+.3g} %)" if before else ""
+        if change.is_impact:
+            what = "the velocities of the earlier motion, which an impact without rebound changes"
+            remedy = "If no latch is meant, give the joints of that motion, with their points and axes"
+        else:
+            what = "the initial velocities, which were changed"
+            remedy = "Give velocities that the joints allow, or none to a body that joints drive"
         message = (
-            f"the joints do not allow the initial velocities, which were changed: the kinetic energy is "
-            f"{after:.4g} instead of {before:.4g}{percent}; {bodies}; "
-            f"violated: {_joints(change.against)}. Give velocities that the joints allow, or none to a body "
-            "that joints drive"
+            f"the joints do not allow {what}: the kinetic energy is {after:.4g} instead of "
+            f"{before:.4g}{percent}; {bodies}; violated: {_joints(change.against)}. {remedy}"
         )
         warn_or_raise(message, StartWarning, validity)
     if change.deforming:

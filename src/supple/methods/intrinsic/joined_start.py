@@ -24,7 +24,7 @@ from supple.equations.inertia import mass_matrix
 from supple.equations.joint_closure import check_joints_finite
 from supple.equations.joint_force import constraints
 from supple.equations.start_change import StartChange, StartEnergies
-from supple.equations.start_velocity import given_parts, levels_of_body, rigid_fit
+from supple.equations.start_velocity import given_parts, has_motion, impact_fit, levels_of_body, rigid_fit
 from supple.errors import ModelError
 from supple.machine import System
 from supple.methods.intrinsic.intrinsic_body import body_of
@@ -183,16 +183,22 @@ def _on_joints(machine: JoinedMachine, closed: ClosedMachine) -> tuple[JoinedIns
         [motion @ own for own in levels_of_body(given, motion.T @ metric[part, part] @ motion)]
         for part, motion, given in zip(parts, motions, given_parts(_ordered(machine)), strict=True)
     ]
-    fit = rigid_fit(
-        [np.asarray(block_diag(*own)) for own in zip(*by_body, strict=True)],
-        rows,
-        rates,
-        row_scales(machine.seen, system_length(machine.system))[active],
-        lambda: np.linalg.inv(compliance),
+    is_impact = has_motion(machine.system)
+    fit = (
+        impact_fit(rates)
+        if is_impact
+        else rigid_fit(
+            [np.asarray(block_diag(*own)) for own in zip(*by_body, strict=True)],
+            rows,
+            rates,
+            row_scales(machine.seen, system_length(machine.system))[active],
+            lambda: np.linalg.inv(compliance),
+        )
     )
     deforming = -soft @ np.linalg.solve(compliance, fit.left)
     before = np.asarray(flat)
     after = before + np.sum(fit.by_level, axis=0) + deforming
+    against = deforming if is_impact else fit.by_level[-1]
     unmet = np.zeros(len(all_rates))
     unmet[active] = fit.unmet
 
@@ -212,7 +218,7 @@ def _on_joints(machine: JoinedMachine, closed: ClosedMachine) -> tuple[JoinedIns
         unmet=unmet,
         largest_rate=fit.largest,
         velocities=(frames(before), frames(after)),
-        energies=StartEnergies(*map(energies, (before, after, fit.by_level[-1], deforming))),
+        energies=StartEnergies(*map(energies, (before, after, against, deforming))),
     )
     return _with_velocities(now, unravel(after)), change
 
