@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from fixtures.beam_bodies import beam_body
@@ -18,7 +19,9 @@ from supple.machine import (
     Ball,
     Bushing,
     ConstantRate,
+    Controller,
     Cylindrical,
+    EndReading,
     Fixed,
     Placed,
     PrescribedRotation,
@@ -26,6 +29,7 @@ from supple.machine import (
     Spin,
     SpringDamper,
     System,
+    TorqueBetween,
 )
 from supple.mesh import CellType, Mesh, strip
 from supple.reduction import CraigBampton, NoLoads, Rubin, reduce
@@ -96,6 +100,30 @@ def test_a_free_body_has_six_rigid_motions_and_its_free_vibrations(frame):
     turning = machine_modes(linearize(System((Placed(body),)), spin=Spin(5.0, (1, 0, 0)), fulls=()), 3)
     assert turning.frequencies[:2] == pytest.approx(np.zeros(2), abs=1e-9)
     assert turning.frequencies[2] > 4.0
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 40.0])
+def test_a_satellite_with_a_controlled_wheel_keeps_its_free_motions(stiffness):
+    """The torque depends on the hub and acts on the wheel too: J a'' + 260 a' + k a = 0 for the hub's angle.
+
+    Free: three translations, two rotations, and the spin of the wheel (of the satellite as well, for k = 0).
+    """
+    inertia = 280.0
+    hub = RigidBody("hub", 800.0, np.zeros(3), np.diag([300.0, 250.0, inertia]), {"centre": np.zeros(3)})
+    wheel = RigidBody("wheel", 5.0, np.zeros(3), np.diag([0.05, 0.05, 0.1]), {"axle": np.zeros(3)})
+    joint = Revolute(first="hub.centre", second="wheel.axle", axis=(0, 0, 1))
+    motor = TorqueBetween(first="hub.centre", second="wheel.axle", axis=(0, 0, 1))
+
+    def outputs(time, reads, states):
+        axes, rate = reads["hub"].axes, reads["hub"].angular_velocity[2]
+        return {"motor": stiffness * jnp.arctan2(axes[1, 0], axes[0, 0]) + 260.0 * rate}
+
+    reads, drives = {"hub": EndReading("hub.centre")}, {"motor": motor}
+    control = Controller(reads=reads, drives=drives, outputs=outputs)
+    values = machine_modes(linearize(System([hub, wheel], [joint], controllers=[control]))).eigenvalues
+    roots = np.roots([inertia, 260.0, stiffness])
+    assert values[values != 0] == pytest.approx(sorted(roots[roots != 0], reverse=True))
+    assert np.count_nonzero(values == 0) == (6 if stiffness else 7)
 
 
 def test_a_body_that_turns_about_its_middle_axis_is_unstable():

@@ -183,7 +183,7 @@ def _slowest(machine: SparseMachine, n_modes: int) -> tuple[Any, Any]:
 def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
     """Eigenvalues, motions (k, ..) of unit kinetic energy norm and states of controllers, slowest first."""
     k = machine.size
-    graded = _slow_first(machine)
+    graded, free = _free_apart(machine, _slow_first(machine))
     inner = replace(
         machine,
         mass=graded.T @ machine.mass @ graded,
@@ -195,7 +195,6 @@ def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
     state, unit = _state_matrix(inner, lower)
     # No force depends on the positions of free motions: without these, their velocities alone have a pole at
     # zero. Eigenvectors of several equal double poles would be those of one of the motions.
-    free = _is_free(machine, graded)
     kept = np.concatenate([~free, np.ones(len(state) - k, dtype=bool)])
     # States of controllers have different units: balancing makes their size comparable.
     balanced, (factors, _) = scipy.linalg.matrix_balance(
@@ -290,6 +289,33 @@ def _is_zero(values: Any, left: Any, right: Any, unit: float) -> np.ndarray:
     """
     moved = abs(values) * abs(np.einsum("ij,ij->j", left.conj(), right))
     return (abs(values) < 3e-7 * unit) & (moved < 1e-12 * unit)
+
+
+def _free_apart(machine: LinearMachine, graded: Array) -> tuple[Array, np.ndarray]:
+    """Coordinates (k, k) with the free motions among them, and the mask (k,) of these.
+
+    Of symmetric forces the free motions are among the `graded` coordinates. A force that depends on other
+    motions than it acts on, such as the torque of a wheel by the angle of a hub, leaves combinations of them
+    free: the null space of the forces and readings, relative to the terms that cancel in them.
+    """
+    free, read = _is_free(machine, graded), machine.control.by_position
+    others, rounding = graded[:, ~free], _ROUNDING * np.finfo(float).eps
+    forces, size = others.T @ machine.stiffness @ others, abs(others)
+    terms = size.T @ abs(machine.stiffness) @ size
+    if not read.any() and (abs(forces - forces.T) <= rounding * terms).all():
+        return graded, free
+    rows = np.vstack([forces, read @ others])
+    largest = np.vstack([terms, abs(read) @ size]).max(axis=1, keepdims=True, initial=0.0)
+    _, sizes, motions = np.linalg.svd(rows / np.where(largest > 0, largest, 1.0))
+    null = motions[np.count_nonzero(sizes > rounding) :]
+    n = len(null)
+    if not n:
+        return graded, free
+    # The coordinates least like them remain, slow ones first, orthogonal to them.
+    _, _, order = scipy.linalg.qr(null, pivoting=True)
+    turned, _ = np.linalg.qr(np.vstack([null, np.eye(len(order))[np.sort(order[n:])]]).T)
+    found = np.hstack([graded[:, free], others @ turned])
+    return found, np.arange(len(free)) < np.count_nonzero(free) + n
 
 
 def _is_free(machine: LinearMachine, graded: Array) -> np.ndarray:
