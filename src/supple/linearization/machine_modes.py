@@ -26,7 +26,7 @@ _MOTIONLESS = 1e-12
 mode."""
 
 _NO_DAMPING = 1e-12
-"""Damping ratio up to which a summary shows zero."""
+"""Largest damping ratio that counts as a rounding error."""
 
 _FREE_SCALE = 2.0**26
 """Scale of the positions of free motions, large as that of slow ones in balanced coordinates."""
@@ -66,8 +66,7 @@ class MachineModes(Summarized):
         """Frequency, damping ratio and the body with the largest share of kinetic energy, by mode."""
         names = [placed.body.name for placed in self.machine.system.bodies]
         most = self.kinetic_shares.argmax(axis=0)
-        damping = np.where(abs(self.damping_ratios) > _NO_DAMPING, self.damping_ratios, 0.0)
-        each = zip(self.frequencies / (2 * np.pi), damping, most, strict=True)
+        each = zip(self.frequencies / (2 * np.pi), self.damping_ratios, most, strict=True)
         rows = [
             (f"mode {i}", f"{hertz:.5g} cycles per unit of time, damping {ratio:.3g}, most in {names[body]}")
             for i, (hertz, ratio, body) in enumerate(each, 1)
@@ -86,9 +85,10 @@ class MachineModes(Summarized):
 
     @property
     def damping_ratios(self) -> np.ndarray:
-        """`-Re(s) / |s|`, (k,): negative for unstable modes, 0 for rigid motions."""
+        """`-Re(s) / |s|`, (k,): negative for unstable modes, 0 for rigid motions and rounding errors."""
         size = abs(self.eigenvalues)
-        return np.where(size > 0, -self.eigenvalues.real / np.where(size > 0, size, 1.0), 0.0)
+        ratios = -self.eigenvalues.real / np.where(size > 0, size, 1.0)
+        return np.where(abs(ratios) > _NO_DAMPING, ratios, 0.0)
 
     @property
     def kinetic_shares(self) -> np.ndarray:
