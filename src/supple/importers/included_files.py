@@ -9,7 +9,7 @@ from pathlib import Path
 
 from supple.errors import ImportFormatError
 from supple.importers.inclusion import included_file
-from supple.importers.matrices.matrix_file import DMIG_SUFFIXES
+from supple.importers.nastran.mesh_view import NASTRAN_SUFFIXES
 from supple.importers.text_file import file_text
 
 __all__ = ["files_read_with"]
@@ -35,7 +35,7 @@ def files_read_with(path: Path) -> tuple[Path, ...]:
         if file in found or not file.is_file():
             continue
         found[file] = None
-        if suffix in (".inp", *DMIG_SUFFIXES):  # an included file may have any suffix
+        if suffix in (".inp", *NASTRAN_SUFFIXES):  # an included file may have any suffix
             left += _included(file, path)
         elif suffix == ".py":
             left += _imported(file, path.parent)

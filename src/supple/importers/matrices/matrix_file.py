@@ -16,11 +16,10 @@ from supple.importers.node_table import NodeTable
 
 __all__ = ["HDF5_SUFFIXES", "NODE_SUFFIXES", "read_labelled_matrix", "read_nodes"]
 
-DMIG_SUFFIXES = (".pch", *NASTRAN_SUFFIXES)
 OUTPUT_SUFFIXES = (".op4", ".op2")
 HDF5_SUFFIXES = (".h5", ".hdf5")
 """Suffixes of HDF5 files."""
-MATRIX_SUFFIXES = (*DMIG_SUFFIXES, *OUTPUT_SUFFIXES, *HDF5_SUFFIXES, ".mtx", ".sti", ".mas")
+MATRIX_SUFFIXES = (*NASTRAN_SUFFIXES, *OUTPUT_SUFFIXES, *HDF5_SUFFIXES, ".mtx", ".sti", ".mas")
 NODE_SUFFIXES = (".inp", *NASTRAN_SUFFIXES, *HDF5_SUFFIXES)
 """Suffixes of the files that `read_nodes` reads."""
 
@@ -59,7 +58,7 @@ def read_labelled_matrix(
     ImportFormatError   a suffix without a reader; a name for another format; errors of the reader
     """
     suffix = Path(path).suffix.lower()
-    if suffix in DMIG_SUFFIXES:
+    if suffix in NASTRAN_SUFFIXES:
         return read_dmig(path, role, name=name)
     if suffix in OUTPUT_SUFFIXES:
         return read_output4(path, role, nodes, name=name)

@@ -34,7 +34,7 @@ __all__ = ["NASTRAN_SUFFIXES", "read_nastran"]
 
 IntArray = NDArray[np.int64]
 
-NASTRAN_SUFFIXES = (".bdf", ".dat", ".nas", ".blk")
+NASTRAN_SUFFIXES = (".bdf", ".dat", ".nas", ".blk", ".pch")
 """Suffixes of Nastran bulk data files."""
 
 
