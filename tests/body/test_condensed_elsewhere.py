@@ -183,7 +183,9 @@ def test_modal_coordinates_that_grids_bear(tmp_path, beam, labels):
 
 
 def matrices_of(beam, labels, K=None, M=None, **table):
-    nodes = NodeTable("arm.bdf", np.array([ROOT, TIP]), table.pop("positions", beam.grids), **table)
+    nodes = NodeTable(
+        "arm.bdf", np.array([ROOT, TIP])[: len(beam.grids)], table.pop("positions", beam.grids), **table
+    )
     K, M = beam.stiffness if K is None else K, beam.mass if M is None else M
     return nodal_matrices(nodes, *(LabelledMatrix("arm.pch", csc_array(m), labels) for m in (K, M)))
 
@@ -236,6 +238,38 @@ def test_rotations_without_mass_pass_every_gate():
     body = superelement("arm", points, K, M, dofs_per_node=6)
     reduced = reduce(body, MeanAxisFrame(), CompleteBasis(), derivatives=NoDerivatives(), loads=NoLoads)
     np.testing.assert_allclose(reduced.frequencies[:6] / (2 * np.pi), exact, rtol=1e-6)
+
+
+@pytest.mark.parametrize("rounding", ["none", "of the condensation", "of a large model"])
+def test_one_boundary_grid(rounding):
+    """A payload on one grid: K is zero in its rows, or the rounding of what cancels in them."""
+    beam = condensed_beam(MODES, boundary=(0,))
+    K, M, own = beam.stiffness.copy(), beam.mass, np.arange(6 + MODES) < 6
+    lowest = K[6, 6] / M[6, 6]
+    if rounding == "none":
+        K[own] = K[:, own] = 0.0
+    elif rounding == "of a large model":
+        noise = np.random.default_rng(4).standard_normal(K.shape)
+        size = np.sqrt(np.where(own, lowest * np.diag(M), np.diag(K)))
+        K += 1e-7 * np.where(own | own[:, None], (noise + noise.T) * np.outer(size, size), 0.0)
+    labels = np.array([(ROOT, each) for each in range(1, 7)] + [(point, 0) for point in POINTS[:MODES]])
+    matrices = matrices_of(beam, labels, K=K)
+    assert refused(matrices) == {}
+    damping = 1e-3 * K
+    root = [RigidInterface("root", [0])]
+    body = superelement("arm", beam.grids, K, M, dofs_per_node=6, interfaces=root, damping=damping)
+    clamped = np.sqrt(np.diag(beam.stiffness)[6:] / np.diag(M)[6:])
+    np.testing.assert_allclose(as_reduced(body).frequencies, clamped, rtol=1e-9)
+    free = linalg.eigvalsh(np.where(own | own[:, None], 0.0, K), M)[6:]
+    machine = System(
+        [reduce(body, MeanAxisFrame(), CompleteBasis(), derivatives=NoDerivatives(), loads=NoLoads)]
+    )
+    modes = machine_modes(linearize(machine, fulls=()))
+    expected = np.sqrt(free * (1 - 0.25e-6 * free))  # with the damping 1e-3 K
+    np.testing.assert_allclose(modes.frequencies[6:9], expected[:3], rtol=1e-9)
+    K[2, 2] += 1e-3 * lowest * M[2, 2]
+    with pytest.raises(ModelError, match=r"its stiffness resists rigid motion: in translation along z"):
+        superelement("arm", beam.grids, K, M, dofs_per_node=6, interfaces=root)
 
 
 @pytest.mark.parametrize("block", ["whole", "modal", "one"])

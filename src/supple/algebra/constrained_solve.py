@@ -44,6 +44,11 @@ class GroundedFactor:
         """Number of freedoms."""
         return self.factor.n
 
+    @property
+    def spring_stiffness(self) -> NDArray[np.float64]:
+        """K of the springs."""
+        return _sizes(self.stiffness, self.rigid_modes)[self.springs]
+
 
 def grounded_factor(
     stiffness: Any, rigid_modes: ArrayLike | None, *, solver: DirectSolver | None = None
@@ -51,7 +56,8 @@ def grounded_factor(
     """Factor a stiffness grounded at statically determinate freedoms.
 
     The freedoms are the pivots of a rank-revealing QR of the rigid modes, scaled by diag(K), so that forces
-    and moments have equal weight; each spring is as stiff as its freedom.
+    and moments have equal weight; each spring is as stiff as its freedom. Freedoms without stiffness, as of
+    the only grid of a condensed model, have the mean stiffness of the others.
 
     Parameters
     ----------
@@ -71,12 +77,21 @@ def grounded_factor(
         raise ModelError(f"rigid modes have shape {modes.shape}; the stiffness has {n} rows")
     modes.flags.writeable = False
 
-    diagonal = stiffness.diagonal()
-    springs = _determinate_freedoms(modes * np.sqrt(np.maximum(diagonal, 0))[:, None])
+    sizes = _sizes(stiffness, modes)
+    springs = _determinate_freedoms(modes * np.sqrt(np.maximum(sizes, 0))[:, None])
     spring_stiffness = np.zeros(n)
-    spring_stiffness[springs] = diagonal[springs]
+    spring_stiffness[springs] = sizes[springs]
     grounded = stiffness + sparse.diags_array(spring_stiffness, format="csc")
     return GroundedFactor(stiffness, modes, springs, factorize_symmetric(grounded, solver=solver))
+
+
+def _sizes(stiffness: sparse.csc_array, modes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Stiffness (n,) of each freedom; the mean of the others where only freedoms without stiffness move."""
+    diagonal = stiffness.diagonal()
+    stiff = diagonal > 0
+    if modes[stiff].any() or not stiff.any():
+        return diagonal
+    return np.where(stiff, diagonal, np.mean(diagonal[stiff]))
 
 
 def _determinate_freedoms(modes: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -246,8 +261,7 @@ def _check_equilibrium(factor: ConstrainedFactor) -> None:
     size = max(np.linalg.norm(abs(K) @ np.abs(x)), np.linalg.norm(reaction), np.linalg.norm(b))
     residual = np.linalg.norm(internal + reaction - b) / size if size else 0.0
     # |D_i x|^2 <= (D K_g^-1 D^T)_ii (x^T K_g x) bounds row i for a motion of this energy.
-    springs = factor.grounded.springs
-    energy = x @ internal + K.diagonal()[springs] @ x[springs] ** 2
+    energy = x @ internal + factor.grounded.spring_stiffness @ x[factor.grounded.springs] ** 2
     reach = np.sqrt(np.einsum("ij,ji->i", D, factor._response) * max(energy, 0.0))
     missed = float(np.max(np.abs(D @ x) / np.where(reach > 0, reach, 1.0), initial=0.0))
     if not max(residual, missed) < LARGEST_RESIDUAL:

@@ -192,6 +192,8 @@ def coordinates(
     if attached.constraints is not None:
         state = state.after(eliminate(body, attached.constraints, whole, R, last, held=held))
     turns = np.repeat(held | ~R[:n_threes].reshape(-1, 3, 6)[:, :, :3].any(axis=(1, 2)), 3)
+    if n_threes == 6:  # a single grid: its rotations are those of the body
+        turns[:] = False
     turns = np.concatenate([turns, np.zeros(n_modal, dtype=bool)])
     still = _without_stiffness(state.K, state.kept // 3, turns[state.kept] & ~last[state.kept])
     if still.nnz:

@@ -22,6 +22,7 @@ from supple.body.internal_force import LinearForce, QuadraticStrainForce
 from supple.body.recovery import Recovery
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.body.second_order_tie import with_virtual_nodes
+from supple.body.single_boundary import freed_boundary
 from supple.body.virtual_node import interface_motions, virtual_nodes
 from supple.errors import ModelError
 from supple.fem import Attached
@@ -61,8 +62,14 @@ def free_body(
     attached = Attached() if model is None else model.attached
     check_nodes(name, nodes, node_ids)
     labels = np.arange(len(nodes)) if node_ids is None else node_ids
-    M_nodal = checked_nodal_matrix(name, "mass", nodal_mass, nodes, dofs_per_node, n_modal, labels)
-    K_nodal = checked_nodal_matrix(name, "stiffness", nodal_stiffness, nodes, dofs_per_node, n_modal, labels)
+
+    def checked(what: str, matrix: Any) -> sparse.csc_array:
+        return checked_nodal_matrix(name, what, matrix, nodes, dofs_per_node, n_modal, labels)
+
+    M_nodal, K_nodal = checked("mass", nodal_mass), checked("stiffness", nodal_stiffness)
+    C_nodal = None if nodal_damping is None else checked("damping", nodal_damping)
+    own = {"n_nodes": len(nodes), "dofs_per_node": dofs_per_node}
+    K_nodal, C_nodal = freed_boundary(K_nodal, M_nodal, C_nodal, **own)
     every = nodes if recovery is None else np.concatenate([nodes, recovery.points])
     pieces = [each.nodes for each in attached.rigid]
     tied = np.concatenate(pieces) if pieces else None
@@ -90,10 +97,9 @@ def free_body(
     R = np.vstack([nodal_rigid_modes(nodes, dofs_per_node), np.zeros((n_modal, 6))])
     check_moves_rigidly(name, "stiffness", K_nodal, R, dofs_per_node, rigid_tolerance, labels)
     C = None
-    if nodal_damping is not None:
-        nodal = checked_nodal_matrix(name, "damping", nodal_damping, nodes, dofs_per_node, n_modal, labels)
-        check_moves_rigidly(name, "damping", nodal, R, dofs_per_node, rigid_tolerance, labels)
-        C = made.of(nodal)
+    if C_nodal is not None:
+        check_moves_rigidly(name, "damping", C_nodal, R, dofs_per_node, rigid_tolerance, labels)
+        C = made.of(C_nodal)
         check_dissipates(name, C, K, rigid_tolerance)
     n_nodal = len(nodes) * dofs_per_node
     of_all, T = made.expansion, made.expansion

@@ -22,6 +22,7 @@ from supple.body.free_body import RIGID_TOLERANCE
 from supple.body.labelled_superelement import NodalMatrices
 from supple.body.mass_properties import MassProperties, mesh_mass_properties, rigid_mass_properties
 from supple.body.rigid_motion import nodal_rigid_modes
+from supple.body.single_boundary import freed_boundary
 from supple.errors import AccuracyError, ModelError
 from supple.fem import Attached, FiniteElementModel, consistent_mass
 from supple.mesh import Mesh
@@ -157,6 +158,7 @@ def check_model(
     R = nodal_rigid_modes(nodes, dofs_per_node)
     n_modal = K.indptr.size - 1 - len(R)
     R = np.vstack([R, np.zeros((n_modal, 6))])
+    K, _ = freed_boundary(K, M, None, n_nodes=len(nodes), dofs_per_node=dofs_per_node)
     properties = rigid_mass_properties(M, nodes, dofs_per_node)
     made, tied_found = _coordinates(nodes, dofs_per_node, K, M, attached, labels, rigid_tolerance)
     findings = [

@@ -94,8 +94,9 @@ def _of_shape(
     units: UnitSystem, nodes: NDArray[np.float64], model: FiniteElementModel | None
 ) -> Iterator[str]:
     """Doubts of the size and the materials."""
-    extent = float(np.ptp(nodes, axis=0).max())
-    yield from _outside(units, "its size", extent, units.length, _SIZE)
+    if len(nodes) > 1:  # a condensed model with one grid has no known size
+        extent = float(np.ptp(nodes, axis=0).max())
+        yield from _outside(units, "its size", extent, units.length, _SIZE)
     for material in _materials(model):
         yield from _of_material(units, material)
 
