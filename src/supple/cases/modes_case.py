@@ -26,6 +26,7 @@ from supple.linearization import (
     LinearMachine,
     MachineModes,
     campbell_diagram,
+    effective_masses,
     linearize,
     machine_modes,
     mode_motion,
@@ -33,7 +34,7 @@ from supple.linearization import (
     whirl,
 )
 from supple.machine import Spin, System
-from supple.results.mode_tables import SENSES, mode_table, speed_tables
+from supple.results.mode_tables import SENSES, mode_tables, speed_tables
 from supple.results.run_summary import unit_names
 from supple.results.view import View
 from supple.simulation.equilibrium import LARGEST_ERROR
@@ -90,7 +91,7 @@ def modes_case(
             folder / f"{case.path.stem}-modes.html",
             modes,
             page_looks(case),
-            tables=[mode_table(numbers)],
+            tables=mode_tables(numbers),
             chosen=_drawn(modes),
             title=f"{case.title}: modes",
             bases=case.bases,
@@ -253,8 +254,11 @@ def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
     senses, in_space = whirl(modes)
     relative = np.full(n, np.nan) if error is None else error.relative
     exact = np.full(n, np.nan) if error is None else _shown(case, error.eigenvalues.imag)
+    stands = modes.machine.spin is None or not modes.machine.spin.rate
+    effective = effective_masses(modes).tolist() if stands else [None] * n
     return {
         "units": unit_names(case.units),
+        "mass": sum(placed.body.mass for placed in modes.machine.system.bodies),
         "axes": modes.machine.axes,
         "periodic": modes.machine.periodic is not None,
         "missed": [] if error is None else _shown(case, error.missed.imag).tolist(),
@@ -271,8 +275,9 @@ def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
                 "none of the machine's": bool(np.isinf(off)),
                 "unstable": bool(unstable),
                 "kinetic_share": dict(zip(names, share, strict=True)),
+                "effective_mass": masses,
             }
-            for name, sense, space, frequency, ratio, value, off, full, unstable, share in zip(
+            for name, sense, space, frequency, ratio, value, off, full, unstable, share, masses in zip(
                 mode_names(modes),
                 senses.tolist(),
                 _shown(case, in_space).tolist(),
@@ -283,6 +288,7 @@ def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
                 exact.tolist(),
                 modes.unstable,
                 shares.T.tolist(),
+                effective,
                 strict=True,
             )
         ],

@@ -8,7 +8,7 @@ import numpy as np
 
 from supple import cases
 from supple.errors import ArgumentError, CaseError
-from supple.results.mode_tables import mode_table, speed_tables
+from supple.results.mode_tables import mode_tables, speed_tables
 from supple.terminal import ProgressBars, print_table, progress_bars, say
 
 
@@ -43,7 +43,8 @@ def modes_case(
                 progress=steps.share,
             )
             steps.finish()
-        print_table(*mode_table(numbers))
+        for table in mode_tables(numbers):
+            print_table(*table)
     else:
         with bars:
             diagram = cases.campbell_case(

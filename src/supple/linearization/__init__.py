@@ -4,6 +4,7 @@
 modes.
 """
 
+from supple.linearization.base_motion import *
 from supple.linearization.campbell import *
 from supple.linearization.frequency_response import *
 from supple.linearization.linear_machine import *

@@ -45,7 +45,7 @@ class TranslationPort:
     @property
     def label(self) -> str:
         """Label of the interface and the direction."""
-        return f"{self.at} along {_direction(self.direction)}"
+        return f"{self.at} along {direction_text(self.direction)}"
 
     def row(self, machine: LinearMachine) -> Array:
         """`b` (k,), `b y` in units of length."""
@@ -69,7 +69,7 @@ class RotationPort:
     @property
     def label(self) -> str:
         """Label of the interface and the axis."""
-        return f"{self.at} about {_direction(self.axis)}"
+        return f"{self.at} about {direction_text(self.axis)}"
 
     def row(self, machine: LinearMachine) -> Array:
         """`b` (k,), `b y` in rad."""
@@ -79,15 +79,25 @@ class RotationPort:
 def _check(port: Any, name: str) -> None:
     at, given = as_end(port.at), getattr(port, name)
     if at == GROUND:
-        raise ModelError("a port on the ground does not move: give an interface of a body")
+        raise ModelError(
+            "a port on the ground does not move: give an interface of a body. For a ground that accelerates "
+            "take BaseAccelerationPort(direction) as input"
+        )
+    object.__setattr__(port, "at", at)
+    object.__setattr__(port, name, checked_direction(f"{name} of the port at '{at}'", given))
+
+
+def checked_direction(what: str, given: Any) -> tuple[float, float, float]:
+    """A unit vector; ModelError unless three finite numbers are given that are not all zero."""
     vector = np.array(given, dtype=float)
     if vector.shape != (3,) or not np.isfinite(vector).all() or not vector.any():
-        raise ModelError(f"{name} of the port at '{at}' must be three numbers, not all zero, got {given}")
-    object.__setattr__(port, "at", at)
-    object.__setattr__(port, name, tuple(float(part) for part in vector / np.linalg.norm(vector)))
+        raise ModelError(f"{what} must be three numbers, not all zero, got {given}")
+    x, y, z = (vector / np.linalg.norm(vector)).tolist()
+    return x, y, z
 
 
-def _direction(vector: tuple[float, float, float]) -> str:
+def direction_text(vector: tuple[float, float, float]) -> str:
+    """Name of an axis, such as `-z`, or the components of another unit vector."""
     for name, axis in zip("xyz", np.eye(3), strict=True):
         for sign in ("", "-"):
             if np.allclose(vector, -axis if sign else axis):

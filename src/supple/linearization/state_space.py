@@ -13,8 +13,9 @@ import scipy  # its parts are imported when first used
 from supple.arguments import check_sequence
 from supple.equations.control_linearization import LinearControl
 from supple.errors import ModelError
+from supple.linearization.base_motion import BaseAccelerationPort
 from supple.linearization.linear_machine import Array, LinearMachine
-from supple.linearization.ports import Port
+from supple.linearization.ports import Port, TranslationPort
 from supple.linearization.sparse_machine import SparseMachine
 
 __all__ = ["Acceleration", "StateSpace", "Velocity", "state_space"]
@@ -83,7 +84,8 @@ def state_space(
 
     b contains the rows of the input ports (`Port.row`). For a port with the row c, C has the row `(c, 0, 0)`
     if the output is its motion, and `(0, c, 0)` if it is its velocity. For its acceleration, C has c times
-    the second row of A, and D has `c M^-1 b^T`. The loops of controllers are closed.
+    the second row of A, and D has `c M^-1 b^T`. Accelerations include that of the base, if it is an input.
+    The loops of controllers are closed.
     Raises ModelError without an input or output, for full bodies, and for periodic equations.
     """
     if isinstance(machine, SparseMachine):
@@ -100,6 +102,9 @@ def state_space(
         check_sequence(f"state_space, {name}", ports, "a list of ports, also of a single one")
         if not ports:
             raise ModelError(f"a state space needs {name}: give at least one port")
+    for output in outputs:
+        if isinstance(getattr(output, "of", output), BaseAccelerationPort):
+            raise ModelError("the acceleration of the base is an input; as output give ports of the bodies")
     k, control = machine.size, machine.control
     pushed = np.array([port.row(machine) for port in inputs]).T
     loads = np.column_stack([-machine.stiffness, -machine.damping, control.forces, pushed])
@@ -108,7 +113,7 @@ def state_space(
     for output in outputs:
         row, feed = _row(machine, output, acceleration, by_force)
         rows.append(row)
-        through.append(feed)
+        through.append(feed + _of_base(output, inputs))
     return StateSpace(
         a=np.vstack([np.eye(k, 2 * k + control.size, k), acceleration, _rates(control)]),
         b=np.vstack([np.zeros_like(by_force), by_force, np.zeros((control.size, by_force.shape[1]))]),
@@ -122,6 +127,16 @@ def state_space(
 def _rates(control: LinearControl) -> Array:
     """Matrix from all states to the rates of the controllers' states."""
     return np.hstack([control.by_position, control.by_velocity, control.by_state])
+
+
+def _of_base(output: Port | Velocity | Acceleration, inputs: Sequence[Port]) -> Array:
+    """Share (ni,) of each input in an absolute acceleration beside the motion relative to the base."""
+    along = np.zeros(3)
+    if isinstance(output, Acceleration) and isinstance(output.of, TranslationPort):
+        along = np.array(output.of.direction)
+    return np.array(
+        [along @ port.direction if isinstance(port, BaseAccelerationPort) else 0.0 for port in inputs]
+    )
 
 
 def _row(machine: LinearMachine, output: Any, acceleration: Array, by_force: Array) -> tuple[Array, Array]:

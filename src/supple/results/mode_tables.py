@@ -12,7 +12,10 @@ from supple.linearization.linear_machine import STANDING
 from supple.results.run_tables import TextTable
 from supple.units import UnitSystem, headed, plain_number
 
-__all__ = ["SENSES", "mode_table", "speed_tables"]
+__all__ = ["SENSES", "mode_tables", "speed_tables"]
+
+_HELD = 1e-3
+"""Least share of the mass that moves with a mode of a machine held by the ground."""
 
 SENSES = {1: "forward", -1: "backward", 0: ""}
 """Names of the senses of whirl."""
@@ -46,7 +49,13 @@ def _frequency(value: float) -> str:
     return plain_number(value, 5) if np.isfinite(value) else ""
 
 
-def mode_table(numbers: Mapping[str, Any]) -> TextTable:
+def mode_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
+    """Modes, and their effective masses if the ground holds the machine; numbers from `supple modes`."""
+    masses = _effective_mass_table(numbers)
+    return [_mode_table(numbers), *([] if masses is None else [masses])]
+
+
+def _mode_table(numbers: Mapping[str, Any]) -> TextTable:
     """Modes with their motion, frequency, error and damping; numbers from `supple modes`."""
     unit = numbers["units"].get("frequency", "")
     turns = numbers["axes"] != STANDING
@@ -74,6 +83,28 @@ def mode_table(numbers: Mapping[str, Any]) -> TextTable:
     floquet = " (Floquet modes of periodic equations)" if numbers["periodic"] else ""
     title = f"Modes of the machine, in axes {numbers['axes']}{floquet}"
     return TextTable(title, [*heads, "largest share of kinetic energy", "stability"], rows)
+
+
+def _effective_mass_table(numbers: Mapping[str, Any]) -> TextTable | None:
+    """Effective masses of the modes of a machine held by the ground; None for other machines."""
+    modes, mass = numbers["modes"], numbers["mass"]
+    if any(mode["effective_mass"] is None for mode in modes):
+        return None
+    masses = np.array([mode["effective_mass"][:3] for mode in modes])
+    moving = np.array([mode["frequency"] > 0 for mode in modes])
+    if not (masses[moving] > _HELD * mass).any():
+        return None
+    unit = numbers["units"].get("mass", "")
+    cells = np.where(masses > _HELD * 1e-3 * mass, masses, 0.0)
+    rows = [
+        [str(number), _frequency(mode["frequency"]), *(plain_number(each, 5) for each in own)]
+        for number, (mode, own) in enumerate(zip(modes, cells, strict=True), start=1)
+    ]
+    total = cells.sum(axis=0)
+    rows.append(["all", "", *(f"{each:.5g} ({100 * each / mass:.1f} %)" for each in total)])
+    heads = ["mode", headed("frequency", numbers["units"].get("frequency", ""))]
+    along = [headed(axis, unit) for axis in "xyz"]
+    return TextTable(f"Effective masses, of {mass:.6g}", [*heads, *along], rows)
 
 
 def _error(mode: dict[str, Any]) -> str:
