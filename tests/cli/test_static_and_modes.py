@@ -71,6 +71,7 @@ def test_a_pendulum_hangs_and_swings(run):
     modes = json.loads((folder / "bob-modes.json").read_text())["modes"]
     swing = np.sqrt(9.81 / (1 + 0.05 / 2)) / (2 * np.pi)
     assert [mode["frequency"] for mode in modes] == pytest.approx([0.0, swing, swing], abs=1e-8)
+    assert [mode["error"] for mode in modes] == [0.0] * 3  # a rigid body has no basis
     # Of 2 kg, m l^2 / (m l^2 + J) swings; the spin about the rod moves no mass.
     masses = np.sum([mode["effective_mass"] for mode in modes], axis=0)
     assert masses[:3] == pytest.approx([2 / 1.025, 2 / 1.025, 0.0], abs=1e-8)

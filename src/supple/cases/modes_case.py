@@ -254,6 +254,8 @@ def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
     senses, in_space = whirl(modes)
     relative = np.full(n, np.nan) if error is None else error.relative
     exact = np.full(n, np.nan) if error is None else _shown(case, error.eigenvalues.imag)
+    if all(placed.body.kind in ("rigid", "full") for placed in modes.machine.system.bodies):
+        relative, exact = np.zeros(n), _shown(case, modes.frequencies)
     stands = modes.machine.spin is None or not modes.machine.spin.rate
     effective = effective_masses(modes).tolist() if stands else [None] * n
     return {
