@@ -62,6 +62,7 @@ def test_the_numbers_of_a_deck(bar):
     shown = call("info", bar, "--json", numbers, "--modes", 4, "--held")
     for part in ("elements B31", "node set ROOT", "unused nodes", "1, dropped", "cards read"):
         assert part in shown
+    assert ", -0" not in shown
     found = json.loads(numbers.read_text())
     assert set(found) == {
         *("nodes", "elements", "mass", "centre", "inertia", "left_out", "frequencies_hz"),

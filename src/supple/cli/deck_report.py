@@ -13,6 +13,7 @@ import numpy as np
 from supple.body import MassProperties, deck_frequencies, deck_mass, deck_parts, missing_density
 from supple.errors import SuppleError
 from supple.importers.deck import BeamProperty, Deck, Property
+from supple.results import without_noise
 from supple.results.descriptions import Row
 
 __all__ = ["DeckReport", "deck_report", "deck_rows", "write_deck_report"]
@@ -133,8 +134,8 @@ def deck_rows(report: DeckReport) -> Iterator[Row]:
         yield f"property {name}", _kind(given)
     if mass is not None:
         yield "mass", f"{mass.mass:.6g}"
-        yield "centre", _listed(mass.centre)
-        yield "inertia about the centre, xx yy zz xy xz yz", _listed(inertia_numbers(mass))
+        yield "centre", _listed(without_noise(mass.centre, like=deck.nodes))
+        yield "inertia about the centre, xx yy zz xy xz yz", _listed(without_noise(inertia_numbers(mass)))
     yield from _parts(deck)
     for what, given in _beside(deck):
         yield what, given
