@@ -291,8 +291,9 @@ def test_matrices_beside_elements(deck):
     assert not read.left_out
     left = deck(SQUARE + cards).left_out
     assert [each.meaning for each in left] == [
-        "no case control states the use of the matrix KADD",
-        "no case control states the use of the matrix MADD",
+        f"no case control states the use of the matrix {name}; add K2GG, M2GG or B2GG = {name}, or give "
+        "matrices alone as a matrices body"
+        for name in ("KADD", "MADD")
     ]
     direct = deck(control.replace("K2GG = 2.0*", "K2PP = ") + SQUARE + cards + "ENDDATA\n")
     assert "K2PP = KADD" in direct.left_out[0].meaning

@@ -157,7 +157,8 @@ def read_matrices(reading: DeckReading) -> dict[str, list[NodalMatrix]]:
             reading.leave_out(cards[name][0], f"{command} = {name}, which direct solutions use, is not read")
     for name, unused in cards.items():
         if name not in used and not reading.case.present:
-            reading.leave_out(unused[0], f"no case control states the use of the matrix {name}")
+            use = f"add K2GG, M2GG or B2GG = {name}, or give matrices alone as a matrices body"
+            reading.leave_out(unused[0], f"no case control states the use of the matrix {name}; {use}")
     return found
 
 
