@@ -235,6 +235,15 @@ def test_what_nothing_holds_has_no_equilibrium():
         equilibrium(System((free,), gravity=(0, 0, -9.81)), search=StaticSearch(max_iterations=20))
 
 
+def test_a_free_body_that_spins_beside_its_centre_is_told_its_axis():
+    stone = RigidBody(name="stone", mass=1.0, inertia=np.diag([1.0, 1.2, 1.6]), centre=[0.1, 0, 0])
+    placed = Placed(stone, position=(0, 0.3, 0), rotation=(0, 0, np.pi / 2))
+    search = StaticSearch(max_iterations=5)
+    with pytest.raises(ConvergenceError, match=r"is 0\.4 from .* the spin the point \(0, 0.4, 0\)"):
+        equilibrium(System([placed]), spin=Spin(2.0, (0, 0, 1)), search=search)
+    equilibrium(System([placed]), spin=Spin(2.0, (0, 0, 1), point=(0, 0.4, 0)), search=search)
+
+
 def test_a_search_needs_positive_numbers():
     with pytest.raises(ValueError, match="largest_move of a static search must be positive"):
         StaticSearch(largest_move=0.0)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from supple.equations.build_model import system_length
 from supple.equations.configuration import Configuration
 from supple.equations.control_force import states_by_controller
 from supple.equations.static_search import (
@@ -18,13 +19,17 @@ from supple.equations.static_search import (
 )
 from supple.equations.steady_motion import SteadyRotation
 from supple.equations.stops import laws_of
-from supple.errors import ModelError
-from supple.machine import Controller, Placed, SampledController, Spin, System
+from supple.errors import ConvergenceError, ModelError
+from supple.machine import GROUND, At, Controller, Placed, SampledController, Spin, System
 from supple.machine.laws.time_law import check_law_covers
 from supple.simulation.equations_of import equations_of
 from supple.simulation.spin_of_joints import check_joints_permit
+from supple.summary import place_text
 
 __all__ = ["RestingState", "at_rest", "placed_at_rest", "resting_state"]
+
+_ON_AXIS = 1e-6
+"""Distance of a centre of mass from the axis, relative to the size of the machine, that is rounding."""
 
 
 class RestingState(NamedTuple):
@@ -61,8 +66,38 @@ def resting_state(
         check_joints_permit(system, turning, time)
     still = replace(system, bodies=tuple(at_rest(placed) for placed in system.bodies))
     equations = equations_of(still, turning if spin else None, time)
-    state, iterations = search_equilibrium(equations, equations.start(), time, search, progress)
+    try:
+        state, iterations = search_equilibrium(equations, equations.start(), time, search, progress)
+    except ConvergenceError as error:
+        if cause := _off_axis(still, turning):
+            raise ConvergenceError(f"{error}. {cause}") from error
+        raise
     return RestingState(still, turning, state, iterations, equations)
+
+
+def _off_axis(system: System, turning: SteadyRotation) -> str:
+    """Why a free machine cannot rotate about an axis that misses its centre of mass; else ""."""
+    ends = [end for each in (*system.joints, *system.loads) for end in _ends(each)]
+    rates = np.asarray(turning.angular_velocities)
+    spins = np.flatnonzero(np.linalg.norm(rates, axis=1))
+    if not len(spins) or GROUND in ends:
+        return ""
+    bodies = [system.bodies[index] for index in spins]
+    masses = [placed.body.mass for placed in bodies]
+    places = [placed.position + placed.rotation @ placed.body.centre_of_mass for placed in bodies]
+    centre = np.average(places, axis=0, weights=masses)
+    axis = rates[spins[0]] / np.linalg.norm(rates[spins[0]])
+    away = np.linalg.norm(np.cross(centre - turning.point, axis))
+    if away <= _ON_AXIS * system_length(system):
+        return ""
+    return (
+        f"Nothing holds the rotating bodies, and the axis of the spin is {away:.3g} from their centre of "
+        f"mass: give the spin the point {place_text(centre)}"
+    )
+
+
+def _ends(part: Any) -> tuple[At, ...]:
+    return tuple(getattr(part, name) for name in ("first", "second") if hasattr(part, name))
 
 
 def _check_time(system: System, time: float) -> None:
