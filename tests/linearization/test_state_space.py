@@ -7,6 +7,7 @@ import pytest
 import scipy.io
 import scipy.linalg
 import scipy.signal
+from fixtures.beam_bodies import beam_body
 
 from supple.body import NodalFixedFrame, RayleighDamping, RigidBody, RigidInterface, flexible_body
 from supple.errors import ModelError
@@ -168,3 +169,20 @@ def test_what_cannot_be_asked_is_refused(oscillator):
         random_response(response, [1.0])
     with pytest.raises(ModelError, match="negative"):
         random_response(response, [1.0, -1.0])
+
+
+def test_a_constant_force_on_a_free_beam_has_no_static_response():
+    """Its poles at zero are rounding errors; at a low frequency w the response is -1 / (m w^2)."""
+    body = reduce(beam_body("root", "tip"), NodalFixedFrame("root"), CraigBampton(4), loads=NoLoads)
+    root, tip = (TranslationPort(f"beams.{end}", (0, 0, 1)) for end in ("root", "tip"))
+    space = state_space(linearize(System([body]), fulls=()), inputs=[root], outputs=[root, Velocity(tip)])
+    assert space.drifts.tolist() == [[True], [True]]
+    with pytest.raises(ModelError, match=r"a constant 'beams.root along z' moves .* without end"):
+        frequency_response(space, [0.0, 1.0])
+    lever = 1 + 12 / 4 * (1 - 1e-3)  # of a slender beam pushed at its end, about
+    response = frequency_response(space, [0.1]).transfer[0, 0, 0]
+    assert response == pytest.approx(-lever / (body.mass * 0.01), rel=0.01)
+    held = System([body], [Fixed(first=GROUND, second=At("beams", "root"))])
+    space = state_space(linearize(held, fulls=()), inputs=[tip], outputs=[tip])
+    assert not space.drifts.any()
+    assert frequency_response(space, [0.0]).transfer[0, 0, 0] > 0

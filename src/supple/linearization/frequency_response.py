@@ -49,11 +49,18 @@ def frequency_response(space: StateSpace, angular_frequencies: ArrayLike) -> Fre
     """`H = C (i w - A)^-1 B + D` at each of the frequencies.
 
     angular_frequencies : (nf,) rad/s
-    Raises ModelError for a frequency that is not finite, or at an undamped pole of the machine.
+    Raises ModelError for a frequency that is not finite, or at an undamped pole of the machine, such as the
+    frequency 0 for a force on a free machine.
     """
     w = np.atleast_1d(np.asarray(angular_frequencies, dtype=float))
     if w.ndim != 1 or not w.size or not np.isfinite(w).all():
         raise ModelError("a frequency response needs a list of finite angular frequencies, rad/s")
+    if (w == 0).any() and space.drifts.any():
+        output, given = np.argwhere(space.drifts)[0]
+        raise ModelError(
+            f"a constant '{space.inputs[given]}' moves '{space.outputs[output]}' without end: leave out the "
+            "frequency 0"
+        )
     poles = np.linalg.eigvals(space.a)
     near = abs(1j * w[:, None] - poles).min(axis=1) <= 1e-12 * abs(poles).max()
     if near.any():

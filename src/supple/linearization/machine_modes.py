@@ -291,6 +291,14 @@ def _is_zero(values: Any, left: Any, right: Any, unit: float) -> np.ndarray:
     return (abs(values) < 3e-7 * unit) & (moved < 1e-12 * unit)
 
 
+def free_motions(machine: LinearMachine) -> Array:
+    """Motions (k, f) of modes with the eigenvalue 0, orthonormal in the mass norm."""
+    values, y, _ = _pairs(machine)
+    upper = np.linalg.cholesky(machine.mass).T
+    free, _ = np.linalg.qr(upper @ y[:, values == 0].real)
+    return np.asarray(scipy.linalg.solve_triangular(upper, free))
+
+
 def _free_apart(machine: LinearMachine, graded: Array) -> tuple[Array, np.ndarray]:
     """Coordinates (k, k) with the free motions among them, and the mask (k,) of these.
 

@@ -15,10 +15,15 @@ from supple.equations.control_linearization import LinearControl
 from supple.errors import ModelError
 from supple.linearization.base_motion import BaseAccelerationPort
 from supple.linearization.linear_machine import Array, LinearMachine
+from supple.linearization.machine_modes import free_motions
 from supple.linearization.ports import Port, TranslationPort
 from supple.linearization.sparse_machine import SparseMachine
 
 __all__ = ["Acceleration", "StateSpace", "Velocity", "state_space"]
+
+
+_COUPLED = 1e-9
+"""Smallest acceleration along free motions, relative to that of the whole machine, that is not rounding."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,7 @@ class StateSpace:
 
     a : (m, m)    b : (m, ni)    c : (no, m)    d : (no, ni),    m = 2 k + number of states z
     inputs, outputs : names of u and of w
+    drifts : (no, ni)   whether a constant input accelerates the output for ever, as of a free satellite
     """
 
     a: Array
@@ -53,6 +59,7 @@ class StateSpace:
     d: Array
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
+    drifts: Array
 
     @property
     def matrices(self) -> tuple[Array, Array, Array, Array]:
@@ -121,7 +128,22 @@ def state_space(
         d=np.array(through),
         inputs=tuple(port.label for port in inputs),
         outputs=tuple(port.label for port in outputs),
+        drifts=_drifts(machine, pushed, outputs),
     )
+
+
+def _drifts(machine: LinearMachine, pushed: Array, outputs: Sequence[Any]) -> Array:
+    """Whether inputs (k, ni) accelerate outputs along free motions.
+
+    False for machines with controllers or in rotation, whose forces may balance the input in motion.
+    """
+    if machine.system.controllers or (machine.spin is not None and machine.spin.rate):
+        return np.zeros((len(outputs), pushed.shape[1]), dtype=bool)
+    seen = np.array([getattr(output, "of", output).row(machine) for output in outputs])
+    lower = np.linalg.cholesky(machine.mass)
+    sizes = [np.linalg.norm(np.linalg.solve(lower, each), axis=0) for each in (seen.T, pushed)]
+    free = free_motions(machine)
+    return abs(seen @ free @ (free.T @ pushed)) > _COUPLED * np.outer(*sizes)
 
 
 def _rates(control: LinearControl) -> Array:
