@@ -468,6 +468,24 @@ def test_frequencies_of_all_parts_free_and_at_the_supports_of_the_deck():
     np.testing.assert_allclose(together.centre, [0.5, 0.5, 0.0], atol=1e-9)
 
 
+@pytest.mark.parametrize("kind", ["rigid", "means"])
+def test_a_tie_of_solids_held_in_all_six_is_clamped(kind):
+    """Fixed translations and rotations of the reference node of a tie are those of the tied nodes."""
+    bare = solid_bar()
+    end = np.flatnonzero(bare.nodes[:, 0] == 0)
+    centre = len(bare.nodes) - 1
+    nodes = np.vstack([bare.nodes[:-1], bare.nodes[end].mean(axis=0)])
+    tie = {
+        "rigid": (RigidTie("rbe2_1", centre, end, 1),),
+        "means": (WeightedMean("rbe3_1", centre, end, np.ones(len(end)), 1),),
+    }[kind]
+    held = (terms(*({6 * centre + c: 1.0} for c in range(6))),)
+    tied = deck_frequencies(replace(bare, nodes=nodes, held=held, **{kind: tie}), 4, held=True)
+    held = (terms(*({6 * node + c: 1.0} for node in end for c in range(3))),)
+    clamped = deck_frequencies(replace(bare, nodes=nodes, held=held), 4, held=True)
+    np.testing.assert_allclose(tied, clamped, rtol=1e-9 if kind == "rigid" else 0.05)
+
+
 def test_the_inertia_of_a_body_with_constraints_is_that_of_the_body_without():
     """Coordinates of two halves joined by constraints stand no longer in threes; the inertia is the same."""
     nodes = np.vstack([along_x(0.5, 3), along_x(0.5, 3, [0.5, 0, 0])])

@@ -141,7 +141,8 @@ def deck_model(
     sections = _sections(deck)
     if bare := missing_density(deck):
         warnings.warn(f"{deck.path}: {bare}", SuppleWarning, stacklevel=3)
-    d = 6 if _has_rotations(deck) or any(section.turns_nodes() for section in sections) else 3
+    turned = _has_rotations(deck) or (held and _holds_turned_nodes(deck))
+    d = 6 if turned or any(section.turns_nodes() for section in sections) else 3
     attached = Attached(
         springs=linear_strains([*_spring_terms(springs, d), *_matrix_terms(deck.stiffnesses, d)], d),
         mass=_nodal_matrix(deck.masses, deck.inertias, len(deck.node_ids), d),
@@ -409,6 +410,17 @@ def _has_rotations(deck: Deck) -> bool:
     return any((_rows(each)[0] % 6 > 2).any() for each in matrices) or any(
         (each.freedoms % 6 > 2)[each.factors != 0].any() for each in terms
     )
+
+
+def _holds_turned_nodes(deck: Deck) -> bool:
+    """Whether supports of a deck fix rotations of nodes in rigid ties, or of reference nodes that rotate.
+
+    Nodes of solids have no rotations. A tie of them has: without these it would rotate freely on its support.
+    """
+    tied = [node for tie in deck.rigid for node in (*tie.nodes, tie.reference)]
+    turned = [mean.reference for mean in deck.means if any(mean.components[3:])]
+    fixed = [each.freedoms[(each.freedoms % 6 > 2) & (each.factors != 0)] // 6 for each in deck.held]
+    return any(np.isin(nodes, [*tied, *turned]).any() for nodes in fixed)
 
 
 def _rows(matrix: NodalMatrix) -> tuple[IntArray, FloatArray]:
