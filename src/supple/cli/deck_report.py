@@ -12,7 +12,7 @@ import numpy as np
 
 from supple.body import MassProperties, deck_frequencies, deck_mass, deck_parts, missing_density
 from supple.errors import SuppleError
-from supple.importers.deck import BeamProperty, Deck, Property
+from supple.importers.deck import BeamProperty, Deck, Property, ScalarTerms
 from supple.results import without_noise
 from supple.results.descriptions import Row
 
@@ -195,12 +195,18 @@ def _beside(deck: Deck) -> Iterator[Row]:
     counts = {
         "springs": sum(len(each.lines) for each in deck.springs),
         "dashpots": sum(len(each.lines) for each in deck.dashpots) + len(deck.dampings),
-        "concentrated masses": len(deck.masses) + sum(len(each.lines) for each in deck.inertias),
+        "concentrated masses": len(deck.masses) + sum(_masses(each) for each in deck.inertias),
         "stiffness matrices": len(deck.stiffnesses),
         "constraints": sum(len(each.lines) for each in deck.constraints),
         "supports": sum(len(each.lines) for each in deck.held),
     }
     yield from ((what, str(count)) for what, count in counts.items() if count)
+
+
+def _masses(terms: ScalarTerms) -> int:
+    """Number of masses; a mass in x, y and z has a term of each, on one line and node."""
+    rows, first = np.unique(terms.rows, return_index=True)
+    return len(np.unique(np.column_stack([terms.lines[rows], terms.freedoms[first] // 6]), axis=0))
 
 
 def _counted(cards: Any) -> str:
