@@ -8,7 +8,7 @@ from fixtures.abaqus_text import abaqus_text
 
 from supple.cases import read_case, run_case, static_case
 from supple.cases.static_case import starting_system
-from supple.errors import CaseError, SuppleWarning
+from supple.errors import CaseError, SuppleWarning, ValidityWarning
 from supple.mesh import strip
 
 CASE = """
@@ -131,6 +131,34 @@ def test_an_error_that_is_not_estimated_is_stated(written, tmp_path):
     )
     with pytest.warns(SuppleWarning, match=r"\[error\] has no effect: the error of kinematic runs is not"):
         run_case(written(short), tmp_path)
+
+
+@pytest.mark.filterwarnings("ignore::supple.errors.RedundantConstraintWarning")
+def test_a_body_that_does_not_deform_has_no_stress_and_the_run_needs_no_step(written, tmp_path):
+    held = """
+[[body]]
+name = "strip"
+mesh = "strip.inp"
+shell = { thickness = 0.01, youngs_modulus = 1e9, poissons_ratio = 0.3, density = 1000.0 }
+frame = { kind = "mean-axis" }
+reduction = { basis = "craig-bampton", modes = 2 }
+
+[[body.interface]]
+name = "root"
+nodes = "ROOT"
+
+[[joint]]
+kind = "fixed"
+first = "ground"
+second = "strip.root"
+
+[simulation]"""
+    (tmp_path / "strip.inp").write_text(abaqus_text(strip(1.0, 0.1, 2, 2)))
+    short = CASE.replace("duration = 4.0", "duration = 0.1").replace("\nstep = 0.05", "")
+    with pytest.warns(ValidityWarning, match="its stress and section forces are those of this shape"):
+        result = run_case(written(short.replace("\n[simulation]", held)), tmp_path)
+    np.testing.assert_allclose(result.solution.times, [0.0, 0.05, 0.1])
+    assert not result.numbers["stress"]
 
 
 def test_a_body_that_corrects_itself_is_refused(written, tmp_path):

@@ -24,7 +24,7 @@ from supple.cases.static_case import starting_system
 from supple.equations import warn_of_missing_modes
 from supple.error import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors
 from supple.errors import CaseError, SuppleWarning
-from supple.integrate import Solution, StepProgress, Validity
+from supple.integrate import Kinematic, Solution, StepProgress, Validity
 from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities import (
@@ -180,7 +180,8 @@ def _run_case(
     tracked = _tracked(case, system, solution)
     readings = read_sensors(case.sensors, system, solution)
     numbers = summarize(system, solution, tracked, fulls=case.fulls, units=case.units)
-    numbers |= {"stress": stress_numbers(system, solution, case.elements, units=case.units)}
+    stressed = {} if isinstance(case.run.method, Kinematic) else case.elements  # rigid bodies have no stress
+    numbers |= {"stress": stress_numbers(system, solution, stressed, units=case.units)}
     numbers |= {"sensors": {each.name: each.plain(case.units) for each in readings}}
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)
     _write_readings(case, folder, readings)

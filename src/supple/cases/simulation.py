@@ -34,7 +34,9 @@ class Simulation(CheckedTable):
     duration: Positive = Field(description="simulated time, a time")
     output_step: Positive = Field(description="time between stored states, a time")
     step: Positive | None = Field(
-        None, description="fixed time step, a time; default for explicit parts: the stable step"
+        None,
+        description="fixed time step, a time; default for explicit parts: the stable step, of a kinematic "
+        "run: the output step",
     )
     adaptive: Adaptive | None = None
     rho_inf: float = Field(
@@ -64,8 +66,8 @@ class Simulation(CheckedTable):
 def _steps_are_given_once(raw: Raw) -> Mistakes:
     given = raw.get("simulation")
     if isinstance(given, dict) and ("step" in given) == ("adaptive" in given):
-        if "step" not in given and _marches_explicitly(raw):
-            return  # the step is the stable one
+        if "step" not in given and (_marches_explicitly(raw) or given.get("kinematic") is True):
+            return  # the step is the stable one; positions without integration need none
         path = ("simulation", "step") if "step" in given else ("simulation",)
         yield path, "give either step = TIME or adaptive = {first = .., largest = ..}, not both or none"
 
