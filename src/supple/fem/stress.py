@@ -98,7 +98,7 @@ class StressLayers:
 class StressRecovery:
     """Stress, or strain, of a model from its nodal displacements; prepared once for all output times."""
 
-    n_nodes: int
+    node_ids: NDArray[np.int64]
     sections: tuple[SectionStress, ...]
     layers: StressLayers
     pieces: tuple[RigidPiece, ...] = ()
@@ -107,6 +107,11 @@ class StressRecovery:
     def linearized(self) -> StressRecovery:
         """The stress of the linear strain alone, for a body's linear stiffness."""
         return replace(self, sections=tuple(section.linearized() for section in self.sections))
+
+    @property
+    def n_nodes(self) -> int:
+        """Number of nodes N of the mesh."""
+        return len(self.node_ids)
 
     @property
     def n_layers(self) -> int:
@@ -134,8 +139,9 @@ class StressRecovery:
         alone = np.setdiff1d(nodes, known)
         if alone.size:
             raise ModelError(
-                f"node number {alone[0]} (of {alone.size}) belongs to no element whose section has stress "
-                "recovery points; choose nodes of elements, and give beams a geometry"
+                f"node {self.node_ids[alone[0]]} (one of {alone.size} such nodes) belongs to no element "
+                "whose section has stress recovery points; choose nodes of elements, and give beams a "
+                "geometry"
             )
         return replace(self, sections=kept)
 
@@ -207,7 +213,7 @@ def stress_recovery(model: FiniteElementModel) -> StressRecovery:
     walls = [each.in_layers(layers.walls) for each in made if not each.is_line]
     walls = _of_one_side(walls, model.mesh.nodes)
     sections = (*_averaged(walls, model.mesh.n_nodes), *_stacked([s for s in made if s.is_line], layers))
-    return StressRecovery(model.mesh.n_nodes, sections, layers, _pieces(model))
+    return StressRecovery(model.mesh.node_ids, sections, layers, _pieces(model))
 
 
 def beam_forces(model: FiniteElementModel, displacement: FloatArray) -> FloatArray:
@@ -235,7 +241,7 @@ def beam_force_recovery(model: FiniteElementModel, cell: int) -> StressRecovery:
         own = np.flatnonzero(section.cells == cell)
         if section.cell_type is CellType.LINE2 and own.size:
             forces = section_forces(model, section.of(own), block.of(own))
-            return StressRecovery(model.mesh.n_nodes, (forces,), StressLayers(1, 0, 0), _pieces(model))
+            return StressRecovery(model.mesh.node_ids, (forces,), StressLayers(1, 0, 0), _pieces(model))
     raise ModelError(f"there is no beam or rod number {cell}; the mesh has {len(_lines(model))} LINE2 cells")
 
 
