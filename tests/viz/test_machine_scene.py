@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from fixtures.explicit_bars import explicit_bar
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 from supple.body import RigidBody
@@ -20,9 +21,12 @@ from supple.results.colouring import DEFLECTION
 from supple.results.view import View
 from supple.units import SI
 from supple.viz import Camera, Film, RotorAngle, animate_run, run_animation, run_pictures
+from supple.viz.glyphs import Glyphs, Mark, MarkStyle
 from supple.viz.machine_camera import machine_camera
 from supple.viz.machine_scene import machine_scene
+from supple.viz.mesh_plot import draw_surface
 from supple.viz.rest_and_mode_pictures import animate_mode, draw_mode, draw_rest
+from supple.viz.style import textbook_style
 
 FRONT = Camera.looking(along=(0.0, 1.0, 0.0), up=(0.0, 0.0, 1.0))
 NOW = np.array([0, 1])
@@ -41,6 +45,27 @@ def bent(clamped_blade):
     motion = FloatingMotion(still, turned, many, 0 * still, 0 * still, many, 0 * still, 0 * still, many)
     solution = Solution(np.arange(3.0), {"blade": motion}, {}, Statistics())
     return System(bodies=(Placed(clamped_blade),)), solution, {"blade": strip(1.0, 0.1, 6, 2)}
+
+
+def test_a_title_stays_on_the_page_above_a_legend_of_several_rows():
+    """Seven kinds of marks need two rows of the legend, on a page for a flat machine."""
+    points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.2]])
+    marks = tuple(Mark(MarkStyle(f"kind of joint {i}", "o"), points[None]) for i in range(7))
+    glyphs = Glyphs(np.empty((1, 0, 2, 3)), marks)
+    with textbook_style():
+        figure, axes, _ = draw_surface(
+            np.empty((0, 3)),
+            None,
+            colour_by=None,
+            undeformed=None,
+            glyphs=glyphs,
+            camera=FRONT,
+            title="t = 0 s",
+            units=SI,
+        )
+        FigureCanvasAgg(figure).draw()
+        drawn = axes.title.get_window_extent()
+    assert drawn.y1 <= figure.bbox.y1
 
 
 # --- enlargement

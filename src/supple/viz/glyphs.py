@@ -26,6 +26,9 @@ __all__ = ["Glyphs", "glyphs_of", "surface_glyphs"]
 
 Array = NDArray[np.float64]
 
+LEGEND_COLUMNS = 4
+"""Columns of the legend of the marks."""
+
 
 class MarkStyle(NamedTuple):
     """Style of a mark: matplotlib's marker, its size in points squared, its colours, and its name."""
@@ -83,6 +86,11 @@ class Glyphs:
         drawn = [self.lines, *(mark.places for mark in self.marks)]
         drawn += [] if self.thin_lines is None else [self.thin_lines]
         return np.concatenate([each.reshape(len(self.lines), -1, 3) for each in drawn], axis=1)
+
+    @property
+    def legend_rows(self) -> int:
+        """Rows of the legend of the marks."""
+        return -(-len({mark.style.name for mark in self.marks}) // LEGEND_COLUMNS)
 
     def beside(self, others: Sequence[Glyphs]) -> Glyphs:
         """These glyphs and others at the same times."""
@@ -173,7 +181,7 @@ class DrawnGlyphs:
             list(first.values()),
             list(first),
             loc="outside lower center",
-            ncols=min(4, len(first)),
+            ncols=min(LEGEND_COLUMNS, len(first)),
             columnspacing=1.4,
             handletextpad=0.4,
         )

@@ -138,8 +138,8 @@ def draw_surface(
     plane = camera.project(np.concatenate(seen))[0]
     page = _with_free_corners(page_around(plane, N_COLUMNS, margin=margin), plane)
     height = TEXT_WIDTH * page.n_rows / page.n_columns
-    marked = glyphs is not None and bool(glyphs.marks)
-    figure = new_figure(height + 0.7 * (colour_by is not None) + 0.3 * bool(title) + 0.3 * marked)
+    legend = 0.3 * (0 if glyphs is None else glyphs.legend_rows)
+    figure = new_figure(height + 0.7 * (colour_by is not None) + 0.3 * bool(title) + legend)
     axes = figure.subplots()
     values, colours = None, scale or ScalarMappable(cmap=COLOUR_MAP)
     colours.set_cmap(colours.get_cmap().with_extremes(bad=SURFACE_COLOUR))
