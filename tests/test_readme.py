@@ -55,6 +55,7 @@ def test_reduce_in_python(here):
     assert strip.estimated_error <= strip.rounds[-1].allowed
     assert said["together"].bodies["strip"].rounds[0].size < strip.rounds[0].size
     assert said["small"].r == said["motion"].bodies["strip"].coordinates.shape[1]
+    assert said["shares"][0, 2] == pytest.approx(0.6131, rel=5e-3)  # of a clamped beam
 
 
 @pytest.mark.slow

@@ -282,7 +282,8 @@ def export(
         str | None, typer.Option(help="FROM:TO:NUMBER: times of a result; default: all.")
     ] = None,
     stress: Annotated[
-        bool, typer.Option("--stress/--no-stress", help="Whether files for ParaView contain stress.")
+        bool,
+        typer.Option("--stress/--no-stress", help="Whether the files of a run for ParaView contain stress."),
     ] = True,
     case: Annotated[
         Path | None, typer.Option("--case", help="Case file of a result, if it was moved.")
