@@ -7,9 +7,18 @@ import pytest
 
 from supple.body import FullBody, MeanAxisFrame, flexible_body
 from supple.errors import ModelError
-from supple.fem import Isotropic, solid_model, stress_recovery, von_mises
+from supple.fem import (
+    Attached,
+    Isotropic,
+    RigidPiece,
+    finite_element_model,
+    solid_model,
+    stress_recovery,
+    von_mises,
+)
 from supple.mesh import CellType, block
 from supple.quantities import von_mises_history
+from supple.quantities.stress_history import equivalent_stress
 from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
 
 
@@ -58,3 +67,28 @@ def test_nodes_outside_the_body_are_refused(bodies, model):
     for body, r in ((full, full.n_coordinates), (reduced, 5)):
         with pytest.raises(ModelError, match="node numbers 999 to 999; the body has 81 nodes"):
             von_mises_history(body, model, np.zeros((1, r)), [999])
+
+
+def test_nodes_without_elements_have_no_stress(model):
+    """A reference node of a tie: NaN in files of results, of full as of reduced bodies."""
+    mesh = replace(
+        model.mesh,
+        nodes=np.vstack([model.mesh.nodes, [0.5, 0.1, 1.0]]),
+        node_ids=np.arange(82),
+        links=np.array([[81, 0]]),
+    )
+    with_node = finite_element_model(
+        mesh,
+        model.sections,
+        attached=Attached(rigid=(RigidPiece("tie", np.array([0, 1, 2, 81]), mesh.nodes[81]),)),
+    )
+    body = flexible_body("block", with_node)
+    frame = MeanAxisFrame()
+    full = FullBody(body, frame)
+    reduced = reduce(body, frame, NormalModes(5), derivatives=NoDerivatives(), loads=NoLoads)
+    gamma = 1e-3 * np.eye(5)[:2] / reduced.frequencies
+    own, *_ = np.linalg.lstsq(body.expansion.toarray(), reduced.nodal_basis, rcond=None)
+    for form, q in ((full, gamma @ own.T), (reduced, gamma)):
+        found = equivalent_stress(form, with_node)(q)
+        assert np.isnan(found).nonzero()[1].tolist() == [81, 81]
+        np.testing.assert_allclose(found[:, :81], von_mises_history(form, with_node, q, np.arange(81)))

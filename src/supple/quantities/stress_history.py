@@ -95,7 +95,7 @@ def von_mises_by_end(body: BodyForm, model: FiniteElementModel, coordinates: Arr
     The beam ends are those of `StressLayers`; the stress is zero where a node has fewer ends. Other
     parameters and errors are those of `von_mises_history`.
     """
-    layers, nodes = stress_layers(model), _nodes_with_stress(stress_recovery(model))
+    layers, nodes = stress_layers(model), nodes_with_stress(stress_recovery(model))
     found = np.zeros((len(coordinates), len(body.nodes), 1 + layers.ends))
     for times, some, field in tensor_blocks(STRESS, body, model, coordinates, nodes):
         found[times, nodes[some]] = layers.largest(STRESS.equivalent(field))
@@ -105,19 +105,24 @@ def von_mises_by_end(body: BodyForm, model: FiniteElementModel, coordinates: Arr
 def equivalent_stress(body: BodyForm, model: FiniteElementModel) -> Callable[[Array], Array]:
     """Von Mises stress (t, N) at all nodes as a function of coordinates (t, r), for repeated calls.
 
-    Raises the errors of `von_mises_history`. Stress modes are computed once if they fit in 1 GiB.
+    NaN at nodes without elements that have stress. Raises the errors of `von_mises_history`. Stress modes are
+    computed once if they fit in 1 GiB.
     """
-    if _has_modes(body) and _numbers_of_modes(body, model) * len(body.nodes) <= _KEPT_NUMBERS:
-        return tensor_modes(STRESS, body, model, None).von_mises
-    nodes = np.arange(len(body.nodes))
+    nodes = nodes_with_stress(stress_recovery(model))
+    kept = None
+    if _has_modes(body) and _numbers_of_modes(body, model) * len(nodes) <= _KEPT_NUMBERS:
+        kept = tensor_modes(STRESS, body, model, nodes)
 
-    def by_blocks(coordinates: Array) -> Array:
-        found = np.zeros((len(coordinates), len(nodes)))
-        for block in tensor_blocks(STRESS, body, model, coordinates, nodes):
-            found[block.times, block.nodes] = STRESS.equivalent(block.field).max(axis=2)
+    def at_all_nodes(coordinates: Array) -> Array:
+        found = np.full((len(coordinates), len(body.nodes)), np.nan)
+        if kept is not None:
+            found[:, nodes] = kept.von_mises(coordinates)
+            return found
+        for times, some, field in tensor_blocks(STRESS, body, model, coordinates, nodes):
+            found[times, nodes[some]] = STRESS.equivalent(field).max(axis=2)
         return found
 
-    return by_blocks
+    return at_all_nodes
 
 
 class LargestStress(NamedTuple):
@@ -137,7 +142,7 @@ def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array
     at these times are evaluated at all times. The result is exact for up to a hundred output times.
     """
     recovery = stress_recovery(model)
-    nodes = _nodes_with_stress(recovery)
+    nodes = nodes_with_stress(recovery)
     sampled = _searched_times(np.asarray(coordinates))
     highest = np.zeros(len(nodes))
     for block in _recovered(body, recovery, np.asarray(coordinates)[sampled], nodes):
@@ -162,7 +167,8 @@ def _searched_times(coordinates: Array) -> NDArray[np.int64]:
     return np.unique(np.concatenate([evenly, most]))
 
 
-def _nodes_with_stress(recovery: StressRecovery) -> NDArray[np.int64]:
+def nodes_with_stress(recovery: StressRecovery) -> NDArray[np.int64]:
+    """Numbers of the nodes of elements that have stress."""
     return np.unique(np.concatenate([section.nodes.ravel() for section in recovery.sections]))
 
 
