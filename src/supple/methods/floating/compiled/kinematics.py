@@ -101,8 +101,9 @@ def check_held(system: System, run: Run) -> None:
         if placed.body.n_coordinates:
             message = (
                 f"body '{placed.body.name}' is treated as rigid in its placed shape: a kinematic run "
-                "computes the forces on a rigid body of its mass, and its stress and section forces are those "
-                "of this shape, without the forces of the motion. For these and its deformation, integrate"
+                "computes the forces on a rigid body of its mass, and its stress and section forces are "
+                "those of this shape, without the forces of the motion. For these and its deformation, "
+                "integrate"
             )
             warn_or_raise(message, ValidityWarning, run.validity)
 
