@@ -9,6 +9,11 @@ from supple.fem import (
     Isotropic,
     LaminateSection,
     RodSection,
+    Section,
+    cells_without_stress,
+    finite_element_model,
+    has_stress,
+    has_stress_on_faces,
     shell_model,
     solid_model,
     strain_recovery,
@@ -176,3 +181,30 @@ def test_a_laminate_has_no_stress_of_its_own():
     wall = LaminateSection(np.eye(3), np.zeros((3, 3)), np.eye(3), 1.0, 1.0)
     with pytest.raises(ModelError, match="stress needs a HomogeneousSection"):
         stress_recovery(shell_model(plate(1.0, 1.0, 1, 1), wall))
+
+
+def test_a_laminate_on_a_solid_is_left_out_and_the_solid_keeps_its_stress(material):
+    """A membrane on a block, as PSHELL with MID1 alone: one corner of it belongs to no solid."""
+    solid = block(2.0, 0.4, 0.5, 2, 1, 1, CellType.HEXA20)
+    edge = np.flatnonzero((solid.nodes[:, 2] == 0.25) & (solid.nodes[:, 0] == 0.0))
+    nodes = np.vstack([solid.nodes, [[-1.0, 0.0, 0.25]]])
+    flange = [edge[0], edge[-1], solid.n_nodes]
+    mesh = Mesh(nodes, {**solid.cells, CellType.TRIANGLE3: np.array([flange])})
+    skin = LaminateSection(1e5 * np.eye(3), np.zeros((3, 3)), np.zeros((3, 3)), 0.0, 0.0)
+    sections = (
+        Section(CellType.HEXA20, np.arange(2), material),
+        Section(CellType.TRIANGLE3, np.array([0]), skin),
+    )
+    model = finite_element_model(mesh, sections)
+    assert has_stress(model)
+    assert cells_without_stress(model) == 1
+    assert has_stress_on_faces(model).tolist() == [True] * solid.n_nodes + [False]
+    k, E = 1e-9, material.youngs_modulus
+    u = np.zeros((mesh.n_nodes, model.dofs_per_node))
+    u[:, 0] = k * nodes[:, 0]
+    u[:, 1:3] = -k * material.poissons_ratio * nodes[:, 1:]
+    recovery = stress_recovery(model)
+    stress = recovery.at_nodes(u.ravel())[: solid.n_nodes, 0]
+    np.testing.assert_allclose(stress, np.tile([E * k, 0, 0, 0, 0, 0], (solid.n_nodes, 1)), atol=1e-6 * E * k)
+    with pytest.raises(ModelError, match=rf"node {solid.n_nodes} .* belongs to no element with stress"):
+        recovery.around(np.array([solid.n_nodes]))

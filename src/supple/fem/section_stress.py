@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
-from supple.errors import ModelError
 from supple.fem.beam2 import BeamLine
 from supple.fem.beam_section import BeamSection, LineSection, RodSection
 from supple.fem.beam_stress import (
@@ -24,7 +23,7 @@ from supple.fem.kinematics import VOIGT
 from supple.fem.model import SOLID_ELEMENTS, FiniteElementModel, line_of
 from supple.fem.quadratic_strain import QuadraticStrain, strain, strains
 from supple.fem.section import Section
-from supple.fem.shell_section import HomogeneousSection
+from supple.fem.shell_section import HomogeneousSection, LaminateSection
 from supple.fem.shell_triangle import element_axes, layer_strain
 from supple.fem.solid_element import extrapolation, solid_element, turned_elasticity
 
@@ -120,12 +119,7 @@ class SectionStress:
 
 
 def section_stress(model: FiniteElementModel, section: Section, block: QuadraticStrain) -> SectionStress:
-    """The stress of one section of a model; each cell has weight 1 at its nodes, so no average yet.
-
-    Raises
-    ------
-    ModelError   a laminate, whose A-B-D matrix does not define the stress of each ply; a CoupledBeamSection
-    """
+    """The stress of one section of a model that `states_stress`; each cell has weight 1 at its nodes."""
     nodes, corners = section.nodes(model.mesh), section.corners(model.mesh)
     if section.cell_type in SOLID_ELEMENTS:
         element = solid_element(section.cell_type, reduced=section.reduced, incompatible=section.incompatible)
@@ -135,10 +129,7 @@ def section_stress(model: FiniteElementModel, section: Section, block: Quadratic
     given = section.property
     if isinstance(given, BeamSection | RodSection):
         return _line_stress(model, section, block, given)
-    if not isinstance(given, HomogeneousSection):
-        raise ModelError(
-            "stress needs a HomogeneousSection; an A-B-D matrix does not define the stress of each ply"
-        )
+    assert isinstance(given, HomogeneousSection)
     to_nodes = np.broadcast_to(np.eye(len(LAYERS)), (3, len(LAYERS), len(LAYERS)))
     axes = element_axes(corners, given, section.directions)
     heights = 0.5 * given.thickness * np.array(LAYERS)
@@ -156,10 +147,13 @@ def section_forces(model: FiniteElementModel, section: Section, block: Quadratic
 
 
 def states_stress(section: Section) -> bool:
-    """Whether stress recovery includes a section: False for beams by matrices or without recovery points.
+    """Whether stress recovery includes a section.
 
-    True for laminates, for which `section_stress` raises ModelError.
+    False for laminates, whose A-B-D matrix does not define the stress of each ply, and for beams by matrices
+    or without recovery points.
     """
+    if isinstance(section.property, LaminateSection):
+        return False
     return not isinstance(section.property, LineSection) or has_points(section.property)
 
 

@@ -39,6 +39,7 @@ __all__ = [
     "beam_forces",
     "cells_without_stress",
     "has_stress",
+    "has_stress_on_faces",
     "strain_recovery",
     "stress_layers",
     "stress_recovery",
@@ -139,9 +140,8 @@ class StressRecovery:
         alone = np.setdiff1d(nodes, known)
         if alone.size:
             raise ModelError(
-                f"node {self.node_ids[alone[0]]} (one of {alone.size} such nodes) belongs to no element "
-                "whose section has stress recovery points; choose nodes of elements, and give beams a "
-                "geometry"
+                f"node {self.node_ids[alone[0]]} (one of {alone.size} such nodes) belongs to no element with "
+                "stress: choose nodes of solids, of homogeneous shells, or of beams with recovery points"
             )
         return replace(self, sections=kept)
 
@@ -190,12 +190,12 @@ class StressRecovery:
 def stress_recovery(model: FiniteElementModel) -> StressRecovery:
     """Prepare the stress recovery of a model.
 
-    Beams given by matrices, and those without points of stress recovery, are left out.
+    Laminates, beams given by matrices, and beams without points of stress recovery are left out.
 
     Raises
     ------
-    ModelError   a laminate: its A-B-D matrix does not define the stress of each ply; beams alone, none of
-                 which has recovery points
+    ModelError   no section has stress: laminates, whose A-B-D matrix does not define the stress of each ply,
+                 or beams without recovery points
     """
     made = [
         section_stress(model, section, block)
@@ -203,6 +203,10 @@ def stress_recovery(model: FiniteElementModel) -> StressRecovery:
         if states_stress(section)
     ]
     if not made:
+        if any(isinstance(section.property, LaminateSection) for section in model.sections):
+            raise ModelError(
+                "stress needs a HomogeneousSection; an A-B-D matrix does not define the stress of each ply"
+            )
         raise ModelError(
             "no stress recovery for beams whose sections have no recovery points: give "
             "BeamSection a geometry, such as rectangular_section(height, width), or the deck's property "
@@ -278,13 +282,21 @@ def beam_end_ranks(model: FiniteElementModel) -> dict[int, NDArray[np.int64]]:
 
 
 def has_stress(model: FiniteElementModel) -> bool:
-    """Whether stress is defined for some section, and no section is a laminate, whose plies are unknown."""
-    given = [section for section in model.sections if states_stress(section)]
-    return bool(given) and not any(isinstance(section.property, LaminateSection) for section in given)
+    """Whether stress is defined for some section."""
+    return any(states_stress(section) for section in model.sections)
+
+
+def has_stress_on_faces(model: FiniteElementModel) -> NDArray[np.bool_]:
+    """Whether each node (N,) belongs to a solid or shell that has stress."""
+    found = np.zeros(model.mesh.n_nodes, dtype=bool)
+    for section in model.sections:
+        if section.cell_type is not CellType.LINE2 and states_stress(section):
+            found[section.nodes(model.mesh)] = True
+    return found
 
 
 def cells_without_stress(model: FiniteElementModel) -> int:
-    """Number of beams without stress: beams given by matrices, and beams without recovery points."""
+    """Number of cells without stress: laminates, beams given by matrices, beams without recovery points."""
     return sum(len(section.cells) for section in model.sections if not states_stress(section))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import BodyForm
-from supple.fem import FiniteElementModel, beam_end_ranks
+from supple.fem import FiniteElementModel, beam_end_ranks, has_stress_on_faces
 from supple.integrate import Motion
 from supple.mesh import CellType, Mesh
 from supple.mesh.skin import Skin, skin_of
@@ -127,7 +127,10 @@ def body_surface(look: Look) -> BodySurface:
         mass = look.attached.mass
     mesh = look if isinstance(look, Mesh) else look.mesh
     n = mesh.n_nodes
-    nodes, arms, groups = [np.arange(n)], [np.zeros((n, 3))], [np.zeros(n, dtype=np.int64)]
+    own = np.zeros(n, dtype=np.int64)
+    if isinstance(look, FiniteElementModel):
+        own = np.where(has_stress_on_faces(look), 0, -1)
+    nodes, arms, groups = [np.arange(n)], [np.zeros((n, 3))], [own]
     triangles, lines = [], []
     if any(kind.dimension > 1 for kind in mesh.cells) or not beams:
         skin = skin_of(mesh)

@@ -102,7 +102,7 @@ def stress_numbers(
                 "time": float(solution.times[largest.instant]),
             }
             if without := cells_without_stress(model):
-                found[body.name]["beams without stress"] = without
+                found[body.name]["cells without stress"] = without
     return found
 
 

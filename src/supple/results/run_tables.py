@@ -46,7 +46,7 @@ def stress_table(numbers: Mapping[str, Any]) -> TextTable:
     rows = [
         [
             name
-            + (f" (without {each['beams without stress']} beams)" if "beams without stress" in each else ""),
+            + (f" (without {each['cells without stress']} cells)" if "cells without stress" in each else ""),
             _number(each["largest von Mises stress"]),
             str(each["node"]) if "node" in each else f"in cell {each['cell']}",
             _vector(each["point"], digits=4),
