@@ -44,6 +44,20 @@ def test_a_field_is_drawn_in_at_most_so_many_bands(tmp_path, plate):
     assert (few > 0.05 * few[0]).sum() < (many > 0.05 * many[0]).sum()
 
 
+def test_a_part_without_values_is_plain_and_not_in_the_highest_colour(tmp_path, plate):
+    """The half without values shows none of the saturated colours of the bands."""
+    x = plate.nodes[:, 0]
+    field = NodalField("f", np.where(x < 5.0, x, np.nan))
+    path = plot_contour(tmp_path / "half.png", plate.nodes, skin_of(plate), field, camera=FROM_ABOVE)
+    with Image.open(path) as picture:
+        pixels = np.asarray(picture.convert("RGB"), dtype=int)
+    body = pixels[: len(pixels) // 2]
+    saturated = np.ptp(body, axis=2) > 60
+    left, right = np.array_split(saturated, 2, axis=1)
+    assert left.mean() > 0.2
+    assert right.mean() < 0.02
+
+
 @pytest.mark.slow
 def test_the_largest_value_is_marked_where_it_is(tmp_path, plate):
     """The dark ring and text lie in the half of the picture where the peak is."""
