@@ -9,6 +9,7 @@ import pytest
 
 from supple.cases import read_case
 from supple.errors import CaseError
+from supple.fem import has_stress_on_faces
 from supple.mesh import CellType, strip
 
 MESH = strip(1.0, 0.1, 4, 2)
@@ -37,13 +38,15 @@ colour = "von-mises"
 
 @pytest.fixture
 def write(tmp_path, bulk):
-    """Writes a case of bodies of bulk data: 'plate', 'beams' and 'with_points', 'stiffened' (both)."""
+    """Writes a case of bodies of bulk data: 'plate', 'beams', 'with_points', 'stiffened', 'flapped'."""
     plate, wall = [*bulk.grids(MESH.nodes), *bulk.elements(MESH)], bulk.shell(0.01)
     along = np.flatnonzero(MESH.nodes[:, 1] == MESH.nodes[:, 1].min())[:5] + 1
     bars = [bulk.card("CBEAM", 900 + i, 9, *pair, 0.0, 0.0, 1.0) for i, pair in enumerate(pairwise(along))]
     section = ["PBEAM,9,5,1.-4,2.-9,1.-9,0.,3.-9", ",", ",.5,.8"]
     line = [bulk.card("GRID", i, None, *map(repr, map(float, MESH.nodes[i - 1]))) for i in along]
     (tmp_path / "plate.bdf").write_text(bulk.deck(*plate, *wall))
+    flap = [bulk.card("GRID", 700, None, -0.2, 0.0, 0.0), bulk.card("CTRIA3", 800, 2, 1, 2, 700)]
+    (tmp_path / "flapped.bdf").write_text(bulk.deck(*plate, *flap, *wall, "PSHELL,2,5,.01,5,2."))
     (tmp_path / "stiffened.bdf").write_text(bulk.deck(*plate, *bars, *wall, *section))
     (tmp_path / "beams.bdf").write_text(bulk.deck(*line, *bars, *section, bulk.steel()))
     points = [section[0], ",.01,.005,-.01,.005", section[2]]
@@ -85,6 +88,11 @@ def test_beams_alone_that_do_not_say_where_their_stress_acts(write, linear):
 
 def test_beams_without_points_beside_others_are_drawn_plain(write):
     assert list(build(write("plate", "beams", "stiffened")).flexible) == ["plate", "beams", "stiffened"]
+
+
+def test_a_wall_by_stiffnesses_beside_a_plate_is_drawn_plain(write):
+    look = build(write("flapped")).drawn["flapped"]
+    assert np.flatnonzero(~has_stress_on_faces(look)).tolist() == [N_NODES]
 
 
 def test_beams_with_points_have_stress(write):

@@ -24,7 +24,7 @@ from supple.cases.split_tables import base_of, changed_frequencies, with_damping
 from supple.cases.stated_error import OfInterest
 from supple.error import ErrorStudy, ReductionStart
 from supple.errors import CaseError, ModelError, SuppleError
-from supple.fem import FiniteElementModel, stress_recovery
+from supple.fem import FiniteElementModel, cells_without_stress, stress_recovery
 from supple.importers.toml import KeyPath, LineIndex, listed_mistakes, nearest_hint
 from supple.integrate import Run
 from supple.machine import At, ForceElement, NodalLoad, SplitBody, System
@@ -381,13 +381,17 @@ class Case:
 
     @cached_property
     def drawn(self) -> Mapping[str, Mesh | FiniteElementModel | None]:
-        """Geometry for drawing each body, by name: mesh; elements if it has beams; None: drawn as points."""
+        """Geometry for drawing each body, by name: mesh; None: drawn as points.
+
+        Elements instead of the mesh if the body has beams, or cells without stress, which are drawn plain.
+        """
         found: dict[str, Mesh | FiniteElementModel | None] = {
             table.name: None for table in self.parts.body if table.name not in self.meshes
         }
         for name, mesh in self.meshes.items():
-            if CellType.LINE2 in mesh.cells and name in self.elements:
-                found[name] = self.elements[name]
+            model = self.elements.get(name)
+            if model is not None and (CellType.LINE2 in mesh.cells or cells_without_stress(model)):
+                found[name] = model
             elif any(kind.dimension > 1 for kind in mesh.cells):
                 found[name] = mesh
         return found
