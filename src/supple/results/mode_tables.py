@@ -9,6 +9,7 @@ import numpy as np
 
 from supple.linearization import CampbellDiagram
 from supple.linearization.linear_machine import STANDING
+from supple.results.round_off import without_noise
 from supple.results.run_tables import TextTable
 from supple.units import UnitSystem, headed, plain_number
 
@@ -73,7 +74,7 @@ def _mode_table(numbers: Mapping[str, Any]) -> TextTable:
                 _frequency(mode["frequency"]),
                 *whirl,
                 _error(mode),
-                f"{100 * mode['damping_ratio']:.3g}",
+                f"{100 * without_noise(mode['damping_ratio'], like=1.0):.3g}",
                 f"{body} ({100 * share:.0f} %)",
                 "unstable" if mode["unstable"] else "",
             ]
