@@ -195,3 +195,21 @@ def test_a_deck_brings_its_properties_and_a_body_without_sets_is_free(tmp_path):
     assert case.tables.body[0].kind == "nastran"
     assert not case.tables.joint
     assert '# nodes = "SET"' in (tmp_path / "plate.toml").read_text()
+
+
+@pytest.mark.parametrize(
+    ("material", "length", "gravity"),
+    [
+        ("7.+10,,0.3,2700.", "m", -9.81),
+        ("71000.,,0.3,2.7-9", "mm", -9810.0),
+        ("1.+7,,0.3,2.54-4", "in", -386.1),
+        ("71.,,0.3,2.7-6", "m", -9.81),  # mm, kg, ms: not guessed
+    ],
+)
+def test_the_units_of_a_deck_are_those_of_its_materials(material, length, gravity, tmp_path):
+    deck = tmp_path / "plate.bdf"
+    deck.write_text(DECK.replace("7.+10,,0.3,2700.", material))
+    cases.write_new_case(deck, tmp_path / "plate.toml")
+    case = read_case(tmp_path / "plate.toml")
+    assert case.units.length == length
+    assert case.tables.gravity[2] == gravity

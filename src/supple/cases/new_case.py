@@ -6,14 +6,17 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from supple.cases.result_machine import path_from
 from supple.errors import ArgumentError
 from supple.importers import DECK_SUFFIXES, read_deck, read_mesh
+from supple.importers.deck import Deck, IsotropicMaterial
 from supple.mesh import CellType, Mesh
 from supple.storage.file_errors import file_errors
+from supple.units import UnitSystem
 
 __all__ = ["write_new_case"]
 
@@ -53,6 +56,23 @@ def write_new_case(mesh_file: Path, path: Path) -> None:
         path.write_text(text, "utf-8")
 
 
+class _Units(NamedTuple):
+    """Consistent units with the second: names, and the gravity of the earth."""
+
+    length: str
+    mass: str
+    derived: str
+    gravity: float
+
+
+UNITS = (
+    _Units("m", "kg", 'force = "N", stress = "Pa"', 9.81),
+    _Units("mm", "t", 'force = "N", stress = "MPa"', 9810.0),
+    _Units("in", "lbf*s^2/in", 'force = "lbf", stress = "psi"', 386.1),
+)
+"""Units among which those of a deck are guessed; the first are those of other meshes."""
+
+
 @dataclass(frozen=True)
 class _Model:
     """Data of a body from its file.
@@ -65,6 +85,7 @@ class _Model:
     stations : their number, for a body with `ends`
     kind : `solid` or `shell`; `nastran` or `abaqus` where the file has properties
     second_order : whether the mesh has cells of first order that are too stiff in bending
+    units : in which the materials of the file are plausible; None without materials, or if no units fit
     """
 
     spans: tuple[float, float, float]
@@ -75,6 +96,7 @@ class _Model:
     stations: int
     kind: str
     second_order: bool = False
+    units: _Units | None = None
 
 
 def _read(file: Path) -> _Model:
@@ -82,7 +104,7 @@ def _read(file: Path) -> _Model:
         deck = read_deck(file)
         if deck.properties:
             kind = "abaqus" if file.suffix.lower() == ".inp" else "nastran"
-            return _model(deck.nodes, deck.node_sets, kind)
+            return replace(_model(deck.nodes, deck.node_sets, kind), units=_units_of(deck))
     mesh = read_mesh(file)
     if CellType.LINE2 in mesh.cells:
         raise ArgumentError(
@@ -98,6 +120,20 @@ def _is_too_stiff(mesh: Mesh) -> bool:
     """Whether more nodes would help: cells of first order, not all HEXA8, in a mesh that may grow."""
     first = all(kind.dimension == 3 and kind.n_nodes == kind.n_corners for kind in mesh.cells)
     return first and set(mesh.cells) != {CellType.HEXA8} and mesh.n_nodes <= OF_FIRST_ORDER
+
+
+def _units_of(deck: Deck) -> _Units | None:
+    """The first units in which modulus and density of every material are those of a solid."""
+    known = [getattr(each, "material", None) for each in deck.properties.values()]
+    found = {(m.youngs_modulus, m.density) for m in known if isinstance(m, IsotropicMaterial) and m.density}
+    for units in UNITS:
+        named = UnitSystem(units.length, units.mass, "s")
+        pascal, dense = named.in_si(mass=1, length=-1, time=-2), named.in_si(mass=1, length=-3)
+        assert pascal is not None
+        assert dense is not None
+        if found and all(1e5 < pascal * E < 2e12 and 500 < dense * density < 3e4 for E, density in found):
+            return units
+    return None
 
 
 def _model(nodes: np.ndarray, node_sets: Mapping[str, np.ndarray], kind: str) -> _Model:
@@ -138,13 +174,16 @@ def _ends(along: np.ndarray, sets: Mapping[str, np.ndarray]) -> tuple[str, str] 
 
 
 def _case(name: str, named: str, model: _Model) -> str:
+    units = model.units or UNITS[0]
+    why = "units of the moduli and densities in the file; " if model.units else ""
     return f"""\
 # {name} under its weight. Check the lines marked GUESS; `supple info {named}` lists sets and sizes.
 
 title = "{name} under its weight"
-# GUESS: the mesh is {model.spans[0]:.4g} long; nothing is converted, so mesh and numbers need the same units.
-units = {{ length = "m", mass = "kg", time = "s", force = "N", stress = "Pa" }}
-gravity = [0.0, 0.0, -9.81]   # GUESS
+# GUESS: {why}the mesh is {model.spans[0]:.4g} long;
+# nothing is converted, so mesh and numbers need the same units.
+units = {{ length = "{units.length}", mass = "{units.mass}", time = "s", {units.derived} }}
+gravity = [0.0, 0.0, -{units.gravity}]   # GUESS
 
 [[body]]
 name = "{name}"
