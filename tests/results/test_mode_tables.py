@@ -4,7 +4,7 @@ from supple.linearization.linear_machine import STANDING
 from supple.results.mode_tables import mode_table
 
 
-def test_the_damping_of_an_undamped_machine_is_zero_without_round_off():
+def test_round_off_of_damping_is_zero_and_without_a_basis_no_error_is_listed():
     mode = {
         "name": "a 1",
         "frequency": 4.0,
@@ -16,6 +16,11 @@ def test_the_damping_of_an_undamped_machine_is_zero_without_round_off():
         "unstable": False,
     }
     modes = [{**mode, "damping_ratio": ratio} for ratio in (-1.97e-16, 8.2e-15, 0.0123, -2e-3)]
-    table = mode_table({"units": {}, "axes": STANDING, "periodic": False, "modes": modes})
+    numbers = {"units": {}, "axes": STANDING, "periodic": False, "modes": modes, "bodies with a basis": ["a"]}
+    table = mode_table(numbers)
     column = table.heads.index("damping, %")
     assert [row[column] for row in table.rows] == ["0", "0", "1.23", "-0.2"]
+    assert "error, %" in table.heads
+    rigid = mode_table({**numbers, "bodies with a basis": []})  # no basis, no error: not unknown either
+    assert "error, %" not in rigid.heads
+    assert len(rigid.heads) == len(rigid.rows[0])

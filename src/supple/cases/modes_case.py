@@ -263,6 +263,11 @@ def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
         "mass": sum(placed.body.mass for placed in modes.machine.system.bodies),
         "axes": modes.machine.axes,
         "periodic": modes.machine.periodic is not None,
+        "bodies with a basis": [
+            placed.body.name
+            for placed in modes.machine.system.bodies
+            if placed.body.kind not in ("rigid", "full")
+        ],
         "missed": [] if error is None else _shown(case, error.missed.imag).tolist(),
         "modes": [
             {

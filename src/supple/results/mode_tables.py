@@ -73,14 +73,15 @@ def _mode_table(numbers: Mapping[str, Any]) -> TextTable:
                 mode["name"],
                 _frequency(mode["frequency"]),
                 *whirl,
-                _error(mode),
+                *([_error(mode)] if numbers["bodies with a basis"] else []),
                 f"{100 * without_noise(mode['damping_ratio'], like=1.0):.3g}",
                 f"{body} ({100 * share:.0f} %)",
                 "unstable" if mode["unstable"] else "",
             ]
         )
     whirl = ["whirl", headed("in space", unit)][: 1 + turns] if whirls else []
-    heads = ["mode", "motion", headed("frequency", unit), *whirl, "error, %", "damping, %"]
+    error = ["error, %"] if numbers["bodies with a basis"] else []
+    heads = ["mode", "motion", headed("frequency", unit), *whirl, *error, "damping, %"]
     floquet = " (Floquet modes of periodic equations)" if numbers["periodic"] else ""
     title = f"Modes of the machine, in axes {numbers['axes']}{floquet}"
     return TextTable(title, [*heads, "largest share of kinetic energy", "stability"], rows)
