@@ -56,6 +56,8 @@ CONVERGED = 1e-4
 """Size of a sweep, relative to the first sweep, below which no further sweep is made."""
 NOTHING = 1e-8
 """Size of a sweep, relative to the size of the machine, below which no further sweep is made."""
+ROUND_OFF = 1e-12
+"""Largest displacement of an undeformed body, relative to its size."""
 MOST_SWEEPS = 12
 NEAR_BY = 20
 """Largest number of iterations of the search from the reduced equilibrium if the sweeps do not contract."""
@@ -228,13 +230,11 @@ def rest_errors(
         else:
             missing = new.coordinates - began  # condensed motion is not an error
             displacement = own.expand(frame_projector(own.body, MeanAxisFrame())(missing))
-        errors[name] = EquilibriumError(
-            displacement,
-            deformation,
-            largest_displacement(own, new.coordinates[None]),
-            _strain(own, began, new.coordinates),
-            full.second,
-        )
+        size, strain = largest_displacement(own, new.coordinates[None]), _strain(own, began, new.coordinates)
+        largest = max(size, float(np.linalg.norm(displacement, axis=1).max()))
+        if largest <= ROUND_OFF * np.ptp(own.nodes, axis=0).max():  # undeformed: ratios of rounding errors
+            displacement, strain = np.zeros_like(displacement), 0.0
+        errors[name] = EquilibriumError(displacement, deformation, size, strain, full.second)
     return errors
 
 
