@@ -1,4 +1,4 @@
-"""Damping of a body's deformation, as frozen options."""
+"""Damping of a body's deformation: Rayleigh damping and modal damping."""
 
 from __future__ import annotations
 
@@ -27,18 +27,21 @@ __all__ = [
 
 @dataclass(frozen=True)
 class RayleighDamping:
-    """Kelvin-Voigt material with mass-proportional damping: D(q) = alpha P^T M P + beta K_mat(q).
+    """Rayleigh damping in the deformed body: damping matrix D(q) = alpha P^T M P + beta K_mat(q).
 
-        K_mat(q) = sum w A^T C A,     eps_dot = A(q) q_dot
+        K_mat(q) = sum w A^T C A,     eps_dot = A(q) q_dot,     zeta = alpha / (2 omega) + beta omega / 2
 
-    is the material stiffness in the current configuration, a sum over integration points with the weights w
-    and the elasticity C. Beta therefore damps strain rates and no rigid rotation. In the undeformed body,
-    motions with the interface `held` fixed have D = alpha M + beta K, with the modal damping ratio
-    zeta(omega) = alpha / (2 omega) + beta omega / 2. P removes the rigid motion of that interface, so that
-    the damping is the same in every frame. Without `held`, P is the identity: alpha damps motion relative to
-    the body's frame, and the damping depends on the choice of frame.
+    M is the mass matrix. K_mat is the material stiffness in the current configuration q, a sum over the
+    integration points; w is the weight of a point and C the elasticity. The term with beta is that of a
+    Kelvin-Voigt material: it damps the strain rates eps_dot, and does not resist a rigid rotation of a part.
+    P subtracts the rigid motion of the interface `held`. The damping is then the same in every frame, and
+    zeta is the damping ratio of a mode of angular frequency omega of the undeformed body, clamped at `held`.
+    Without `held`, P is the identity: alpha damps motion relative to the body's frame, so the damping depends
+    on the choice of frame.
 
-    alpha in 1/s, beta in s; neither negative. held : name of an interface
+    alpha : 1/s, zero or positive
+    beta : s, zero or positive
+    held : name of an interface of the body; None: without
     """
 
     alpha: float
@@ -50,7 +53,7 @@ class RayleighDamping:
         _check_factors("Rayleigh damping", self.alpha, self.beta)
 
     def matrix(self, stiffness: Any, mass: Any) -> Any:
-        """D(0) (n, n), for K and P^T M P; sparse or dense as these."""
+        """D (n, n) of the undeformed body, from the stiffness K and `mass` = P^T M P; sparse if they are."""
         return self.alpha * mass + self.beta * stiffness
 
     @property
@@ -65,12 +68,11 @@ class RayleighDamping:
 
 @dataclass(frozen=True)
 class LinearRayleighDamping:
-    """Damping matrix alpha P^T M P + beta K with the stiffness K of the undeformed body, as is usual.
+    """Rayleigh damping with the constant matrix alpha P^T M P + beta K; K: stiffness of the undeformed body.
 
-    Where a part of a stiff body has rotated by theta relative to the frame, beta K resists further rotation
-    with forces of order theta^2; RayleighDamping does not. P is as in RayleighDamping.
-
-    alpha in 1/s, beta in s; neither negative. held : name of an interface
+    In a part of a stiff body that has rotated by theta relative to the frame, beta K resists further rotation
+    with forces of order theta^2. The damping force of `RayleighDamping` does not. P, alpha, beta and held are
+    defined there.
     """
 
     alpha: float
@@ -82,7 +84,7 @@ class LinearRayleighDamping:
         _check_factors("linear Rayleigh damping", self.alpha, self.beta)
 
     def matrix(self, stiffness: Any, mass: Any) -> Any:
-        """The damping matrix (n, n), for K and P^T M P; sparse or dense as these."""
+        """The damping matrix (n, n), from K and `mass` = P^T M P; sparse if they are."""
         return self.alpha * mass + self.beta * stiffness
 
     @property
@@ -100,9 +102,12 @@ def _check_factors(what: str, alpha: float, beta: float) -> None:
 def rayleigh_from_ratios(
     ratio: float | tuple[float, float], omega_1: float, omega_2: float
 ) -> RayleighDamping:
-    """Rayleigh damping with given damping ratios (one for both, or one each) at two frequencies in rad/s.
+    """Rayleigh damping with given damping ratios zeta_1, zeta_2 at two angular frequencies.
 
         zeta_i = alpha / (2 omega_i) + beta omega_i / 2,     i = 1, 2
+
+    ratio : (zeta_1, zeta_2), or one number for both
+    omega_1, omega_2 : rad/s
 
     Raises
     ------
@@ -120,9 +125,11 @@ def rayleigh_from_ratios(
 def rayleigh_at_modes(
     stiffness: sparse.sparray, mass: sparse.sparray, constraint: Any, ratio: float, modes: tuple[int, int]
 ) -> RayleighDamping:
-    """Rayleigh damping with one damping ratio for two modes, numbered from 1, of a body under a constraint.
+    """Rayleigh damping that gives two modes of a constrained body the same damping ratio.
 
     stiffness, mass, constraint : as for `lowest_modes`
+    ratio : damping ratio of both modes
+    modes : numbers of the modes, the lowest is 1
     Raises ModelError as for `rayleigh_from_ratios`.
     """
     found = lowest_modes(stiffness, mass, max(modes), constraint=constraint)
@@ -132,17 +139,18 @@ def rayleigh_at_modes(
 
 @dataclass(frozen=True, eq=False)
 class ModalDamping:
-    """A damping ratio for each mode of the simulated body, with a constant damping matrix C.
+    """Modal damping: a damping ratio zeta for each mode of the undeformed body; constant damping matrix C.
 
         C = P^T M Phi diag(2 zeta omega) Phi^T M P
 
-    Phi are the mass-normalised modes with the interface `held` clamped. P removes the rigid motion of that
+    The columns of Phi are the modes of the reduced or full body with the interface `held` clamped,
+    normalised to the mass matrix M; omega are their angular frequencies. P subtracts the rigid motion of this
     interface, so that the damping is the same in every frame. Without `held`, Phi are the modes with the
     body's frame fixed, P is the identity, and the damping depends on the choice of frame.
 
-    ratios : one for all modes, or one per mode from the lowest up; the last applies to all higher modes
-    n_modes : number of damped modes, from the lowest up; None: all modes, which is an error for a full body
-    held : name of an interface
+    ratios : damping ratios of the modes, lowest mode first; modes beyond the last ratio have the last ratio
+    n_modes : number of damped modes, lowest first; None: all modes, possible only for a reduced body
+    held : name of an interface of the body; None: without
     """
 
     ratios: NDArray[np.float64] | float
@@ -165,7 +173,7 @@ class ModalDamping:
         return 0.0
 
     def matrix(self, stiffness: ArrayLike, mass: ArrayLike) -> NDArray[np.float64]:
-        """C (r, r) from the modes of dense K and P^T M P (r, r)."""
+        """C (r, r) of a reduced body, from its K and `mass` = P^T M P, both (r, r) and dense."""
         M = np.asarray(mass, dtype=np.float64)
         squares, modes = linalg.eigh(np.asarray(stiffness, dtype=np.float64), M)
         columns = self._columns(squares, modes, M)
@@ -174,9 +182,10 @@ class ModalDamping:
     def columns(
         self, stiffness: sparse.sparray, mass: sparse.sparray, constraint: Any
     ) -> NDArray[np.float64]:
-        """W (n, n_modes) of C = W W^T for P = I, from the lowest modes of sparse matrices under a constraint.
+        """Factor W (n, n_modes) of C = W W^T of a full body without `held`, from its lowest modes.
 
-        Parameters as for `lowest_modes`. ModelError if `n_modes` is None, or exceeds the number of modes.
+        stiffness, mass, constraint : as for `lowest_modes`
+        Raises ModelError if `n_modes` is None, or exceeds the number of modes.
         """
         if self.n_modes is None:
             raise ModelError(
@@ -198,7 +207,7 @@ Damping = RayleighDamping | LinearRayleighDamping | ModalDamping
 
 
 def refuse_relative_damping(damping: Damping | None, what: str) -> None:
-    """Raise ModelError if the damping has an interface `held`, which requires a floating frame."""
+    """Raise ModelError if the damping has an interface `held`; `held` requires a floating frame."""
     if damping is not None and damping.held is not None:
         raise ModelError(
             f"{what}: its damping is relative to the interface '{damping.held}', which needs a body in a "
@@ -209,13 +218,12 @@ def refuse_relative_damping(damping: Damping | None, what: str) -> None:
 def damping_matrix(
     damping: Damping | None, body: FlexibleBody, columns: NDArray[np.float64], stiffness: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Damping matrix D (k, k) of an undeformed body for motions V g with k coordinates g; zero if None.
+    """Damping matrix D (k, k) of an undeformed body whose motion is V g, for the k coordinates g.
 
-    With an interface `held`, the mass matrix is V^T P^T M P V; without it, the unit matrix.
-
-    columns : V (n, k)          M-orthonormal
-    stiffness : (k, k)          V^T K V
-    Raises ModelError if the body has no interface `held`, or if `held` does not fix the rigid motion.
+    damping : None: D is zero
+    columns : V (n, k), M-orthonormal; the mass matrix in D is V^T P^T M P V, the unit matrix without `held`
+    stiffness : V^T K V (k, k)
+    Raises ModelError if the interface `held` is not in the body, or does not fix its rigid motion.
     """
     mass = np.eye(columns.shape[1])
     if damping is None:

@@ -27,14 +27,14 @@ def flexible_body(
     Parameters
     ----------
     model      : elements, mass and stiffness of the body, without supports
-    interfaces : points at which joints and loads act; node sets are those of the model's mesh
+    interfaces : points at which joints and loads act, each with its nodes: numbers, or a node set of the mesh
     Raises
     ------
-    MeshError    unknown node set
-    ModelError   matrices that are not finite or symmetric; a mass matrix with negative eigenvalues; motions
-                            with neither mass nor stiffness; a stiffness that resists rigid motion or leaves
-                            more than six motions free; interfaces that are empty, share a name, tie a node
-                            rigidly twice, or cannot carry a rotation
+    MeshError    a node set that the mesh does not have
+    ModelError   a mass or stiffness matrix that is not finite or not symmetric; a mass matrix with negative
+                 eigenvalues; a motion with neither mass nor stiffness; a stiffness that resists rigid motion,
+                 or leaves more than six motions free; an interface without nodes, or whose nodes cannot carry
+                 a rotation; two interfaces of one name; a node in two rigid interfaces
     """
     from supple.fem import nodal_rotation_operator
 

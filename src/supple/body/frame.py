@@ -20,13 +20,16 @@ class Frame(Protocol):
     """A choice of frame: six linear conditions D q = 0 on a body's coordinates."""
 
     def constraint(self, body: FlexibleBody) -> NDArray[np.float64]:
-        """D (6, n), with D R (6, 6) regular for the rigid modes R."""
+        """D (6, n); with the rigid modes R (n, 6) of the body, D R must be regular."""
         ...
 
 
 @dataclass(frozen=True)
 class NodalFixedFrame:
-    """The frame moves with an interface: its displacement and rotation are zero, q_v = 0. [Wu2019 (11)]"""
+    """The frame moves with an interface, so that the interface has q_v = 0 in the frame. [Wu2019 (11)]
+
+    q_v : displacement and rotation of the interface (6,)
+    """
 
     interface: str
 
@@ -34,7 +37,7 @@ class NodalFixedFrame:
         check_fields(self)
 
     def constraint(self, body: FlexibleBody) -> NDArray[np.float64]:
-        """D (6, n), the `motion` of the interface; ModelError if the body has no such interface."""
+        """D (6, n), which is `motion` of the interface; ModelError if the body has no such interface."""
         return body.interface(self.interface).motion.toarray()
 
 
@@ -65,7 +68,8 @@ def smaller_rotations(frame: Frame | None) -> str:
 def frame_projector(body: FlexibleBody, frame: Frame) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
     """The map P x = x - R (D R)^-1 D x, from motions (n,) or (n, k) to motions relative to the frame.
 
-    Raises ModelError if D R is singular, so that the frame does not fix the rigid motion.
+    D is the constraint matrix of the frame, and R the rigid modes of the body.
+    Raises ModelError if D R is singular; the frame then does not fix the rigid motion.
     """
     D, R = frame.constraint(body), body.rigid_modes
     fixed = D @ R

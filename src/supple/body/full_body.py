@@ -25,7 +25,7 @@ __all__ = ["FullBody"]
 class FullBody(FloatingForm):
     """A flexible body with all its coordinates; six Lagrange multipliers impose the conditions of its frame.
 
-    body : FlexibleBody    nonlinear if it has quadratic strains; give `body.linearized()` for a linear one
+    body : FlexibleBody    with quadratic strains it is nonlinear; `body.linearized()` is linear
     frame : NodalFixedFrame | MeanAxisFrame
     damping : RayleighDamping(...), LinearRayleighDamping(...), ModalDamping(ratios, n_modes) or None
     """
@@ -49,7 +49,7 @@ class FullBody(FloatingForm):
 
     @property
     def mass(self) -> float:
-        """Mass of the body, kg: r^T M r of the rigid translation r along x."""
+        """Mass of the body, kg: r^T M r, where r is the unit translation along x."""
         along_x = self.body.rigid_modes[:, 0]
         return float(along_x @ (self.body.mass @ along_x))
 
@@ -79,12 +79,12 @@ class FullBody(FloatingForm):
 
     @property
     def uses_interface_motions(self) -> bool:
-        """True: joints and forces use interface motions, as only sparse methods solve for all coordinates."""
+        """True: equations of joints and forces contain six motions per interface, not all coordinates."""
         return True
 
     @property
     def interface_motions(self) -> csr_array:
-        """Displacements and rotations of all p interfaces per unit coordinate, csr (6 p, n)."""
+        """Displacement and rotation of each of the p interfaces per unit coordinate, csr (6 p, n)."""
         motions = [interface.motion for interface in self.interfaces]
         return csr_array(vstack(motions)) if motions else csr_array((0, self.n_coordinates))
 
@@ -102,7 +102,7 @@ class FullBody(FloatingForm):
     def nodal_fields(
         self, coordinates: np.ndarray, freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[np.ndarray, None]:
-        """All or some nodal freedoms (n_nodal, t) for coordinates (t, n), and None: nothing is condensed."""
+        """All or some nodal freedoms (n_nodal, t) for coordinates (t, n); None, as no motion is condensed."""
         return self.body.expansion.tocsr()[freedoms] @ coordinates.T, None
 
     @property
@@ -111,7 +111,10 @@ class FullBody(FloatingForm):
         return float(np.sqrt(len(self.nodes)))
 
     def section_softness(self, interface: str) -> np.ndarray:
-        """Softness c / C (3,) of the section at an averaging interface (`averaging_error`); else zeros."""
+        """Softness c / C (3,) of the section at an averaging interface, see `averaging_error`.
+
+        Zeros for other interfaces.
+        """
         return section_softness(self.body, self.interface(interface))
 
     @property
@@ -131,6 +134,6 @@ class FullBody(FloatingForm):
 
     @property
     def rotation_rows(self) -> Any:
-        """Rotation vectors at P points per unit coordinate, sparse (3 P, n); None if unknown."""
+        """Rotation vectors at P nodes or cell centres per unit coordinate, (3 P, n); None if unknown."""
         operator = self.body.rotation_operator
         return None if operator is None else operator @ self.body.expansion

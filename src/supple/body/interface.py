@@ -25,16 +25,17 @@ __all__ = [
 ]
 
 SAME_MOTION = 1e-10
-"""Largest difference of the motions of two interfaces that move as one, relative to their largest entry."""
+"""Largest difference of two motion matrices that count as equal, relative to the largest entry."""
 
 
 @dataclass(frozen=True, eq=False)
 class RigidInterface:
     """Nodes that move as one rigid body with a virtual node (RBE2): u_a = u_v + theta_v x (x_a - x_v).
 
-    Nodes with rotations rotate with the virtual node, theta_a = theta_v. The freedoms of the nodes are
-    eliminated. The strains of adjacent elements include theta_v to second order (`second_order_tie`), except
-    in linear bodies and shells with von Karman strain.
+    u_a is the displacement of node a at x_a; u_v, theta_v and x_v are displacement, rotation and position of
+    the virtual node. Nodes with rotations have theta_a = theta_v. The freedoms of the nodes are eliminated.
+    The strains of adjacent elements include theta_v to second order (`second_order_tie`). Exceptions are
+    linear bodies, and shells with von Karman strain.
 
     nodes    : name of a node set, or node numbers
     position : (3,) m, of the virtual node; by default the mean position of the nodes
@@ -56,7 +57,7 @@ class AveragingInterface:
 
     nodes    : name of a node set, or node numbers
     position : (3,) m, of the virtual node; by default the weighted mean position of the nodes
-    weights  : (k,) positive, one per node; equal by default. Where the mesh is uneven, give nodal areas.
+    weights  : (k,) positive, one per node; by default equal. For an uneven mesh give the areas of the nodes
     """
 
     name: str
@@ -81,15 +82,15 @@ class BodyInterface:
     """A virtual node of a body: its position, and its motion as a linear map of the body's coordinates.
 
     position : (3,) in the mesh axes
-    motion   : csr (6, n), q_v = (u_v, theta_v) = motion @ q
-    node_ids : (k,) numbers of its nodes
-    cubic_turn : c in the rotation vector theta_v (1 + c theta_v.theta_v) of a joint at this interface
+    motion   : csr (6, n); displacement and rotation of the virtual node are (u_v, theta_v) = motion @ q
+    node_ids : (k,) numbers of the nodes of the interface
+    cubic_turn : c; a joint at this interface has the rotation vector theta_v (1 + c theta_v.theta_v)
     tied_nodes : numbers of the nodes tied rigidly to the interface, to second order (`second_order_tie`)
 
-    Rigid interface: the strains of the adjacent elements are truncated to second order (`second_order_tie`).
-    After a rotation by phi the energy of the elements is least for |theta_v| = tan(phi), hence c = -1/3.
-    Averaging interface: if its nodes rotate by phi, |theta_v| = sin(phi), hence c = 1/6. If theta_v is the
-    rotation of the nodes themselves (single or collinear nodes), or the body is linear, c = 0.
+    c depends on how theta_v changes if the section rotates by the angle phi. Rigid interface: the energy of
+    the adjacent elements, whose strains are truncated to second order, is least for |theta_v| = tan(phi);
+    hence c = -1/3. Averaging interface: |theta_v| = sin(phi); hence c = 1/6. In a linear body, and where
+    theta_v is the rotation of the nodes themselves (one node, or collinear nodes), c = 0.
     """
 
     name: str
@@ -101,11 +102,11 @@ class BodyInterface:
 
 
 class UntiedInterface:
-    """Properties of an interface without tied nodes."""
+    """Base of interfaces without tied nodes."""
 
     @property
     def cubic_turn(self) -> float:
-        """Zero: the rotation vector of the interface is theta itself."""
+        """Zero: a joint at the interface has the rotation vector theta, without a cubic term."""
         return 0.0
 
     @property
@@ -126,7 +127,7 @@ class PointInterface(UntiedInterface):
 
     @property
     def motion(self) -> NDArray[np.float64]:
-        """Empty (6, 0), as a rigid body has no coordinates."""
+        """Empty (6, 0): a rigid body has no coordinates."""
         return np.zeros((6, 0))
 
 
@@ -150,7 +151,7 @@ class Interface(Protocol):
 
     @property
     def cubic_turn(self) -> float:
-        """Coefficient c in the rotation vector theta (1 + c theta.theta) of the interface."""
+        """Coefficient c in the rotation vector theta (1 + c theta.theta) of a joint at the interface."""
         ...
 
     @property
@@ -160,7 +161,7 @@ class Interface(Protocol):
 
 
 def moves_rigidly_with(interface: BodyInterface, other: BodyInterface) -> bool:
-    """Whether an interface moves as a point rigidly attached to another one."""
+    """Whether `interface` moves like a point rigidly attached to `other`."""
     carried = np.eye(6)
     carried[:3, 3:] = -cross_matrix(interface.position - other.position)
     difference = abs(interface.motion - sparse.csr_array(carried) @ other.motion)

@@ -19,8 +19,8 @@ from supple.summary import Summarized, Summary, place_text
 
 __all__ = ["RigidBody"]
 
-# Relative asymmetry and violation of the triangle inequality that is accepted: inertias given with few digits
-# may have both in the last digit (thin discs, rods).
+# Largest accepted relative asymmetry of an inertia, and relative violation of the triangle inequality. An
+# inertia given with few digits can have both in its last digit (thin disc, rod).
 ROUNDING = 1e-6
 
 
@@ -37,8 +37,8 @@ class RigidBody(FloatingForm, Summarized):
     points     : {interface name: (3,) position in body axes, m}
     Raises
     ------
-    ModelError   a mass that is not positive, an inertia that violates these conditions; positions that are
-                 not three finite numbers
+    ModelError   a mass or an inertia that violates these conditions; a position that is not three finite
+                 numbers
     """
 
     name: str
@@ -110,7 +110,7 @@ class RigidBody(FloatingForm, Summarized):
     def nodal_fields(
         self, coordinates: NDArray[np.float64], freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[NDArray[np.float64], None]:
-        """Zero displacements (3 N, t), or those of some freedoms, and None: nothing is condensed."""
+        """Zero displacements (3 N, t) of all or some freedoms; None, as no motion is condensed."""
         return np.zeros((self.nodes.size, len(coordinates)))[freedoms], None
 
     @property

@@ -1,4 +1,4 @@
-"""Error statements of a finished run, part by part, for every elastic body and other quantities."""
+"""Error estimate of a finished run: the parts of the error in each body and quantity of interest."""
 
 from __future__ import annotations
 
@@ -29,13 +29,14 @@ __all__ = ["ErrorStudy", "state_errors", "warn_of_model"]
 class ErrorStudy:
     """The parts of the error that are estimated, and the quantities of interest.
 
-    basis : bool        error of the basis, by the error equation or by one more run with richer bases; for
-                        reduced bodies whose full bodies are given
-    integration : bool  errors of step and tolerance, by two more runs: the first with a tighter tolerance,
-                        the second also with half the step; False: only the floor of the integration error
-    model : bool        error of the kinematics, from the forces of all elements and a solution of the whole
-                        system at each of six times
-    quantities : quantities of interest besides the positions of every elastic body
+    basis : bool        error of the basis, from the error equation or from one more run with richer bases; it
+                        is estimated for the reduced bodies whose full bodies are given
+    integration : bool  errors of time step and Newton tolerance, from two more runs: the first has a tighter
+                        tolerance, the second also half the step. False: no error of the step; for the
+                        tolerance its smallest value: ten times tolerance times size of the quantity
+    model : bool        error of the kinematics, from the element forces and one solution of the linearised
+                        equations of the whole system, at each of six times
+    quantities : sensors and bodies to assess besides every elastic body
     """
 
     basis: bool = True
@@ -61,16 +62,16 @@ def state_errors(
     fulls: Mapping[str, FullBody] | Sequence[FullBody] = (),
     progress: StepProgress | None = None,
 ) -> Solution:
-    """The solution with its error estimates: `solution.errors`, and `motion.error` of its bodies.
+    """Estimate the error of a finished run: the solution with `solution.errors` and `motion.error` of bodies.
 
-    The parts are the errors of the basis, the time step, Newton's tolerance and the model; `ErrorStudy`
-    describes how each is found. A kinematic run is returned unchanged.
+    The error has four parts: basis, time step, Newton tolerance and model. `ErrorStudy` describes how each is
+    estimated. The solution of a kinematic run is returned unchanged.
 
     Parameters
     ----------
     system, run, solution : the machine as simulated, the settings of the run, and its result
-    study : ErrorStudy      by default all parts, of every elastic body
-    fulls : the full bodies of the reduced ones. Without them, or in a machine with intrinsic bodies, the
+    study : ErrorStudy      by default all parts of the error, for every elastic body
+    fulls : full bodies of the reduced bodies. Without a full body, or in a machine with intrinsic bodies, the
         error of the basis is not estimated, and the error of the model follows from the rotation limit. If
         the run stopped early, the error of the basis is not estimated
     progress : called with the name of the current step and its completed fraction
@@ -80,8 +81,8 @@ def state_errors(
     ModelError      a quantity of an unknown body or joint, a full body that does not belong to this machine,
         an explicit run
 
-    Warns (ValidityWarning; an error in a strict run) of bodies whose error of the model exceeds 5 % of their
-    displacement.
+    Warns ValidityWarning if the error of the model of a body exceeds 5 % of its displacement; in a strict run
+    this raises ValidityError.
     """
     if isinstance(run.method, Kinematic):  # no integration, and no body deforms
         return solution
@@ -96,7 +97,7 @@ def state_errors(
     of_basis: Mapping[str, ErrorPart] = {}
     if study.basis and bases and solution.stopped is None:
         of_basis = basis_parts(system, run, solution, known, bases, quantities, progress=progress)
-    of_basis = {**of_basis, **line_parts(system, solution)}  # at negligible cost
+    of_basis = {**of_basis, **line_parts(system, solution)}  # whatever study.basis: it costs almost nothing
     solution = solution.with_errors(
         statements(system, run, solution, study, known, bases, of_basis, progress=progress)
     )
@@ -135,8 +136,8 @@ def statements(
 ) -> dict[str, ErrorStatement]:
     """The error statements of a run, by name of the quantity.
 
-    of_basis : error of the basis, by quantity; for a full body the part is zero
-    allowed : largest allowed sum of the parts, by quantity
+    of_basis : error of the basis, by name of the quantity; not needed for full bodies, for which it is zero
+    allowed : largest allowed sum of the parts, by name of the quantity
     """
     quantities = quantities_of_interest(system, study) if quantities is None else quantities
     integration = integration_errors(
@@ -167,13 +168,16 @@ def statements(
 
 
 def _of_machine(system: System, fulls: Mapping[str, FullBody]) -> dict[str, FullBody]:
-    """The full bodies of bodies that are not full in the machine; ModelError for a differing node count."""
+    """Those of the full bodies that the machine has in another form.
+
+    Raises ModelError if a full body has another number of nodes than the body in the machine.
+    """
     for name, full in fulls.items():
         body = system.placed(name, "stated error").body
         if len(body.nodes) != len(full.nodes):
             raise ModelError(
-                f"error study: body '{name}' has {len(full.nodes)} nodes in full and {len(body.nodes)} in "
-                "the machine; give the body that was reduced"
+                f"error study: full body '{name}' has {len(full.nodes)} nodes, and the body in the machine "
+                f"{len(body.nodes)}; give the full body that was reduced"
             )
     in_full = system.bodies_of(FullBody)
     return {name: full for name, full in fulls.items() if name not in in_full}

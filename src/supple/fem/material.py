@@ -24,8 +24,8 @@ class Isotropic:
     poissons_ratio : float      nu in (-1, 1/2)
     density : float             rho >= 0, kg/m^3; 0 for statics alone
     stated_shear_modulus : float or None
-            G, Pa, from an input deck that states G besides E and nu; E / (2 (1 + nu)) when None. If G differs
-            from that value, the stiffness of solids and shells depends on the axes of their strains
+            G, Pa, of an input deck that contains E, nu and G; None: G = E / (2 (1 + nu)). With another G, the
+            stiffness of a solid or shell depends on the axes in which its strains are computed
 
     Raises
     ------
@@ -82,7 +82,7 @@ class Isotropic:
 
 @dataclass(frozen=True, eq=False)
 class Anisotropic:
-    """An elastic material given by its stiffness in its own axes (`Section.directions`, or the mesh axes).
+    """An elastic material given by its stiffness in material axes: `Section.directions`, or the mesh axes.
 
     Parameters
     ----------

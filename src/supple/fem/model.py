@@ -47,7 +47,7 @@ __all__ = [
 MassRule = Callable[[CellMass], CellMass]
 
 CELLS_AT_ONCE = 4096
-"""Elements whose stiffness is computed and assembled at one time: some 100 MB of quadratic solids."""
+"""Number of elements whose stiffness is in memory at one time: some 100 MB for quadratic solids."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,14 +59,14 @@ class FiniteElementModel:
     mesh : Mesh
     dofs_per_node : int                     3 (ux uy uz), or 6 (and rx ry rz) if any element has nodal
         rotations
-    sections : tuple of Section             assignment of properties to cells
-    mass : csc_array (n, n)                 mass by `mass_of`, and concentrated masses, kg and kg m^2
-    stiffness : csc_array (n, n)            linear stiffness, the tangent of the undeformed body
-    rotation_limit : float                  largest rotation, rad, relative to the frame; infinite if no
-        element has nodal rotations
-    kinematics : ShellKinematics            of shells and beams; solids have one kind only
-    attached : Attached                     springs, masses, dashpots and ties of nodes, beside the elements
-    mass_of : MassRule                      mass rule of the cells: consistent_mass, or CellMass.lumped
+    sections : tuple of Section             cells of one type with one property: material or section
+    mass : csc_array (n, n)                 mass of the cells and concentrated masses, kg and kg m^2
+    stiffness : csc_array (n, n)            tangent stiffness of the undeformed body
+    rotation_limit : float                  largest rotation, rad, relative to the frame for which the
+        kinematics are valid; infinite if no element has nodal rotations
+    kinematics : ShellKinematics            strain of shells and beams; solids have Green-Lagrange strain
+    attached : Attached                     springs, masses, dashpots and ties at nodes
+    mass_of : MassRule                      mass of the cells: consistent_mass, or CellMass.lumped
     """
 
     mesh: Mesh
@@ -114,17 +114,19 @@ def shell_model(
     Parameters
     ----------
     mesh : Mesh                         of TRIANGLE3 and LINE2 cells
-    section : ShellSection (triangles) or LineSection (lines), or {cell set: either}, every cell in one set
-    kinematics : ShellKinematics     GREEN_LAGRANGE, or VON_KARMAN for flat structures
+    section : ShellSection for triangles, LineSection for lines; or {cell set: section}, with every cell in
+        exactly one set
+    kinematics : ShellKinematics        GREEN_LAGRANGE, or VON_KARMAN for flat structures
 
     Raises
     ------
-    ModelError   cells that are neither triangles nor lines, or without a section, or with two, or with one
-                 of the wrong kind; a shell thicker than the mesh; a beam along the orientation of its section
-    MeshError    unknown cell set
+    ModelError   a cell that is neither a triangle nor a line; a cell without a section, with two, or with a
+                 section for another type of cell; a shell thicker than the size of the mesh; a beam parallel
+                 to the vector that orients its section
+    MeshError    a cell set that the mesh does not have
     Warns
     -----
-    SuppleWarning   a wall thicker than five times the median side of its triangles; a doubly curved wall
+    SuppleWarning   a shell thicker than five times the median side of its triangles; a doubly curved shell
                     whose triangles are too large for its thickness
     """
     expected = "GREEN_LAGRANGE or VON_KARMAN of supple.fem"
@@ -141,12 +143,13 @@ def solid_model(
     Parameters
     ----------
     mesh : Mesh                     of solid cells, linear or quadratic, also mixed
-    material : Isotropic or Anisotropic, or {cell set name: either} with every cell in exactly one set
+    material : Isotropic or Anisotropic; or {cell set: material}, with every cell in exactly one set
 
     Raises
     ------
-    ModelError   cells that are not solid, without a material, or with two; a property that is no material
-    MeshError    unknown cell set
+    ModelError   a cell that is not a solid; a cell without a material, or with two; a property that is not a
+                 material
+    MeshError    a cell set that the mesh does not have
     """
     given = sections(mesh, material)
     return _solid_model(mesh, given)
@@ -167,9 +170,9 @@ def finite_element_model(
     ----------
     given : the sections of all cells
     kinematics : of shells and beams
-    attached : springs, masses, dashpots and ties, in freedoms of `dofs_per_node` per node
-    dofs_per_node : 3 or 6; by default 6 where a section has stiffness in nodal rotations, otherwise 3
-    mass_of : mass rule of each cell: consistent_mass, or CellMass.lumped
+    attached : springs, masses, dashpots and ties at nodes; each node has `dofs_per_node` freedoms
+    dofs_per_node : 3 or 6; by default 6 if a section has stiffness in nodal rotations, otherwise 3
+    mass_of : mass of a cell: consistent_mass, or CellMass.lumped
 
     Raises
     ------
@@ -188,11 +191,11 @@ def parts_of_model(model: FiniteElementModel, divided: DividedMesh) -> tuple[Fin
 
     Each spring, mass or tie belongs to the first part that contains all of its nodes.
 
-    divided : `model.mesh` in parts; each cell keeps its property
+    divided : `model.mesh` in parts
 
     Raises
     ------
-    ModelError   springs, masses, dashpots, ties or constraints whose nodes lie in several parts
+    ModelError   a spring, mass, dashpot, tie or constraint whose nodes are not all in one part
     """
     nodes = [part.nodes for part in divided.parts]
     beside = attached_parts(model.attached, nodes, model.mesh.node_ids, model.dofs_per_node)
@@ -217,16 +220,16 @@ def _in_part(section: Section, part: MeshPart) -> Section:
 
 
 def cell_masses(model: FiniteElementModel) -> tuple[CellMass, ...]:
-    """Consistent mass of the cells of each section, before assembly, and of concentrated masses.
+    """Consistent mass of the cells of each section, not assembled; then the concentrated masses.
 
-    Raises ModelError for masses shared by several nodes.
+    Raises ModelError for a concentrated mass that couples several nodes.
     """
     beside = point_masses(model.attached, model.dofs_per_node)
     return (*_cell_masses(model.mesh, model.sections), *(() if beside is None else (beside,)))
 
 
 def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
-    """Diagonal mass (n,) of the nodal freedoms, kg and kg m^2, with the total of the consistent mass.
+    """Diagonal mass (n,) of the nodal freedoms, kg and kg m^2; its total is that of the consistent mass.
 
     Raises ModelError as for `node_masses`.
     """
@@ -239,9 +242,10 @@ def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
 
 
 def node_masses(model: FiniteElementModel) -> NDArray[np.float64]:
-    """Concentrated masses (N,) at nodes, kg.
+    """Concentrated mass (N,) of each node, kg.
 
-    Raises ModelError for a mass that has inertia, is eccentric, differs by direction or couples nodes.
+    Raises ModelError for a mass with rotary inertia, with a centre beside its node, with different values in
+    different directions, or at several nodes.
     """
     found = np.zeros(model.mesh.n_nodes)
     beside = point_masses(model.attached, model.dofs_per_node)
@@ -253,9 +257,9 @@ def node_masses(model: FiniteElementModel) -> NDArray[np.float64]:
     if other.any():
         node = model.mesh.node_ids[beside.nodes[other][0, 0]]
         raise ModelError(
-            f"the concentrated mass at node {node} (one of {np.count_nonzero(other)}) has inertia, lies "
-            "beside its node or differs by direction, unlike a lumped mass: give the mass alone, or use a "
-            "body in a floating frame"
+            f"the concentrated mass at node {node} (one of {np.count_nonzero(other)}) has rotary "
+            "inertia, a centre beside its node or different values by direction: give the mass alone, or use "
+            "a body in a floating frame"
         )
     found[beside.nodes[:, 0]] = own
     return found
@@ -341,7 +345,7 @@ def line_of(mesh: Mesh, section: Section) -> BeamLine:
 
 
 def _portions(given: tuple[Section, ...]) -> Iterator[Section]:
-    """The cells of the sections, in portions whose arrays stay small."""
+    """The sections, each in portions of at most `CELLS_AT_ONCE` cells."""
     for section in given:
         for first in range(0, len(section.cells), CELLS_AT_ONCE):
             yield section.of(slice(first, first + CELLS_AT_ONCE))
@@ -380,7 +384,7 @@ def _model(
 
 
 def _on_their_surface(mesh: Mesh, given: tuple[Section, ...]) -> tuple[Section, ...]:
-    """The sections; curved shells without a given surface curvature get one from neighbouring triangles."""
+    """The sections, with surface curvatures of shells, if not given, from neighbouring triangles."""
     shells = [section for section in given if section.cell_type is CellType.TRIANGLE3]
     if all(section.surface_curvature is not None for section in shells):
         return given
@@ -415,16 +419,19 @@ def _cell_mass(mesh: Mesh, section: Section) -> CellMass:
 def nodal_freedoms(
     nodes: NDArray[np.int64], dofs_per_node: int, first: int | None = None
 ) -> NDArray[np.int64]:
-    """Numbers (E, k d) of freedoms of nodes (E, k), node by node; only the `first` ones of each, if given."""
+    """Numbers (E, k d) of the d freedoms of each of the nodes (E, k), node by node.
+
+    first : d, if only the first freedoms of a node are wanted; by default all
+    """
     own = np.arange(dofs_per_node if first is None else first)
     return (nodes[:, :, None] * dofs_per_node + own).reshape(len(nodes), -1)
 
 
 def _check_thickness(mesh: Mesh, section: Section, thickness: float) -> None:
-    """Check the wall thickness, often given in millimetres on a mesh in metres.
+    """Check the wall thickness, which is often given in millimetres for a mesh in metres.
 
-    ModelError if it exceeds the diagonal of the mesh's bounding box; SuppleWarning if it exceeds five times
-    the median side of the triangles.
+    ModelError if the thickness exceeds the diagonal of the mesh's bounding box; SuppleWarning if it exceeds
+    five times the median side of the triangles.
     """
     corners = section.corners(mesh)
     extent = float(np.linalg.norm(np.ptp(mesh.nodes, axis=0)))

@@ -36,24 +36,24 @@ class Section:
     property : ShellSection (shells), BeamSection, CoupledBeamSection or RodSection (lines), Isotropic or
                Anisotropic (solids)
     directions : float array or None
-            (E, 3), for beams a vector in the x-y plane of the section, for shells one whose projection is the
-            x axis of the wall; both override the property's own. (E, 3, 3), for solids, the axes of the
-            material as columns
+            beams (E, 3): a vector in the x-y plane of the section; shells (E, 3): a vector whose projection
+            on the shell is the x axis of the section; either replaces the direction given in `property`.
+            Solids (E, 3, 3): axes of the material, as columns
     offsets : float array (E, 2, 3) or None     rigid arms from the nodes to the beam ends, m
-    released : bool array (E, 12) or None       freedoms of the ends of beams, in the axes of the beam, that
-                                                carry no force or moment
+    released : bool array (E, 12) or None       True for freedoms of the beam ends, in beam axes, that carry
+                                                no force or moment
     reduced : bool                              for HEXA20: reduced integration, by eight points with weight
         3/4 and fourteen points with weight 1/4
     incompatible : bool                         for HEXA8: incompatible modes, which remove locking in bending
-    mass_share : float array (E,) or None       for shells: the fraction of a cell's area that has mass
+    mass_share : float array (E,) or None       for shells: fraction of a cell's area that has mass; None: 1
     surface_curvature : float array (E, 3, 3) or None
-            for shells: curvature of the surface that each flat triangle represents, 1/m; by default a model
-            computes it from neighbouring triangles
+            for shells: curvature, 1/m, of the surface that a flat triangle approximates; by default it is
+            computed from neighbouring triangles
 
     Raises
     ------
-    ModelError   per-cell arrays of another shape or not finite; offsets or released for other cells than
-                 beams, mass_share for other cells than shells
+    ModelError   an array of another shape, or not finite; offsets or released for cells other than beams;
+                 mass_share for cells other than shells
     """
 
     cell_type: CellType
@@ -102,7 +102,11 @@ class Section:
         return self.cell_type.dimension < 3
 
     def of(self, which: slice | IntArray, cells: IntArray | None = None) -> Section:
-        """The same section for some of its cells, optionally with their numbers in another mesh."""
+        """The section for some of its cells only.
+
+        which : positions of these cells in `cells`
+        cells : numbers of these cells in another mesh; None: the same mesh
+        """
         own: dict[str, Any] = {
             name: None if (given := getattr(self, name)) is None else given[which] for name in PER_CELL
         }
@@ -118,12 +122,12 @@ class Section:
 
 
 def sections(mesh: Mesh, given: Property | Mapping[str, Property]) -> tuple[Section, ...]:
-    """Sections of a mesh from one property for all its cells, or one for each cell set.
+    """Sections of a mesh, from one property for all its cells, or one property for each cell set.
 
     Raises
     ------
-    ModelError   cells without a property, or with two
-    MeshError    unknown cell set
+    ModelError   a cell without a property, or with two
+    MeshError    a cell set that the mesh does not have
     """
     check_instance("the mesh of a model", mesh, Mesh, "a Mesh, such as read_mesh(path) returns")
     if not isinstance(given, Mapping):

@@ -1,4 +1,4 @@
-"""Shell sections: stiffness (A-B-D) and inertia per area of a wall through its thickness."""
+"""Shell sections: stiffness (A-B-D) and inertia of a wall per area, integrated over its thickness."""
 
 from __future__ import annotations
 
@@ -21,20 +21,23 @@ FloatArray = NDArray[np.float64]
 class HomogeneousSection:
     """A shell of one isotropic material.
 
-        A = t C,  B = z A,  D = t^3/12 C + z^2 A,   C the plane-stress stiffness, z the offset
+        A = t C,  B = z A,  D = t^3/12 C + z^2 A
+
+    A, B, D are the membrane, coupling and bending stiffness about the surface of the nodes; C is the
+    plane-stress stiffness of the material.
 
     Parameters
     ----------
     material : Isotropic
     thickness : float       t > 0, m
-    offset : float          distance of the mid-surface from the nodes, along the normal, m
-    added_mass : float      non-structural, at the mid-surface, kg/m^2
-    shear_factor : float    k of the transverse shear stiffness k G t (5/6 of a solid wall); 0: rigid in shear
+    offset : float          z, distance of the mid-surface from the nodes, along the normal, m
+    added_mass : float      non-structural mass at the mid-surface, kg/m^2
+    shear_factor : float    k in the transverse shear stiffness k G t, 5/6 for a solid wall; 0: rigid in shear
 
     Raises
     ------
-    ModelError   thickness not finite or not positive; a negative or infinite added mass or shear factor; an
-                 infinite offset
+    ModelError   a thickness that is not positive and finite; an added mass or shear factor that is negative
+                 or not finite; an offset that is not finite
     """
 
     material: Isotropic
@@ -71,7 +74,7 @@ class HomogeneousSection:
 
     @property
     def shear(self) -> FloatArray | None:
-        """Transverse shear stiffness (2, 2), order xz, yz, N/m; None where it is rigid."""
+        """Transverse shear stiffness (2, 2), order xz, yz, N/m; None for a section rigid in shear."""
         if self.shear_factor == 0.0:
             return None
         return self.shear_factor * self.material.shear_modulus * self.thickness * np.eye(2)
@@ -99,30 +102,32 @@ class HomogeneousSection:
 
 @dataclass(frozen=True, eq=False)
 class LaminateSection:
-    """A laminate given by its stiffness: forces N and moments M per length from strain and curvature.
+    """A laminate given by its A-B-D matrix.
 
         [N; M] = [A B; B D] [eps; kappa],   order xx, yy, xy (engineering shear, twice the twist)
 
+    N and M are forces and moments per length, eps and kappa strain and curvature of the surface of the nodes.
     The section's x axis is `reference_direction` projected onto each element, its z axis the element normal.
 
     Parameters
     ----------
     membrane, coupling, bending : float array (3, 3)
-        A (N/m), B (N), D (N m), symmetric; if B is zero, A or D may be zero
+        A (N/m), B (N), D (N m), symmetric; A or D may be zero if B is zero
     mass_per_area : float                               kg/m^2; 0 for statics alone
     rotary_inertia_per_area : float
-        kg, the second moment of density through the thickness about the surface of the nodes
+        second moment of the density over the thickness, about the surface of the nodes, kg
     reference_direction : float array (3,)
-            direction of the laminate's x axis; `Section.directions` overrides it
+            direction of the section's x axis; `Section.directions` replaces it
     shear : float array (2, 2) or None
-        transverse shear stiffness, order xz, yz, N/m; None where it is rigid
-    thickness : float or None                           m, for graphics only; None if unknown
+        transverse shear stiffness, order xz, yz, N/m; None: rigid in shear
+    thickness : float or None                           m, for pictures only; None if unknown
     mass_offset : float                     distance of the mass centre from the nodes, along the normal, m
 
     Raises
     ------
-    ModelError   wrong shape, not finite, not symmetric, A-B-D (except zero rows) or shear not positive
-                 definite, mass negative, zero direction, a thickness that is not positive
+    ModelError   a matrix of wrong shape, not finite or not symmetric; an A-B-D matrix (without its zero rows)
+                 or shear stiffness that is not positive definite; a negative mass or inertia; a direction
+                 without length; a thickness that is not positive
     Source: R. M. Jones, Mechanics of Composite Materials, 2nd ed. (1999), eq. (4.22)-(4.24).
     """
 
@@ -141,7 +146,7 @@ class LaminateSection:
             matrix = stiffness_matrix(f"laminate {name} stiffness", getattr(self, name), 3)
             object.__setattr__(self, name, matrix)
         ABD = np.block([[self.membrane, self.coupling], [self.coupling, self.bending]])
-        # A pure membrane, or a wall that only bends, has a zero block.
+        # A wall without bending stiffness, or without membrane stiffness, has a zero block in A-B-D.
         carried = np.repeat([self.membrane.any(), self.bending.any()], 3) | ABD.any(axis=0)
         ABD = ABD[np.ix_(carried, carried)] if carried.any() else ABD
         diagonal = np.diag(ABD)
@@ -149,7 +154,7 @@ class LaminateSection:
             raise ModelError(
                 f"the A-B-D matrix has a diagonal entry {diagonal.min():.3e}; none may be negative"
             )
-        # Zero rows: a membrane has no bending stiffness, and some walls only bend.
+        # A zero row is a direction without stiffness, which the check leaves out.
         resists = ABD.any(axis=1)
         lowest = lowest_scaled_eigenvalue(ABD[np.ix_(resists, resists)]) if resists.any() else 0.0
         if lowest < 1e-12:

@@ -15,7 +15,7 @@ PARTS = ("basis", "step", "newton", "model")
 """Parts of the error of a run, in the order of tables."""
 
 LARGE_MODEL = 0.05
-"""Ratio of the model part to the size of the quantity, above which the kinematics do not suffice."""
+"""Ratio of the model part to the size of the quantity, above which the statement warns."""
 SMALL = 0.1
 """Ratio of the sum to the allowed error, below which no part needs a remedy."""
 
@@ -38,16 +38,16 @@ class ErrorPart:
 class ErrorStatement(Summarized):
     """The error of a run in one quantity, with its parts.
 
-    of : str            the quantity and the norm
-    size : float        largest value of the quantity, in its unit: the reference of a relative error
-    basis : ErrorPart   error due to the motion outside the bases of reduced bodies
-    step : ErrorPart    error of the time integration
-    newton : ErrorPart  error due to the Newton tolerance; at least the rounding error of the integration
-    model : ErrorPart   error of the kinematics: spurious strains of elements and ties rotating in the frame
-    allowed : float     tolerance of the sum of the parts; None if no tolerance is given
+    of : str            name of the quantity and of its norm
+    size : float        largest value of the quantity, in its unit; a relative error is divided by it
+    basis : ErrorPart   due to motion outside the bases of reduced bodies
+    step : ErrorPart    due to the size of the time steps
+    newton : ErrorPart  due to the Newton tolerance; at least ten times this tolerance times `size`
+    model : ErrorPart   due to the kinematics: spurious strains of elements and ties that rotate in the frame
+    allowed : float     largest allowed sum of the parts; None if there is no limit
     quantity : str      kind of the quantity, which determines its unit: "length", "force", ...
 
-    A part that was not estimated is None; the error is then at least the sum of the parts.
+    A part that was not estimated is None; the error is then at least the sum of the other parts.
     """
 
     of: str
@@ -60,7 +60,7 @@ class ErrorStatement(Summarized):
     quantity: str = ""
 
     def summary(self) -> Summary:
-        """Sum, tolerance, parts and remedy."""
+        """Sum of the parts, allowed error, parts and remedy."""
         bound = "at least " if self.missing else ""
         rows = [("size of the quantity", f"{self.size:.3g}")]
         rows += [] if self.allowed is None else [("allowed", f"{self.allowed:.2g}")]
@@ -82,12 +82,12 @@ class ErrorStatement(Summarized):
 
     @property
     def at_least(self) -> float:
-        """Sum of the estimated parts, as if all had the same sign."""
+        """Sum of the estimated parts, each taken as positive."""
         return sum((part.value for part in self.parts.values()), 0.0)
 
     @property
     def total(self) -> float | None:
-        """Sum of all four parts; None if one was not estimated, because `at_least` is then a lower bound."""
+        """Sum of all four parts; None if a part was not estimated."""
         return None if self.missing else self.at_least
 
     @property
@@ -100,7 +100,7 @@ class ErrorStatement(Summarized):
 
     @property
     def model_warning(self) -> str:
-        """Sentence with the model part and its remedies where it exceeds 5 % of the size; otherwise empty."""
+        """Text with the model part and its remedies, if this part exceeds 5 % of `size`; otherwise empty."""
         if self.model is None or not self.model.value > LARGE_MODEL * self.size:
             return ""
         share = f" ({self.model.value / self.size:.0%} of the quantity)" if self.size else ""
@@ -113,10 +113,11 @@ class ErrorStatement(Summarized):
 
     @property
     def advice(self) -> str:
-        """Sentence with the largest part, its ratio to the second largest, and its remedy; may be empty.
+        """Text with the largest part, its ratio to the second largest part, and its remedy.
 
-        A sentence about the model part precedes it if that part is large. If the sum is less than a tenth of
-        the allowed error, the sentence is this ratio instead.
+        If the model part exceeds 5 % of `size`, the text begins with `model_warning`. If the sum of all parts
+        is less than a tenth of the allowed error, the text is the ratio of the two alone. Empty without a
+        part that is estimated and not zero.
         """
         name = self.largest
         if name is None:
@@ -142,11 +143,11 @@ class ErrorStatement(Summarized):
 
     @property
     def is_met(self) -> bool:
-        """Whether the sum of the estimated parts is within the tolerance; true without a tolerance."""
+        """Whether the sum of the estimated parts is at most `allowed`; True if `allowed` is None."""
         return self.allowed is None or self.at_least <= self.allowed
 
     def plain(self) -> dict[str, Any]:
-        """Numbers and texts for JSON; None for values that are not finite."""
+        """Numbers and texts for JSON; None for a number that is not finite."""
         return {
             "of": self.of,
             "quantity": self.quantity,

@@ -1,16 +1,16 @@
-"""The Newmark family for second-order equations on a Lie group, in acceleration form.
+"""The Newmark family of time integrators, for equations of second order with rotations and constraints.
 
-With the step `h`, the configuration `q`, the velocity `v`, the true acceleration `vdot` and the auxiliary
-acceleration `a`,
+A step of size `h` leads from index 0 to index 1:
 
     q_1 = q_0 o exp( h v_0 + h^2 [ (1/2 - beta) a_0 + beta a_1 ] )
     v_1 = v_0 + h [ (1 - gamma) a_0 + gamma a_1 ]
     (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) vdot_1 + alpha_f vdot_0
 
-and the equations of motion hold at the end of the step. The rule is of second order if
-`gamma = 1/2 - alpha_m + alpha_f`.
+`q` is the configuration, `v` the velocity, `vdot` the acceleration, and `a` an auxiliary acceleration;
+`q_0 o exp(..)` adds translations and multiplies rotations. The equations of motion hold at the end of the
+step. The family is of second order if `gamma = 1/2 - alpha_m + alpha_f`.
 
-Sources: Chung & Hulbert (1993); Arnold & Bruels (2007) for the group and the multipliers.
+Sources: Chung & Hulbert (1993); Arnold & Bruels (2007) for rotations and Lagrange multipliers.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ __all__ = [
 
 
 class Coefficients(NamedTuple):
-    """The four parameters of the family."""
+    """The four coefficients of an integrator of the Newmark family."""
 
     alpha_m: float
     alpha_f: float
@@ -42,16 +42,19 @@ class Coefficients(NamedTuple):
 
 
 class TimeIntegrator(Protocol):
-    """A member of the family, defined by its four coefficients."""
+    """An integrator of the Newmark family, defined by its four coefficients."""
 
     @property
     def coefficients(self) -> Coefficients:
-        """The four parameters of the family."""
+        """`alpha_m`, `alpha_f`, `beta` and `gamma`."""
         ...
 
 
 def damps_joint_forces(method: TimeIntegrator) -> bool:
-    """Whether oscillations of the multipliers decay: `gamma > 1/2`, spectral radius below 1 at infinity."""
+    """Whether oscillations of the multipliers decay.
+
+    They do for `gamma > 1/2`: the spectral radius at infinite frequency is then below 1.
+    """
     return method.coefficients.gamma > 0.5 + 1e-12
 
 
@@ -62,10 +65,11 @@ def _second_order(alpha_m: float, alpha_f: float) -> Coefficients:
 
 @dataclass(frozen=True)
 class GeneralizedAlpha:
-    """Generalized-alpha: second order, with the spectral radius `rho_inf` in [0, 1] at infinite frequency.
+    """Generalized-alpha: second order, with numerical damping of high frequencies.
 
-    `rho_inf = 1` has no numerical damping; `rho_inf = 0` removes motion much faster than the step within one
-    step. With joints, spurious oscillations of the multipliers decay only slowly for values near 1.
+    rho_inf : spectral radius at infinite frequency, in [0, 1]. 1: no numerical damping. 0: vibrations with
+        periods much shorter than the step vanish within one step. For values near 1, spurious oscillations of
+        joint forces decay slowly
     """
 
     rho_inf: float = 0.8
@@ -110,20 +114,20 @@ class HilberHughesTaylor:
 
 
 class StepFactors(NamedTuple):
-    """Derivatives of position and velocity with respect to the new true acceleration, for the tangent.
+    """Derivatives of position and velocity with respect to the new acceleration `vdot_1`, for the tangent.
 
-    They are `beta h^2 kappa` and `gamma h kappa`, the `1/beta'` and `gamma'/beta'` of Arnold & Bruels, where
-    `kappa = (1 - alpha_f)/(1 - alpha_m)` is the derivative of the auxiliary acceleration.
+    They are `beta h^2 kappa` and `gamma h kappa`; `kappa = (1 - alpha_f)/(1 - alpha_m)` is the derivative of
+    the auxiliary acceleration `a_1`. Arnold & Bruels denote them `1/beta'` and `gamma'/beta'`.
     """
 
     by_position: Any
-    """Derivative of the configuration increment with respect to the new acceleration."""
+    """`beta h^2 kappa`, of the configuration increment."""
     by_velocity: Any
-    """Derivative of the new velocity with respect to the new acceleration."""
+    """`gamma h kappa`, of the new velocity."""
 
 
 class StepRule(NamedTuple):
-    """The update of the family for one step of size `h`, for NumPy and JAX arrays."""
+    """The equations of one step of size `h`, for NumPy and JAX arrays."""
 
     coefficients: Coefficients
     h: Any

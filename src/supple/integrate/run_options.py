@@ -1,4 +1,4 @@
-"""Options of a run that all simulations of a machine share: its time span and its steps."""
+"""Settings of a run: time span, output times, steps, tolerances and limits of validity."""
 
 from __future__ import annotations
 
@@ -18,18 +18,19 @@ from supple.summary import Summarized, Summary
 __all__ = ["MOST_OUTPUT_TIMES", "Run", "Validity"]
 
 MOST_OUTPUT_TIMES = 10_000_000
-"""Largest number of output times of a run, to limit the memory of a stored motion; more raise ValueError."""
+"""Largest number of output times of a run, because of memory; `Run` raises ValueError for more."""
 
 
 @dataclass(frozen=True)
 class Validity:
-    """Limits of validity of a run: of the kinematics, the initial state, and the steps.
+    """Checks of a run: limits of its kinematics, initial state and steps.
 
-    strict : raise ValidityError instead of a warning as soon as a limit is exceeded
-    spin_ratio : largest ratio of the angular velocity to a reference. The reference of a linear body is its
-        lowest angular frequency; that of a reduced body whose condensed motion has no inertia is the angular
-        velocity at which the missing centrifugal stiffness equals the elastic stiffness. At a ratio of 0.3,
-        about 10 % of the elastic stiffness is missing
+    strict : True: a check that fails raises ValidityError; False: it warns
+    spin_ratio : largest angular velocity of a body that lacks centrifugal stiffness, as a ratio to a
+        reference. For a linear body, the reference is its lowest angular frequency. For a reduced body whose
+        condensed motion has no inertia, it is the angular velocity at which the missing centrifugal stiffness
+        equals the elastic stiffness. At a ratio of 0.3, the missing stiffness is about 10 % of the elastic
+        stiffness
     """
 
     strict: bool = False
@@ -45,14 +46,15 @@ class Validity:
 class Run(Summarized):
     """Time span, output times and time integration of a simulation.
 
-    duration, output_step : float   unit of time; the duration is a multiple of the output step
-    step : FixedStep | AdaptiveStep     by default a fixed step equal to the output step; for machines with
-        intrinsic bodies a step from the periods of their modes; for explicit parts the stable step
-    method : GeneralizedAlpha (rho_inf = 0.8) | Newmark | HilberHughesTaylor; for machines of only
-        intrinsic bodies also RungeKutta4 | ResidualRungeKutta4; Kinematic for zero degrees of freedom; for
-        explicit parts supple.methods.explicit.Explicit, which is also the default for them
-    tolerances : Tolerances
-    validity : Validity     limits of validity; beyond them the run warns or, if strict, ends with an error
+    duration : float        time span of the run, in the unit of time; a multiple of `output_step`
+    output_step : float     time between output times
+    step : FixedStep | AdaptiveStep     default: a fixed step equal to the output step; in a machine with
+        intrinsic bodies a step from the periods of their modes; with explicit parts the stable step
+    method : GeneralizedAlpha (rho_inf = 0.8) | Newmark | HilberHughesTaylor. A machine of only intrinsic
+        bodies also allows RungeKutta4 | ResidualRungeKutta4. A machine of explicit parts allows
+        supple.methods.explicit.Explicit, its default. A machine without degrees of freedom needs Kinematic
+    tolerances : Tolerances     of Newton's iteration
+    validity : Validity     limits of validity; if one is exceeded, the run warns, or fails if `strict`
     start : float           time of the initial state
     Raises ValueError for a duration or output step that is not positive and finite, a start that is not
         finite, a duration that is no multiple of the output step, or more than `MOST_OUTPUT_TIMES` output
@@ -82,7 +84,7 @@ class Run(Summarized):
             raise ValueError(
                 f"a duration of {self.duration:g} with an output step of {self.output_step:g} has "
                 f"{ratio:.3g} output times; at most {MOST_OUTPUT_TIMES} are stored: give a longer output "
-                "step (the time step may stay)"
+                "step (the time step need not change)"
             )
         n = round(ratio)
         if n < 1 or abs(n * self.output_step - self.duration) > 1e-6 * self.output_step:
@@ -116,12 +118,12 @@ class Run(Summarized):
 
     @property
     def n_steps(self) -> float:
-        """Number of steps if all steps have the size of the first one, as fixed steps do."""
+        """Duration divided by the first step: the number of steps if all have this size."""
         return self.duration / float(self.step_control.first)
 
     @property
     def second_order_method(self) -> TimeIntegrator:
-        """The implicit step rule of second order; ValueError for any other method."""
+        """The method, if it is an implicit one of second order; ValueError for any other method."""
         if isinstance(self.method, ExplicitRule):
             raise ValueError(
                 f"{type(self.method).__name__} supports modal and finite-element parts of an explicit run "
@@ -135,7 +137,7 @@ class Run(Summarized):
             )
         if isinstance(self.method, Kinematic):
             raise ValueError(
-                "a kinematic run has no time integration, but a step rule is needed here: give the run a "
+                "a kinematic run has no time integration, but the method needed here has: give the run "
                 "GeneralizedAlpha(rho_inf), Newmark() or HilberHughesTaylor(alpha)"
             )
         return self.method

@@ -23,7 +23,7 @@ def _check_smallest(smallest: float, first: float) -> None:
         )
 
 
-# Default of the smallest step, relative to the first step: a run does not depend on the unit of time.
+# Ratio of the smallest step, by default, to the first step. A ratio does not depend on the unit of time.
 SMALLEST = 1e-6
 
 
@@ -31,12 +31,12 @@ SMALLEST = 1e-6
 class FixedStep:
     """Steps of one size, in the unit of time; a step that does not converge is halved, with a warning.
 
-    The size is reduced slightly if that is needed for a whole number of steps in each output interval.
+    If the interval between output times is not a multiple of the size, the size is reduced until it is.
     """
 
     size: float
     smallest: float | None = None
-    """Smallest step, below which the run ends; default a millionth of the size."""
+    """Smallest step; the run ends if a step would have to be smaller. Default: a millionth of the size."""
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -68,16 +68,17 @@ class FixedStep:
 class AdaptiveStep:
     """Steps chosen so that the local error stays below `tolerance`.
 
-    `first`, `largest` and `smallest` are in the unit of time. The local error is the largest error in one
-    step: of translations and of coordinates of full bodies, relative to the size of the system; of reduced
-    coordinates, relative to this size times the square root of the mass of the body; of rotations, in rad.
+    first, largest : first and largest step, in the unit of time
+    tolerance : largest local error: the error that one step causes. It is the largest of the errors of
+        translations and coordinates of full bodies, divided by the size of the system; of reduced
+        coordinates, divided by this size and the square root of the mass of the body; of rotations, in rad
     """
 
     first: float = 1e-6
     largest: float = 1e-2
     tolerance: float = 1e-6
     smallest: float | None = None
-    """Smallest step, below which the run ends; default a millionth of the first."""
+    """Smallest step; the run ends if a step would have to be smaller. Default: a millionth of the first."""
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -100,11 +101,11 @@ StepControl = FixedStep | AdaptiveStep
 class Tolerances:
     """Convergence criteria of Newton's iteration.
 
-    residual : relative tolerance of the residuals of forces, moments and generalised forces, each relative to
-        the largest of the terms in balance (inertia, internal, applied, joint). Constraint equations are
-        divided by `StepFactors.by_position`, which gives them the unit of accelerations, and have the same
-        tolerance. A residual at rounding error (a correction below 1e-13 of the size of the system) counts as
-        converged. So a smaller tolerance costs iterations but never prevents a result.
+    residual : largest relative residual. Residuals of forces, moments and generalised forces are divided by
+        the largest term of their balance: inertia, internal, applied or joint force. Residuals of constraint
+        equations are divided by `StepFactors.by_position`, so that they are accelerations. A residual at
+        rounding error, whose correction is below 1e-13 of the size of the system, counts as converged: a very
+        small tolerance costs iterations, but the run does not fail
     max_iterations : largest number of iterations per step
     """
 

@@ -25,10 +25,10 @@ GROUND = At("ground", "")
 
 
 def as_end(value: Any) -> At:
-    """The end from an `At`, a pair of names, "BODY.INTERFACE", or "ground".
+    """The end given as an `At`, a pair of names, "BODY.INTERFACE", or "ground".
 
-    A body's name ends at the first dot; for a name with a dot, write `At(body, interface)`.
-    Raises ModelError for anything else. The `System` checks that the body and the interface exist.
+    The name of the body ends at the first dot. If it contains a dot, give `At(body, interface)`.
+    Raises ModelError for any other value. `System` checks that the body and the interface exist.
     """
     if isinstance(value, str):
         body, dot, interface = value.partition(".")

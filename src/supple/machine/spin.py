@@ -24,14 +24,14 @@ class Spin:
 
     Parameters
     ----------
-    rate : float    rad/s, of either sign
-    axis : (3,)     global; of any length
+    rate : float    angular velocity, rad/s; may be negative
+    axis : (3,)     direction, global components, of any length; it is normalised
     point : (3,)    p, any point on the axis
-    bodies : names of the rotating bodies; default all
+    bodies : names of the rotating bodies; default: all bodies
 
     Raises
     ------
-    ModelError      a rate that is not finite, or an axis without a direction
+    ModelError      a rate that is not finite, or an axis that is zero
     """
 
     rate: float

@@ -1,4 +1,4 @@
-"""Split of a flexible body into several parts with a floating frame each."""
+"""Split of a flexible body into several parts, each with its own floating frame."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from supple.mesh import Cuts, DividedMesh, Division, cuts_at_sections, divided
 
 __all__ = ["SplitBody", "split_body"]
 
-# Smallest relative change of a frequency by the ties that causes a warning.
+# Relative change of a frequency, caused by the ties, from which a warning is given.
 NOTABLE = 0.02
 
 Interface = RigidInterface | AveragingInterface
@@ -33,8 +33,8 @@ class SplitBody:
 
     name  : str            name of the whole body
     mesh  : DividedMesh    nodes and cells of each part
-    parts : FlexibleBody   named NAME-1, NAME-2, ..., all in the axes of the whole mesh
-    base  : At             first interface of the whole body; None for a body without interfaces
+    parts : FlexibleBody   with the names NAME-1, NAME-2, ..., all in the axes of the whole mesh
+    base  : At             first interface of the whole body, on the part that has it; None without interfaces
     """
 
     name: str
@@ -56,14 +56,14 @@ class SplitBody:
 
     @property
     def bases(self) -> Mapping[str, At]:
-        """Reference interface of the deflections, by part: the first interface of the whole body for all."""
+        """Interface relative to which deflections are measured, by name of the part: `base` for all parts."""
         return {} if self.base is None else {part.name: self.base for part in self.parts}
 
     def frequencies(self, count: int) -> NDArray[np.float64]:
         """The `count` lowest elastic frequencies of the tied parts, free and undeformed, rad/s.
 
-        The ties change the frequencies of the whole body: rigid ties stiffen a body whose sections would
-        deform, averaging ties soften it.
+        They differ from those of the whole body: rigid ties stiffen sections that would deform, averaging
+        ties soften them.
         """
         first = np.cumsum([0, *(part.n for part in self.parts)])
         rows = []
@@ -86,9 +86,9 @@ class SplitBody:
 
 
 def frequency_changes(whole: FlexibleBody, split: SplitBody) -> NDArray[np.float64]:
-    """Relative changes (3,) of the lowest elastic frequencies of a free body by the ties between its parts.
+    """Relative changes (3,) of the lowest elastic frequencies of a free body due to the ties of its parts.
 
-    SuppleWarning if the magnitude of a change is 2 % or more.
+    Warns SuppleWarning if a frequency changes by 2 % or more.
     """
     before = np.sqrt(whole.lowest_modes(3, (whole.mass @ whole.rigid_modes).T).values)
     changes = split.frequencies(3) / before - 1
@@ -113,27 +113,29 @@ def split_body(
     tie: Tie = RigidInterface,
     cuts: Cuts = cuts_at_sections,
 ) -> SplitBody:
-    """Split a body into tied parts, for rotations beyond the limit of one floating frame.
+    """Split a body into parts joined by ties, for rotations beyond the limit of one floating frame.
 
-    The rotations relative to a floating frame are limited. With k equal parts, the rotation of each part
-    relative to its frame is about 1 / k of the rotation in the whole body. SuppleWarning states the
-    changes of the three lowest frequencies by the ties, if one of them is 2 % or more.
+    With k equal parts, a part rotates relative to its own frame by about 1 / k of the rotation of the whole
+    body relative to one frame.
 
     Parameters
     ----------
     name       : name of the whole body
     model      : finite-element model of the whole body
-    division   : AlongAxis | ByCellSets     cells of each part
+    division   : AlongAxis | ByCellSets     assigns the cells to parts
     interfaces : interfaces of the whole body; each is assigned to the part that contains all of its nodes
     tie        : RigidInterface (sections keep their shape) | AveragingInterface (sections may warp)
-    cuts       : cuts_at_sections | cuts_at_nodes; cuts_at_nodes ties each shared node by six constraints,
-        which is exact for nodes with rotations
+    cuts       : cuts_at_sections, one tie for all shared nodes of a cut | cuts_at_nodes, a tie of six
+        constraints for each shared node; these ties are exact for nodes with rotations
 
     Raises
     ------
-    MeshError    a part without cells, or that is not connected
+    MeshError    a part without cells, or a part that is not connected
     ModelError   an interface, spring, mass or tie whose nodes are in several parts; errors of `flexible_body`
                  for a part
+    Warns
+    -----
+    SuppleWarning   the ties change one of the three lowest frequencies of the free body by 2 % or more
     """
     mesh = divided(model.mesh, division, cuts)
     own: list[list[Interface]] = [[] for _ in mesh.parts]
@@ -145,7 +147,7 @@ def split_body(
         if part is None:
             raise ModelError(
                 f"body '{name}', interface '{interface.name}': its nodes are in several of the "
-                f"{len(mesh.parts)} parts; move the cut away from it"
+                f"{len(mesh.parts)} parts; move the cut away from these nodes"
             )
         own[part].append(replace(interface, nodes=mesh.parts[part].numbers(nodes)))
         base = base or At(part_name(name, part), interface.name)

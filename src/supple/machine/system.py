@@ -36,11 +36,11 @@ _Form = TypeVar("_Form")
 
 
 _ACROSS = 1e-3
-"""Smallest component of a servo's unit axis along the free directions of a joint; less is an error."""
+"""Smallest component, along the free directions of a joint, of the unit axis of a servo at this joint."""
 # Attributes that every type of body needs in a machine.
 _BODY = ("name", "kind", "n_coordinates", "interfaces")
 _EXPLICIT = ("modal", "explicit")
-"""Kinds of bodies for explicit runs only: modal parts on four-point frames, finite-element parts."""
+"""Kinds of bodies that only explicit runs support: modal parts and finite-element parts."""
 _OF_PARTS = {
     "ties": ((Tie,), "ties such as Tie(At(part, node set), on=part)"),
     "contacts": (
@@ -53,7 +53,7 @@ _OF_PARTS = {
 
 
 class AssembledPose(NamedTuple):
-    """Pose of an undeformed body's frame at assembly."""
+    """Pose of a body's frame at assembly, where the body is undeformed."""
 
     position: np.ndarray
     """(3,) global"""
@@ -65,20 +65,22 @@ class AssembledPose(NamedTuple):
 class Placed(Summarized):
     """A body with the initial position and velocity of its floating frame.
 
-    position : (3,)           frame origin, global
-    rotation : (3,) or (3, 3) rotation vector (rad) or matrix, body to global
-    velocity : (3,)           of the frame origin, global; for an elastic body this is the origin of its mesh
-        (for the velocity of the centre of mass use `with_centre_velocity`)
-    angular_velocity : (3,)   body components, rad/s
-        A velocity of None is computed from the joints, their laws and the other bodies; components that these
-        do not determine are zero. A given velocity, also zero, is changed only where the joints require it.
+    position : (3,)           position of the frame origin, global components
+    rotation : (3,) or (3, 3) rotation vector (rad) or rotation matrix, from body to global components
+    velocity : (3,)           velocity of the frame origin, global components. The frame origin of an elastic
+        body is the origin of its mesh. To give the velocity of the centre of mass, use `with_centre_velocity`
+    angular_velocity : (3,)   rad/s, body components
     coordinates, coordinate_rates : (r,) reduced coordinates at the start, and their rates; default zero
-    assembled : AssembledPose pose at assembly, which determines the points and axes of joints and forces;
-        default the initial pose. The two poses differ, for example, after `equilibrium`.
+    assembled : AssembledPose pose in which points and axes of joints and forces are defined; default: the
+        initial pose. The two poses differ, for example, after `equilibrium`
     is_moving : whether velocities and rates are those of an earlier motion (`Start`). Joints that do not
-        allow them then act as an impact, which changes the velocities of all coordinates.
+        allow them then act as an impact, which changes the velocities of all coordinates
+
+    If velocity or angular_velocity is None, it is computed from the joints, their laws and the other bodies;
+    components that these do not determine are zero. If it is given, even as zero, it is changed only as far
+    as the joints require.
     Raises ModelError for a vector of the wrong size, a matrix that is not a rotation, or a FlexibleBody,
-        which must first be reduced, or placed as a FullBody.
+    which must first be reduced, or made a FullBody.
     """
 
     body: BodyForm
@@ -112,7 +114,7 @@ class Placed(Summarized):
         )
 
     def __post_init__(self) -> None:
-        if not isinstance(self.body, FlexibleBody):  # the error below applies to a FlexibleBody
+        if not isinstance(self.body, FlexibleBody):  # for which the error below is raised
             check_members("Placed, body", self.body, _BODY, "a RigidBody, a ReducedBody or a FullBody")
         name = self.body.name
         if isinstance(self.body, FlexibleBody):
@@ -138,19 +140,20 @@ class Placed(Summarized):
 
     @property
     def assembly(self) -> AssembledPose:
-        """Pose at which joints and forces are assembled: `assembled`, or by default the initial pose."""
+        """Pose in which joints and forces are defined: `assembled`, or the initial pose if this is None."""
         return self.assembled or AssembledPose(self.position, self.rotation)
 
     @property
     def twist(self) -> np.ndarray:
-        """Given velocity and angular velocity (6,); zero for those that are None."""
+        """Given velocity and angular velocity (6,); zero in place of None."""
         given = (self.velocity, self.angular_velocity)
         return np.concatenate([np.zeros(3) if part is None else part for part in given])
 
     def in_form(self, form: Any, onto: Any) -> Placed:
-        """The placed body with another type of body, `form`; `onto` maps the coordinates and their rates.
+        """The placed body in another form, such as a FullBody in place of a ReducedBody.
 
-        onto : (r', r)     a matrix, dense or sparse; r' coordinates of `form`
+        form : the new form of the body, with r' coordinates
+        onto : (r', r) matrix, dense or sparse, from the present coordinates to those of `form`
         """
         return replace(
             self,
@@ -164,7 +167,8 @@ class Placed(Summarized):
 
             v = v_c - A (w x c)
 
-        v is the velocity of the frame origin. The angular velocity w is not changed, or zero if it is None.
+        v is the velocity of the frame origin, A the rotation matrix of the frame, and w its angular velocity,
+        which does not change; zero in place of None.
         """
         turning = np.zeros(3) if self.angular_velocity is None else self.angular_velocity
         centre = space_vector(f"centre velocity of body '{self.body.name}'", velocity)
@@ -194,14 +198,17 @@ Load = ForceElement | NodalLoad | BaseAcceleration
 class System(Summarized):
     """Bodies, joints, loads and gravity; checked at construction.
 
-    bodies : Placed, one per body, names unique; a body given without `Placed` is at the origin, unrotated
-    joints : Joint, names unique
+    bodies : Placed, one per body, with different names; a body without `Placed` is at the origin, not rotated
+    joints : Joint, with different names
     loads : ForceElement | NodalLoad | BaseAcceleration
-    gravity : (3,) acceleration, global, e.g. (0, 0, -9.81); default zero
-    controllers : Controller | SampledController, names unique
-    ties, contacts, supports : Tie, Contact | SurfaceContact, Support: for explicit parts
-    Raises ModelError: no body, a name used twice, a joint or load on a body or interface that does not exist,
-        a law with values of the wrong shape, a controller with a reading of a joint that does not exist.
+    gravity : (3,) acceleration, global components, such as (0, 0, -9.81); default zero
+    controllers : Controller | SampledController, with different names
+    ties : Tie, of explicit parts
+    contacts : Contact | SurfaceContact, of explicit parts
+    supports : Support, of explicit parts
+    Raises ModelError for a machine without bodies; a name used twice; a joint or load on a body or interface
+    that does not exist; a law whose values have the wrong shape; a controller that reads a joint that does
+    not exist.
     """
 
     bodies: Sequence[Placed | Any]
@@ -292,7 +299,7 @@ class System(Summarized):
             if any(obstacle is other for other in free[:number]):
                 raise ModelError(
                     f"a free {type(obstacle).__name__} is the obstacle of two contacts, which would move it "
-                    "independently: use one contact with the nodes of both, or one obstacle for each contact"
+                    "independently: use one contact with all nodes, or one obstacle for each contact"
                 )
 
     @property
@@ -412,7 +419,7 @@ class System(Summarized):
             full.body.warn_of_massless(load.label, nodes)
 
     def initial_point(self, end: At) -> np.ndarray:
-        """Global position of an interface at assembly, bodies undeformed, (3,)."""
+        """Global position (3,) of an interface at assembly, where the bodies are undeformed."""
         placed = self.bodies[self.body_index(end.body)]
         position, rotation = placed.assembly
         return position + rotation @ placed.body.interface(end.interface).position
@@ -424,7 +431,7 @@ class System(Summarized):
 
     @property
     def constraint_slices(self) -> dict[str, slice]:
-        """Slice of each joint's equations in the vector of all constraint equations, by joint name."""
+        """By joint name, the slice of its equations in the vector of all constraint equations."""
         ends = np.cumsum([0, *(joint.n_constraints for joint in self.joints)])
         spans = zip(self.joints, pairwise(ends), strict=True)
         return {joint.name: slice(int(begin), int(end)) for joint, (begin, end) in spans}
@@ -454,7 +461,7 @@ class System(Summarized):
         return body.mesh
 
     def bodies_of(self, form: type[_Form]) -> dict[str, _Form]:
-        """The bodies of one type, by name, in the order of `bodies`: `system.bodies_of(FullBody)`."""
+        """The bodies of one type, such as FullBody, by name, in the order of `bodies`."""
         named = ((placed.body.name, placed.body) for placed in self.bodies)
         return {name: body for name, body in named if isinstance(body, form)}
 

@@ -27,14 +27,15 @@ def block(
     Parameters
     ----------
     length, width, height : float         m
-    n_length, n_width, n_height : int     hexahedra along x, y, z; six tetrahedra to a hexahedron
-    cell_type : CellType                  TETRA4, TETRA10, HEXA8 or HEXA20
+    n_length, n_width, n_height : int     number of hexahedra along x, y, z
+    cell_type : CellType                  HEXA8, HEXA20, TETRA4 or TETRA10; for tetrahedra, each hexahedron is
+                                          divided into six
     Returns
     -------
     Mesh   node sets root (x = 0), tip (x = length), y_min, y_max, z_min, z_max
     Raises
     ------
-    MeshError   sizes not positive; counts below one; another cell type
+    MeshError   a size that is not positive; a number of hexahedra below one; another cell type
     """
     check_sizes(length=length, width=width, height=height)
     check_counts(n_length=n_length, n_width=n_width, n_height=n_height)

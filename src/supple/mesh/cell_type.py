@@ -1,4 +1,4 @@
-"""Cell types: the shapes a mesh can be made of, with their node order."""
+"""Cell types: the shapes of cells in a mesh, and the order of their nodes."""
 
 from __future__ import annotations
 
@@ -21,15 +21,19 @@ _PYRAMID_FACES = ((0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4))
 
 
 class CellType(Enum):
-    """A cell shape; its nodes are ordered as in meshio, which is also the order of Abaqus and CalculiX.
+    """A cell shape; the order of the nodes is that of meshio, Abaqus and CalculiX.
 
-    Corners come first. The corners of a triangle are right-handed about its normal. The fourth node of a
-    tetrahedron is on the normal side of the first three, the fifth node of a pyramid on the normal side of
-    its base. Hexahedra and wedges list their bottom, then their top, both right-handed about the axis from
-    bottom to top. Mid-edge nodes follow, in the order of `edges`.
+    Corners come first, then mid-edge nodes in the order of `edges`. The corners of a triangle are
+    right-handed about its normal. The fourth corner of a tetrahedron is on the normal side of the triangle of
+    the first three, and the fifth corner of a pyramid on the normal side of its base. Hexahedra and wedges
+    begin with the corners of the bottom; those of the top follow. Both are right-handed about the axis from
+    bottom to top.
 
-    Attributes: meshio_name, n_nodes, n_corners, dimension (1 line, 2 surface, 3 solid), edges (of corners),
-    faces (of corners, right-handed about the outward normal; a triangle is its own face, a line has none).
+    meshio_name : name of the cell type in meshio
+    n_nodes, n_corners : numbers of nodes and of corners
+    dimension : 1 line, 2 surface, 3 solid
+    edges : pairs of corners
+    faces : corners of each face, right-handed about the outward normal; a triangle has one face, a line none
     """
 
     LINE2 = ("line", 2, 2, 1, ((0, 1),), ())

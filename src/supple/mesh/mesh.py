@@ -1,4 +1,4 @@
-"""Mesh: nodes, cells by type, and named sets of both."""
+"""Mesh: nodes, cells by type, and named sets of nodes and of cells."""
 
 from __future__ import annotations
 
@@ -27,34 +27,34 @@ def no_links() -> IntArray:
 
 
 def no_ids() -> IntArray:
-    """Default ids: none, so that nodes are labelled by their numbers."""
+    """Default ids: none; the labels of the nodes are then their numbers."""
     return np.zeros(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Mesh(Summarized):
-    """Nodes, cells by type and named sets.
+    """Nodes, cells by type, and named sets of nodes and of cells.
 
-    A mesh is connected and has no unused nodes, no inverted cells and no flat cells.
+    A mesh is connected; it has no unused nodes, no inverted cells and no flat cells.
     All arrays are copied and read-only.
 
     Parameters
     ----------
     nodes : float array (N, 3)          positions, m
     cells : {CellType: int array (E, k)}   node numbers of each cell, 0-based, ordered as in `CellType`
-    node_sets : {name: int array}       node numbers; in the given order (an edge may run root to tip)
-    cell_sets : {name: {CellType: int array}}   cell numbers within their type
-    node_ids : int array (N,)           unique node labels, the ids of the source file; by default the numbers
-
-    cell_ids : {CellType: int array (E,)}   cell labels; by default the numbers. Cells may share an id, as do
-            the two triangles of a quadrilateral
-    links : int array (L, 2)            pairs of nodes connected by springs, masses or ties: such nodes need
+    node_sets : {name: int array}       node numbers; their order is kept, such as root to tip along an edge
+    cell_sets : {name: {CellType: int array}}   cell numbers, counted within each type
+    node_ids : int array (N,)           different labels of the nodes, such as the ids in a file; default: the
+            node numbers
+    cell_ids : {CellType: int array (E,)}   labels of the cells; default: the cell numbers. Several cells may
+            have one label, such as the two triangles made of a quadrilateral
+    links : int array (L, 2)            pairs of nodes connected by springs, masses or ties; these nodes need
             no cell
 
     Raises
     ------
-    MeshError   NaN, wrong shapes, numbers out of range, empty sets, orphan nodes, repeated nodes in a cell,
-                inverted or degenerate cells, disconnected parts
+    MeshError   NaN, arrays of wrong shapes, numbers out of range, an empty set, a node in no cell, a node
+                twice in a cell, an inverted or flat cell, parts that are not connected
     """
 
     nodes: FloatArray
@@ -133,7 +133,7 @@ class Mesh(Summarized):
         return sum(len(array) for array in self.cells.values())
 
     def nodes_of(self, name: str) -> IntArray:
-        """Node numbers of a named node set; MeshError for an unknown name, with all names."""
+        """Node numbers of a node set; the MeshError for an unknown name lists all names."""
         if name not in self.node_sets:
             raise MeshError(f"no node set '{name}' in this mesh; it has {_listed(self.node_sets)}")
         return self.node_sets[name]
@@ -158,7 +158,7 @@ class Mesh(Summarized):
         return not np.array_equal(self.node_ids, np.arange(self.n_nodes))
 
     def cells_of(self, name: str) -> Mapping[CellType, IntArray]:
-        """Cell numbers, by type, of a named cell set; MeshError for an unknown name, with all names."""
+        """Cell numbers, by type, of a cell set; the MeshError for an unknown name lists all names."""
         if name not in self.cell_sets:
             raise MeshError(f"no cell set '{name}' in this mesh; it has {_listed(self.cell_sets)}")
         return self.cell_sets[name]

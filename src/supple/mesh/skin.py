@@ -15,7 +15,7 @@ __all__ = ["Skin", "skin_of"]
 
 IntArray = NDArray[np.int64]
 
-# Triangles of a face, by its number of nodes; these are numbered around the rim (corner, mid-edge, ...).
+# Triangles of a face by its number of nodes, which are counted around the rim (corner, mid-edge, ...).
 _CUTS = {
     3: ((0, 1, 2),),
     4: ((0, 1, 2), (0, 2, 3)),
@@ -26,15 +26,15 @@ _CUTS = {
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """Visible triangles, and which of their sides are edges of the mesh.
+    """Visible triangles of a mesh, with a mark for those of their sides that are edges of the mesh.
 
-    triangles : int array (T, 3)        node numbers, oriented by the outward normal on solids
-    mesh_lines : bool array (T, 3)      True for mesh edges, False for cuts through a face; side i is opposite
-                                        to corner i
+    triangles : int array (T, 3)        node numbers; on solids, right-handed about the outward normal
+    mesh_lines : bool array (T, 3)      for side i, opposite to corner i: True if it is an edge of the mesh,
+                                        False if it is a cut through a face
 
     Raises
     ------
-    ModelError  arrays of other shapes, or no triangle
+    ModelError  an array of another shape, or no triangle
     """
 
     triangles: IntArray
@@ -55,30 +55,28 @@ class Skin:
 
     @classmethod
     def of_triangles(cls, triangles: IntArray) -> Skin:
-        """Skin of plain triangles, each side an edge of the mesh."""
+        """Skin of triangles whose sides are all edges of the mesh."""
         return cls(np.array(triangles), np.ones(np.shape(triangles), dtype=bool))
 
 
 def skin_of(mesh: Mesh) -> Skin:
     """The skin of a mesh.
 
-    Faces shared by two solid cells are interior and left out; faces with mid-edge nodes are divided at them,
-    so that a curved face looks curved. Beams (LINE2) have no faces: `body_surface` shows them.
+    Faces shared by two solid cells are interior and left out. Faces with mid-edge nodes are divided at these
+    nodes, so that a curved face looks curved. Beams (LINE2) have no faces; `body_surface` draws them.
 
     Raises ModelError for a mesh without faces, such as beams alone.
     """
     parts = [_skin_of_faces(faces) for faces in outer_faces(mesh, middles=True)]
     if not parts:
-        raise ModelError(
-            "a mesh of beams alone has no skin; draw its elements, which have the sections of beams"
-        )
+        raise ModelError("a mesh of beams alone has no skin; draw the model: body_surface(model)")
     return Skin(np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts]))
 
 
 def _skin_of_faces(faces: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
     n_rim = faces.shape[1]
     cuts = np.array(_CUTS[n_rim])
-    # A side is an edge of the mesh where it joins neighbours on the rim.
+    # A side is an edge of the mesh if its two nodes are neighbours on the rim.
     gap = (cuts[:, [2, 0, 1]] - cuts[:, [1, 2, 0]]) % n_rim
     on_rim = (gap == 1) | (gap == n_rim - 1)
     return faces[:, cuts].reshape(-1, 3), np.tile(on_rim, (len(faces), 1))

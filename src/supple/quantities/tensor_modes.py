@@ -1,4 +1,4 @@
-"""A tensor field at nodes, stress or strain, as an exact polynomial of a body's reduced coordinates."""
+"""Stress or strain at nodes, as an exact polynomial in the reduced coordinates of a body."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ __all__ = ["TensorModes", "strain_modes", "stress_modes"]
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Numbers of the field in memory at a time (32 MiB): the field of a long run of a large body does not fit.
+# Number of field values in memory at one time (32 MiB): all values of a long run of a large body do not fit.
 _FIELD_NUMBERS = 2**22
 
 
 class NodalTensor(NamedTuple):
-    """A symmetric tensor at nodes, components xx yy zz yz xz xy in the body's frame.
+    """A kind of symmetric tensor, components xx yy zz yz xz xy in the body's frame.
 
-    recovery : function that prepares, for a model, the recovery of the tensor from displacements
-    equivalent : function that gives von Mises equivalents (...) of tensors (..., 6)
+    recovery : function that returns for a model the `StressRecovery`, which computes the tensor at nodes
+    equivalent : function that returns the von Mises equivalents (...) of tensors (..., 6)
     """
 
     recovery: Callable[[FiniteElementModel], StressRecovery]
@@ -53,16 +53,17 @@ STRAIN = NodalTensor(strain_recovery, von_mises_strain)
 
 @dataclass(frozen=True, eq=False)
 class TensorModes:
-    """Values of a tensor at nodes for unit coordinates, and for unit products of two coordinates.
+    """Values of a tensor at nodes, per reduced coordinate gamma_j and per product of two coordinates.
 
         field(gamma) = linear (gamma, amplitudes m2) + quadratic m2
         m2 = (gamma_j gamma_k), j <= k as numpy.triu_indices(r)
 
     nodes : (N,)                        node numbers
-    linear : (N, l, 6, r + m)           l layers, components xx yy zz yz xz xy in the body's frame; for the
-                                        r columns, then for the m fields of the condensed motion
-    quadratic : (N, l, 6, n2) or None   n2 = r(r+1)/2; None for a linear body
-    amplitudes : (m, n2)                of the m fields, per product m2; m = 0 without condensed motion
+    linear : (N, l, 6, r + m)           values in l layers, components xx yy zz yz xz xy in the body's frame:
+                                        for the r basis columns, then for the m fields of the condensed motion
+    quadratic : (N, l, 6, n2) or None   values per product m2, n2 = r(r+1)/2; None for a linear body
+    amplitudes : (m, n2)                amplitudes of the m fields per product m2; m = 0 without condensed
+                                        motion
     tensor : NodalTensor                stress or strain
     outer : (o,)                        layers in which the von Mises equivalent can be largest
     """
@@ -81,19 +82,19 @@ class TensorModes:
 
     @property
     def r(self) -> int:
-        """Number of coordinates."""
+        """Number of reduced coordinates."""
         return self.linear.shape[-1] - len(self.amplitudes)
 
     def at(self, coordinates: ArrayLike) -> Array:
-        """The field (..., N, l, 6) at coordinates (..., r); ModelError for a wrong number of coordinates."""
+        """The field (..., N, l, 6) for coordinates (..., r); ModelError for another number of coordinates."""
         gamma = self._checked(coordinates)
         field = self._field(gamma.reshape(-1, self.r))
         return field.reshape(*gamma.shape[:-1], *self.linear.shape[:3])
 
     def von_mises(self, coordinates: ArrayLike) -> Array:
-        """The largest von Mises equivalent (..., N) over the layers of each node.
+        """The largest von Mises equivalent (..., N) over the layers of each node, for coordinates (..., r).
 
-        It is computed in blocks of coordinate vectors that fit in memory, only in the layers `outer`.
+        It is computed in the layers `outer` only, for as many coordinate vectors at a time as fit in memory.
         """
         gamma = self._checked(coordinates)
         rows = gamma.reshape(-1, self.r)
@@ -106,12 +107,12 @@ class TensorModes:
         return found.reshape(*gamma.shape[:-1], -1)
 
     def of(self, nodes: slice) -> TensorModes:
-        """The modes at some of the nodes."""
+        """The modes at some of the nodes, given as a slice of `nodes`."""
         quadratic = None if self.quadratic is None else self.quadratic[nodes]
         return replace(self, nodes=self.nodes[nodes], linear=self.linear[nodes], quadratic=quadratic)
 
     def outer_layers(self) -> TensorModes:
-        """The modes of only those layers in which the von Mises equivalent can be largest."""
+        """The modes in the layers `outer` only."""
         if len(self.outer) == self.linear.shape[1]:
             return self
         layers = list(self.outer)
@@ -120,7 +121,7 @@ class TensorModes:
         return replace(self, linear=linear, quadratic=quadratic, outer=tuple(range(len(layers))))
 
     def _field(self, gamma: Array) -> Array:
-        """The field (t, N, l, 6) at coordinates (t, r)."""
+        """The field (t, N, l, 6) for coordinates (t, r)."""
         j, k = np.triu_indices(self.r)
         products = gamma[:, j] * gamma[:, k]
         field = _times(self.linear, np.hstack([gamma, products @ self.amplitudes.T]))
@@ -139,30 +140,31 @@ class TensorModes:
 
 
 def stress_modes(body: ReducedBody, model: FiniteElementModel, nodes: ArrayLike | None = None) -> TensorModes:
-    """Stress modes of a reduced body, computed once: the stress is then a small matrix product per time.
+    """Stress modes of a reduced body: matrices from which its stress at any time is a small matrix product.
 
         sigma(gamma) = S1 gamma + S2 (gamma gamma) + S3 z(gamma)
 
-    S1 is the stress of each column, and S2 that of each pair of columns, from the quadratic part of the
-    strain. Without S2, a body with large rotations relative to its frame, such as a bent blade, would have
-    spurious stress. S3 is the stress of the condensed motion z, the stiff motion that the columns lack. A
-    linear body has S1 alone, the stress of its K gamma. Memory for N nodes and l layers: N l 6 r numbers; for
-    a nonlinear body also N l 6 r(r+1)/2 and N l 6 m (m fields of z). If that is too much, give fewer nodes.
+    gamma are the r reduced coordinates. S1 is the stress of each column of the basis, and S2 that of each
+    pair of columns, from the quadratic part of the strain. Without S2, a body with large rotations relative
+    to its frame, such as a bent blade, would have spurious stress. S3 is the stress of the condensed motion
+    z, stiff motion that the basis does not contain. A linear body has S1 only. Memory for N nodes and l
+    layers: 6 N l r numbers; for a nonlinear body also 6 N l r(r+1)/2, and 6 N l m for the m fields of z. If
+    that is too much, give fewer nodes.
 
     Parameters
     ----------
-    model : FiniteElementModel      the model of the body
-    nodes : int array (N,)          numbers of the nodes of interest; all by default
+    model : FiniteElementModel      from which the body was made
+    nodes : int array (N,)          numbers of the nodes of interest; default: all nodes
 
     Raises
     ------
-    ModelError   a model with other nodes or freedoms, a node number outside it, a laminate
+    ModelError   a model with other nodes or freedoms than the body, an unknown node number, a laminate
     """
     return tensor_modes(STRESS, body, model, nodes)
 
 
 def strain_modes(body: ReducedBody, model: FiniteElementModel, nodes: ArrayLike | None = None) -> TensorModes:
-    """Strain modes of a reduced body; parameters and errors as for stress_modes."""
+    """Strain modes of a reduced body; parameters and errors as for `stress_modes`."""
     return tensor_modes(STRAIN, body, model, nodes)
 
 
@@ -171,19 +173,19 @@ def tensor_modes(
 ) -> TensorModes:
     """The modes of a tensor of a body, at all or some of its nodes; errors as for `stress_modes`.
 
-    With the columns V of the body at the points of an element, e = B V and a = G V, the strain is
+        eps = e gamma + 1/2 sum_jk N(a_j, a_k) gamma_j gamma_k,     e = B V,   a = G V
 
-        eps = e gamma + 1/2 sum_jk N(a_j, a_k) gamma_j gamma_k
-
-    exactly, and stress and its nodal mean are linear in the strain. The condensed motion z adds B z to the
-    strain, as it does in the energy; z rotates no interface. In elements at rigid interfaces, the strain
-    includes the second-order motion of tied nodes (`tied_recovery`).
+    is the exact strain at a point of an element; V is the basis, B and G are strain operators of the element,
+    and N is the bilinear form of its nonlinear strain. Stress, and its mean at nodes, are linear in the
+    strain. The condensed motion z adds B z to the strain, as it does in the energy; it does not rotate
+    interfaces. In elements at rigid interfaces, the strain includes the second-order motion of tied nodes
+    (`tied_recovery`).
     """
     same_count = body.nodal_basis.shape[0] == model.n_dofs and body.nodes.shape == model.mesh.nodes.shape
     if not (same_count and np.array_equal(body.nodes, model.mesh.nodes)):
         raise ModelError(
             f"body '{body.name}' ({len(body.nodes)} nodes of {body.dofs_per_node} freedoms) was not made of "
-            f"this model ({model.mesh.n_nodes} nodes of {model.dofs_per_node}); give the model it was made of"
+            f"this model ({model.mesh.n_nodes} nodes of {model.dofs_per_node}); give the model of the body"
         )
     recovery = tensor.recovery(model)
     chosen = _chosen(nodes, recovery.n_nodes)
@@ -221,7 +223,7 @@ def tensor_modes(
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """Some cells of a section and their common nodes.
+    """Some cells of a section, and the nodes to which they contribute.
 
     rows : (R,)                     indices of the rows of the field
     share : csr (R, E g l')         weights of the tensors of E cells at g points in l' layers
@@ -256,9 +258,10 @@ def _parts(section: SectionStress, shares: csr_array, r: int) -> Iterator[_Part]
 
 
 def _pair_strains(form: Array, gradients: Array) -> Iterator[tuple[slice, Array]]:
-    """For each j, the pairs (j, k >= j): their positions among all pairs, and their strain (E, g, s, r - j).
+    """For each j, positions of the pairs (j, k), k >= j, among all pairs, and their strain (E, g, s, r - j).
 
-    form : (s, d, d), or (E, g, s, d, d);  gradients : (E, g, d, r)
+    form : (s, d, d), or (E, g, s, d, d), bilinear form of the nonlinear strain
+    gradients : (E, g, d, r), of the basis columns
     """
     r, start = gradients.shape[-1], 0
     one_form = form.ndim == 3

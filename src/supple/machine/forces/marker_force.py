@@ -1,4 +1,4 @@
-"""Forces and torques over time at one interface: dead (fixed in space), or follower (rotating with it)."""
+"""Forces and torques at an interface, over time: dead (direction fixed in space) or follower (rotating)."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class FollowerForce(ForceElement):
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """`F = A_p f(t)` on the first end, with its axes A_p; zero on the second end."""
+        """`F = A_p f(t)` on the first end, where A_p are the axes of this end; zero on the second end."""
         return Wrench(first.axes @ value, jnp.zeros(3)), _at_rest()
 
 
@@ -57,7 +57,7 @@ class FollowerTorque(ForceElement):
 
     @staticmethod
     def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
-        """`M = A_p m(t)` on the first end, with its axes A_p; zero on the second end."""
+        """`M = A_p m(t)` on the first end, where A_p are the axes of this end; zero on the second end."""
         return Wrench(jnp.zeros(3), first.axes @ value), _at_rest()
 
 

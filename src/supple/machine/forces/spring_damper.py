@@ -18,12 +18,14 @@ __all__ = ["SpringDamper"]
 
 @dataclass(frozen=True, kw_only=True)
 class SpringDamper(ForceElement):
-    """Tension `k (l - l_0) + c dl/dt` along the line between two points that must not coincide.
+    """Spring and damper with the tension `k (l - l_0) + c dl/dt` along the line between its ends.
+
+    l is the distance of the two ends, which must not coincide.
 
     stiffness : k, force per length
     damping : c, force per velocity
-    rest_length : l_0, a length, default 0; None: the distance of the ends at assembly
-    anchor : global position of the ground end, a length; None without an end on the ground
+    rest_length : l_0; None: the distance of the ends at assembly
+    anchor : global position (3,) of the end "ground"; None if both ends are interfaces
     """
 
     stiffness: NotNegative = 0.0
@@ -43,7 +45,7 @@ class SpringDamper(ForceElement):
         return None if self.anchor is None else np.asarray(self.anchor, dtype=float)
 
     def assembled(self, first: np.ndarray, second: np.ndarray) -> SpringDamper:
-        """The spring with the distance of its ends at assembly as rest length, if `rest_length` is None."""
+        """The spring with a rest length: if `rest_length` is None, the distance of its ends at assembly."""
         if self.rest_length is not None:
             return self
         return replace(self, rest_length=float(np.linalg.norm(second - first)))

@@ -20,9 +20,12 @@ __all__ = ["TorsionSpringDamper"]
 
 @dataclass(frozen=True, kw_only=True)
 class TorsionSpringDamper(ForceElement):
-    """Moment `- k (phi - phi_0(t)) - c dphi/dt` on the second end about an axis, with phi in (-pi, pi].
+    """Torsion spring and damper with the moment `- k (phi - phi_0(t)) - c dphi/dt` on the second end.
 
-    axis : direction at the start, global axes; it is fixed to the first end
+    phi, in (-pi, pi], is the angle of the second end relative to the first about an axis of the first end. It
+    is zero at assembly. The first end has the opposite moment.
+
+    axis : (3,) direction of the axis at assembly, in global components
     stiffness : k, moment per rad
     damping : c, moment per angular velocity
     """
@@ -31,7 +34,7 @@ class TorsionSpringDamper(ForceElement):
     stiffness: NotNegative = 0.0
     damping: NotNegative = 0.0
     rest_angle: Any = 0.0
-    """phi_0, rest angle of the second end relative to the first, rad: a number or a law of time."""
+    """phi_0, angle phi without moment, rad: a number or a law of time."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

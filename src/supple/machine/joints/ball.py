@@ -15,7 +15,7 @@ __all__ = ["Ball"]
 
 @dataclass(frozen=True, kw_only=True)
 class Ball(Joint):
-    """`r_2 - r_1 = 0`: all rotations are free."""
+    """Ball joint: the points of both ends coincide, `r_2 - r_1 = 0`; all rotations are free."""
 
     n_constraints: ClassVar[int] = 3
     rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "position z")

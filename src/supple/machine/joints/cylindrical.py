@@ -16,10 +16,13 @@ __all__ = ["Cylindrical"]
 
 @dataclass(frozen=True, kw_only=True)
 class Cylindrical(Joint):
-    """The second point stays on the first end's axis, and the axes stay parallel."""
+    """Cylindrical joint: the second end stays on the axis of the first end, and both axes stay parallel.
+
+    Rotation about the axis and sliding along it are free.
+    """
 
     axis: tuple[float, float, float]
-    """Direction of the axis in the initial configuration, global."""
+    """Direction of the axis in the initial configuration, in global components."""
 
     n_constraints: ClassVar[int] = 4
     rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "tilt about x", "tilt about y")

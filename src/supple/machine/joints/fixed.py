@@ -15,7 +15,10 @@ __all__ = ["Fixed"]
 
 @dataclass(frozen=True, kw_only=True)
 class Fixed(Joint):
-    """`r_2 - r_1 = 0` and no relative rotation; with the ground as one end, a clamp."""
+    """Fixed joint: the points of both ends coincide, `r_2 - r_1 = 0`, without relative rotation.
+
+    With the ground as one end, the joint is a clamp.
+    """
 
     n_constraints: ClassVar[int] = 6
     rows: ClassVar[tuple[str, ...]] = (

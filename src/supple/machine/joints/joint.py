@@ -1,9 +1,9 @@
 """Base of all joints: two ends, axes in the initial configuration, and constraint equations.
 
-The equations are functions of the *joint frames* of both ends (`Pose`): points r_1 and r_2, and matrices A_1
-and A_2, whose columns are the axes x, y and z. The two frames coincide in the initial configuration. The
-equations must be affine functions of `A_1^T (r_2 - r_1)` and `A_1^T A_2`. `joint_linearization` then computes
-the Jacobian and the geometric stiffness, so a new joint needs only its `constraint`.
+Each end has a *joint frame* (`Pose`): a point r_1 or r_2, and a matrix A_1 or A_2, whose columns are the axes
+x, y and z. The two frames coincide in the initial configuration. The constraint equations must be affine
+functions of `A_1^T (r_2 - r_1)` and `A_1^T A_2`. `joint_linearization` computes their Jacobian and geometric
+stiffness, so a new joint defines only `constraint`.
 """
 
 from __future__ import annotations
@@ -38,9 +38,10 @@ def tilt(first: Pose, second: Pose) -> jax.Array:
 
 
 def axes_along(axis: Any, hint: Any = None) -> np.ndarray:
-    """Right-handed unit axes, as columns: the third along `axis`, the first as near `hint` as possible.
+    """Right-handed unit axes, as columns: the third along `axis`, the first along the projection of `hint`.
 
-    Raises ModelError for an axis without a direction, or a hint parallel to the axis.
+    hint : vector that is projected on the plane normal to `axis`; default: a global axis
+    Raises ModelError for an axis that is zero or not finite, or a hint parallel to the axis.
     """
     check_numbers("the axis of a joint", axis)
     direction = _unit(axis)
@@ -53,7 +54,7 @@ def axes_along(axis: Any, hint: Any = None) -> np.ndarray:
 
 
 def _unit(axis: Any) -> np.ndarray:
-    """Unit vector along an axis of any length; ModelError for an axis without a direction."""
+    """Unit vector along an axis of any length; ModelError for an axis that is zero or not finite."""
     direction = np.asarray(axis, dtype=float)
     if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
         raise ModelError(f"a joint axis must be three finite numbers, not all zero; got {axis}")
@@ -74,7 +75,7 @@ class Joint(ABC):
     n_constraints: ClassVar[int]
     """Number of constraint equations."""
     rows: ClassVar[tuple[str, ...]]
-    """Name of the direction that each constraint equation fixes; a length begins with "position"."""
+    """What each constraint equation fixes; the name begins with "position" if its residual is a length."""
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -91,7 +92,10 @@ class Joint(ABC):
 
     @property
     def initial_axes(self) -> np.ndarray:
-        """Joint axes in the initial configuration, global, as columns; z is the axis of the joint, if any."""
+        """Joint axes in the initial configuration, as columns in global components.
+
+        z is the axis of the joint, if it has one.
+        """
         return np.eye(3)
 
     @property
@@ -102,9 +106,9 @@ class Joint(ABC):
     @staticmethod
     @abstractmethod
     def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:
-        """The equations `g = 0`, (n_constraints,), affine in the second frame relative to the first.
+        """The constraint residual g (n_constraints,), affine in the second frame relative to the first.
 
-        `value` is the law's value at this time; None without a law.
+        value : value of `law` at this time; None without a law
         """
 
 

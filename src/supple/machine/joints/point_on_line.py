@@ -16,10 +16,13 @@ __all__ = ["PointOnLine"]
 
 @dataclass(frozen=True, kw_only=True)
 class PointOnLine(Joint):
-    """`x_1 . (r_2 - r_1) = y_1 . (r_2 - r_1) = 0`: a pin in a straight slot."""
+    """Point on a line, such as a pin in a straight slot: the second end stays on a line of the first end.
+
+    `x_1 . (r_2 - r_1) = y_1 . (r_2 - r_1) = 0`; x_1 and y_1 are axes of the first end, normal to the line.
+    """
 
     axis: tuple[float, float, float]
-    """Direction of the line in the initial configuration, global; it is fixed to the first end."""
+    """Direction of the line in the initial configuration, in global components."""
 
     n_constraints: ClassVar[int] = 2
     rows: ClassVar[tuple[str, ...]] = ("position x", "position y")

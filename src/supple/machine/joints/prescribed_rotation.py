@@ -1,4 +1,4 @@
-"""Prescribed rotation: a given angle of the second end about the axis, relative to the first."""
+"""Prescribed rotation: the angle of the second end relative to the first, about an axis, is given."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ __all__ = ["PrescribedRotation"]
 
 @dataclass(frozen=True, kw_only=True)
 class PrescribedRotation(Joint):
-    """A fixed joint, except that the angle about one axis follows a law of time."""
+    """A fixed joint whose second end rotates about an axis of the first end by a given angle over time."""
 
     axis: tuple[float, float, float]
-    """Direction of the axis in the initial configuration, global."""
+    """Direction of the axis in the initial configuration, in global components."""
     angle: Any
-    """Angle in rad from the initial configuration: a number, a law, or a function of time in jax.numpy"""
+    """Angle from the initial configuration, rad: a number, a law, or a function of time in `jax.numpy`."""
 
     n_constraints: ClassVar[int] = Fixed.n_constraints
     rows: ClassVar[tuple[str, ...]] = Fixed.rows
@@ -41,7 +41,7 @@ class PrescribedRotation(Joint):
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:
-        """The vector between the points, and the rotation from the prescribed to the second axes, (6,)."""
+        """The vector between the points, and the rotation from prescribed to actual axes, (6,)."""
         cosine, sine = jnp.cos(value), jnp.sin(value)
         about_z = jnp.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
         turned = first._replace(axes=first.axes @ about_z)

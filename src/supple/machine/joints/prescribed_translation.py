@@ -1,4 +1,4 @@
-"""Prescribed translation: a given displacement of the second end along an axis of the first."""
+"""Prescribed translation: the displacement of the second end along an axis of the first end is given."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ __all__ = ["PrescribedTranslation"]
 
 @dataclass(frozen=True, kw_only=True)
 class PrescribedTranslation(Joint):
-    """A fixed joint, except that the offset along one axis follows a law of time."""
+    """A fixed joint whose second end moves along an axis of the first end by a given distance over time."""
 
     axis: tuple[float, float, float]
-    """Direction of the axis in the initial configuration, global."""
+    """Direction of the axis in the initial configuration, in global components."""
     displacement: Any
-    """Distance from the initial configuration: a number, a law, or a function of time in jax.numpy"""
+    """Distance from the initial configuration: a number, a law, or a function of time in `jax.numpy`."""
 
     n_constraints: ClassVar[int] = Fixed.n_constraints
     rows: ClassVar[tuple[str, ...]] = Fixed.rows
@@ -41,6 +41,6 @@ class PrescribedTranslation(Joint):
 
     @staticmethod
     def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:
-        """The vector between the points minus the prescribed one, and the relative rotation, (6,)."""
+        """Actual minus prescribed vector between the points, and the relative rotation, (6,)."""
         offset = closing(first, second) - value * jnp.array([0.0, 0.0, 1.0])
         return stack(offset, relative_turn(first, second))

@@ -16,10 +16,10 @@ __all__ = ["Prismatic"]
 
 @dataclass(frozen=True, kw_only=True)
 class Prismatic(Joint):
-    """The second point stays on the first end's axis, without relative rotation."""
+    """Prismatic joint: the second end slides along an axis of the first end, without relative rotation."""
 
     axis: tuple[float, float, float]
-    """Direction of the axis in the initial configuration, global."""
+    """Direction of the axis in the initial configuration, in global components."""
 
     n_constraints: ClassVar[int] = 5
     rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "rotation x", "rotation y", "rotation z")

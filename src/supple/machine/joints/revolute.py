@@ -16,10 +16,13 @@ __all__ = ["Revolute"]
 
 @dataclass(frozen=True, kw_only=True)
 class Revolute(Joint):
-    """`r_2 - r_1 = 0` and `z_1 x z_2 = 0`: rotation about the axis is free."""
+    """Revolute joint: the points and the axes z of both ends coincide; rotation about the axis is free.
+
+    `r_2 - r_1 = 0` and `z_1 x z_2 = 0`
+    """
 
     axis: tuple[float, float, float]
-    """Direction of the axis in the initial configuration, global."""
+    """Direction of the axis in the initial configuration, in global components."""
 
     n_constraints: ClassVar[int] = 5
     rows: ClassVar[tuple[str, ...]] = (

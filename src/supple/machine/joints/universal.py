@@ -16,12 +16,15 @@ __all__ = ["Universal"]
 
 @dataclass(frozen=True, kw_only=True)
 class Universal(Joint):
-    """Ball joint with the first end's axis perpendicular to the second end's axis: two rotations are free."""
+    """Universal joint: the points of both ends coincide, and two axes, one of each end, stay perpendicular.
+
+    Rotations about both axes are free.
+    """
 
     first_axis: tuple[float, float, float]
-    """Axis of the cross that is fixed to the first end, in the initial configuration, global."""
+    """Axis fixed to the first end: direction in the initial configuration, in global components."""
     second_axis: tuple[float, float, float]
-    """Axis of the cross that is fixed to the second end; its component along the first axis is removed."""
+    """Axis fixed to the second end, given likewise; a component along the first axis is removed."""
 
     n_constraints: ClassVar[int] = 4
     rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "position z", "angle between the axes")

@@ -18,10 +18,10 @@ __all__ = ["ConstantRate"]
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class ConstantRate(UnboundedLaw):
-    """`q(t) = start + rate t`.
+    """Linear law `q(t) = start + rate t`.
 
-    In a prescribed motion the bodies must start at this rate; otherwise their initial velocities are
-    corrected, with a warning.
+    If the law prescribes a motion, the initial velocities of the bodies must agree with the rate. Otherwise
+    the run corrects them, with a warning.
 
     Raises ModelError for numbers that are not finite.
     """

@@ -20,19 +20,22 @@ __all__ = [
 ]
 
 BENDS = 1e-6
-"""Smallest jump of the derivative of order n, times spacing^n, that is a kink; relative to the range."""
+"""A jump d of the derivative of order n is a kink if d h^n exceeds this fraction of the range of the values.
+
+h : smaller spacing of the rows beside the jump
+"""
 
 
 @runtime_checkable
 class KnownLaw(Protocol):
-    """A law with known kinks and time scales; other laws are sampled, which can miss short features."""
+    """A law that returns its kinks and time scales; other laws are sampled, which can miss short features."""
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """Times (k,) strictly between `begin` and `end`: jumps of a derivative, ends of short events."""
+        """Times (k,) strictly between `begin` and `end` at which a derivative jumps or a short event ends."""
         ...
 
     def shortest_scale(self, begin: float, end: float) -> float:
-        """Shortest period, rise time or row spacing from `begin` to `end`; infinite without a time scale."""
+        """Shortest period, rise time or spacing of rows between `begin` and `end`; infinite without any."""
         ...
 
 
@@ -47,9 +50,9 @@ _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
 
 def uneven_times(begin: float, end: float, number: int) -> np.ndarray:
-    """Times (number,) in [begin, end), not ascending, at fractions k phi mod 1 with the golden ratio phi.
+    """Times (number,) in [begin, end) without a period: fractions k phi mod 1, k = 0, 1, .., of the interval.
 
-    Evenly spaced times may all be zeros of a sine; the returned times have no period.
+    phi is the golden ratio; the times do not ascend. Equally spaced times could all be zeros of a sine.
     """
     return begin + (end - begin) * (np.arange(number) * _GOLDEN % 1.0)
 
@@ -66,10 +69,10 @@ def times_within(times: Iterable[float] | np.ndarray, begin: float, end: float) 
 
 
 def rows_that_bend(times: np.ndarray, values: np.ndarray, jumps: np.ndarray, power: int) -> np.ndarray:
-    """Times of a table's first and last row, and of inner rows with a significant jump of a derivative.
+    """Times of the first and the last row of a table, and of the inner rows that are kinks (`BENDS`).
 
-    times : (k,)        values : (k, ...)
-    jumps : (k - 2, m)      jumps of the derivative of order `power` at the inner rows
+    times, values : (k,) and (k, ...) of the rows
+    jumps : (k - 2, m), jumps of the derivative of order `power` at the inner rows
     """
     spacing = np.minimum(np.diff(times)[:-1], np.diff(times)[1:])
     size = float(np.max(np.ptp(values, axis=0), initial=0.0))

@@ -14,7 +14,7 @@ __all__ = ["OfRows", "are_numbers", "finite", "finite_and_positive", "increasing
 
 
 def are_numbers(*values: Any) -> bool:
-    """True if all values are Python or NumPy numbers, lists, tuples or NumPy arrays; not for JAX arrays.
+    """Whether all values are Python or NumPy numbers, lists, tuples or NumPy arrays; False for JAX arrays.
 
     Raises ArgumentError for text, dictionaries and classes.
     """
@@ -61,7 +61,7 @@ def increasing_rows(times: Any, values: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 class OfRows:
-    """Base of laws defined by rows at increasing times: time span, and smallest spacing of rows."""
+    """Base of laws given by rows at increasing `times`."""
 
     times: Any
 

@@ -24,8 +24,8 @@ class Ramp(UnboundedLaw):
 
         q(t) = value s^3 (10 - 15 s + 6 s^2),   s = t / duration, limited to [0, 1]
 
-    value : number or array     q at the time `duration` and later
-    duration : float            s, positive
+    value : number or array     q from the time `duration` on
+    duration : float            duration of the rise, which begins at t = 0; in s, positive
     Raises ModelError for a value that is not finite, or a duration that is not finite and positive.
     """
 
@@ -45,9 +45,9 @@ class Ramp(UnboundedLaw):
         return self.value * (s**3 * (10.0 + s * (-15.0 + 6.0 * s)))
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """Times of begin and end of the ramp, if they are strictly between `begin` and `end`."""
+        """Times of the begin and the end of the rise that are strictly between `begin` and `end`."""
         return times_within([0.0, self.duration], begin, end)
 
     def shortest_scale(self, begin: float, end: float) -> float:
-        """The duration; infinite if the rise is not between `begin` and `end`."""
+        """The duration of the rise; infinite if no part of the rise is between `begin` and `end`."""
         return float(self.duration) if begin < self.duration and end > 0 else float("inf")

@@ -1,10 +1,9 @@
-"""Laws of unknown shape: jumps and turning points, found by sampling.
+"""Jumps and turning points of a law of time whose kinks are unknown, found by sampling.
 
-The kinks of a Python function of time are unknown. The function is evaluated at about 17 000 equally spaced
-times of the run, or fewer if it has many values. Where neighbouring samples differ much, jumps are located by
-repeated subdivision. A pulse has a turning point. If a time step ends there, the integration does not miss
-the pulse, and step control shortens the next steps. Features shorter than the sampling interval can be
-missed.
+A law given as a Python function is evaluated at about 17 000 equally spaced times of the run, or at fewer if
+it has many values. Intervals in which the values change most are divided repeatedly, until a jump is located.
+A pulse has a turning point. A time step ends there, so that the integration does not miss the pulse, and step
+control shortens the next steps. A feature shorter than the sampling interval can be missed.
 """
 
 from __future__ import annotations
@@ -26,35 +25,34 @@ BLOCK = 64 * 33
 N_SAMPLES = 8 * BLOCK - 1
 """Largest number of sampling intervals of a run."""
 MOST_NUMBERS = 4_000_000
-"""Largest number of values in all samples; limits the memory. A load on many nodes has fewer samples."""
+"""Largest number of values in all samples, because of memory; a load on many nodes has fewer samples."""
 MOST_JUMPS = 64
 DIVISIONS, ROUNDS = 32, 5
-"""Parts of an interval, and rounds of subdivision: a jump is located to 32^-5 of the sampling interval."""
+"""Parts into which an interval is divided, and number of divisions: a jump is located to 32^-5 of a sampling
+interval."""
 JUMPS = 1e-4
-"""Smallest change in the last subdivided interval that is a jump, relative to the range of the function."""
+"""Smallest change that is a jump, in the interval of the last division, relative to the range of the law."""
 TURNS = 1e-3
-"""Least change of value to an adjacent turning point, relative to the range of the function.
-
-A turning point is ignored if the changes on both sides are smaller.
-"""
+"""A turning point is ignored if the values change by less than this fraction of the range of the law up to
+the turning points before and after it."""
 MOST_TURNS = 512
-"""Largest number of turning points; with more, none is used, since no step misses the oscillation."""
+"""Largest number of turning points; of a law with more, none is used: time steps do not miss so many."""
 
 _OfTime = Callable[[jax.Array], jax.Array]
 
 Sampled = Callable[[np.ndarray], np.ndarray]
-"""A function of times (k,) with values (k, m)"""
+"""A function that returns values (k, m) for times (k,)."""
 
 
 class Jumps(NamedTuple):
-    """Jumps of a function, ascending: the instants just before and just after each jump, (k,) each."""
+    """Jumps of a function, ascending: times (k,) just before each jump, and times (k,) just after it."""
 
     before: np.ndarray
     after: np.ndarray
 
 
 def law_samples(law: _OfTime, times: np.ndarray, *, order: int = 0) -> list[np.ndarray]:
-    """Values (k, m) of a law at times (k,), and its derivatives up to an order, (k, m) each."""
+    """Values of a law at times (k,), and its derivatives up to an order: a list of arrays (k, m)."""
     # All blocks have one size, so one compiled program evaluates any number of times.
     size = max(1, min(BLOCK, MOST_NUMBERS // _n_values(law)))
     blocks = np.pad(times, (0, -len(times) % size), mode="edge").reshape(-1, size)
@@ -115,7 +113,7 @@ def sampled_instants(law: _OfTime, begin: float, end: float) -> np.ndarray:
     n = min(N_SAMPLES, MOST_NUMBERS // n_values)
     times = np.linspace(begin, end, max(n, 2) + 1)
 
-    # Three random combinations represent many components: a change of any component changes all three.
+    # Many components are replaced by three random combinations, which change with every component.
     mix = np.random.default_rng(0).standard_normal((n_values, 3))
 
     def of_times(at: np.ndarray) -> np.ndarray:

@@ -22,7 +22,7 @@ __all__ = ["Scaled"]
 class Scaled:
     """`v(t) = vector factor(t)`: a fixed direction, or a fixed pattern over nodes, times a law of time.
 
-    vector : (..., 3)       value at factor 1
+    vector : (..., 3)       value of the law where the factor is 1
     factor : a law or function of time whose value is one number
     Raises ModelError for a vector that is not finite, or a factor whose value is not one number.
     """

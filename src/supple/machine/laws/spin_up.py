@@ -27,16 +27,17 @@ class SpinUp(UnboundedLaw):
         theta(t) = omega_s / T_s [t^2 / 2 + (T_s / 2 pi)^2 (cos(2 pi t / T_s) - 1)]     t <= T_s
                  = omega_s (t - T_s / 2)                                                t >  T_s
 
-    Angle, speed and acceleration are continuous. For a displacement the speed is in m/s.
+    Angle, speed and acceleration are continuous. For a prescribed translation, theta is a displacement and
+    the speed is in m/s.
 
     Parameters
     ----------
-    speed : float       omega_s, the final speed, rad/s; negative for the opposite direction
+    speed : float       omega_s, final speed, rad/s; negative for a rotation in the opposite direction
     rise_time : float   T_s, s, positive
 
     Raises
     ------
-    ModelError  speed not finite, or rise time not finite and positive
+    ModelError  a speed that is not finite, or a rise time that is not finite and positive
     Source: [Wu2019], section 6.1
     """
 
@@ -68,5 +69,5 @@ class SpinUp(UnboundedLaw):
         return times_within([self.rise_time], begin, end)
 
     def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002 - begin decides
-        """The rise time; infinite once the speed is reached."""
+        """The rise time; infinite if `begin` is after it."""
         return self.rise_time if begin < self.rise_time else float("inf")

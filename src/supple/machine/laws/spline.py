@@ -1,4 +1,4 @@
-"""A quantity given in rows, interpolated smoothly enough for a prescribed motion."""
+"""A quantity given by times and values, interpolated by a cubic spline, also for prescribed motions."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ __all__ = ["Spline"]
 
 @dataclass(frozen=True, eq=False)
 class Spline(OfRows):
-    """Natural cubic spline through rows.
+    """Natural cubic spline through rows, each a time and a value.
 
-    Value, first and second derivative are continuous between the first and the last row; the second
-    derivative is zero at these two rows. Outside the rows the value is constant, but a prescribed motion is
-    not defined there, because it would stop abruptly.
+    Value, first and second derivative are continuous from the first to the last row; the second derivative is
+    zero at these two rows. Outside the rows, `law(time)` is the value of the nearest row. The rows must cover
+    the whole run, for a load and for a prescribed motion: otherwise the run raises ModelError.
 
     times : (k,)        s, increasing, k >= 2
     values : (k, ...)   one row for each time
-    Raises ModelError for rows of other shapes, NaN or infinite entries, and times that do not increase.
+    Raises ModelError for arrays of other shapes, NaN or infinite entries, or times that do not increase.
     """
 
     times: Any
     values: Any
     coefficients: Any = field(init=False, repr=False)
-    """(4, k - 1, ...) coefficients of the cubics, highest power first; time from the start of each piece"""
+    """(4, k - 1, ...) coefficients of the cubics, cubic term first; time begins at the start of a piece."""
 
     def __post_init__(self) -> None:
         times, values = increasing_rows(self.times, self.values)
@@ -45,7 +45,7 @@ class Spline(OfRows):
         )
 
     def __call__(self, time: ArrayLike) -> jax.Array:
-        """The value at a time; at an array of times: the shape of the times, then that of a row."""
+        """The value at a time, or values (*times, *row) at times of any shape."""
         starts = jnp.asarray(self.times)[:-1]
         t = jnp.clip(time, self.times[0], self.times[-1])
         piece = jnp.clip(jnp.searchsorted(starts, t, side="right") - 1, 0, len(starts) - 1)
@@ -53,16 +53,19 @@ class Spline(OfRows):
         return jnp.polyval(cubics, jnp.expand_dims(within, tuple(range(within.ndim, cubics.ndim - 1))))
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """Times of the rows, except inner rows at which the third derivative does not jump."""
+        """Times of the rows strictly between `begin` and `end`, except inner rows without a kink.
+
+        A kink is a jump of the third derivative.
+        """
         times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
         third = 6.0 * np.asarray(self.coefficients)[0].reshape(len(times) - 1, -1)
         return times_within(rows_that_bend(times, values, np.diff(third, axis=0), 3), begin, end)
 
     def excursions(self) -> np.ndarray:
-        """Overshoot (k - 1,) of each piece beyond the rows around it, relative to the range of all rows.
+        """Overshoot (k - 1,) of each piece beyond the four rows around it, relative to the range of all rows.
 
-        The rows are those at both ends of the piece and one more on either side. For smooth data the
-        overshoot is below one per cent; at a jump the spline oscillates.
+        The four rows are those at the ends of the piece, and one more on either side. The overshoot is below
+        one per cent for smooth data. At a jump of the data the spline oscillates.
         """
         times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
         values = values.reshape(len(times), -1)
@@ -80,7 +83,7 @@ def _leaves(law: Spline) -> tuple[tuple[Any, Any, Any], None]:
 
 
 def _from_leaves(_: None, leaves: Any) -> Spline:
-    # Without `__post_init__`: the coefficients are leaves too, and are not computed again from traced rows.
+    # Without `__post_init__`, which would compute the coefficients again, from traced rows.
     law = object.__new__(Spline)
     for name, leaf in zip(("times", "values", "coefficients"), leaves, strict=True):
         object.__setattr__(law, name, leaf)

@@ -21,12 +21,12 @@ __all__ = ["Table"]
 class Table(OfRows):
     """Linear interpolation between rows, each a time and a value.
 
-    The first derivative jumps at the rows; the second derivative is zero between them. A table is suitable
-    for loads; a prescribed motion needs a `Spline`.
+    The first derivative jumps at the rows. A table is therefore suitable for loads; a prescribed motion needs
+    a `Spline`. The rows must cover the whole run; otherwise the run raises ModelError.
 
     times : (k,)        s, increasing, k >= 2
     values : (k, ...)   one row for each time
-    Raises ModelError for arrays of other shapes, NaN or infinite entries, and times that do not increase.
+    Raises ModelError for arrays of other shapes, NaN or infinite entries, or times that do not increase.
     """
 
     times: Any
@@ -39,9 +39,9 @@ class Table(OfRows):
             object.__setattr__(self, "values", values)
 
     def __call__(self, time: ArrayLike) -> jax.Array:
-        """The value at a time; outside the rows, linear extrapolation of the first or last interval.
+        """The value at a time, or values (*times, *row) at times of any shape.
 
-        At an array of times: values of the shape of the times, then that of a row.
+        Outside the rows, the first or last interval is extrapolated linearly.
         """
         upper = jnp.clip(jnp.searchsorted(self.times, time, side="right"), 1, len(self.times) - 1)
         t0, t1 = jnp.asarray(self.times)[upper - 1], jnp.asarray(self.times)[upper]
@@ -50,7 +50,7 @@ class Table(OfRows):
         return v0 + (v1 - v0) * jnp.expand_dims(along, tuple(range(along.ndim, v0.ndim)))
 
     def instants(self, begin: float, end: float) -> np.ndarray:
-        """Times of rows between `begin` and `end`, without inner rows at which the slope does not jump."""
+        """Times of the rows strictly between `begin` and `end`, except inner rows without a jump of slope."""
         times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
         slopes = np.diff(values.reshape(len(times), -1), axis=0) / np.diff(times)[:, None]
         return times_within(rows_that_bend(times, values, np.diff(slopes, axis=0), 1), begin, end)

@@ -20,19 +20,19 @@ __all__ = ["TimeFunction"]
 class TimeFunction(UnboundedLaw):
     """A function of time written with `jax.numpy`.
 
-    If it prescribes a motion, it must be twice differentiable.
+    A function that prescribes a motion must be twice differentiable.
 
-    The function is part of the compiled program, not of the data of the program. Another function, or another
-    value of a variable that the function reads, needs a new compilation. The cases of a batch must share one
-    function object. For numbers that differ between runs or cases use other laws. A later process reuses the
-    stored program if the function depends only on its arguments, plain numbers, functions with the same
-    property, `jax.numpy` and `math`.
+    The function is compiled with the equations. A change of the function, or of the value of a variable that
+    it reads, therefore needs a new compilation, and all cases of a batch must have the same function object.
+    For numbers that differ between runs or cases, use the other laws. The compiled program is stored. A later
+    process reuses it if the function depends only on its arguments, plain numbers, `jax.numpy`, `math`, and
+    functions for which the same is true.
     """
 
     function: Callable[[Any], Any]
 
     def __call__(self, time: ArrayLike) -> jax.Array:
-        """The function's value; ModelError where JAX cannot trace it."""
+        """The value of the function; ModelError if JAX cannot trace the function."""
         return traced(
             self.function, getattr(self.function, "__qualname__", type(self.function).__name__), time
         )
@@ -46,7 +46,7 @@ jax.tree_util.register_pytree_node(
 
 
 def traced(function: Callable[[Any], Any], name: str, time: ArrayLike) -> jax.Array:
-    """The value of a function of time; ModelError, with the remedy, where JAX cannot trace it."""
+    """The value of a function of time; ModelError, with the remedy, if JAX cannot trace the function."""
     try:
         return function(time)
     except jax.errors.TracerArrayConversionError as error:

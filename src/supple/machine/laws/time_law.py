@@ -1,7 +1,7 @@
 """Quantities given as functions of time: prescribed motions, forces, torques.
 
-A law is a JAX pytree whose numbers are leaves: systems that differ only in these numbers, such as the cases
-of a batch, share one compiled program.
+A law is a JAX pytree, whose leaves are its numbers. Machines that differ only in these numbers, such as the
+cases of a batch, share one compiled program.
 """
 
 from __future__ import annotations
@@ -30,13 +30,12 @@ _EXPECTED = "a number, an array, a law such as Ramp(1.0, 2.0), or a function of 
 class TimeLaw(Protocol):
     """A value, or an array of values, over time: `law(time)`, defined from `law.begin` to `law.end`.
 
-    Functions of this library evaluate a law at one time; several times are mapped by `jax.vmap`.
-    A user-defined law is a dataclass with `__call__`, `begin` and `end`, registered by
-    `jax.tree_util.register_dataclass`.
+    `supple` calls a law with one time, and maps the call over several times by `jax.vmap`. A user-defined law
+    is a dataclass with `__call__`, `begin` and `end`, registered by `jax.tree_util.register_dataclass`.
     """
 
     def __call__(self, time: ArrayLike) -> jax.Array:
-        """The value at a time, traced and differentiated by JAX."""
+        """The value at a time; JAX traces and differentiates this function."""
 
     @property
     def begin(self) -> float:
@@ -51,7 +50,7 @@ class TimeLaw(Protocol):
 
 @dataclass(frozen=True)
 class _UsersLaw:
-    """A law of a user's class. The functions of the class, with all they read, are part of the program."""
+    """A law of a user's class; the compiled program depends on the functions of the class."""
 
     law: TimeLaw
 
@@ -78,7 +77,7 @@ jax.tree_util.register_pytree_node(
 
 def as_time_law(value: Any) -> TimeLaw:
     """The law of a quantity that is given as a law, a function of time, a number or an array."""
-    if isinstance(value, type):  # a class has the members of its objects
+    if isinstance(value, type):  # a class would pass the test for a `TimeLaw`
         raise ArgumentError(f"a quantity over time: expected {_EXPECTED}, got {given(value)}")
     if isinstance(value, TimeLaw):
         return _UsersLaw(value) if is_users(type(value)) else value
@@ -92,7 +91,7 @@ def as_time_law(value: Any) -> TimeLaw:
 
 
 def check_law_kind(what: str, element: Any) -> None:
-    """Raise ArgumentError, beginning with `what`, unless the law of a joint or load is a law of time."""
+    """Raise ArgumentError, beginning with `what`, if the `law` of a joint or load cannot be a law of time."""
     try:
         _ = element.law
     except ArgumentError as error:
@@ -120,12 +119,12 @@ def check_law_shape(what: str, law: TimeLaw, *shapes: tuple[int, ...]) -> None:
 
 
 def begins_after(law: TimeLaw, time: float) -> bool:
-    """Whether a law is not yet defined at a time; a difference of rounding does not count."""
+    """Whether a law begins later than a time, by more than rounding."""
     return law.begin > time + 1e-12 * abs(time)
 
 
 def ends_before(law: TimeLaw, time: float) -> bool:
-    """Whether a law is no longer defined at a time; a difference of rounding does not count."""
+    """Whether a law ends earlier than a time, by more than rounding."""
     return law.end < time - 1e-12 * abs(time)
 
 
@@ -145,7 +144,7 @@ class _LawStructure:
     structure: Any
     shapes: tuple[tuple[int, ...], ...]
     law: TimeLaw = field(compare=False)
-    """One law of this structure"""
+    """Any law of this structure, for tracing."""
 
 
 def _value_of(law: TimeLaw) -> jax.ShapeDtypeStruct:

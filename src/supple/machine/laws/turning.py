@@ -21,7 +21,7 @@ from supple.machine.laws.time_law import as_time_law
 __all__ = ["Turning"]
 
 N_SPEEDS = 257
-"""Number of times at which the speed of the axes is sampled."""
+"""Number of times at which the angular velocity of the axes is sampled."""
 
 
 @jax.tree_util.register_dataclass
@@ -29,12 +29,12 @@ N_SPEEDS = 257
 class Turning:
     """Vectors given in rotating axes: v(t) = R(axis, angle(t)) vectors(t), R by Rodrigues' formula.
 
-    vectors : a law of (..., 3), in the rotating axes
-    axis : (3,) unit vector, in the fixed axes
-    angle : rotation of the axes, rad, a law or a function of time
+    vectors : components (..., 3) in the rotating axes: a constant, a law or a function of time
+    axis : (3,) unit vector of the axis of rotation, in the fixed axes
+    angle : angle of rotation of the axes, rad: a number, a law or a function of time
 
-    If `angle` is a table, the rotation is exact also between its rows. A table of rotated vectors would be
-    interpolated along chords.
+    If `angle` is a `Table`, the rotation is exact also between its rows. A table of the rotated vectors would
+    be interpolated along chords.
     Raises ModelError for an axis that is not a unit vector.
     """
 
@@ -75,7 +75,7 @@ class Turning:
         return np.unique(np.concatenate([*own]))
 
     def shortest_scale(self, begin: float, end: float) -> float:
-        """Shortest time scale of vectors and angle, or the time of one revolution at the highest speed."""
+        """Shortest of the time scales of vectors and angle, and of the time of the fastest revolution."""
         times = np.linspace(begin, end, N_SPEEDS)
         fastest = float(np.max(np.abs(law_samples(self.angle, times, order=1)[1]), initial=0.0))
         turn = 2 * np.pi / fastest if fastest > 0 else float("inf")

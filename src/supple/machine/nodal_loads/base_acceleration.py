@@ -14,12 +14,13 @@ __all__ = ["BaseAcceleration"]
 class BaseAcceleration:
     """Acceleration a(t) of the base, which is the ground of the machine.
 
-    The force `- m a(t)` acts on every mass m, like gravity. Positions, displacements and the ground of joints
-    are relative to the base. The energies of `balances` include gravity, but not this load.
+    Like gravity, the load acts on every mass m, with the force `- m a(t)`. Results are relative to the base:
+    positions, displacements, and the end "ground" of joints. The energies of `balances` include gravity, but
+    not this load.
     """
 
     acceleration: Any
-    """(3,) global: constant, law or function of time."""
+    """(3,) global components: a constant, a law or a function of time."""
 
     @property
     def law(self) -> TimeLaw:

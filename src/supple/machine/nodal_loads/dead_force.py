@@ -1,4 +1,4 @@
-"""Nodal forces fixed in space over time: one force for all nodes, or one per node."""
+"""Forces over time, with directions fixed in space, at an interface or at nodes."""
 
 from __future__ import annotations
 
@@ -20,17 +20,20 @@ __all__ = ["DeadForce"]
 
 @dataclass(frozen=True, kw_only=True)
 class DeadForce(NodalLoad):
-    """Forces in global components at an interface or at nodes of a body.
+    """Forces in global components, at an interface or at nodes of a body.
 
-    Raises ModelError for nodes without a `body`, or the ground.
+    Raises ModelError if `at` is a list of nodes without `body`, or the ground.
     """
 
     body: str = ""
     """Name of the body; omitted if `at` is "BODY.INTERFACE"."""
     at: str | Sequence[int] | np.ndarray
-    """Name of an interface of `body`, or node indices (k,) of `body`; without `body`, "BODY.INTERFACE"."""
+    """Name of an interface of `body`, or indices (k,) of its nodes; without `body`, "BODY.INTERFACE"."""
     force: Any
-    """(3,) at the interface or each node, or (k, 3), one per node: constant, law or function of time."""
+    """(3,), the force on the interface or on each node, or (k, 3), one force per node.
+
+    It is a constant, a law or a function of time.
+    """
 
     follows_nodes: ClassVar[bool] = False
     turns_against_frame: ClassVar[bool] = True
@@ -68,7 +71,7 @@ class DeadForce(NodalLoad):
 
     @property
     def facets(self) -> np.ndarray:
-        """One facet (1,) per node, (k, 1); (1, 1) for the point of an interface."""
+        """(k, 1), one facet per node; (1, 1) at an interface."""
         return np.arange(1 if isinstance(self.at, str) else len(self.nodes))[:, None]
 
     @property

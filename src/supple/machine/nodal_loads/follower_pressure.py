@@ -26,14 +26,14 @@ class FollowerPressure(NodalLoad):
     each corner of a quadrilateral a, b, c, d it is `- p (c - a) x (d - b) / 8`. The corners are
     counter-clockwise, viewed from the side on which the pressure acts.
 
-    Raises ModelError for faces of another shape, or with one node twice.
-    Source: [BonetWood1997] section 6.5, one-point rule, exact for triangles and parallelograms.
+    Raises ModelError for `faces` of another shape, or a face with the same node twice.
+    Source: [BonetWood1997] section 6.5, with one integration point, exact for triangles and parallelograms.
     """
 
     faces: Sequence[Sequence[int]] | np.ndarray
-    """(e, 3) or (e, 4) node indices."""
+    """Node indices of the corners, (e, 3) or (e, 4)."""
     pressure: Any
-    """Pa: constant, law or function of time."""
+    """Pa: a constant, a law or a function of time."""
 
     follows_nodes: ClassVar[bool] = True
     turns_against_frame: ClassVar[bool] = False
@@ -49,7 +49,7 @@ class FollowerPressure(NodalLoad):
                 f"got shape {faces.shape}"
             )
         if not np.issubdtype(faces.dtype, np.integer):
-            raise ModelError(f"FollowerPressure on '{self.body}': faces must hold integers")
+            raise ModelError(f"FollowerPressure on '{self.body}': node indices of faces must be integers")
         if any(len(set(face)) < len(face) for face in faces.tolist()):
             raise ModelError(f"FollowerPressure on '{self.body}': a face has one node twice")
 
@@ -75,7 +75,7 @@ class FollowerPressure(NodalLoad):
 
     @property
     def value_shapes(self) -> tuple[tuple[int, ...], ...]:
-        """Shape () of one pressure for all faces."""
+        """(): one pressure for all faces."""
         return ((),)
 
     @staticmethod

@@ -1,7 +1,7 @@
-"""Base of all loads on nodes: forces on facets of a few nodes each, in the frame of their body.
+"""Base of all loads on nodes of a body: forces on facets, each of one or a few nodes.
 
 A load defines one function, `facet_forces`, from which the solvers compute the forces on all facets and the
-derivatives of these forces. A facet is a single node if the load does not depend on neighbouring nodes.
+derivatives of these forces. If the force on a node does not depend on other nodes, a facet is a single node.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class NodalLoad(ABC):
     @property
     @abstractmethod
     def value_shapes(self) -> tuple[tuple[int, ...], ...]:
-        """Allowed shapes of the law's value; the first axis of the larger shape has one entry per facet."""
+        """Allowed shapes of the law's value: one value for all facets, and (e, ...), one value per facet."""
 
     @staticmethod
     @abstractmethod
@@ -62,8 +62,8 @@ class NodalLoad(ABC):
         """Forces (m, 3) on the nodes of a facet, body components.
 
         places : (m, 3)     positions of the nodes, from the frame's origin, body components
-        rotation : (3, 3)   of the frame, body to global
-        value : value of the law at this time, for this facet
+        rotation : (3, 3)   of the body's frame, from body to global components
+        value : value of the law for this facet, at this time
         """
 
 

@@ -1,4 +1,4 @@
-"""Load paths through a mesh: positions of the stations of a condensation, and the nodes of each."""
+"""Load paths: positions and nodes of the stations on which `condense` condenses a body."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ Array = NDArray[np.float64]
 
 
 ON_THE_CUT = 1e-6
-"""Distance up to which a node lies on a cut, relative to the distance between two stations."""
+"""Largest distance from a cut of a node on this cut, relative to the distance between two stations."""
 
 
 class BodyStations(NamedTuple):
-    """Stations of a body: the motion of each in the body's coordinates, and its parent station."""
+    """Stations of a body: for each its motion, as an interface of the body, and the number of its parent."""
 
     interfaces: tuple[BodyInterface, ...]
     parents: NDArray[np.intp]
 
 
 class StationPlan(Protocol):
-    """Protocol that places stations in a body."""
+    """A rule that places stations in a body: LoadPath, LoadPaths or NodeSetPath."""
 
     def stations(self, body: FlexibleBody) -> BodyStations:
         """The stations, the root first."""
@@ -43,14 +43,14 @@ class StationPlan(Protocol):
 
 @dataclass(frozen=True)
 class LoadPath:
-    """Stations at equal distances between two interfaces; each represents the slice of the mesh around it.
+    """Stations for `condense`, at equal distances along the straight line between two interfaces.
 
-    Planes across the straight line from the root to the tip, half-way between stations, cut the body into
-    slices. A station has the mean motion and the mean position of the nodes of its slice, weighted by their
-    mass. So the stations of a curved body follow its curve. Root and tip are the interfaces themselves.
+    Planes normal to this line, half-way between two stations, cut the body into slices. A station has the
+    mean position and the mean motion of the nodes of its slice, weighted by their mass. The stations of a
+    curved body therefore follow its curve. The first and the last station are the interfaces themselves.
 
-    root, tip : str     names of interfaces
-    n_stations : int    including both ends, at least 2
+    root, tip : str     names of the interfaces
+    n_stations : int    number of stations, with both ends; at least 2
     """
 
     root: str
@@ -63,11 +63,11 @@ class LoadPath:
             raise ModelError(f"a load path needs at least two stations, its ends, not {self.n_stations}")
 
     def stations(self, body: FlexibleBody) -> BodyStations:
-        """The stations; ModelError for a slice with too few nodes, with its number and the remedy."""
+        """The stations; ModelError if the nodes of a slice are too few to carry the motion of a section."""
         return LoadPaths((self,)).stations(body)
 
     def slices(self, body: FlexibleBody, nodes: NDArray[np.intp]) -> list[AveragingInterface]:
-        """An averaging interface of the given nodes for each slice between the ends."""
+        """For each slice between the ends, an averaging interface of those of `nodes` that are in it."""
         start, end = (body.interface(name).position for name in (self.root, self.tip))
         length = float(np.linalg.norm(end - start))
         if not length > 0:
@@ -108,12 +108,12 @@ class LoadPath:
 def _shares(
     body: FlexibleBody, nodes: NDArray[np.intp], place: Array, n_stations: int
 ) -> list[tuple[NDArray[np.intp], Array]]:
-    """Nodes of each slice between the ends, and the weight of each.
+    """Positions in `nodes` of the nodes of each slice between the ends, and the weights of these nodes.
 
     A node on a cut has half its weight in each of the two slices. If both slices have at most two lines of
-    nodes, a node on their cut belongs to the first slice alone, so that the mean motions share no nodes.
+    nodes, the node belongs to the first slice alone, so that no node contributes to two mean motions.
 
-    place : ascending, 0 at the root and 1 at the tip
+    place : of each node along the path, ascending; 0 at the root and 1 at the tip
     """
     cuts = (np.arange(n_stations - 1) + 0.5) / (n_stations - 1)
     near = ON_THE_CUT / (n_stations - 1)
@@ -137,7 +137,7 @@ def _shares(
 
 
 def _lines(body: FlexibleBody, own: NDArray[np.intp]) -> int:
-    """Number of lines of nodes: 0 without nodes, 1 if all are on one line, otherwise 3 (more than two)."""
+    """Number of lines of nodes: 0 without nodes, 1 if all are on one line, 3 for two lines or more."""
     if not len(own):
         return 0
     return 1 if are_collinear(body.nodes[own]) else 3
@@ -153,9 +153,9 @@ def _carries_a_section(body: FlexibleBody, own: NDArray[np.intp]) -> bool:
 
 @dataclass(frozen=True)
 class LoadPaths:
-    """A tree of load paths; each begins at an end of an earlier one, the first at the root.
+    """A tree of load paths: each begins at an end of an earlier path, the first path at the root of the tree.
 
-    A node belongs to the nearest path.
+    A node of the mesh belongs to the path nearest to it.
     """
 
     paths: Sequence[LoadPath]
@@ -170,7 +170,7 @@ class LoadPaths:
             if path.root not in ends:
                 raise ModelError(
                     f"the load path from '{path.root}' to '{path.tip}' begins at no end of an earlier path: "
-                    "begin it at one of these, or sort the paths from the root outwards"
+                    "begin it at such an end, or sort the paths from the root outwards"
                     + did_you_mean(path.root, ends)
                 )
             if path.tip in ends:
@@ -210,17 +210,18 @@ class LoadPaths:
 
 @dataclass(frozen=True, eq=False)
 class NodeSetPath:
-    """Stations at user-defined node sets, the root first.
+    """Stations for `condense` at node sets given by the user, the root first.
 
     sets : for each station the name of an interface of the body, or node numbers
-    parents : (n,)      as for `load_path_tree`; by default each station follows the one before
+    parents : (n,) number of the station before each station, as for `load_path_tree`; by default the stations
+        follow each other
     """
 
     sets: Sequence[str | ArrayLike]
     parents: ArrayLike | None = None
 
     def stations(self, body: FlexibleBody) -> BodyStations:
-        """The stations; ModelError for sets that cannot carry a rotation, or that name no interface."""
+        """The stations; ModelError for nodes that cannot carry a rotation, or an unknown interface."""
         found = []
         for number, given in enumerate(self.sets):
             if isinstance(given, str):
@@ -238,7 +239,7 @@ def _averaged(body: FlexibleBody, interfaces: Sequence[AveragingInterface]) -> t
 
 
 def _in_cells(body: FlexibleBody) -> NDArray[np.bool_]:
-    """Whether each node (N,) is in a cell; nodes that only springs, masses or ties use are in no section."""
+    """For each node (N,), whether it is in a cell; a node of springs, masses or ties alone is in no slice."""
     found = np.full(len(body.nodes), body.model is None)
     for cells in () if body.model is None else body.model.mesh.cells.values():
         found[cells] = True
@@ -246,7 +247,7 @@ def _in_cells(body: FlexibleBody) -> NDArray[np.bool_]:
 
 
 def _element_masses(body: FlexibleBody) -> Array:
-    """Mass (N,) of the elements at the nodes; concentrated masses would shift the mean of a section."""
+    """Mass (N,) of the elements at the nodes; concentrated masses would shift the mean of a slice."""
     beside = None if body.model is None else body.model.attached.mass
     mass = body.nodal_mass if beside is None else body.nodal_mass - beside
     return np.asarray(mass.diagonal()[:: body.dofs_per_node], dtype=np.float64)
