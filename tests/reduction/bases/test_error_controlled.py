@@ -186,7 +186,8 @@ def test_more_than_the_body_has(rigid_body, loose_body):
 
 def test_a_tolerance_that_the_modes_allowed_do_not_reach(rigid_body):
     message = (
-        r"with 20 fixed-interface modes, eigenvalue \d of 8 is within .*, not 1.0e-03 \(SharperBound\); "
+        r"with 20 fixed-interface modes, the error of eigenvalue \d of 8 is .*, above the tolerance 1.0e-03 "
+        r"\(SharperBound\); "
         "loosen the tolerance or allow more than most = 20 modes"
     )
     with pytest.raises(AccuracyError, match=message):

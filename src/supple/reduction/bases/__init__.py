@@ -1,1 +1,1 @@
-"""Bases of linear columns, one per module."""
+"""Linear reduction bases, one per module."""

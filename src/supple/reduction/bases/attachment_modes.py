@@ -1,4 +1,4 @@
-"""Attachment modes: a basis that also contains the static response to every interface force."""
+"""Attachment modes: a basis with the static response to every interface force and moment."""
 
 from __future__ import annotations
 
@@ -16,17 +16,18 @@ __all__ = ["AttachmentModes"]
 
 @dataclass(frozen=True)
 class AttachmentModes:
-    """The columns of a recipe, and the inertia-relief attachment modes of every interface.
+    """The basis of `recipe`, and attachment modes Psi with inertia relief for every interface.
 
         K Psi + M R mu = B^T,   R^T M Psi = 0
 
-    Joints load a body by forces at its interfaces. The truncated modes respond to these forces nearly
-    statically, and six columns per interface contain that response: the error of truncating a mode then falls
-    with the fourth power of the frequency of the mode instead of the second. In every frame, rigid-body
-    inertia balances the forces, so that the reduced body does not depend on the frame. In a mean-axis frame,
+    B^T are unit forces and moments at the interfaces, six per interface; the inertia M R mu of a rigid
+    acceleration balances them, in every frame, so that the reduced body does not depend on the frame. R are
+    the rigid modes. Joints load a body by forces at its interfaces, and modes outside the basis respond to
+    them nearly statically. Psi contains this static response. The error due to a mode outside the basis then
+    falls with the fourth power of the frequency of this mode, instead of the second. In a mean-axis frame,
     AttachmentModes(NormalModes(n)) has the same columns as Rubin(n).
 
-    recipe : ErrorControlled(...), NormalModes(n) or another recipe of modes of the free body
+    recipe : ErrorControlled(...), NormalModes(n) or another basis of modes of the free body
     Source: [Rubin1975]; [Wu2019] (33)-(38).
     """
 
@@ -47,6 +48,6 @@ class AttachmentModes:
             labels=column_labels("attachment", body.interfaces) + basis.labels,
             static_solver=basis.static_solver,
             dropped=basis.dropped,
-            # More columns lower Ritz values, never below the exact ones: the certificate remains valid.
+            # More columns lower the eigenvalues, but not below the exact ones: the certificate remains valid.
             certificate=basis.certificate,
         )

@@ -1,4 +1,4 @@
-"""Mode ranking by moment matching at the interfaces: the criterion of the CMS-chi method."""
+"""Rank of fixed-interface modes by moment matching at the interfaces, as in the CMS-chi method."""
 
 from __future__ import annotations
 
@@ -21,19 +21,18 @@ class CouplingMoment:
         Z(s) = K_b - s M_b - s^2 sum_j S_j (1 + s / kappa_j + ...),    s = omega^2
         S_j = p_j^T p_j / kappa_j,    p_j = phi_j^T M Psi
 
-    K_b, M_b: stiffness and mass of the constraint modes Psi; phi_j, kappa_j: fixed-interface modes and their
-    eigenvalues.
-    The modes of largest S_j are kept, so that the lowest moment of the truncated modes is smallest: the
-    moment-matching principle of the CMS-chi method. The norm of S_j would depend on units, because
-    translations and rotations mix. S_j is therefore measured relative to the interface mass,
+    Z is the dynamic stiffness; K_b, M_b are stiffness and mass of the constraint modes Psi; phi_j, kappa_j
+    are the fixed-interface modes and their eigenvalues. S_j is the lowest moment of mode j. The CMS-chi
+    method keeps the modes of largest S_j. A norm of S_j would depend on units, because its entries belong to
+    translations and rotations. The modes are therefore ranked by S_j relative to the interface mass:
 
         chi_j = p_j M_b^-1 p_j^T / kappa_j
 
-    Let X be the sum of S_j over the truncated modes, lambda an eigenvalue of the free body and xi the
-    interface motion of its vibration. Then lambda trace(M_b^-1 X), the sum of lambda chi_j over the truncated
-    modes, bounds the first-order eigenvalue error lambda xi^T X xi of [Han2020] (45) if xi^T M_b xi <= 1.
+    Let X be the sum of S_j over the modes that are not kept, lambda an eigenvalue of the free body, and xi
+    the interface motion of its vibration. The first-order error of lambda is lambda xi^T X xi, [Han2020]
+    (45). If xi^T M_b xi <= 1, it is at most lambda trace(M_b^-1 X), the sum of lambda chi_j over these modes.
 
-    candidates : number of lowest modes to choose from
+    candidates : number of lowest modes that are ranked
     Source: [LiaoBaiGao2007] for the principle, from which the formula is derived here; [Givoli2004] for modes
         ranked by their contribution to the interface.
     """
@@ -45,7 +44,7 @@ class CouplingMoment:
         return coupling_moments(component)
 
     def choose(self, body: FlexibleBody, n_modes: int) -> ChosenModes:
-        """The n_modes of largest coupling moment; ModelError when there are fewer candidates."""
+        """The n_modes modes of largest coupling moment; ModelError if n_modes exceeds the candidates."""
         return ranked_modes(self, body, n_modes)
 
 

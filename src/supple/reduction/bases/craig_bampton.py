@@ -17,14 +17,17 @@ __all__ = ["CraigBampton"]
 
 @dataclass(frozen=True)
 class CraigBampton:
-    """Constraint modes and fixed-interface modes, by default those of lowest frequency.
+    """Constraint modes, and fixed-interface modes Phi of lowest frequency or chosen by another rule.
 
         K Phi + B^T mu = M Phi diag(omega^2),   B Phi = 0
 
-    n_modes : number of fixed-interface modes, besides the constraint modes; or
-    n_columns : total number of columns
-    selection : LowestFrequency(), EffectiveInterfaceMass(candidates) or CouplingMoment(candidates)
-    Raises ModelError when both or none are given, or a number is negative.
+    B Phi is the motion of the interfaces. Give either n_modes or n_columns.
+
+    n_modes : number of fixed-interface modes, besides the constraint modes
+    n_columns : number of all columns
+    selection : rule that chooses the fixed-interface modes: LowestFrequency(),
+        EffectiveInterfaceMass(candidates) or CouplingMoment(candidates)
+    Raises ModelError if both or none of n_modes and n_columns are given, or a number is negative.
     Source: [CraigBampton1968]; [Han2020] (11)-(17); NFR-CB of [Wu2019].
     """
 
@@ -37,7 +40,7 @@ class CraigBampton:
         ModeCount(self.n_modes, self.n_columns)
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
-        """Constraint modes first, then fixed-interface modes; ModelError: no interface, too many modes."""
+        """Constraint modes, then fixed-interface modes; ModelError: no interface, or too many modes."""
         static = constraint_modes(body, frame)
         n_modes = ModeCount(self.n_modes, self.n_columns).modes_besides(static.vectors.shape[1])
         modes = self.selection.choose(body, n_modes)

@@ -1,4 +1,4 @@
-"""The Craig-Bampton bodies of one flexible body, for every number of fixed-interface modes."""
+"""Craig-Bampton reductions of one flexible body, with any number of fixed-interface modes."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ __all__ = ["CraigBamptonFamily"]
 
 N_RIGID = 6
 
-# Smallest growth factor of the number of computed modes: adding single modes then needs few eigensolutions.
+# If more modes are needed, their number grows at least by this factor; few eigensolutions then suffice.
 GROWTH = 1.1
 
 
 class CraigBamptonFamily:
-    """Craig-Bampton bodies with 0, 1, 2 ... fixed-interface modes, which are computed when needed and stored.
+    """Craig-Bampton reductions with 0, 1, 2 ... fixed-interface modes, which are computed when needed.
 
-    body : FlexibleBody      with interfaces; ModelError without
+    body : FlexibleBody      ModelError if it has no interface
     """
 
     def __init__(self, body: FlexibleBody):
@@ -53,19 +53,22 @@ class CraigBamptonFamily:
         return self.body.n - N_RIGID
 
     def vibrations(self, n_kept: int, n_vibrations: int) -> FreeVibrations:
-        """The n_vibrations lowest elastic vibrations of the free body with n_kept modes, or all if fewer."""
+        """The n_vibrations lowest elastic vibrations of the free reduced body with n_kept modes.
+
+        If it has fewer, all of them.
+        """
         self._know(max(n_kept, min(n_vibrations, self.n_available)))
         return free_vibrations(self.component.leading(n_kept), self.rigid_motion, n_vibrations)
 
     def errors(self, n_kept: int, n_vibrations: int, estimator: EigenvalueErrorEstimator) -> np.ndarray:
-        """Estimated eigenvalue errors (n_vibrations,); infinite where the body has fewer vibrations."""
+        """Estimated eigenvalue errors (n_vibrations,); infinite for vibrations not in the reduced body."""
         vibrations = self.vibrations(n_kept, n_vibrations)
         errors = np.full(n_vibrations, np.inf)
         errors[: vibrations.values.size] = estimator.errors(error_terms(self.component, vibrations))
         return errors
 
     def vectors(self, vibrations: FreeVibrations) -> np.ndarray:
-        """Vibrations as M-orthonormal columns (n, N) on the body's coordinates."""
+        """N vibrations as M-orthonormal columns (n, N) on the coordinates of the flexible body."""
         amounts = np.zeros((self.modes.values.size, vibrations.values.size))
         amounts[: len(vibrations.modal)] = vibrations.modal
         return self.shapes @ vibrations.interfaces + self.modes.combine(amounts)
@@ -77,7 +80,10 @@ class CraigBamptonFamily:
         self.modes = self.growing.found
 
     def _know(self, n_kept: int) -> None:
-        """Compute n_kept + 1 modes or more (the last bounds the truncated ones), and their residual."""
+        """Compute at least n_kept + 1 modes, and the residual response of all others.
+
+        The eigenvalue of mode n_kept + 1 is a lower bound for those of the modes that are not kept.
+        """
         known, needed = self.modes.values.size, min(n_kept + 1, self.n_available)
         if needed <= known:
             return

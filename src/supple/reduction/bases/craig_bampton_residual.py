@@ -1,4 +1,4 @@
-"""Craig-Bampton with residual modes: the basis also contains the static response of the truncated modes."""
+"""Craig-Bampton basis with residual modes: static response of the vibrations outside the basis."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ __all__ = ["CraigBamptonResidual"]
 
 @dataclass(frozen=True)
 class CraigBamptonResidual:
-    """Constraint modes, residual modes and the lowest vibrations with every interface fixed.
+    """Constraint modes Psi, residual modes Y, and the lowest vibrations Phi with every interface fixed.
 
-        Y = F_rs A,   F_rs = K_s^-1 - Phi Lambda^-1 Phi^T,   A = M Psi     (K_s, Phi: interfaces fixed)
+        Y = F_rs A,   F_rs = K_s^-1 - Phi Lambda^-1 Phi^T,   A = M Psi
 
-    Psi: constraint modes. A unit acceleration of an interface loads the interior by A; Y is the part of the
-    static response that the truncated vibrations would contribute. [Han2020] (26) adds omega^2 Y to the
-    constraint modes, and [KimLee2015] estimate the unknown omega^2. Here the residual modes Y have
-    coordinates of their own, six for each interface: this larger space contains the columns of both methods
-    and needs no estimate of omega^2.
+    K_s is the stiffness with fixed interfaces, and Lambda are the eigenvalues of Phi. A unit acceleration of
+    an interface loads the interior by A; Y is the part of the static response that Phi does not contain.
+    [Han2020] (26) adds omega^2 Y to the constraint modes, and [KimLee2015] estimate the unknown omega^2.
+    Here, the residual modes have their own coordinates, six for each interface. This larger space contains
+    the columns of both methods and needs no estimate of omega^2. Give either n_modes or n_columns.
 
-    n_modes : number of fixed-interface modes, besides the constraint and residual modes; or
-    n_columns : total number of columns
-    Raises ModelError when both or none are given, or a number is negative.
+    n_modes : number of fixed-interface modes, besides the constraint and residual modes
+    n_columns : number of all columns
+    Raises ModelError if both or none of them are given, or a number is negative.
     """
 
     n_modes: int | None = None
@@ -41,7 +41,7 @@ class CraigBamptonResidual:
         ModeCount(self.n_modes, self.n_columns)
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
-        """Constraint modes, residual modes, vibrations; ModelError: no interface, too many modes."""
+        """Constraint and residual modes, vibrations; ModelError without interface or for too many modes."""
         static = Guyan().build(body, frame)
         n_constraint = static.vectors.shape[1]
         n_residual = 6 * len(body.independent_interfaces)

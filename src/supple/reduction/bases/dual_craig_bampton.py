@@ -14,25 +14,26 @@ __all__ = ["DualCraigBampton"]
 
 @dataclass(frozen=True, eq=False)
 class DualCraigBampton:
-    """Matrices in the modes eta and the forces f of the body on its supports; F, H: FreeInterfaceComponent.
+    """Matrices in the amplitudes eta of free-interface modes, and the interface forces f.
 
         u = Phi eta - G_r B^T f
 
         K = [ Lambda   (B Phi)^T ]     M = [ I  0 ]
             [ B Phi    -F        ]         [ 0  H ]
 
-    With fixed interfaces, the second row is B u + H f'' = 0: compatibility holds up to H f'', which decreases
-    as modes are added. With neighbours, B u is replaced by the relative motion. K is indefinite, so
-    Rayleigh's principle does not apply: each force makes one eigenvalue negative, which belongs to no
-    vibration. The other eigenvalues are upper bounds, and fall with every mode added. At s = omega^2 the
-    coupling stiffnesses obey
+    f are the forces of the body on its supports. The residual flexibility F and its mass H are those of
+    `FreeInterfaceComponent`. With fixed interfaces, the second row is B u + H f'' = 0: the interface motion
+    B u is zero up to H f'', which decreases as modes are added. With neighbours, B u is replaced by the
+    relative motion. K is indefinite, so Rayleigh's principle does not apply. Each force makes one eigenvalue
+    negative; it belongs to no vibration. The other eigenvalues are upper bounds, and fall with every added
+    mode. At s = omega^2 the coupling stiffnesses obey
 
         F^-1 - s F^-1 H F^-1  <=  (F + s H)^-1  <=  F^-1        (Rubin, dual, MacNeal),
 
     so that exact <= Rubin <= dual <= MacNeal holds for each eigenvalue.
 
     ingredients : FreeInterfaceComponent
-    Raises AccuracyError when the modes leave no residual flexibility, or interfaces are dependent.
+    Raises AccuracyError if the modes leave no residual flexibility, or interfaces are dependent.
     Source: [Rixen2004]; the bounds are derived here.
     """
 

@@ -1,4 +1,4 @@
-"""Effective interface mass: the share of each fixed-interface mode in the inertia at the interfaces."""
+"""Effective interface mass: share of a fixed-interface mode in the inertia at the interfaces."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from supple.reduction.components.fixed_interface_component import FixedInterface
 
 __all__ = ["EffectiveInterfaceMass", "effective_interface_masses", "interior_interface_mass"]
 
-# Eigenvalue of M_e, scaled to a unit diagonal, up to which an interface motion moves no interior mass.
+# M_e is scaled to a unit diagonal. An eigenvector moves no interior mass if its eigenvalue is up to this.
 SMALLEST_SHARE = 1e-10
 
 
@@ -24,11 +24,12 @@ class EffectiveInterfaceMass:
 
         e_j = p_j M_e^+ p_j^T / rank M_e,   p_j = phi_j^T M Psi,   M_e = sum of p_j^T p_j over all modes
 
-    p_j^T p_j generalises the effective modal mass of a body clamped at one support: Psi contains the
-    constraint modes of every motion of every interface. The shares e_j depend neither on the units of
-    translation and rotation nor on the axes of the interfaces. The sum of all e_j is one.
+    phi_j are the fixed-interface modes, Psi the constraint modes of all motions of all interfaces, and M_e^+
+    is the pseudo-inverse of M_e. p_j^T p_j generalises the effective modal mass of a body clamped at one
+    support. The shares e_j depend neither on the units of translation and rotation nor on the axes of the
+    interfaces. The sum of all e_j is one.
 
-    candidates : number of lowest modes to choose from
+    candidates : number of lowest modes that are ranked
     Source: [KammerTriller1996]; the scaling is derived here.
     """
 
@@ -39,7 +40,7 @@ class EffectiveInterfaceMass:
         return effective_interface_masses(component, interior_interface_mass(body, component))
 
     def choose(self, body: FlexibleBody, n_modes: int) -> ChosenModes:
-        """The n_modes of largest mass; ModelError when there are fewer candidates."""
+        """The n_modes modes of largest mass; ModelError if n_modes exceeds the candidates."""
         return ranked_modes(self, body, n_modes)
 
 
@@ -53,12 +54,13 @@ def effective_interface_masses(component: FixedInterfaceComponent, total: np.nda
 
 
 def interior_interface_mass(body: FlexibleBody, component: FixedInterfaceComponent) -> np.ndarray:
-    """Mass (b, b) that all fixed-interface modes together carry, without computing them.
+    """Sum M_e (b, b) of p_j^T p_j over all fixed-interface modes, which need not be computed.
 
         M_e = Psi^T M Psi - (B M^-1 B^T)^-1
 
-    M_e is the interface mass less the interface mass at infinite frequency, where elastic forces do not act.
-    With a lumped mass, the mass subtracted is that of the interface nodes. M is factored once.
+    The first term is the mass of the constraint modes. The second is the interface mass at infinite
+    frequency, where elastic forces do not act; with a lumped mass matrix it is the mass of the interface
+    nodes. M is factored once.
     """
     B = motion_rows(body.independent_interfaces)
     mobility = B @ factorize_symmetric(body.mass).solve(B.T)

@@ -1,4 +1,4 @@
-"""The basis of given eigenvalue accuracy: the number of modes is determined automatically."""
+"""A basis of given eigenvalue accuracy, whose number of fixed-interface modes is determined automatically."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from supple.reduction.stopwatch import timed
 __all__ = ["ErrorControlled", "ErrorControlledModes", "error_controlled_modes"]
 
 SMALLEST_TOLERANCE = 1e-7
-"""Smallest tolerance allowed; the round-off in eigenvalues of large bodies could exceed a smaller one."""
+"""Smallest allowed tolerance; rounding errors in the eigenvalues of large bodies can be almost as large."""
 
 
 @dataclass(frozen=True)
@@ -37,20 +37,20 @@ class ErrorControlled:
 
         0 <= chi-bar_n / chi_n - 1 <= tolerance,     n = 1 .. n_modes,  none missed
 
-    chi-bar_n, chi_n: eigenvalues of the reduced and of the full body. Fixed-interface modes are added to a
-    Craig-Bampton basis until the estimate of every error is within the tolerance. Bounds for the eigenvalues
-    of the full body then prove the accuracy; if they do not, more modes are added. The columns are the
-    n_modes lowest vibrations of that Craig-Bampton body: M = I, K = diag(chi-bar). Bodies of different
-    tolerance therefore have the same size.
+    chi-bar_n and chi_n are eigenvalues of the reduced and of the full body. First, fixed-interface modes are
+    added to a Craig-Bampton basis until the estimated error of every eigenvalue is within the tolerance.
+    Then, bounds for the eigenvalues of the full body are computed. If they do not prove the accuracy, more
+    modes are added. The columns of the basis are the n_modes lowest vibrations of this Craig-Bampton body,
+    with M = I and K = diag(chi-bar), so their number does not depend on the tolerance.
 
-    tolerance : relative error of eigenvalues (squared frequencies), such as 1e-3 for 0.1 %
+    tolerance : largest relative error of an eigenvalue (squared frequency), such as 1e-3 for 0.1 %
     n_modes : number of elastic modes, besides the six rigid motions, which are exact
     start : number of fixed-interface modes to try first
-    most : largest number of fixed-interface modes allowed; None: all modes of the body
-    estimator : SharperBound(), TwoTermEstimate(), Han2020Bound() or FirstOrderEstimate()
-    search : Bisection() or OneByOne()
-    progress : function called with each SearchStep of a search; None: no calls
-    Raises ModelError when a number is out of range.
+    most : largest allowed number of fixed-interface modes; None: all of the body
+    estimator : of the errors: SharperBound(), TwoTermEstimate(), Han2020Bound() or FirstOrderEstimate()
+    search : for the number of modes: Bisection() or OneByOne()
+    progress : function that is called with each SearchStep; None: no calls
+    Raises ModelError if a number is out of range.
     Source: [Han2020] section 4 and (46)-(49); the sharper estimators, the search and the proof are derived
         here.
     """
@@ -72,7 +72,7 @@ class ErrorControlled:
             )
         if self.tolerance < SMALLEST_TOLERANCE:
             raise ModelError(
-                f"the tolerance {self.tolerance:g} is below the round-off in the eigenvalues of a "
+                f"the tolerance {self.tolerance:g} is below the rounding errors in the eigenvalues of a "
                 f"large body; give {SMALLEST_TOLERANCE:g} or more"
             )
         if self.n_modes < 1 or self.start < 0 or (self.most is not None and self.most < self.start):
@@ -101,15 +101,15 @@ class ErrorControlledModes(NamedTuple):
 
 
 def error_controlled_modes(body: FlexibleBody, control: ErrorControlled) -> ErrorControlledModes:
-    """The lowest vibrations of a Craig-Bampton body that meets a tolerance, and the proof.
+    """The lowest vibrations of a Craig-Bampton body whose eigenvalues are within a tolerance, and the proof.
 
-    The Craig-Bampton basis is the smallest that the search finds by estimates of the errors; if the estimates
-    are too high, fewer modes would suffice.
+    The search finds the smallest Craig-Bampton basis whose estimated errors are within the tolerance. If the
+    estimates are too high, a smaller basis would suffice.
 
     Raises
     ------
     ModelError      no interface; n_modes not below the number of elastic modes; start too large
-    AccuracyError   the tolerance is not reached with all modes allowed; the bounds do not prove the accuracy
+    AccuracyError   the tolerance is not reached with all allowed modes; the bounds do not prove the accuracy
     """
     family = CraigBamptonFamily(body)
     _check_range(family, control)
@@ -118,7 +118,7 @@ def error_controlled_modes(body: FlexibleBody, control: ErrorControlled) -> Erro
         steps = _search(family, control, control.estimator, control.start)
     with timed(seconds, "enclosure"):
         enclosure = _enclosed(family, control, steps[-1].n_modes)
-    # The estimates are of first order: if they are too low, the search continues with the proven bounds.
+    # The estimates, of first order, can be too low. The search then continues with the proven bounds.
     with timed(seconds, "modes added"):
         proven = KnownEigenvalues(enclosure.lower)
         if _tried(family, control, proven, steps[-1].n_modes).first_failing:
@@ -142,7 +142,7 @@ def _check_range(family: CraigBamptonFamily, control: ErrorControlled) -> None:
     if control.n_modes >= family.n_vibrations:
         raise ModelError(
             f"{control.n_modes} eigenvalues requested of body '{name}', which has {family.n_vibrations} "
-            "elastic ones; request fewer, so that the next one confirms that none is missed"
+            "elastic ones; request fewer: the next higher eigenvalue is needed to prove that none is missed"
         )
     if control.start > family.n_available:
         raise ModelError(
@@ -153,7 +153,7 @@ def _check_range(family: CraigBamptonFamily, control: ErrorControlled) -> None:
 def _search(
     family: CraigBamptonFamily, control: ErrorControlled, estimator: EigenvalueErrorEstimator, first: int
 ) -> tuple[SearchStep, ...]:
-    """The steps of the search, the last of which meets the tolerance; AccuracyError if none does."""
+    """The steps of the search; the last one meets the tolerance. AccuracyError if no step meets it."""
     most = family.n_available if control.most is None else min(control.most, family.n_available)
 
     def trial(n_kept: int) -> SearchStep:
@@ -184,7 +184,7 @@ def _enclosed(family: CraigBamptonFamily, control: ErrorControlled, n_kept: int)
     n_needed = n_trial - (len(family.rigid_motion) - 6)
     trial = family.vibrations(min(max(n_kept, n_needed), family.n_available), n_trial)
     width = max(0.01 * control.tolerance, 0.1 * SMALLEST_TOLERANCE)
-    # Two factors of a large body, gigabytes each, are not in memory at once.
+    # Two factors of the matrices of a large body, gigabytes each, must not be in memory at the same time.
     make_room = family.make_room if body.n > LARGEST_WITH_TWO_FACTORS else None
     return enclose_eigenvalues(body, family.vectors(trial), control.n_modes, width, make_room)
 
@@ -195,7 +195,7 @@ def _not_reached(family: CraigBamptonFamily, control: ErrorControlled, step: Sea
     if step.n_modes < family.n_available:
         remedy += f" or allow more than most = {control.most} modes"
     return AccuracyError(
-        f"body '{family.body.name}': with {step.n_modes} fixed-interface modes, eigenvalue {worst + 1} of "
-        f"{control.n_modes} is within {step.errors[worst]:.1e}, not {control.tolerance:.1e} "
-        f"({step.criterion}); {remedy}, or request fewer eigenvalues"
+        f"body '{family.body.name}': with {step.n_modes} fixed-interface modes, the error of eigenvalue "
+        f"{worst + 1} of {control.n_modes} is {step.errors[worst]:.1e}, above the tolerance "
+        f"{control.tolerance:.1e} ({step.criterion}); {remedy}, or request fewer eigenvalues"
     )

@@ -20,25 +20,25 @@ __all__ = ["Guyan", "constraint_modes", "interface_shapes"]
 
 @dataclass(frozen=True)
 class Guyan:
-    """Constraint modes: the body follows its interfaces statically; exact for static interface loads."""
+    """Constraint modes: the body follows its interfaces statically. Exact for static interface loads."""
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
-        """Constraint modes in a frame; see constraint_modes."""
+        """Constraint modes in a frame; see `constraint_modes`."""
         return constraint_modes(body, frame)
 
 
 def constraint_modes(body: FlexibleBody, frame: Frame) -> LinearBasis:
-    """Static shapes due to a unit motion of one interface freedom, all others fixed.
+    """Static shapes due to a unit motion of one interface freedom, with all other interface freedoms fixed.
 
         K Psi + B^T mu = 0,   B Psi = (columns of) I
 
-    which is Psi_i = -K_ii^-1 K_ib where B selects the freedoms b, and i are all others. The reference
-    interface is the one to which the frame is fixed, or else the first. Its six shapes are rigid motions
-    minus combinations of the other shapes: they are not formed.
+    If B selects the freedoms b, and i are all others, this is Psi_i = -K_ii^-1 K_ib. The reference interface
+    is the one to which the frame is fixed, otherwise the first. Its six shapes are left out, because they are
+    combinations of the other shapes and rigid motions.
 
     Returns LinearBasis of 6 (n - 1) columns for n independent interfaces, not yet projected on the
     frame; frequencies nan.
-    Raises ModelError when the body has no interface.
+    Raises ModelError if the body has no interface.
     Source: [Guyan1965], [Han2020] (13).
     """
     require_interfaces(body, "a basis of constraint modes")
@@ -60,12 +60,12 @@ def constraint_modes(body: FlexibleBody, frame: Frame) -> LinearBasis:
 
 
 def interface_shapes(body: FlexibleBody) -> np.ndarray:
-    """Static shapes due to unit motions of each interface freedom; their span contains the rigid motions.
+    """Static shapes (n, 6 p) due to a unit motion of each freedom of the p independent interfaces.
 
         K Psi + B^T mu = 0,   B Psi = I
 
-    Returns (n, 6 n_interfaces), in the order of the independent interfaces.
-    Raises ModelError when the body has no interface.
+    Their span contains the rigid motions. They have the order of `independent_interfaces`.
+    Raises ModelError if the body has no interface.
     Source: [Han2020] (13).
     """
     require_interfaces(body, "a set of constraint modes")

@@ -17,21 +17,22 @@ __all__ = ["Herting", "inertia_relief_modes"]
 
 @dataclass(frozen=True)
 class Herting:
-    """Static shapes of interface motion and rigid acceleration, and the lowest free vibrations.
+    """Static shapes due to interface motion and to rigid acceleration, and the lowest free vibrations.
 
         K Psi + B^T mu = 0,        B Psi = (columns of) I       constraint modes
         K Upsilon + B^T mu = M R,  B Upsilon = 0                inertia relief modes
         K Phi = M Phi diag(omega^2),  Phi^T M R = 0             free-interface modes
 
-    Interface statics are exact, as in Craig-Bampton; the free body's modes are exact, as in Rubin.
-    [Herting1985] uses Phi - Psi B Phi instead of Phi, so that the interface motions are coordinates; the span
-    of all columns is the same. Psi, Upsilon and the rigid motions span the static responses to all balanced
-    loads of interface forces and rigid inertia. In a mean-axis frame, Rubin's attachment modes and the rigid
-    motions span the same space, so that Herting and Rubin give the same reduced body.
+    R are the rigid modes. The static response to interface motions is exact, as in Craig-Bampton, and the
+    modes of the free body are exact, as in Rubin. [Herting1985] uses Phi - Psi B Phi in place of Phi, so that
+    the interface motions are coordinates; the span of all columns is the same. Psi, Upsilon and the rigid
+    motions span the static responses to all balanced loads of interface forces and rigid inertia. In a
+    mean-axis frame, Rubin's attachment modes and the rigid motions span the same space, so that Herting and
+    Rubin give the same reduced body. Give either n_modes or n_columns.
 
-    n_modes : number of free-interface modes, besides the static columns; or
-    n_columns : total number of columns
-    Raises ModelError when both or none are given, or a number is negative.
+    n_modes : number of free-interface modes, besides the static columns
+    n_columns : number of all columns
+    Raises ModelError if both or none of them are given, or a number is negative.
     Source: [Herting1985].
     """
 
@@ -42,7 +43,7 @@ class Herting:
         ModeCount(self.n_modes, self.n_columns)
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
-        """Constraint, inertia relief and free modes; ModelError: no interface, too many modes."""
+        """Constraint, inertia relief and free modes; ModelError without interface, or for too many modes."""
         constraint = Guyan().build(body, frame)
         relief = inertia_relief_modes(body)
         static = np.hstack([constraint.vectors, relief])
@@ -60,11 +61,11 @@ class Herting:
 
 
 def inertia_relief_modes(body: FlexibleBody) -> np.ndarray:
-    """Static shapes (n, 6) under the inertia of the six rigid accelerations, every interface fixed.
+    """Static shapes (n, 6) under the inertia of the six rigid accelerations, with every interface fixed.
 
         K Upsilon + B^T mu = M R,   B Upsilon = 0
 
-    Raises ModelError when the body has no interface.
+    Raises ModelError if the body has no interface.
     """
     require_interfaces(body, "an inertia relief mode")
     clamped = body.constrained(motion_rows(body.independent_interfaces))

@@ -1,4 +1,4 @@
-"""Interface motions as rows, their labels, and the interfaces that a frame fixes."""
+"""Matrices and labels of interface motions, and the interfaces that a frame fixes."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
 
 
 def fixed_interfaces(body: FlexibleBody, frame: Frame) -> tuple[BodyInterface, ...]:
-    """Interfaces whose six motions vanish in the frame: their rows are in the row space of D."""
+    """Interfaces whose six motions are zero in the frame: rows of B that are in the row space of D."""
     rows, _ = np.linalg.qr(frame.constraint(body).T)
     return tuple(i for i in body.interfaces if _lies_in(rows, motion_rows([i])))
 
 
 def motion_rows(interfaces: Sequence[BodyInterface]) -> np.ndarray:
-    """Interface motions B of several interfaces, q_v = B q, dense (6 n_interfaces, n)."""
+    """B (6 p, n), dense: the motions of p interfaces are q_v = B q."""
     return np.vstack([interface.motion.toarray() for interface in interfaces])
 
 
@@ -29,7 +29,7 @@ def column_labels(kind: str, interfaces: Sequence[BodyInterface]) -> tuple[str, 
 
 
 def require_interfaces(body: FlexibleBody, method: str) -> None:
-    """ModelError when the body has no interface, for a method that needs one."""
+    """Raise ModelError if the body has no interface; `method` is the name of what needs one."""
     if not body.interfaces:
         raise ModelError(
             f"{method} needs interfaces, but body '{body.name}' has none; "

@@ -1,4 +1,4 @@
-"""A linear reduction basis: columns, their frequencies, and the static problem of their derivatives."""
+"""A linear reduction basis: columns, their frequencies, and the solver for their modal derivatives."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ __all__ = ["LinearBasis", "LinearBasisRecipe", "rayleigh_ritz"]
 
 @dataclass(frozen=True, eq=False)
 class LinearBasis:
-    """Columns of a linear basis, static columns and modes, with the static problem of their derivatives.
+    """Columns of a linear basis: static columns and modes.
 
     vectors : (n, m)
     frequencies : (m,)       rad/s; nan for static columns, which have no natural frequency
     labels : (m,) str        such as "constraint tip rz" or "fixed-interface mode 3"
-    static_solver : solves K x = f under the constraints of this basis (interfaces or frame fixed); the
-                        derivatives of the columns are solutions of this static problem
-    dropped : labels of columns left out because the frame or other columns contain their motion
-    certificate : proven bounds of the modes' eigenvalues; None without a proof
+    static_solver : solves K x = f under the constraints of this basis (interfaces or frame fixed), as the
+                        modal derivatives of the columns require
+    dropped : labels of columns left out because they are zero in the frame, or depend on other columns
+    certificate : proven bounds of the eigenvalues of the modes; None without a proof
     """
 
     vectors: np.ndarray
@@ -42,25 +42,26 @@ class LinearBasis:
 
 
 class LinearBasisRecipe(Protocol):
-    """How to build a linear basis: CraigBampton, CraigBamptonResidual, Rubin, Herting, NormalModes ..."""
+    """A rule that builds a linear basis: CraigBampton, Rubin, Herting, NormalModes, ErrorControlled ..."""
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
-        """The basis of a body whose motion is measured in a frame."""
+        """The basis of a body whose motion is relative to a frame."""
         ...
 
 
 def rayleigh_ritz(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> LinearBasis:
-    """Columns that span the motions of `raw` relative to the frame, each with a natural frequency.
+    """Columns X that span the motions of `raw` relative to the frame, each with a natural frequency.
 
         X = P raw Q,   X^T M X = I,   X^T K X = diag(omega^2),   D X = 0
 
-    P is the frame's projector; Q follows from the Rayleigh-Ritz method. Every column, also of a static basis,
-    thus has a frequency, which weights its modal derivatives; vibration modes under D q = 0 keep their
-    frequencies. Dependent columns are dropped.
+    P is the projector of the frame; Q follows from the Rayleigh-Ritz method. Each column has a frequency
+    omega, also in a basis of static columns; it weights the modal derivatives. Vibration modes under D q = 0
+    keep their frequencies. Columns that depend on others are dropped.
 
-    Returns LinearBasis: `labels` are those of the kept raw columns (in the raw order, not in the ascending
-        order of the frequencies); `dropped` also has those of the dropped raw columns.
-    Raises AccuracyError when a column stores no energy, ModelError when no column is left.
+    Returns LinearBasis: vectors and frequencies in ascending order of frequency. `labels` are the labels of
+        the kept columns of `raw`, in the order of `raw`: label i does not belong to vector i. `dropped` also
+        contains the labels of the dropped columns of `raw`.
+    Raises AccuracyError if a column stores no energy, ModelError if no column is left.
     """
     # Norms before projection, because the projection of a rigid motion leaves only round-off.
     norms = np.sqrt(np.sum(raw.vectors * (body.mass @ raw.vectors), axis=0))
@@ -70,8 +71,8 @@ def rayleigh_ritz(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> LinearB
     columns = mass_orthonormalize(without_frame(columns), body.mass).vectors
     if columns.shape[1] == 0:
         raise ModelError(
-            f"the linear basis of body '{body.name}' is empty: the frame contains the motion of "
-            f"all its {raw.vectors.shape[1]} columns; add modes, or use a basis with free interfaces"
+            f"the linear basis of body '{body.name}' is empty: its {raw.vectors.shape[1]} columns are zero "
+            "relative to the frame; add modes, or use a basis with free interfaces"
         )
     squares, rotation = np.linalg.eigh(columns.T @ (body.stiffness @ columns))
     if squares[0] <= 0.0:
@@ -104,7 +105,7 @@ class ModeCount:
             raise ModelError(f"a basis cannot have a negative number of columns: {self}")
 
     def modes_besides(self, n_static: int) -> int:
-        """Number of modes; ModelError when the static columns alone exceed n_columns."""
+        """Number of modes besides n_static static columns; ModelError if these exceed n_columns."""
         if self.n_columns is None:
             return self.n_modes or 0
         if self.n_columns < n_static:
@@ -116,7 +117,10 @@ class ModeCount:
 
 
 def check_mode_count(body: FlexibleBody, n_modes: int, n_fixed: int) -> None:
-    """ModelError when n_modes is negative, or more than a body with n_fixed motions fixed has modes."""
+    """Raise ModelError if n_modes is negative, or above the number of modes.
+
+    n_fixed : number of fixed motions; the body has n - n_fixed modes
+    """
     available = body.n - n_fixed
     if not 0 <= n_modes <= available:
         raise ModelError(

@@ -22,13 +22,14 @@ class MacNealComponent:
         K = [ Lambda + (B Phi)^T F^-1 B Phi    -(B Phi)^T F^-1 ]     M = [ I  0 ]
             [ -F^-1 B Phi                       F^-1           ]         [ 0  0 ]
 
-    The truncated modes act as springs without mass: the matrices are Rubin's in other coordinates, less the
-    mass H of the residual shapes. They are no projection on a basis, so `reduce` cannot use them. As mass is
-    missing, no eigenvalue is below Rubin's: the eigenvalues are upper bounds, less sharp than Rubin's. Each
-    further mode adds its mass and lowers the eigenvalues.
+    F is the residual flexibility, f the interface forces. The modes that are not kept act as springs without
+    mass: the matrices are those of Rubin in other coordinates, without the mass H of the residual shapes.
+    They are not a projection on a basis, so `reduce` cannot use this method. As mass is missing, the
+    eigenvalues are upper bounds, never below those of Rubin. Each further mode adds its mass and lowers the
+    eigenvalues.
 
     ingredients : FreeInterfaceComponent
-    Raises AccuracyError when the modes leave no residual flexibility, or interfaces are dependent.
+    Raises AccuracyError if the modes leave no residual flexibility, or interfaces are dependent.
     Source: [MacNeal1971].
     """
 

@@ -26,7 +26,7 @@ class ChosenModes(NamedTuple):
     vectors: np.ndarray
     """(n, k)"""
     numbers: np.ndarray
-    """(k,) int: place of each among all fixed-interface modes, counted from 1"""
+    """(k,) int: numbers of the modes among all fixed-interface modes by frequency, the lowest is 1"""
 
 
 class ModeSelection(Protocol):
@@ -42,7 +42,7 @@ class ModeRanking(Protocol):
 
     @property
     def candidates(self) -> int:
-        """Number of lowest modes to choose from."""
+        """Number of lowest modes that are ranked."""
         ...
 
     def scores(self, body: FlexibleBody, component: FixedInterfaceComponent) -> np.ndarray:
@@ -55,13 +55,16 @@ class LowestFrequency:
     """The modes of lowest frequency, whatever their participation at the interfaces."""
 
     def choose(self, body: FlexibleBody, n_modes: int) -> ChosenModes:
-        """The first n_modes modes; ModelError when the body has fewer."""
+        """The n_modes lowest modes; ModelError if the body has fewer."""
         modes = fixed_interface_modes(body, n_modes)
         return ChosenModes(modes.values, modes.vectors, np.arange(1, n_modes + 1))
 
 
 def ranked_modes(ranking: ModeRanking, body: FlexibleBody, n_modes: int) -> ChosenModes:
-    """The n_modes of largest score; ModelError: n_modes above the candidates, or fewer modes than these."""
+    """The n_modes modes of largest score.
+
+    Raises ModelError if n_modes exceeds the number of candidates, or this the number of modes of the body.
+    """
     if n_modes > ranking.candidates:
         raise ModelError(
             f"{n_modes} modes cannot be chosen among {ranking.candidates} candidates; give more candidates"

@@ -14,7 +14,7 @@ __all__ = ["CompleteBasis", "NormalModes"]
 
 @dataclass(frozen=True)
 class NormalModes:
-    """The n_modes lowest modes, constrained by the frame alone.
+    """The n_modes lowest vibration modes Phi, constrained by the frame alone.
 
         K Phi + D^T mu = M Phi diag(omega^2),   D Phi = 0
 
@@ -24,7 +24,7 @@ class NormalModes:
     n_modes: int
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
-        """Modes of ascending frequency; ModelError when the body has fewer."""
+        """Modes in ascending order of frequency; ModelError if the body has fewer than n_modes."""
         constraint = frame.constraint(body)
         check_mode_count(body, self.n_modes, len(constraint))
         modes = body.lowest_modes(self.n_modes, constraint)
@@ -38,7 +38,7 @@ class NormalModes:
 
 @dataclass(frozen=True)
 class CompleteBasis:
-    """All modes: the reduced body is the full one in other coordinates. For small bodies and tests."""
+    """All modes: the reduced body is the full body in other coordinates. For small bodies and tests."""
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
         """All n - 6 modes of the body in its frame."""

@@ -21,18 +21,19 @@ __all__ = ["Rubin"]
 
 @dataclass(frozen=True)
 class Rubin:
-    """Attachment modes, and the lowest vibrations with the interfaces free (except that of a nodal frame).
+    """Attachment modes Psi, and the lowest vibrations Phi of the body constrained by its frame alone.
 
         K Psi + D^T mu = B^T,   D Psi = 0
         K Phi + D^T mu = M Phi diag(omega^2),   D Phi = 0
 
-    Psi is the static response to a unit force (moment) at one interface freedom, constrained by the frame
-    alone; in a mean-axis frame (D = R^T M) the multipliers mu are inertia forces (inertia relief). An
-    interface to which the frame is fixed has no attachment mode: the frame supports its load.
+    D q = 0 are the conditions of the frame. Psi are the static responses to a unit force or moment at each
+    interface freedom, B^T. In a mean-axis frame (D = R^T M), the multipliers mu are inertia forces (inertia
+    relief). An interface to which the frame is fixed has no attachment mode, because the frame supports a
+    load there. Give either n_modes or n_columns.
 
-    n_modes : number of free-interface modes, besides the attachment modes; or
-    n_columns : total number of columns
-    Raises ModelError when both or none are given, or a number is negative.
+    n_modes : number of vibrations, besides the attachment modes
+    n_columns : number of all columns
+    Raises ModelError if both or none of them are given, or a number is negative.
     Source: [Wu2019] (33)-(38); [Rubin1975].
     """
 
@@ -43,7 +44,7 @@ class Rubin:
         ModeCount(self.n_modes, self.n_columns)
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
-        """Attachment modes first, then free-interface modes; ModelError: no interface, too many modes."""
+        """Attachment modes, then vibrations; ModelError without interface or for too many modes."""
         require_interfaces(body, "a Rubin basis")
         fixed = fixed_interfaces(body, frame)
         loaded = [interface for interface in body.independent_interfaces if interface not in fixed]

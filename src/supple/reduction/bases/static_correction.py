@@ -1,4 +1,4 @@
-"""Static correction: a basis that also contains the static response to given loads."""
+"""Static correction: a basis with the static response to given loads."""
 
 from __future__ import annotations
 
@@ -16,17 +16,18 @@ __all__ = ["StaticCorrection"]
 
 @dataclass(frozen=True, eq=False)
 class StaticCorrection:
-    """The columns of a recipe, and the static deflection under each given load.
+    """The basis of `recipe`, and the static response x to each given load F.
 
-        K x + D^T mu = F,   D x = 0     (B x = 0 instead, with B^T mu, where the recipe fixes the interfaces)
+        K x + D^T mu = F,   D x = 0
 
-    Under a distributed load the response converges slowly with the number of modes: a centrifugal load
-    stretches a blade, straightens its walls and tilts its sections, mostly in modes of higher frequency than
-    those that vibrate. One column contains the whole response. In a mean-axis frame the multipliers are
-    inertia forces, so that a load need not be balanced.
+    D are the conditions of the frame; if the recipe fixes the interfaces, B replaces D. The response to a
+    distributed load converges slowly with the number of modes: for example, a centrifugal load stretches a
+    blade, straightens its walls and tilts its sections, mostly in modes of high frequency. One column
+    contains the whole response. In a mean-axis frame the multipliers mu are inertia forces, so that a load
+    need not be balanced.
 
-    recipe : the basis to correct
-    loads : (n_nodal, k)    on the nodal freedoms, of any scale
+    recipe : the basis to extend
+    loads : (n_nodal, k)    k loads on the nodal freedoms, of any scale
     Source: mode acceleration and modal truncation augmentation, [Dickens1997]
     """
 

@@ -16,16 +16,19 @@ from supple.reduction.derivatives.pair_weights import AmplitudeProduct
 
 __all__ = ["CompressedDerivatives", "compress"]
 
-# Singular values below this, relative to the first, are round-off of the solves.
+# Singular values below this fraction of the first are rounding errors.
 ROUND_OFF = 1e-10
 
 
 @dataclass(frozen=True)
 class CompressedDerivatives:
-    """Add the n leading directions of all derivatives, each weighted by the expected amplitude of its pair.
+    """Add n columns that contain the largest part of all weighted modal derivatives: the leading directions.
 
-    n : number of columns to add; fewer if all derivatives together span less, as in the bending of a straight
-        beam, where all derivatives are axial. The report then lists the missing columns as dropped
+    The modal derivative of two columns is weighted by the expected product of their amplitudes.
+
+    n : number of columns to add. If all derivatives span fewer dimensions, fewer columns are added, and the
+        report lists the missing ones as dropped; for example, all derivatives of a straight beam in bending
+        are axial
     weights : AmplitudeProduct(UnitLoad()) or AmplitudeProduct(StaticLoad(F))
     """
 
@@ -36,7 +39,7 @@ class CompressedDerivatives:
         check_fields(self)
 
     def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:
-        """Compressed columns, leading first; ModelError: fewer than n pairs, or a linear body."""
+        """Compressed columns, the leading one first; ModelError: fewer than n pairs, or a linear body."""
         check_derivative_count(self.n, len(basis.frequencies))
         derivatives = modal_derivatives(body, frame, basis)
         return compress(body, basis, derivatives, self.n, self.weights.weights(body, basis, derivatives))
@@ -45,12 +48,12 @@ class CompressedDerivatives:
 def compress(
     body: FlexibleBody, basis: LinearBasis, derivatives: ModalDerivatives, n: int, weights: np.ndarray
 ) -> DerivativeColumns:
-    """The n leading left singular vectors, in the M-norm, of the weighted derivatives outside the basis.
+    """The n leading left singular vectors, in the M-norm, of weighted derivatives outside a basis, Z.
 
         Z = (I - X X^T M) [w_jk theta_jk] = Q R,   Q^T M Q = I,   R = U diag(s) W^T,   columns Q U_n
 
-    No other n columns leave a smaller remainder of Z: sum_(i>n) s_i^2, in squares of the M-norm. Directions
-    with singular values that are round-off are left out.
+    Of all sets of n columns, these leave the smallest remainder of Z; the sum of its squared M-norms is
+    sum_(i>n) s_i^2. Directions whose singular values are rounding errors are left out.
     """
     directions = leading_directions(
         derivatives.vectors * weights, basis.vectors, body.mass, derivatives.reference_norms(body) * weights
@@ -67,10 +70,10 @@ def compress(
 
 
 def _not_there(n: int, n_kept: int) -> tuple[str, ...]:
-    """Label of the missing columns, with the reason why there are fewer than requested."""
+    """Label of the missing columns, with the reason; empty if no column is missing."""
     if n_kept == n:
         return ()
     return (
         f"compressed derivatives {n_kept + 1} to {n} (all derivatives lie in {n_kept} directions; the "
-        f"remainder is below {ROUND_OFF:.0e} of the first)",
+        f"remainder is below {ROUND_OFF:.0e} of the first direction)",
     )

@@ -17,12 +17,13 @@ __all__ = ["DerivativeChoice", "DerivativeColumns", "NoDerivatives"]
 
 @dataclass(frozen=True, eq=False)
 class DerivativeColumns:
-    """Columns M-orthonormal to each other and to the linear basis.
+    """Columns from modal derivatives, M-orthonormal to each other and to the linear basis.
 
     vectors : (n, k)
     labels : (k,) str
-    dropped : labels of candidates left out because earlier columns already contain their motion
-    singular_values_kept, singular_values_dropped : relative to the first; empty unless compressed
+    dropped : labels of the columns left out because they depend on others
+    singular_values_kept, singular_values_dropped : ratios to the first singular value; empty for columns that
+        are not compressed
     """
 
     vectors: np.ndarray
@@ -40,13 +41,13 @@ class DerivativeChoice(Protocol):
     """Choice of derivatives to add: PickedDerivatives, CompressedDerivatives or NoDerivatives."""
 
     def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:
-        """Columns to append to a basis made by rayleigh_ritz."""
+        """Columns to append to a basis that `rayleigh_ritz` returned."""
         ...
 
 
 @dataclass(frozen=True)
 class NoDerivatives:
-    """No derivatives: for linear bodies, or to show the effect of derivatives."""
+    """No derivatives: for linear bodies, or to compare with a body that has derivatives."""
 
     def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:  # noqa: ARG002
         """No columns."""
@@ -54,7 +55,7 @@ class NoDerivatives:
 
 
 def check_derivative_count(n: int, n_linear: int) -> None:
-    """ModelError when n_linear columns have fewer than n pairs, or n is negative."""
+    """Raise ModelError if n_linear columns have fewer than n pairs, or n is negative."""
     n_pairs = n_linear * (n_linear + 1) // 2
     if not 0 <= n <= n_pairs:
         raise ModelError(f"requested {n} derivatives, but {n_linear} linear columns have {n_pairs} pairs")

@@ -18,7 +18,7 @@ class LeadingDirections(NamedTuple):
     vectors: np.ndarray
     """(n, k), M-orthonormal to each other and to the basis"""
     lengths: np.ndarray
-    """(k,) singular values: root of the sum over the fields of the squared component along each direction"""
+    """(k,) singular values s: s_i^2 is the sum of the squared components of all fields along direction i"""
 
 
 def leading_directions(
@@ -28,13 +28,13 @@ def leading_directions(
 
         Z = (I - X X^T M) fields = Q R,   Q^T M Q = I,   R = U diag(s) W^T,   directions Q U
 
-    No other k directions leave a smaller remainder of Z than the first k. The sum of its squared M-norms is
-    sum_(i>k) s_i^2.
+    Of all sets of k directions, the first k leave the smallest remainder of Z; the sum of its squared M-norms
+    is sum_(i>k) s_i^2.
 
     fields : (n, m)
     basis : (n, r)              X, M-orthonormal
-    reference_norms : (m,)      M-norms of the fields; a column of Z that is small relative to its norm, or
-                                depends on earlier columns, adds no direction
+    reference_norms : (m,)      M-norms of the fields. A column of Z adds no direction if it is very small
+                                relative to this norm, or depends on earlier columns
     """
     outside = fields - basis @ (basis.T @ (mass @ fields))
     r = basis.shape[1]

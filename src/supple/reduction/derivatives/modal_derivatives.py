@@ -1,4 +1,4 @@
-"""Static modal derivatives: the quadratic motion that follows each pair of linear columns."""
+"""Static modal derivatives: the second-order motion due to each pair of linear columns."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ __all__ = ["ModalDerivatives", "modal_derivatives"]
 
 @dataclass(frozen=True, eq=False)
 class ModalDerivatives:
-    """Derivatives theta_jk of all pairs of columns.
+    """Modal derivatives theta_jk of all pairs of columns.
 
     vectors : (n, n_pairs)
-    pairs : (n_pairs, 2) int     the columns j <= k of each, in the order of numpy.triu_indices
+    pairs : (n_pairs, 2) int     columns j <= k of each pair, from 0, in the order of numpy.triu_indices
     """
 
     vectors: np.ndarray
@@ -36,31 +36,33 @@ class ModalDerivatives:
 
     @property
     def multiplicity(self) -> np.ndarray:
-        """How often each pair occurs in the double sum over j and k: 1 on the diagonal, 2 elsewhere."""
+        """Number of occurrences of each pair in the double sum over j and k: 1 for j = k, otherwise 2."""
         return np.where(self.pairs[:, 0] == self.pairs[:, 1], 1.0, 2.0)
 
     def reference_norms(self, body: FlexibleBody) -> np.ndarray:
-        """M-norm of each derivative, but at least 1/100 of the largest: the reference for its remainder.
+        """M-norm of each derivative, or 1/100 of the largest norm if this is larger.
 
-        Where symmetry makes a derivative vanish, the solve leaves round-off, whose length is meaningless.
+        The part of a derivative outside other columns is compared with this norm. A derivative that is zero
+        by symmetry has only rounding errors, so its own norm would be no reference.
         """
         lengths = np.sqrt(np.sum(self.vectors * (body.mass @ self.vectors), axis=0))
         return np.maximum(lengths, 0.01 * lengths.max(initial=0.0))
 
 
 def modal_derivatives(body: FlexibleBody, frame: Frame, basis: LinearBasis) -> ModalDerivatives:
-    """Second derivatives of the nonlinear static motion along the columns X of a linear basis.
+    """Modal derivatives theta_jk: second derivatives of the static motion q at loads K X zeta.
 
-        f(q) + D^T mu = K X zeta,  D q = 0   gives   d2q/dzeta_j dzeta_k = theta_jk at 0:
+        f(q) + D^T mu = K X zeta,  D q = 0   gives   d2q/dzeta_j dzeta_k = theta_jk at zeta = 0:
         K theta_jk + D^T mu = -f''(X_j, X_k),  D theta_jk = 0
 
-    Exact: f'' comes from the quadratic strains, not from differences. All m(m+1)/2 pairs need one
-    factorisation and one block of solves. The interfaces are fixed where the basis fixes them (all for
-    Craig-Bampton, only that of the frame for Rubin). A rigid motion, which stores no energy, is then added so
-    that the result satisfies the conditions of the frame.
+    X are the m columns of the linear basis, f is the nonlinear internal force. f'' is exact, from the
+    quadratic strains. All m(m+1)/2 pairs need one factorisation and one block of solves. If the basis fixes
+    interfaces, they are fixed here, too: all of them in a Craig-Bampton basis, only that of the frame in a
+    Rubin basis. A rigid motion, which stores no energy, is then added, so that the result satisfies the
+    conditions of the frame, D theta_jk = 0.
 
-    Returns ModalDerivatives, symmetric in j and k.
-    Raises ModelError when the body has no quadratic strains (a superelement, or a linearised body).
+    Returns ModalDerivatives, with j <= k because theta_jk = theta_kj.
+    Raises ModelError if the body has no quadratic strains (a superelement, or a linearised body).
     Source: [Wu2019] (39)-(43).
     """
     if body.is_linear:

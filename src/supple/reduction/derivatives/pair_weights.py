@@ -1,4 +1,4 @@
-"""Weights of modal derivatives for selection and compression: their expected amplitudes."""
+"""Weights of modal derivatives for selection and compression, from expected amplitudes of the columns."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ class ModalAmplitudes(Protocol):
 
 
 class PairCriterion(Protocol):
-    """Ranking of pairs: AmplitudeProduct or ModalVirtualWork."""
+    """Ranking of pairs of columns: AmplitudeProduct or ModalVirtualWork."""
 
     def rank(self, body: FlexibleBody, basis: LinearBasis, derivatives: ModalDerivatives) -> np.ndarray:
-        """(n_pairs,) values >= 0; pairs of larger value are preferred."""
+        """(n_pairs,) values >= 0; pairs with larger values are preferred."""
         ...
 
 
 @dataclass(frozen=True)
 class UnitLoad:
-    """An unknown load, which does equal work on each mode: p_j = 1/omega_j^2."""
+    """Amplitudes under an unknown load, assumed to do equal work on every column: p_j = 1/omega_j^2."""
 
     def amplitudes(self, body: FlexibleBody, basis: LinearBasis) -> np.ndarray:  # noqa: ARG002 (protocol)
         """(m,) 1/omega^2."""
@@ -50,7 +50,7 @@ class UnitLoad:
 
 @dataclass(frozen=True, eq=False)
 class StaticLoad:
-    """A known load F on the nodal freedoms, (n_nodal,): p_j = |phi_j^T F| / omega_j^2."""
+    """Amplitudes under a known load F (n_nodal,) on the nodal freedoms: p_j = |phi_j^T F| / omega_j^2."""
 
     nodal_load: np.ndarray
 
@@ -58,7 +58,7 @@ class StaticLoad:
         object.__setattr__(self, "nodal_load", read_only(self.nodal_load))
 
     def amplitudes(self, body: FlexibleBody, basis: LinearBasis) -> np.ndarray:
-        """(m,); ModelError when the load does not fit the body or moves no mode."""
+        """(m,); ModelError if the load does not fit the body, or does no work on any column."""
         n_nodal = body.n_nodal
         load = self.nodal_load
         if load.shape != (n_nodal,):
@@ -74,9 +74,12 @@ class StaticLoad:
 
 @dataclass(frozen=True)
 class AmplitudeProduct:
-    """Weight of a pair in the quadratic motion 1/2 sum_jk theta_jk p_j p_k: p_j p_k, twice for j < k.
+    """Weight w_jk of the modal derivative theta_jk, from the expected amplitudes p_j of the columns.
 
-    The factor 1/2 is left out. With UnitLoad(), p_j p_k = 1/(omega_j^2 omega_k^2).
+        w_jk = p_j p_k for j = k,   2 p_j p_k for j < k
+
+    It is the factor of theta_jk in the sum over all j and k of theta_jk p_j p_k, twice the second-order
+    motion. With UnitLoad(), p_j p_k = 1/(omega_j^2 omega_k^2).
     """
 
     expected: ModalAmplitudes = UnitLoad()
@@ -93,12 +96,12 @@ class AmplitudeProduct:
 
 @dataclass(frozen=True)
 class ModalVirtualWork:
-    """Work of a pair's quadratic internal force on its own derivative, at the expected amplitudes.
+    """Work of the second-order internal force of a pair on the modal derivative of this pair.
 
         W_jk = |(w_jk theta_jk)^T w_jk f''(X_j, X_k)| = w_jk^2 theta_jk^T K theta_jk
 
-    with w_jk = p_j p_k, twice for j < k. The multipliers do no work, as D theta = 0, so W_jk is twice the
-    linear strain energy of w_jk theta_jk.
+    w_jk is the weight of `AmplitudeProduct`. The multipliers do no work because D theta = 0. Therefore W_jk is
+    twice the linear strain energy of w_jk theta_jk.
     Source: after the modal virtual work of [Jain2017], here at static amplitudes instead of simulated ones.
     """
 

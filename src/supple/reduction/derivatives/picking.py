@@ -19,10 +19,10 @@ __all__ = ["PickedDerivatives", "pick"]
 
 @dataclass(frozen=True)
 class PickedDerivatives:
-    """Add the n derivatives that a criterion ranks highest.
+    """Add the n modal derivatives that a criterion ranks highest.
 
     A derivative that depends linearly on the basis and on derivatives of higher rank is skipped, and the
-    next one is taken; fewer than n columns result only if no independent derivative is left.
+    next one is taken. Fewer than n columns result only if there are fewer independent derivatives.
 
     n : number of columns to add
     criterion : AmplitudeProduct(...) or ModalVirtualWork(...)
@@ -36,7 +36,7 @@ class PickedDerivatives:
         check_fields(self)
 
     def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:
-        """Selected columns, highest rank first; ModelError for fewer than n pairs or a linear body."""
+        """Selected columns, highest rank first; ModelError: fewer than n pairs, or a linear body."""
         check_derivative_count(self.n, len(basis.frequencies))
         derivatives = modal_derivatives(body, frame, basis)
         return pick(body, basis, derivatives, self.n, self.criterion.rank(body, basis, derivatives))
