@@ -75,7 +75,7 @@ def test_nothing_to_draw_is_refused(tmp_path, pendulum):
     assert not nothing.is_empty
     with pytest.raises(ModelError, match="nothing to animate"):
         animate(tmp_path / "a.gif", solution.times, np.empty((len(solution.times), 0, 3)), None)
-    with pytest.raises(ModelError, match="cannot animate glyphs at 1 times beside 7 frames"):
+    with pytest.raises(ModelError, match="cannot animate: glyphs at 1 times, positions at 7"):
         animate(
             tmp_path / "a.gif", solution.times, np.empty((len(solution.times), 0, 3)), None, glyphs=nothing
         )

@@ -359,7 +359,7 @@ def test_controllers_in_another_order_keep_their_own_states():
     began = {own.name: own.initial.item() for own in Start(through).place(turned).system.controllers}
     assert began == pytest.approx({"down": -0.1, "up": 0.1})
     other = hinged(bar_as("rigid"), controllers=[counter("other", 1.0)])
-    with pytest.warns(StartWarning, match="controller 'other' restarts: .* stored by their names"):
+    with pytest.warns(StartWarning, match="controller 'other' restarts .* by the names of the controllers"):
         Start(through).place(other)
 
 

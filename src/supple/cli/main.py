@@ -1,4 +1,4 @@
-"""The command `supple`: parse, call, print."""
+"""The command `supple`: its subcommands, options and help texts."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ app = typer.Typer(
     help="Reduced-order flexible multibody dynamics.",
     no_args_is_help=True,
     add_completion=False,
-    # Plain text: markup would interpret [spin] as a style, and add a type to every flag.
+    # Plain text, because markup would read [spin] as a style and add a type to every flag.
     rich_markup_mode=None,
     context_settings={"max_content_width": 110},
     pretty_exceptions_show_locals=False,
@@ -26,14 +26,14 @@ app = typer.Typer(
 app.add_typer(
     typer.Typer(cls=BenchmarkGroup, rich_markup_mode=None),
     name="benchmark",
-    help="Run a published benchmark and compare with the paper's numbers.",
+    help="Run a published benchmark and compare its results with the numbers of the paper.",
     no_args_is_help=True,
 )
 sweep_app = typer.Typer(cls=SweepGroup, rich_markup_mode=None)
 app.add_typer(
     sweep_app,
     name="sweep",
-    help="Run the cases of a table (supple sweep CASES.toml -o FOLDER), or print their progress.",
+    help="Run a sweep, the cases of a table (supple sweep CASES.toml -o FOLDER), or print its progress.",
     no_args_is_help=True,
 )
 
@@ -41,18 +41,20 @@ CaseFile = Annotated[Path, typer.Argument(help="Case file (TOML).")]
 Folder = Annotated[
     Path | None, typer.Option("-o", "--output", help="Folder for results; default: results/CASE.")
 ]
-Instant = Annotated[float, typer.Option(help="Time of loads and laws, in the case's unit of time.")]
+Instant = Annotated[
+    float, typer.Option(help="Time at which loads and laws are evaluated, in the case's unit of time.")
+]
 AllowCode = Annotated[
     bool,
     typer.Option(
         "--allow-code",
-        help="Run the Python file given by `control`; review this file first: it can run any code.",
+        help="Allow the Python file that the case names in `control`. Review it first: it can do anything.",
     ),
 ]
 NoErrors = Annotated[
     bool,
     typer.Option(
-        "--no-errors", help="Skip the error estimate of the bases (saves factorisations of the full bodies)."
+        "--no-errors", help="Skip the error estimate of the bases, which factorises the full bodies."
     ),
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the whole traceback of an error.")]
@@ -86,18 +88,20 @@ def run(
     output: Folder = None,
     strict: Annotated[
         bool,
-        typer.Option("--strict", help="Treat warnings of start, steps and validity as errors."),
+        typer.Option(
+            "--strict", help="End with an error where a run would warn of its start, steps or validity."
+        ),
     ] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Continue an interrupted run.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace existing results.")] = False,
     no_errors: Annotated[
-        bool, typer.Option("--no-errors", help="Skip the error estimate (saves two runs).")
+        bool, typer.Option("--no-errors", help="Skip the error estimate, which repeats the run twice.")
     ] = False,
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
     """Simulate a case file; write results (HDF5, JSON), report (HTML), pictures (PNG) and animation (GIF)."""
-    # Imported here: the solvers take seconds to load, and help and version do not need them.
+    # Imported here, because the solvers take seconds to load, and help and version do not need them.
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple.cli.run_case import run_case
 
@@ -117,30 +121,37 @@ def run(
 @sweep_app.command("run", hidden=True)
 def sweep(
     path: Annotated[
-        Path, typer.Argument(metavar="CASES", help="File of a sweep (TOML): a case file and its table.")
+        Path,
+        typer.Argument(
+            metavar="CASES", help="Sweep file (TOML), which names a case file and the table of the cases."
+        ),
     ],
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder for results; default: results/CASES.")
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes on this machine; default: one per core.")
+        int | None, typer.Option(min=1, help="Number of processes on this computer; default: one per core.")
     ] = None,
     cluster: Annotated[
         str | None, typer.Option(help="Address of the scheduler of a Dask cluster, such as tcp://host:8786.")
     ] = None,
-    mpi: Annotated[bool, typer.Option("--mpi", help="Processes of MPI (python -m mpi4py.futures).")] = False,
+    mpi: Annotated[
+        bool,
+        typer.Option("--mpi", help="Use MPI processes (mpiexec .. python -m mpi4py.futures -m supple ..)."),
+    ] = False,
     share: Annotated[
-        str | None, typer.Option(help="K/N: run the part of job K of N in this process (job arrays).")
+        str | None,
+        typer.Option(help="K/N, for job arrays: run the cases of job K of N jobs, in this process."),
     ] = None,
     force: Annotated[
-        bool, typer.Option("--force", help="Start anew; replaces the folder. Not with --share.")
+        bool, typer.Option("--force", help="Start again and replace the folder. Not with --share.")
     ] = False,
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
     """Simulate the cases of a table; the same command continues an interrupted sweep.
 
-    Exit code 0: all cases ran; 3: all are recorded, some without results; 4: some are missing.
+    Exit code 0: every case has results; 3: every case has run, some failed; 4: some cases have not run.
     """
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple.cli.sweep import chosen_executors, sweep_cases
@@ -169,7 +180,9 @@ def sweep_page(
     folder: Annotated[Path, typer.Argument(help="Folder of a sweep.")],
     reports: Annotated[
         int,
-        typer.Option(min=0, help="Number of cases with the most extremes to simulate for a report."),
+        typer.Option(
+            min=0, help="Number of cases to simulate again for a report; those with the most extremes."
+        ),
     ] = 3,
     allow_code: AllowCode = False,
     debug: Debug = False,
@@ -189,7 +202,7 @@ def reduce(
     output: Folder = None,
     debug: Debug = False,
 ) -> None:
-    """Reduce the bodies of a case file and write each to a file (HDF5), for cases with reduced = "FILE"."""
+    """Reduce the bodies of a case file; write each to an HDF5 file, which cases read by reduced = "FILE"."""
     from supple.cli.reduce_case import reduce_case
 
     with reported_errors(debug=debug), reported_warnings():
@@ -205,7 +218,7 @@ def static(
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
-    """Find the equilibrium of the machine of a case file; with a table spin, in steady rotation."""
+    """Find the equilibrium of the machine of a case file; with a [spin] table, that in steady rotation."""
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple.cli.static_case import static_case
 
@@ -220,14 +233,14 @@ def modes(
     case: CaseFile,
     output: Folder = None,
     number: Annotated[
-        int, typer.Option("-n", "--number", min=1, help="Number of modes, the lowest frequency first.")
+        int, typer.Option("-n", "--number", min=1, help="Number of modes, from the lowest frequency up.")
     ] = 6,
     time: Instant = 0.0,
     rates: Annotated[
         str | None,
         typer.Option(
-            help="FROM:TO:NUMBER: Campbell diagram over these rates of the case's spin, "
-            "rad per unit of time; loads at time 0."
+            help="FROM:TO:NUMBER: Campbell diagram at NUMBER rates of the case's spin, in rad per unit of "
+            "time; loads have their values at time 0."
         ),
     ] = None,
     no_errors: NoErrors = False,
@@ -268,65 +281,67 @@ def export(
     ] = None,
     body: Annotated[
         list[str] | None,
-        typer.Option(help="Name of a body; for ParaView also several (--body A --body B); default: all."),
+        typer.Option(help="Name of a body; default: all. For ParaView also several (--body A --body B)."),
     ] = None,
     time: Annotated[
         float | None,
-        typer.Option(help="Time of a .vtu or of a deck's loads; default: the end of the run."),
+        typer.Option(help="Time of a .vtu file or of the loads of a deck; default: the end of the run."),
     ] = None,
     mode: Annotated[
         int | None,
-        typer.Option(min=1, help="Number of a mode of the machine, for ParaView; 1: the lowest."),
+        typer.Option(min=1, help="Number of the mode to write for ParaView; 1: the lowest."),
     ] = None,
     times: Annotated[
-        str | None, typer.Option(help="FROM:TO:NUMBER: times of a result; default: all.")
+        str | None, typer.Option(help="FROM:TO:NUMBER: NUMBER times of a result; default: all.")
     ] = None,
     stress: Annotated[
         bool,
-        typer.Option("--stress/--no-stress", help="Whether the files of a run for ParaView contain stress."),
+        typer.Option("--stress/--no-stress", help="With or without stress in files of runs for ParaView."),
     ] = True,
     case: Annotated[
-        Path | None, typer.Option("--case", help="Case file of a result, if it was moved.")
+        Path | None, typer.Option("--case", help="Case file of a result, if this file was moved.")
     ] = None,
     abaqus: Annotated[
-        bool, typer.Option("--abaqus", help="Write a deck for Abaqus: three-node shells, or matrices.")
+        bool, typer.Option("--abaqus", help="Write a deck for Abaqus instead of CalculiX.")
     ] = False,
     superelement: Annotated[
         bool,
         typer.Option(
             "--superelement",
-            help="Write a deck with the reduced body as a superelement, to include in another deck.",
+            help="Write the reduced body as a superelement: a deck to include in another deck.",
         ),
     ] = False,
     c: Annotated[
-        Path | None, typer.Option("--c", help="Folder for the machine as C: source, header, test, Makefile.")
+        Path | None, typer.Option("--c", help="Folder for the machine in C: source, header, test, Makefile.")
     ] = None,
     inputs: Annotated[
         list[str] | None,
-        typer.Option("--input", help="Joint, spring or element whose law is an input of the C or the FMU."),
+        typer.Option(
+            "--input", help="Joint, spring or element whose law is an input of the C code or the FMU."
+        ),
     ] = None,
     fmi: Annotated[int | None, typer.Option(min=2, max=3, help="Version of FMI; default: 3.")] = None,
     platforms: Annotated[
         list[str] | None,
         typer.Option(
             "--platform",
-            help="Operating system of an FMU's library: linux, windows or macos (needs supple[fmu]); "
-            "default: that of this computer, built by its compiler.",
+            help="Operating system for which an FMU is built: linux, windows or macos (needs supple[fmu]); "
+            "default: that of this computer, with its compiler.",
         ),
     ] = None,
     linear: Annotated[
         bool,
         typer.Option(
-            "--linear", help="Write an FMU of the machine linearised about its equilibrium (matrices)."
+            "--linear", help="Write an FMU with the matrices of the machine linearised about its equilibrium."
         ),
     ] = False,
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
-    """Export a run (ParaView, tables), a mode (ParaView), a body (decks and other programs), or a machine
-    (C source with --c FOLDER, co-simulation with -o FILE.fmu).
+    """Export a run (for ParaView, or as tables), a mode (for ParaView), a body (as a deck, or for other
+    programs), or a machine (C source with --c FOLDER, FMU for co-simulation with -o FILE.fmu).
 
-    A deck (Abaqus, CalculiX) contains one body, clamped at its joints.
+    A deck for Abaqus or CalculiX contains one body, clamped at its joints.
     """
     from supple.cli.export import ExportOptions
     from supple.cli.export import export as write
@@ -355,10 +370,15 @@ def info(
     path: Annotated[
         Path, typer.Argument(help="Case (.toml), deck (.inp, .bdf ..), mesh (.msh) or result (.h5).")
     ],
-    json: Annotated[Path | None, typer.Option("--json", help="JSON file for the numbers of a deck.")] = None,
-    modes: Annotated[int, typer.Option(min=0, help="Number of lowest frequencies of a deck.")] = 0,
+    json: Annotated[
+        Path | None, typer.Option("--json", help="JSON file to write, with the numbers of a deck.")
+    ] = None,
+    modes: Annotated[
+        int, typer.Option(min=0, help="Number of frequencies of a deck to compute, from the lowest up.")
+    ] = 0,
     held: Annotated[
-        bool, typer.Option("--held", help="Frequencies on the supports of the deck, instead of free.")
+        bool,
+        typer.Option("--held", help="Compute these frequencies with the supports of the deck, not free."),
     ] = False,
     debug: Debug = False,
 ) -> None:
@@ -377,7 +397,7 @@ def check(
     modes: Annotated[int, typer.Option(min=0, help="Number of elastic modes to compute.")] = 6,
     debug: Debug = False,
 ) -> None:
-    """Check the models of a file; exit with an error if one cannot be used."""
+    """Check the models of a file; exit with an error if a model cannot be used."""
     from supple.cli.check import print_check
 
     with reported_errors(debug=debug), reported_warnings():
@@ -386,7 +406,9 @@ def check(
 
 @app.command()
 def example(
-    name: Annotated[str | None, typer.Argument(help="Name of the example; default: list all.")] = None,
+    name: Annotated[
+        str | None, typer.Argument(help="Name of an example; default: list all examples.")
+    ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder for the example; default: the current one.")
     ] = None,
@@ -407,14 +429,14 @@ def example(
 @app.command()
 def new(
     mesh: Annotated[
-        Path, typer.Argument(help="Mesh or deck (.msh, .inp, .bdf ..); default: a prompt.")
+        Path, typer.Argument(help="Mesh or deck (.msh, .inp, .bdf ..); default: typed at a prompt.")
     ] = Path(),
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Case file to write; default: MESH.toml.")
     ] = None,
     debug: Debug = False,
 ) -> None:
-    """Write a commented case file for a mesh: ready to run, with its guesses marked."""
+    """Write a commented case file for a mesh, ready to run; comments mark the values that are guesses."""
     from supple.cli.new_case import new_case
 
     with reported_errors(debug=debug), reported_warnings():

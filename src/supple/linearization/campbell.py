@@ -1,4 +1,4 @@
-"""Campbell diagram: frequencies and damping of a machine over its speed, by mode."""
+"""Campbell diagram: frequency and damping of each mode of a machine, over its speed."""
 
 from __future__ import annotations
 
@@ -30,7 +30,11 @@ __all__ = ["CampbellDiagram", "CriticalSpeed", "campbell_diagram", "modal_assura
 
 
 class CriticalSpeed(NamedTuple):
-    """A speed, rad per unit of time, at which unbalance excites a whirl, and the sense of the whirl."""
+    """A speed at which unbalance excites a whirl.
+
+    rate : rad per unit of time
+    sense : of the whirl, as in `CampbellDiagram`
+    """
 
     rate: float
     sense: int
@@ -41,17 +45,20 @@ class CampbellDiagram(Summarized):
     """Modes over speed, tracked by the modal assurance criterion (MAC).
 
     rates : (ns,) spin rates, rad per unit of time
-    eigenvalues : complex (ns, nm)      one column per mode, in `axes`; NaN at speeds without a matching mode
-    errors : (ns, nm) | None            relative basis errors of the eigenvalues; infinite for a mode that the
-                                        full bodies do not have, NaN without a mode or a full equilibrium;
-                                        None without known full bodies
+    eigenvalues : complex (ns, nm)      one column per mode, in `axes`; NaN at a speed where no mode matches
+    errors : (ns, nm) | None            relative error of each eigenvalue due to the reduction bases; infinite
+                                        for a mode that the machine with full bodies does not have; NaN where
+                                        no mode matches, or this machine has no equilibrium; None without
+                                        full bodies
     likeness : (ns - 1, nm)             MAC of each mode between neighbouring speeds; low where modes veer;
-                                        NaN without a matching mode
-    axes : str                          description of the axes of the frequencies
-    sense : (ns, nm)                    sense of whirl: 1 forward, -1 backward, 0 for neither or unknown
-    in_space : (ns, nm)                 frequencies in space, rad per unit of time; NaN for modes that do not
-                                        move the rotor normal to its axis, or that have several frequencies
-    names : (nm,)                       names of the modes from their motion at the last speed (`mode_names`)
+                                        NaN where no mode matches
+    axes : str                          axes to which the eigenvalues refer: "turning with the machine" or
+                                        "standing in space"
+    sense : (ns, nm)                    sense of whirl: 1 forward, -1 backward, 0 neither or unknown
+    in_space : (ns, nm)                 frequency of the whirl in standing axes, rad per unit of time; NaN for
+                                        a mode that does not move the rotor normal to its axis, or whose
+                                        motion has several frequencies there
+    names : (nm,)                       names of the modes, from their motion at the last speed (`mode_names`)
     """
 
     rates: Array
@@ -64,7 +71,7 @@ class CampbellDiagram(Summarized):
     names: tuple[str, ...] = ()
 
     def summary(self) -> Summary:
-        """Frequencies at the first and the last speed, by mode, and critical speeds."""
+        """Critical speeds, and for each mode the frequencies at the first and the last speed."""
         hertz = self.frequencies / (2 * np.pi)
         names = self.names or [""] * hertz.shape[1]
         rows = [
@@ -78,9 +85,10 @@ class CampbellDiagram(Summarized):
 
     @property
     def critical_speeds(self) -> tuple[CriticalSpeed, ...]:
-        """Speeds at which the frequency of a whirl equals the spin rate, by linear interpolation.
+        """Speeds at which the frequency `in_space` of a whirl equals the spin rate, by linear interpolation.
 
-        Backward whirl is included only in standing axes, where unequal bearings mix both senses.
+        Backward whirl is included only for eigenvalues in standing axes, because unequal bearings couple both
+        senses.
         """
         found = []
         pairs = zip(self.rates, self.in_space, self.sense, strict=True)
@@ -105,15 +113,15 @@ class CampbellDiagram(Summarized):
 
     @property
     def damping_ratios(self) -> Array:
-        """`-Re(s) / |s|`, (ns, nm)."""
+        """Damping ratios `-Re(s) / |s|` of the eigenvalues s, (ns, nm)."""
         size = abs(self.eigenvalues)
         return np.where(size > 0, -self.eigenvalues.real / np.where(size > 0, size, 1.0), 0.0)
 
 
 def modal_assurance(first: MachineModes, second: MachineModes) -> Array:
-    """MAC `|a^H b|^2 / (|a|^2 |b|^2)` of the shapes of two sets of modes, in the mass norm, (n1, n2).
+    """MAC (n1, n2) of the shapes a and b of two sets of modes: `|a^H b|^2 / (|a|^2 |b|^2)`, in the mass norm.
 
-    Zero for pure controller modes. Raises ModelError for modes of machines with unequal numbers of
+    Zero for modes of controllers alone. Raises ModelError if the machines have different numbers of
     coordinates.
     """
     if len(first.shapes) != len(second.shapes):
@@ -121,7 +129,7 @@ def modal_assurance(first: MachineModes, second: MachineModes) -> Array:
             "modal assurance needs modes of machines with equal numbers of coordinates, not "
             f"{len(first.shapes)} and {len(second.shapes)}"
         )
-    # Frames and coordinates have different units: the mass norm of the first machine weights them.
+    # Motions of frames and coordinates have different units: the mass of the first machine weights them.
     a, b = first.independent, first.machine.coordinates_of(second.shapes)
     weighted = first.machine.mass @ b
     product = abs(a.conj().T @ weighted) ** 2
@@ -142,22 +150,22 @@ def campbell_diagram(
     fulls: Mapping[str, FullBody] | Sequence[FullBody] | None = None,
     progress: Callable[[float], None] = lambda _: None,
 ) -> CampbellDiagram:
-    """Modes of a machine over speed, about the equilibrium at each speed, tracked by their shapes.
+    """Modes of a machine over its speed, each about the equilibrium at this speed, tracked by their shapes.
 
     Parameters
     ----------
-    spins : Spin    in tracking order, with small steps of the rate; the first rate may be zero
-    n_modes : number of modes: the slowest ones at the first speed
+    spins : Spin    one for each speed, in the order of tracking, with small steps; the first rate may be zero
+    n_modes : number of modes to track; they are the slowest modes at the first speed
     time : time at which loads and laws are evaluated
-    fulls : the bodies with all their coordinates, as for `equilibrium`: at each speed an equilibrium and some
-        modes of the full machine are computed for comparison
+    fulls : full bodies, as for `equilibrium`; at each speed, equilibrium and modes of the machine with full
+        bodies are computed, for the errors of the bases
 
     Raises
     ------
     ModelError          no speed; the errors of `linearize`
     ConvergenceError    no equilibrium at a speed
-    Warns BasisWarning of the speed with the largest basis error of modes or equilibrium, from 1 % on,
-    and ValidityWarning of the fastest speed at which a body exceeds a limit of its kinematics.
+    Warns BasisWarning if a basis error of modes or equilibrium is 1 % or more, with the speed of the largest
+    error; and ValidityWarning with the fastest speed at which a body exceeds a limit of its kinematics.
     """
     if not spins:
         raise ModelError("a Campbell diagram needs at least one speed")
@@ -176,7 +184,7 @@ def campbell_diagram(
             linear = linearize(system, spin=spin, time=time, fulls=fulls)
         messages.append(words)
         limits.append(beyond)
-        # For a machine with full bodies, modes are matched among more than the requested number.
+        # With full bodies there are very many modes: matches are sought among some more than n_modes.
         modes = machine_modes(linear, 2 * n_modes + 6 if isinstance(linear, SparseMachine) else None)
         if before is None:
             rows = chosen = np.arange(min(n_modes, len(modes.eigenvalues)))
@@ -192,7 +200,7 @@ def campbell_diagram(
         with _held(BasisWarning) as words:
             errors.append(_placed(wanted, rows, _errors(linear, chosen)))
         messages[-1] += words
-        # A mode without a match (it may have become two real ones) keeps its last shape for later speeds.
+        # A mode without a match (its pair may have become real) keeps its last shape, for matching later.
         shapes = np.zeros_like(modes.independent, shape=(len(modes.independent), wanted))
         if before is not None:
             shapes = modes.machine.coordinates_of(before.shapes)
@@ -235,7 +243,7 @@ def _some(modes: MachineModes, chosen: np.ndarray) -> MachineModes:
 
 
 def _errors(linear: LinearMachine | SparseMachine, chosen: np.ndarray) -> Array:
-    """Basis errors of the modes with the numbers `chosen`; NaN without known full bodies."""
+    """Basis errors of the modes with the numbers `chosen`; NaN without full bodies."""
     if not isinstance(linear, LinearMachine) or linear.full is None:
         return np.full(len(chosen), np.nan)
     error = machine_modes(linear, int(chosen.max()) + 1).error
@@ -245,7 +253,7 @@ def _errors(linear: LinearMachine | SparseMachine, chosen: np.ndarray) -> Array:
 
 @contextmanager
 def _held(category: type[Warning]) -> Iterator[list[str]]:
-    """Messages of warnings of a category within the block; all other warnings pass."""
+    """Collect the messages of warnings of a category within the block; other warnings pass."""
     words: list[str] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", category)
@@ -258,7 +266,7 @@ def _held(category: type[Warning]) -> Iterator[list[str]]:
 
 
 def _warn_of_worst(rates: Array, errors: Array, messages: Sequence[Sequence[str]]) -> None:
-    """BasisWarnings of the speed with the largest basis error, among the speeds with warnings."""
+    """Warn with the messages of the speed with the largest basis error, among the speeds with messages."""
     warned = [number for number, words in enumerate(messages) if words]
     if not warned:
         return
@@ -270,7 +278,7 @@ def _warn_of_worst(rates: Array, errors: Array, messages: Sequence[Sequence[str]
 
 
 def _warn_of_limits(rates: Array, messages: Sequence[Sequence[str]]) -> None:
-    """ValidityWarnings of the fastest speed at which a limit of the kinematics is exceeded."""
+    """Warn with the messages of the fastest speed at which a limit of the kinematics is exceeded."""
     warned = [number for number, words in enumerate(messages) if words]
     if not warned:
         return

@@ -1,4 +1,4 @@
-"""The linear equations of a machine about its equilibrium, without joint multipliers."""
+"""Linear equations of a machine about its equilibrium, in independent coordinates."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from supple.simulation.resting_state import RestingState, placed_at_rest, restin
 __all__ = ["linearize"]
 
 _TURNED_ON = 0.7
-"""rad, rotation after which the equations are compared; unlikely as an angle of symmetry."""
+"""Rotation, rad, after which the equations are compared; it is no likely angle of symmetry."""
 
 
 @checked_arguments
@@ -50,38 +50,39 @@ def linearize(
     fulls: Mapping[str, FullBody] | Sequence[FullBody] | None = None,
     progress: Callable[[int, float], None] = lambda *_: None,
 ) -> LinearMachine | SparseMachine:
-    """Small motions of a machine about the equilibrium reached by descent from the bodies' placement.
+    """Linearise a machine about its equilibrium, found as by `equilibrium` from the placement of the bodies.
 
         M p'' + C p' + K p + G^T l = 0,     G p = 0     ->     M_y y'' + C_y y' + K_y y = 0,     p = N y
 
-    The loops of controllers are closed: the states of the controllers are additional unknowns
+    p are small motions of the bodies, l the Lagrange multipliers of the joint equations G p = 0, and y
+    independent coordinates. Controllers are closed loops, whose states are additional unknowns
     (`LinearMachine`).
 
-    A rotating machine is described in co-rotating axes, if the equations are constant there; otherwise in
-    standing axes (`in_standing_axes`). There a rotor on unequal bearings, and three or more equal blades on a
-    flexible tower, have constant equations. If the equations also vary in standing axes, the result is
-    periodic (`Periodic`), and its modes are Floquet modes.
+    The equations of a rotating machine are written in co-rotating axes if they are constant there, otherwise
+    in standing axes (`in_standing_axes`). For example, a rotor on unequal bearings, or three or more equal
+    blades on a flexible tower, have constant equations in standing axes. If the equations vary in both axes,
+    the result is periodic (`Periodic`), and its modes are Floquet modes.
 
-    With full bodies the result is a `SparseMachine`: `A p = 0` includes the conditions of their frames, and
-    `machine_modes` finds its slowest modes.
+    For a machine with full bodies the result is a `SparseMachine`, whose constraints include the conditions
+    of the frames of these bodies; `machine_modes` finds its slowest modes.
 
     Parameters
     ----------
-    time : time at which loads and laws are evaluated, as constants; set-points of servos have the rate zero.
-        Between rotating and standing bodies, a driven joint has the rate of the spin, for any law, and the
-        set-point of an AngleServo has the rate of its law
-    spin : Spin             of the machine, or of the bodies listed in it
-    search, fulls, progress : as for `equilibrium`; with the full bodies `machine_modes` gives the basis
-        errors of the reduced ones
+    time : loads and laws are constant, with their values at this time; the rates of laws are zero. Exceptions
+        between rotating and standing bodies: a driven joint has the rate of the spin, whatever its law, and
+        the set-point of an AngleServo has the rate of its law
+    spin : Spin             steady rotation of the machine, or of some of its bodies
+    search, fulls, progress : as for `equilibrium`; from the full bodies `fulls`, `machine_modes` computes the
+        basis errors of the reduced bodies
 
     Raises
     ------
-    ModelError          a machine without free motions; one whose equilibrium varies with rotation, with
-                        drives of another speed, with joint friction in rotation, or with bushings that
-                        resist tilt between rotating and standing bodies; with full bodies or
-                        controllers, equations that vary
+    ModelError          a machine without free motions. A rotating machine with an equilibrium that varies
+                        with the angle, with a drive at another speed, with joint friction, or with a bushing
+                        that resists tilt between a rotating and a standing body. A rotating machine with
+                        full bodies or controllers whose equations vary with the angle
     ConvergenceError    no equilibrium
-    Warns ValidityWarning where a body exceeds a limit of its kinematics at the equilibrium.
+    Warns ValidityWarning if a body exceeds a limit of its kinematics at the equilibrium.
     """
     frictions = [load for load in system.loads if isinstance(load, JointFriction)]
     if frictions and spin is not None and spin.rate:
@@ -100,7 +101,7 @@ def linearize(
     sparse = None
     if isinstance(equations, SparseEquations):
         sparse = SparseMachine(placed_at_rest(found), spin, time, equations)
-        # A variation of the equations appears in slow motions.
+        # Whether the equations vary with the angle is seen in the slow motions.
         basis = sparse.slow.motions
     else:
         basis = _free_motions(equations)
@@ -146,8 +147,9 @@ def _full_machine(
     *,
     is_in_space: bool = False,
 ) -> FullMachine | None:
-    """The machine with all coordinates, about its equilibrium; None if either is unknown.
+    """The machine with full bodies in place of the reduced ones, about its own equilibrium.
 
+    None without full bodies, or if this equilibrium is not found.
     Warns BasisWarning of reduced bodies with large errors at the equilibrium.
     """
     full = full_rest(found, fulls, time, search)
@@ -176,7 +178,7 @@ def _full_machine(
 
 
 class _Projected(NamedTuple):
-    """Equations in independent coordinates."""
+    """Matrices of the equations in independent coordinates."""
 
     mass: Array
     damping: Array
@@ -185,14 +187,14 @@ class _Projected(NamedTuple):
 
     @classmethod
     def of(cls, equations: LinearEquations | SparseEquations, basis: Array) -> _Projected:
-        """`N^T M N`, `N^T C N`, `N^T K N` and the terms of controllers, with the basis N (n, k)."""
+        """`N^T M N`, `N^T C N`, `N^T K N` and the terms of controllers, for a basis N (n, k)."""
         images = equations.mass @ basis, equations.damped(basis), equations.stiffness @ basis
         mass, damping, stiffness = (basis.T @ each for each in images)
         return cls(mass, damping, stiffness, equations.control.along(basis))
 
 
 def _free_motions(equations: LinearEquations) -> Array:
-    """`N` (n, k), the null space of `G`; columns scaled to unit kinetic energy."""
+    """Basis `N` (n, k) of the null space of `G`; each column has unit kinetic energy."""
     size = 1 / np.sqrt(np.diag(equations.mass))
     return size[:, None] * scipy.linalg.null_space(equations.constraint * size)
 
@@ -212,7 +214,7 @@ def _change(
     largest = {what: float(np.max(abs(change) / np.outer(size, size))) for what, change in changes.items()}
     largest["control"] = _changed(projected.control, again.control, size, spin.rate)
     opened = float(np.max(abs(jacobian @ basis) @ np.ones(basis.shape[1]), initial=0.0))
-    # Where the basis does not move any joint, rounding is relative to a motion of unit kinetic energy.
+    # If the basis does not move any joint, the rounding is that of a motion of unit kinetic energy.
     reach = abs(basis).sum(axis=1) + 1 / np.sqrt(masses)
     largest["joints"] = opened / float(np.max(abs(jacobian) @ reach, initial=1e-300))
     largest["balance"] = unbalanced
@@ -222,14 +224,14 @@ def _change(
 def _refusal(what: str, change: float) -> str:
     return (
         f"the linear equations change as the machine rotates by {_TURNED_ON:g} rad (the {what} by "
-        f"{change:.2g} of its size), and neither standing axes nor Floquet theory apply: gravity "
-        "or loads normal to the axis, controllers, full bodies, and joints that leave other "
-        "motions free at another angle must be removed; or list the rotating bodies, Spin(bodies=..)"
+        f"{change:.2g} of its size), and neither standing axes nor Floquet theory apply. Remove what "
+        "causes the change: gravity or loads normal to the axis, controllers, full bodies, or joints whose "
+        "free motions depend on the angle; or list the rotating bodies, Spin(bodies=..)"
     )
 
 
 def _changed(control: LinearControl, again: LinearControl, size: Array, rate: float) -> float:
-    """Largest variation of controllers' readings and forces, relative to the size of each row and column."""
+    """Largest change of the readings and forces of controllers, each relative to its own size."""
 
     def parts(own: LinearControl) -> tuple[Array, Array]:
         read = np.hstack([own.by_position / size, own.by_velocity * abs(rate) / size])

@@ -1,4 +1,4 @@
-"""Error measures of a motion relative to another: RMS error over time, relative error of a run."""
+"""Distance between two motions of the same nodes: RMS error over time, relative error of a run."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class MotionError:
     """Distance between two motions of the same n nodes.
 
     times : (t,)                s
-    rms : (t,)                  root-mean-square distance of the nodes, unit of length; [Wu2019] (52)
-    relative_percent : float    relative error over all times, %; [Wu2019] (53)
+    rms : (t,)                  root-mean-square distance of the nodes, unit of length; `rms_error`
+    relative_percent : float    relative error over all times, %; `relative_error`
     """
 
     times: Array
@@ -33,18 +33,18 @@ class MotionError:
 
     @property
     def max_rms(self) -> float:
-        """The largest RMS error of the run."""
+        """Largest of `rms`."""
         return float(self.rms.max())
 
 
 def rms_error(reference: Array, positions: Array) -> Array:
-    """Root-mean-square distance of the nodes over time.
+    """Root-mean-square distance between two sets of nodal positions, over time.
 
         eps_RMS(t) = sqrt(1/n sum_a |r_a(t) - rbar_a(t)|^2)
 
     Parameters
     ----------
-    reference, positions : array (t, n, 3)     nodal positions in space
+    reference, positions : array (t, n, 3)     r and rbar, positions in space of n nodes at t times
 
     Returns
     -------
@@ -55,11 +55,14 @@ def rms_error(reference: Array, positions: Array) -> Array:
 
 
 def relative_error(reference: Array, positions: Array) -> float:
-    """Error of a whole run in percent of the reference positions, measured from the origin.
+    """Error of a whole run, in percent.
 
-        RE = sqrt(sum_t |r - rbar|^2) / sqrt(sum_t |r|^2) 100 %,   r all nodal positions in one vector
+        RE = sqrt(sum_t |r - rbar|^2) / sqrt(sum_t |r|^2) 100 %
 
-    Parameters as for rms_error.
+    r and rbar are the vectors of all reference and compared nodal positions at a time. RE depends on the
+    choice of the origin, because r is relative to it.
+
+    Parameters as for `rms_error`.
     Source: [Wu2019] (53)
     """
     return _percent(
@@ -75,22 +78,22 @@ def motion_error(
     *,
     body: str,
 ) -> MotionError:
-    """RMS and relative error of a body's nodal positions between two solutions, such as full and reduced.
+    """RMS and relative error of a body's nodal positions in one solution, compared with another solution.
 
     Parameters
     ----------
-    reference, candidate : Solution     at the same output times
-    reference_body, candidate_body      the body as each solution computed it, over the same nodes
-    body : str                          its name, the same in both solutions
+    reference, candidate : Solution     with the same output times, such as of a full and of a reduced body
+    reference_body, candidate_body      form of the body in each solution, with the same nodes
+    body : str                          name of the body, the same in both solutions
 
     Raises
     ------
-    ModelError  no such body, different output times, or different nodes
+    ModelError  a solution without this body, different output times, or different nodes
     Source: [Wu2019] (52), (53)
     """
     expected, found = reference.motion(body, Motion), candidate.motion(body, Motion)
     times = reference.times
-    # Output times are sums of steps, which may differ in their last digits.
+    # Output times are sums of steps, so they can differ by rounding.
     if times.shape != candidate.times.shape or not np.allclose(
         times, candidate.times, rtol=1e-9, atol=1e-9 * abs(times[-1])
     ):

@@ -1,4 +1,4 @@
-"""A measurement: times and values of an observable."""
+"""A measurement: measured values of a sensor over time."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """A measured history of one channel of a sensor.
+    """Measured values, over time, of one channel of a sensor.
 
-    observable : name of the sensor or other observable with values (t, c)
-    times : (k,)            ascending, within the run; a cubic spline interpolates the computed values
+    observable : name of the sensor, or of another observable of the machine; its computed values are (t, c)
+    times : (k,)            ascending, within the run; a cubic spline interpolates the computed values at them
     values : (k,)           in the units of the model; nan or infinite for missing values
-    channel : str | int     name of the channel, or number of the column; 0 for a single channel
-    deviation : float | (k,)    standard deviation of the noise; None only in a fit of one measurement, where
-        it follows from the residuals
-    Raises ModelError for other shapes, times that do not ascend, a deviation that is not positive.
+    channel : str | int     name of the channel, or number of its column from 0
+    deviation : float | (k,)    standard deviation of the measurement noise. None is possible in a fit of one
+        measurement only; the deviation is then computed from the residuals
+    Raises ModelError for arrays of other shapes, times that do not ascend, a deviation that is not positive.
     """
 
     observable: str
@@ -63,12 +63,12 @@ class Measurement:
 
     @property
     def weights(self) -> Array:
-        """Reciprocal deviations (k',) of the k' finite measured values; ones without known deviations."""
+        """Reciprocal deviations (k',) of the k' finite measured values; ones if `deviation` is None."""
         deviation = 1.0 if self.deviation is None else np.asarray(self.deviation)
         return np.broadcast_to(1 / deviation, np.shape(self.times))[self.known]
 
     def column(self, system: System, observables: Any) -> int:
-        """Column number of the channel in its observable; ModelError if a name does not exist."""
+        """Column number of the channel; ModelError for an unknown name of an observable or a channel."""
         found = observables_of(observables, system)
         if self.observable not in found:
             raise ModelError(
@@ -79,7 +79,7 @@ class Measurement:
         names = [each.name for each in found[self.observable].channels(system)]
         if self.channel not in names:
             raise ModelError(
-                f"measurement of '{self.observable}': it has no channel '{self.channel}', only "
+                f"measurement of '{self.observable}': it has no channel '{self.channel}'; give one of "
                 f"{', '.join(names)}"
             )
         return names.index(self.channel)
@@ -87,14 +87,16 @@ class Measurement:
     def residuals(self, times: Array, values: Mapping[str, Array], column: int) -> Array:
         """Residuals (k',): computed minus measured values, divided by the deviations.
 
-        times : (t,) output times of the run;   values : by observable, (t, c)
+        times : (t,) output times of the run
+        values : computed values (t, c), by name of the observable
         """
         computed = self.at_times(times, values[self.observable], column)
         return self.weights * (computed - np.asarray(self.values)[self.known])
 
     def at_times(self, times: Array, values: Array, column: int) -> Array:
-        """A column of values (t, c), interpolated at the times of the finite measured values, (k',).
+        """Computed values (k',), interpolated at the times of the k' finite measured values.
 
+        times, values, column : output times (t,), computed values (t, c), and the column to interpolate
         Raises ModelError for measured times outside the run, or a column that does not exist.
         """
         own = np.asarray(self.times)[self.known]
@@ -102,11 +104,11 @@ class Measurement:
         if own.size and (own[0] < times[0] - slack or own[-1] > times[-1] + slack):
             raise ModelError(
                 f"measurement of '{self.observable}': its times from {own[0]:g} to {own[-1]:g} go beyond the "
-                f"run from {times[0]:g} to {times[-1]:g}: extend the run, or remove the other times"
+                f"run from {times[0]:g} to {times[-1]:g}: extend the run, or remove the times outside it"
             )
         if values.ndim != 2 or not 0 <= column < values.shape[1]:
             raise ModelError(
-                f"measurement of '{self.observable}': it has values of shape {values.shape}, and column "
-                f"{column} of (t, c) was measured"
+                f"measurement of '{self.observable}': the computed values have shape {values.shape}, "
+                f"without a column {column} of the channel; give values (t, c) and an existing channel"
             )
         return CubicSpline(times, values[:, column])(own)

@@ -1,4 +1,4 @@
-"""Simulation of a machine, in memory or recorded in a file."""
+"""Simulation of a machine, with the result in memory or in a file."""
 
 from __future__ import annotations
 
@@ -28,51 +28,55 @@ def simulate(
     record: Recorder | None = None,
     check: bool = True,
 ) -> Solution:
-    """Motion of a system from its initial state over a run.
+    """Simulate a machine: its motion from the initial state over the time span of a run.
 
-    The method of the run and the form of the bodies determine the engine. By default, rigid and reduced
-    bodies are integrated by one compiled program, and machines with full bodies by sparse Newton steps.
+    The method of the run and the forms of the bodies determine the solver. By default, one compiled program
+    integrates a machine of rigid and reduced bodies; sparse Newton steps integrate one with full bodies.
 
     Parameters
     ----------
     system : System
-    run : Run               span, output times, steps, tolerances
-    file : path             record the motion in this result file as it is computed; an existing complete run
-                            is read, an interrupted one is continued
+    run : Run               time span, output times, steps, tolerances
+    file : path             result file, written during the run. If it already contains this run, a complete
+                            run is read, and an interrupted one is continued
     overwrite : bool        start a new run in `file`, whatever the file contains
-    resume : Solution       continue from the end of an earlier part of the same run
-    progress, record : called during the run; `record` receives every completed leg
-    check : bool            raise if the run ends early; if False, `Solution.stopped` states the cause
+    resume : Solution       continue from the end of this earlier part of the same run
+    progress : function     called during the run with its completed fraction
+    record : function       called with the solution of each completed part of the run
+    check : bool            if the run ends early, True: raise the error; False: `Solution.stopped` has it
 
     Returns
     -------
-    Solution    at the output times; with `resume`, only at those after the recorded part
+    Solution    at the output times; with `resume`, only at those after the earlier part
 
     Raises
     ------
-    ModelError          a joint open at the start, a table that begins too late or ends too early
-    ConvergenceError    a step fails at the smallest size; the message states time, residual and remedy. The
-                        results until then were passed to `record` or are in the file
-    ValidityError       with `Validity(strict=True)`, in place of the warnings below on validity, start and
-                        resolution, except those on output times
+    ModelError          a joint open at the start, a table of a law that does not cover the run
+    ConvergenceError    a step fails at the smallest size; the message has time, residual and remedy. The
+                        earlier results are in the file, or were passed to `record`
+    ValidityError       with `Validity(strict=True)`: in place of ValidityWarning, StartWarning and
+                        ResolutionWarning, except a ResolutionWarning about output times
     ValueError          `overwrite` without `file`; `resume` or `record` with `file`
-    ResultFileError     the file has another run, another run is writing it, or it cannot be read or written
-    KeyboardInterrupt   (Ctrl-C; on SIGTERM `Terminated`) with a note of the last time in the file
+    ResultFileError     the file contains another run, is being written by another run, or cannot be read or
+                        written
+    KeyboardInterrupt   after Ctrl-C; `Terminated`, a SystemExit, after SIGTERM. With `file`, both have a note
+                        of the last time in it
 
     Warns
     -----
-    ValidityWarning             a motion beyond the range of the kinematics, or of the angle of an element
+    ValidityWarning             a motion beyond the limits of the kinematics, or an angle beyond that of a
+                                force element
     StartWarning                initial positions or velocities that the joints do not allow
-    ResolutionWarning           steps, or output times, too far apart for loads and motions
-    StepCutWarning              fixed steps that were shortened
+    ResolutionWarning           time steps or output times that do not resolve loads or motions
+    StepCutWarning              fixed steps that did not converge and were shortened
     RedundantConstraintWarning  redundant constraints of joints
     """
     if file is None:
         if overwrite:
-            raise ValueError("overwrite: there is no file to overwrite; give it, file=PATH")
+            raise ValueError("overwrite=True without a file; give file=PATH")
         return watched_run(system, run, resume=resume, progress=progress, record=record, check=check)
     if resume is not None or record is not None:
-        raise ValueError("a run with a file is resumed and recorded there: leave out resume and record")
+        raise ValueError("`file` resumes and records the run: leave out resume and record")
     return simulate_recorded(
         system,
         run,

@@ -1,4 +1,4 @@
-"""Continuation of a machine from a time of an earlier motion, with other loads, steps or bases."""
+"""Start of a machine from a time of an earlier motion, with other loads, steps or bases."""
 
 from __future__ import annotations
 
@@ -32,17 +32,17 @@ from supple.simulation.recorded_columns import are_same_columns, measured_column
 __all__ = ["Start", "StartedMachine"]
 
 SAME_TIME = 1e-6
-"""Allowed distance from an output time, relative to the smallest output step."""
+"""Largest difference of the start time from an output time, relative to the smallest output step."""
 
 
 @dataclass(frozen=True, eq=False)
 class StartedMachine:
-    """A machine ready to continue.
+    """A machine in the state of an earlier motion.
 
-    system : System             with the poses, velocities and deformation of its bodies at `time`; run it
-        with `Run(.., start=time)`, so that laws of time continue
+    system : System             the machine, with poses, velocities and deformation of its bodies at `time`;
+        run it with `Run(.., start=time)`, so that the laws of time continue
     time : float                the start time
-    losses : ProjectionLoss     of the bodies that changed their form or basis, by name
+    losses : ProjectionLoss     by name of the body, for bodies whose form or basis differs from the motion
     """
 
     system: System
@@ -52,12 +52,13 @@ class StartedMachine:
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """A time of a motion from which another machine with the same bodies continues.
+    """A time of an earlier motion, from which a machine with the same bodies starts.
 
-    solution : Solution         computed, or read from a file
-    time : float | None         one of its output times, in the unit of the new machine; None: the last one
-    machine : System | None     the machine of the motion, needed if a body changes its form or basis
-    length, duration : float    units of length and time of the motion in those of the new machine
+    solution : Solution         the earlier motion, computed or read from a file
+    time : float | None         one of its output times, in the time unit of the new machine; None: the last
+    machine : System | None     the machine of the earlier motion, needed for bodies in another form or basis
+    length, duration : float    units of length and time of the earlier motion, in those of the new machine:
+        length is 0.001 for a motion in mm and a machine in m
     Raises ModelError for a time that is not among the output times.
     """
 
@@ -73,7 +74,7 @@ class Start:
 
     @property
     def times(self) -> np.ndarray:
-        """Output times (t,) of the motion, in the unit of the new machine."""
+        """Output times (t,) of the earlier motion, in the time unit of the new machine."""
         return self.duration * self.solution.times
 
     @property
@@ -82,7 +83,7 @@ class Start:
 
     @property
     def row(self) -> int:
-        """Index of the time among the output times."""
+        """Index of the start time among the output times."""
         times = self.times
         if self.time is None:
             return len(times) - 1
@@ -92,29 +93,29 @@ class Start:
         if not abs(times[row] - self.time) <= allowed:
             near = times[max(row - 1, 0) : row + 2]
             raise ModelError(
-                f"a machine starts from an output time, where its whole state is stored; {self.time:g} is "
+                f"a machine starts from an output time, because the state is stored there; {self.time:g} is "
                 f"not among those from {times[0]:g} to {times[-1]:g}: use "
                 + " or ".join(f"{each:.12g}" for each in near)
             )
         return row
 
     def place(self, system: System) -> StartedMachine:
-        """The machine with its bodies as at the start time.
+        """The machine `system` with the state of the earlier motion at the start time.
 
-        Bodies and controllers are matched by their names. A body with the same columns has its position,
-        velocity and deformation at the start time. A body in another form or basis is projected in the mass
-        norm, with its interfaces at their positions (`carried_deformation`). Points and axes of joints and
-        forces remain those of the machine as placed. Rigid obstacles that move are matched by the order of
-        their contacts, and have their position and velocity. Accelerations and joint forces are recomputed at
-        the start of the run. The run therefore differs from an uninterrupted run by errors of the order of
-        the integration error. Joints that do not allow the velocities, such as a latch that the motion lacks,
-        act as an impact without rebound (`start_velocity`).
+        Bodies and controllers are matched by name, moving rigid obstacles by the order of their contacts.
+        Bodies and obstacles have the positions and velocities, and bodies the deformation, of the motion. The
+        deformation of a body in another form or basis is projected in the mass norm, with its interfaces
+        at their positions (`carried_deformation`). Points and axes of joints and forces remain those of
+        `system`. Accelerations and joint forces are recomputed at the start of the run. The run therefore
+        differs from an uninterrupted run by errors of the order of the integration error.
+        Joints that do not allow the velocities, such as a latch that the motion lacks, act as an impact
+        without rebound (`start_velocity`).
 
         Raises
         ------
-        ModelError      a body without a motion, with another mesh, or in a form to which the motion cannot
-                        be transferred; explicit elements, whose plastic strain is not stored; obstacles that
-                        move, and another number of contacts with obstacles in the motion
+        ModelError      a body without a motion, with another mesh, or in a form to which its motion cannot
+                        be transferred; a body of explicit elements, because plastic strain is not stored;
+                        moving obstacles, if the earlier motion has another number of contacts
         Warns BasisWarning if the projection of a body loses 1 % or more of its deformation or rates, and
         StartWarning if a controller restarts.
         """
@@ -150,8 +151,8 @@ class Start:
         if not isinstance(motion, FloatingMotion) or not body.has_frame or body.kind == "intrinsic":
             raise ModelError(
                 f"body '{name}' is {body.kind}, and its motion is {motion.kind}: keep the form "
-                "of the motion; explicit elements, whose plastic strain is not stored, continue only by "
-                "--resume"
+                "of the motion. Explicit elements can be continued only by --resume, because their plastic "
+                "strain is not stored"
             )
         state, q, dq = self._state(motion)
         loss = None
@@ -165,7 +166,7 @@ class Start:
         return replace(moved, coordinates=q, coordinate_rates=dq, is_moving=True, **velocities), loss
 
     def _is_same(self, placed: Placed, motion: Motion) -> bool:
-        """Whether the body has the coordinates of the motion; ModelError if that cannot be determined."""
+        """Whether body and motion have the same coordinates; ModelError if that cannot be determined."""
         name, here = placed.body.name, placed.body.n_coordinates
         there = motion.coordinates.shape[1] if isinstance(motion, FramedMotion) else -1
         if not here and not there:
@@ -179,7 +180,7 @@ class Start:
         return there == here and not self._is_scaled and are_same_columns(known.get(name, {}), placed)
 
     def _state(self, motion: FloatingMotion) -> tuple[PlacedFrame, np.ndarray, np.ndarray]:
-        """Frame in units of the machine; coordinates and rates in units of the motion."""
+        """Frame in units of the new machine; coordinates and rates in units of the earlier motion."""
         row, speed = self.row, self.length / self.duration
         state = PlacedFrame(
             self.length * motion.position[row],
@@ -190,7 +191,7 @@ class Start:
         return state, motion.coordinates[row], motion.coordinate_rates[row]
 
     def _scaled(self, deformation: Deformation, dofs_per_node: int) -> Deformation:
-        """The deformation in units of the machine: translations are scaled, rotations are not."""
+        """The deformation in units of the new machine: translations are scaled, rotations are not."""
         units = np.ones(dofs_per_node)
         units[:3] = self.length
         nodal, rates = (each.reshape(-1, dofs_per_node) * units for each in deformation)
@@ -206,20 +207,21 @@ class Start:
             )
         if self.machine is None:
             raise ModelError(
-                f"the motion of body '{name}' has {size} columns, other than those of the body "
-                f"({placed.body.n_coordinates}): give the machine of the motion, Start(solution, time, "
-                "machine), for a projection"
+                f"the motion of body '{name}' is in a basis of {size} columns, the body in another basis "
+                f"({placed.body.n_coordinates} columns): for a projection give the machine of the motion, "
+                "Start(solution, time, machine)"
             )
         then = self.machine.placed(name, "start")
         if not then.body.has_frame or then.body.n_coordinates != size:
             raise ModelError(
-                f"the motion of body '{name}' has {size} coordinates, and the machine given for it "
+                f"the motion of body '{name}' has {size} coordinates, but the body in Start(.., machine) has "
                 f"{then.body.n_coordinates}: give the machine of the motion"
             )
         if self.solution.columns and not are_same_columns(self.solution.columns.get(name, {}), then):
             raise ModelError(
                 f"the motion of body '{name}' has other columns than the machine given for it: "
-                "give the machine of the motion; reduced again, columns may have other signs"
+                "give the machine of the motion itself; if its bodies are reduced again, columns can have "
+                "other signs"
             )
         return then.body
 
@@ -246,7 +248,7 @@ class Start:
     def _goes_on(self, controller: Any) -> Any:
         """The controller with its states and joint angles at the end of the motion, if the start is there.
 
-        Otherwise the controller is unchanged.
+        If the start is at an earlier time, the controller is unchanged.
         """
         is_traced = isinstance(controller, Controller)
         kept = kept_states(self.solution.engine_state, controller) if is_traced else None
@@ -260,9 +262,9 @@ class Start:
         revolved = kept is not None and bool(np.any(np.abs(kept[1]) > np.pi))
         if not is_traced or len(controller.initial) or revolved:
             warnings.warn(
-                f"controller '{controller.name}' restarts: states of controllers, and revolutions of the "
-                "joint angles that they read, are stored by their names, only at the end of a run, those of "
-                "sampled controllers only for --resume",
+                f"controller '{controller.name}' restarts from its initial state: controller states, and "
+                "revolutions of the joint angles that controllers read, are stored by the names of the "
+                "controllers, at the end of a run only. A sampled controller continues by --resume only",
                 StartWarning,
                 stacklevel=4,
             )
@@ -273,9 +275,9 @@ def _warn(losses: Mapping[str, ProjectionLoss]) -> None:
     for name, loss in losses.items():
         if max(loss.relative, loss.rate) >= LARGEST_ERROR:
             warnings.warn(
-                f"body '{name}': its basis lacks {100 * loss.relative:.2g} % of the initial deformation "
-                f"({loss.rms:.2g} RMS) and {100 * loss.rate:.2g} % of its rates, in the mass norm: "
-                "keep more modes, or the basis of the motion",
+                f"body '{name}': its basis does not contain {100 * loss.relative:.2g} % of the initial "
+                f"deformation ({loss.rms:.2g} RMS) and {100 * loss.rate:.2g} % of its rates, in the mass "
+                "norm: keep more modes, or the basis of the motion",
                 BasisWarning,
                 stacklevel=4,
             )

@@ -1,4 +1,4 @@
-"""The results of a sweep as a data set, read column by column."""
+"""Results of a sweep as a data set, read column by column."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ _OF_CASES = (
     "iterations",
 )
 _MISSING = {"cause": "not run yet", "no_estimate": "", "status": -1, "steps": 0, "iterations": 0}
-"""Values for cases that have not run; NaN for all other data"""
+"""Values for cases that have not run, by name of the data set; other data sets have NaN"""
 _IN_CASE_UNITS = ("estimated_error", "basis_error", "allowed_error")
 
 
 class SweepColumns:
-    """Reader of the results of a sweep, one column at a time; cases without results are NaN.
+    """Reader of the results of a sweep, one column at a time; values of cases without results are NaN.
 
-    folder : folder of the sweep
+    folder : folder of the sweep, in which each share of the cases has one file, its part
 
     Raises
     ------
-    ResultFileError     no sweep; a damaged part
+    ResultFileError     no sweep in the folder; a damaged part
     """
 
     def __init__(self, folder: Path | str) -> None:
@@ -50,7 +50,7 @@ class SweepColumns:
         self.plan: SweepPlan = read_plan(self.folder)
         known = sweep_shares(self.folder, self.plan)
         self.shares = list(known.whole)
-        """Complete shares; repeated runs follow the runs that they replace"""
+        """Shares whose parts are complete; those of repeated runs follow those of the runs they replace"""
         self._cases = {share: known.cases[share] for share in self.shares}
         self.runs = np.zeros(self.plan.n_cases, dtype=np.int64)
         """Number of runs of each case, (n,)"""
@@ -69,7 +69,7 @@ class SweepColumns:
         return self.plan.table
 
     def statistic(self, statistic: int, channels: NDArray[np.intp] | slice | int = slice(None)) -> Array:
-        """Values of a statistic for some channels, (n, c), or for one, (n,)."""
+        """Values (n, c) of a statistic for c channels, or (n,) for one channel, in all n cases."""
         numbers = np.arange(len(self.channels["name"]))[channels]
         found = np.full((self.plan.n_cases, *numbers.shape), np.nan)
         for share in self.shares:
@@ -83,7 +83,7 @@ class SweepColumns:
         return found
 
     def _by_name(self, data: Array, names: list[str], numbers: Any) -> Array:
-        """Columns of a part with other channels, by name; NaN for channels that it lacks."""
+        """Columns of the wanted channels from a part, by name; NaN for channels that are not in the part."""
         wanted = np.atleast_1d(self.channels["name"][numbers])
         found = np.full((data.shape[1], len(wanted)), np.nan)
         for place, name in enumerate(wanted):
@@ -92,7 +92,7 @@ class SweepColumns:
         return found if np.ndim(numbers) else found[:, 0]
 
     def spectra(self) -> dict[str, tuple[Array, Array]]:
-        """Rainflow spectra of all cases by channel: ranges in the middle of classes (b,), and cycles (b,)."""
+        """Rainflow spectrum of all cases, by channel: middle (b,) of each range class, and cycles (b,)."""
         places = {name: number for number, name in enumerate(self.channels["name"])}
         parts = []
         for share in self.shares:
@@ -108,15 +108,15 @@ class SweepColumns:
         }
 
     def lifetime(self) -> tuple[Array, float]:
-        """Fatigue statistics over the lifetime, (f, c), and the fraction of it that the cases cover.
+        """Fatigue statistics (f, c) over the lifetime, and the fraction of the lifetime that the cases cover.
 
-        The statistics are damage-equivalent ranges for the reference cycles, and the damage of hot spots; NaN
-        if a case has no result. ResultFileError if the sweep file has no lifetime.
+        The statistics are damage-equivalent ranges for the reference number of cycles, and damage at hot
+        spots; NaN if a case has no result. Raises ResultFileError if the sweep file has no lifetime.
         """
         fatigue = self.plan.output.fatigue
         if fatigue is None or fatigue.lifetime is None:
             raise ResultFileError(
-                f"{self.folder} has no lifetime: give [output.fatigue.lifetime] and run it again"
+                f"{self.folder} has no lifetime: give [output.fatigue.lifetime] and run the sweep again"
             )
         durations = self.of_cases("end_time") - self.plan.start_times
         whole = np.isfinite(durations) & (durations > 0)
@@ -135,7 +135,7 @@ class SweepColumns:
         return found, life.covered
 
     def of_cases(self, name: str) -> NDArray[Any]:
-        """A number or text of each case, (n,), by the name of the data set in a part."""
+        """A number or a text of each case, (n,); `name` is that of the data set in a part."""
         words = name in WORDS
         missing: Any = _MISSING.get(name, np.nan)
         found = np.full(self.plan.n_cases, missing, dtype=object if words else None)
@@ -145,7 +145,7 @@ class SweepColumns:
         return found
 
     def motion(self, case: int) -> dict[str, Array]:
-        """The arrays of a stored motion by path (`supple.storage.solution_arrays`), and its channels (t, c).
+        """Stored motion of a case: arrays by path (`supple.storage.solution_arrays`), and channels (t, c).
 
         Raises ResultFileError if the motion of the case was not stored.
         """
@@ -156,13 +156,13 @@ class SweepColumns:
                     found = motion_in(file, case)
         if not found:
             raise ResultFileError(
-                f"{self.folder} has no motion of case {case}: add the case to keep, or simulate it again "
-                "(swept_case)"
+                f"{self.folder} has no motion of case {case}: list the case in `keep` of [output], or "
+                "simulate it again with swept_case"
             )
         return found
 
     def _channels(self) -> dict[str, NDArray[Any]]:
-        """Channels of all parts, in order of appearance, by kind of description."""
+        """Name, unit and other descriptions of the channels of all parts, in order of first appearance."""
         rows: dict[str, tuple[str, ...]] = {}
         for share in self.shares:
             with open_sealed(part_path(self.folder, share), verify=False) as file:
@@ -180,15 +180,16 @@ class SweepColumns:
 
 
 def read_sweep(folder: Path | str) -> Any:
-    """The results of a sweep as an `xarray.Dataset`; statistics are read on use.
+    """The results of a sweep as an `xarray.Dataset`; statistics are read from the files when used.
 
         ds = sp.read_sweep("results/speeds")
         tip = ds.statistics.sel(channel="deflection blade.TIP.x", statistic="maximum")
 
-    The variable statistics (case, channel, statistic) has unit, quantity, axes and place of each channel as
-    coordinates. Variables per case are status (0 ran, 1 failed, 2 killed, -1 not run yet), cause, no_estimate
-    (the reason), seconds, end_time, estimated_error, basis_error, allowed_error, runs, steps and iterations.
-    Parameters are coordinates by their paths. Cases without results are NaN. With a lifetime in
+    The variable statistics has the dimensions (case, channel, statistic); unit, quantity, axes and place of
+    each channel are coordinates. Variables per case are status (0 ran, 1 failed, 2 killed, -1 not run yet),
+    cause (of a failure), no_estimate (why there is no error estimate), seconds, end_time, estimated_error,
+    basis_error, allowed_error, runs, steps and iterations. Each parameter of the sweep is a coordinate per
+    case, named by its path in the case file. Values of cases without results are NaN. With a lifetime in
     `output.fatigue`, the variable lifetime (fatigue, channel) has the damage-equivalent ranges and the damage
     over the lifetime.
 
@@ -250,7 +251,7 @@ def _as_array(column: Any) -> NDArray[Any]:
 
 
 def _lazy_statistics(columns: SweepColumns) -> Any:
-    """Backend array from which xarray reads parts of the statistics."""
+    """Array from which xarray reads the statistics that are used."""
     backends = optional_package("xarray.backends", "a data set", "xarray")
     indexing = optional_package("xarray.core.indexing", "a data set", "xarray")
 
@@ -274,8 +275,9 @@ def _lazy_statistics(columns: SweepColumns) -> Any:
 
 
 def write_parquet(dataset: Any, path: Path | str) -> None:
-    """Write the data set of a sweep as a Parquet file: a row per case, a column per parameter and statistic.
+    """Write the data set of a sweep as a Parquet file, with a row per case.
 
+    Each parameter, each variable per case, and each statistic of each channel has a column.
     Raises MissingPackageError if pyarrow is not installed.
     """
     pyarrow = optional_package("pyarrow", "a Parquet file", "parquet")

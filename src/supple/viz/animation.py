@@ -30,10 +30,10 @@ IntArray = NDArray[np.int64]
 
 
 class Traces(NamedTuple):
-    """Paths of k points, each drawn up to the time of the frame.
+    """Paths of k points; a frame shows each path up to the time of the frame.
 
-    times : (s,), ascending     may be denser than the frames, for smooth paths
-    points : (s, k, 3)
+    times : (s,), ascending     for smooth paths, more than the times of the frames
+    points : (s, k, 3)          positions in space
     """
 
     times: Array
@@ -64,32 +64,32 @@ def animate(
 ) -> Path:
     """Animate a body in space, with a frame for each given time, as a repeating GIF or an MP4.
 
-    Each frame states the time and the speed: time shown per second of the animation, relative to real time.
+    Each frame shows its time, and the speed of the animation relative to real time.
 
     Parameters
     ----------
     path : ends in .gif or .mp4; an MP4 needs ffmpeg (`pip install 'supple[film]'`)
     times : array (t,)
-    positions : array (t, N, 3)     of the nodes, as `node_positions` recovers them
-    skin : Skin                     visible surface of the mesh; None, with positions (t, 0, 3): only glyphs
-    glyphs : Glyphs                 of parts without a mesh, at the same times
-    values : array (t, N)           nodal scalar to colour by, with one scale for all frames; where NaN, the
-                                    plain colour of surfaces
-    values_label : str              label with unit under the colour bar; no bar without it
-    traces : Traces                 of points whose paths are drawn
-    camera : Camera                 a three-quarter view of the whole motion by default
-    undeformed : array (N, 3)       positions of a pale outline behind the body
-    caption : str                   written in the upper left corner
-    shown : int array (f,)          indices of the times shown by the frames; by default each once
+    positions : array (t, N, 3)     positions of the nodes, such as from `node_positions`
+    skin : Skin                     visible surface of the mesh; None, with positions (t, 0, 3): glyphs alone
+    glyphs : Glyphs                 symbols of rigid bodies, joints, springs, ties and masses, at these times
+    values : array (t, N)           nodal values that colour the body, with one scale for all frames; nodes
+                                    with NaN have the plain colour of surfaces
+    values_label : str              name of the values with unit, under the colour bar; without it, no bar
+    traces : Traces                 paths of points
+    camera : Camera                 by default a three-quarter view of the whole motion
+    undeformed : array (N, 3)       positions of the nodes for a pale outline behind the body
+    caption : str                   text in the upper left corner
+    shown : int array (f,)          index of the time of each frame; by default every time has one frame
     frames_per_second : float       up to 50; in a GIF the nearest 100 / k with a whole number k
-    n_columns : int                 pixels across
-    units : UnitSystem              units of the length bar and the clock
-    progress : callable             called with the share of finished frames, ending at 1
+    n_columns : int                 width of the picture in pixels
+    units : UnitSystem              units of the length bar and of the time
+    progress : callable             called with the fraction of the frames that are finished, up to 1
 
     Raises
     ------
-    ModelError              no frames, arrays of wrong shapes or not finite, a rate out of range
-    MissingPackageError     an MP4 without imageio-ffmpeg
+    ModelError              no frames, an array of wrong shape or not finite, a frame rate out of range
+    MissingPackageError     an MP4, if imageio-ffmpeg is not installed
     ResultFileError         the file cannot be written
     """
     check_film(path, frames_per_second)
@@ -117,7 +117,7 @@ def animate(
 
 
 def _page(camera: Camera, points: list[Array], n_columns: int, *, is_marked: bool) -> PixelWindow:
-    """The page for all points, with a wider margin for marks, which extend beyond their points."""
+    """The page that contains all points; with symbols, which extend beyond their points, a wider margin."""
     corners = np.concatenate([camera.project(each)[0].reshape(-1, 2) for each in points])
     return page_around(corners, n_columns, margin=0.08 if is_marked else 0.04, least_aspect=0.25)
 
@@ -125,7 +125,7 @@ def _page(camera: Camera, points: list[Array], n_columns: int, *, is_marked: boo
 def _drawn_once(
     stage: Stage, shown: IntArray, progress: Callable[[float], None] | None
 ) -> Callable[[int], Array8]:
-    """Function that draws the frame of a number; a time shown by successive frames is drawn once."""
+    """A function that draws the frame with a number; if successive frames show one time, it is drawn once."""
     last, done = (-1, np.zeros((0, 0, 3), dtype=np.uint8)), set()
 
     def frame(number: int) -> Array8:
@@ -159,14 +159,14 @@ def _check_traces(traces: Traces) -> None:
             "give finite points (s, k, 3) and times (s,)"
         )
     if np.any(np.diff(times) < 0):
-        raise ModelError("cannot trace points at times that are not in order: sort them")
+        raise ModelError("cannot trace points at times that do not ascend: sort them")
 
 
 def _check_glyphs(glyphs: Glyphs | None, skin: Skin | None, n_times: int) -> None:
     if skin is None and (glyphs is None or glyphs.is_empty):
         raise ModelError("nothing to animate: give a skin, or glyphs")
     if glyphs is not None and len(glyphs.lines) != n_times:
-        raise ModelError(f"cannot animate glyphs at {len(glyphs.lines)} times beside {n_times} frames")
+        raise ModelError(f"cannot animate: glyphs at {len(glyphs.lines)} times, positions at {n_times}")
 
 
 def _check(times: Array, positions: Array, skin: Skin | None, values: Array | None) -> None:
@@ -183,5 +183,5 @@ def _check(times: Array, positions: Array, skin: Skin | None, values: Array | No
     ):
         raise ModelError(
             f"cannot colour by values of shape {values.shape}: "
-            f"give finite values of shape {positions.shape[:2]}, or NaN where a body has no value"
+            f"give finite values of shape {positions.shape[:2]}, or NaN at nodes without a value"
         )

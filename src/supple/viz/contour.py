@@ -1,4 +1,4 @@
-"""Contours of a field on a body: colour bands with a bar, and a mark at the largest value."""
+"""Contours of a field on a body: colour bands, a colour bar, and a mark at the largest value."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ IntArray = NDArray[np.int64]
 
 
 def stress_field(stress: Array, units: UnitSystem = UNNAMED) -> NodalField:
-    """Field of von Mises stresses (N,), converted to MPa or psi; unconverted if the units have no names."""
+    """Field of von Mises stresses (N,), converted to MPa or psi; not converted if the units have no names."""
     unit, factor = units.stress_shown
     return NodalField(labelled("von Mises stress", unit), factor * np.asarray(stress))
 
@@ -47,22 +47,22 @@ def plot_contour(
     title: str = "",
     units: UnitSystem = UNNAMED,
 ) -> Path:
-    """Draw a field in colour bands on a body, deformed or not, with its largest value on the skin marked.
+    """Draw a field in colour bands on a body, deformed or not, with a mark at its largest value.
 
-    The bands end at round values. Bar and mark refer to the nodes of the skin, not to interior nodes. A mark
-    on the far side has a label that states this.
+    The limits of the bands are round numbers. Colour bar and mark refer to nodes of the skin only, not to
+    interior nodes. The label of a mark on the far side of the body contains "on the far side".
 
     Parameters
     ----------
     nodes : array (N, 3)            positions to draw
-    field : NodalField              such as stress_field(modes.von_mises(gamma))
+    field : NodalField              such as `stress_field(modes.von_mises(gamma))`
     n_bands : int                   largest number of bands, at least 2
-    node_ids : int array (N,)       node labels, such as mesh.node_ids; by default their numbers
-    undeformed, glyphs, camera, title, units : as for plot_mesh
+    node_ids : int array (N,)       labels of the nodes, such as `mesh.node_ids`; default: the node numbers
+    skin, undeformed, glyphs, camera, title, units : as for `plot_mesh`
 
     Raises
     ------
-    ModelError          as for plot_mesh; fewer than two bands
+    ModelError          as for `plot_mesh`; fewer than two bands
     ResultFileError     the file cannot be written
     """
     if n_bands < 2:
@@ -115,9 +115,9 @@ def _mark(
     *,
     hidden: bool,
 ) -> None:
-    """A ring around the node, and beside it the value, towards the middle of the picture.
+    """Draw a ring around the node; beside it, towards the middle of the picture, the value.
 
-    hidden : the node is on the far side; the ring is then dashed, and the label states it
+    hidden : whether the node is on the far side of the body; the ring is then dashed
     """
     x, y = camera.project(nodes[node])[0]
     line = "dashed" if hidden else "solid"

@@ -1,4 +1,4 @@
-"""Pictures of a body: its mesh, or a deformed shape coloured by a field."""
+"""Pictures of a body: its surface, plain or coloured by a field, undeformed or deformed."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ N_COLUMNS = 1260
 BAR_GAP = 0.15
 """Distance between a picture and its colour bar, in inches."""
 _CORNER = 0.1
-"""Side of the axis cross, as a share of the width of a picture."""
+"""Side of the square of the axis cross, as a fraction of the width of a picture."""
 _ARROW = {
     "arrowstyle": "-|>",
     "mutation_scale": 6.0,
@@ -54,14 +54,18 @@ _ARROW = {
 
 @dataclass(frozen=True, eq=False)
 class NodalField:
-    """Nodal values (N,) for colouring, NaN where there is no value, and their name with unit."""
+    """Nodal values that colour a body.
+
+    label : name of the values, with unit
+    values : (N,), NaN at nodes without a value
+    """
 
     label: str
     values: Array
 
 
 def displacement_magnitude(displacements: Array, units: UnitSystem = UNNAMED) -> NodalField:
-    """Field of the lengths of nodal displacements (N, 3)."""
+    """Field of the magnitudes of nodal displacements (N, 3)."""
     return NodalField(labelled("displacement", units.length), np.linalg.norm(displacements, axis=1))
 
 
@@ -77,22 +81,22 @@ def plot_mesh(
     title: str = "",
     units: UnitSystem = UNNAMED,
 ) -> Path:
-    """Draw a shaded surface in space, lengths true to scale, with an axis cross and a length bar.
+    """Draw the shaded surface of a body, true to scale, with an axis cross and a length bar.
 
     Parameters
     ----------
     nodes : array (N, 3)            positions to draw, deformed or not
-    skin : Skin                     visible surface of the mesh; None with nodes (0, 3), for glyphs alone
-    colour_by : NodalField          colours and colour bar; without it, one plain colour
-    undeformed : array (N, 3)       positions of a pale outline behind the body
-    glyphs : Glyphs                 rigid bodies, joints, springs, ties and masses, at one time
-    camera : Camera                 a three-quarter view by default
-    units : UnitSystem              unit of the length bar
+    skin : Skin                     visible surface of the mesh; None, with nodes (0, 3): glyphs alone
+    colour_by : NodalField          values for colours and a colour bar; None: one plain colour
+    undeformed : array (N, 3)       positions of the nodes for a pale outline behind the body
+    glyphs : Glyphs                 symbols of rigid bodies, joints, springs, ties and masses, at one time
+    camera : Camera                 by default a three-quarter view
+    units : UnitSystem              units for the label of the length bar
 
     Raises
     ------
-    ModelError          nothing to draw, arrays of wrong shapes, positions or values that are not finite, a
-                        skin with more nodes than positions
+    ModelError          neither skin nor glyphs, an array of wrong shape, a position or value that is not
+                        finite, a node of the skin without a position
     ResultFileError     the file cannot be written
     """
     if skin is None and (glyphs is None or glyphs.is_empty):
@@ -123,9 +127,8 @@ def draw_surface(
     units: UnitSystem,
     scale: ScalarMappable | None = None,
 ) -> tuple[Figure, Axes, Camera]:
-    """Draw the picture of plot_mesh without saving it; for use inside textbook_style.
+    """Draw the picture of `plot_mesh` without saving it; for use inside `textbook_style`.
 
-    skin : None with nodes (0, 3), for glyphs alone
     scale : ScalarMappable      mapping of values to colours; by default over the whole range of the field
     """
     for each in (nodes, undeformed):
@@ -134,7 +137,7 @@ def draw_surface(
     rest = nodes if undeformed is None else undeformed
     seen = [nodes, rest] if glyphs is None else [nodes, rest, glyphs.points[0]]
     camera = camera or Camera.three_quarter(np.concatenate(seen[1:]))
-    margin = 0.04 if glyphs is None else 0.08  # marks extend beyond their points
+    margin = 0.04 if glyphs is None else 0.08  # symbols extend beyond their points
     plane = camera.project(np.concatenate(seen))[0]
     page = _with_free_corners(page_around(plane, N_COLUMNS, margin=margin), plane)
     height = TEXT_WIDTH * page.n_rows / page.n_columns
@@ -173,7 +176,7 @@ def _colours_of(scale: ScalarMappable, values: Array) -> Array:
 
 
 def _with_free_corners(page: PixelWindow, plane: Array) -> PixelWindow:
-    """The page, extended below if points (n, 2) lie where axis cross and length bar are drawn."""
+    """The page, extended at the bottom if points (n, 2) lie where axis cross or length bar are drawn."""
     width = page.high[0] - page.low[0]
     right, up = ((plane - page.low) / width).T
     if not np.any((up < _CORNER) & ((right < _CORNER) | (right > 1.0 - 2.0 * _CORNER))):
@@ -182,7 +185,7 @@ def _with_free_corners(page: PixelWindow, plane: Array) -> PixelWindow:
 
 
 def check_positions(nodes: Array, skin: Skin) -> None:
-    """Raise ModelError where positions (N, 3) do not fit the skin."""
+    """Raise ModelError if positions are not (N, 3) and finite, or if a node of the skin has none."""
     if nodes.ndim != 2 or nodes.shape[1] != 3:
         raise ModelError(f"cannot draw positions of shape {nodes.shape}: give (N, 3)")
     if skin.triangles.min() < 0 or skin.triangles.max() >= len(nodes):
@@ -196,7 +199,7 @@ def check_positions(nodes: Array, skin: Skin) -> None:
 
 
 def draw_outline(axes: Axes, nodes: Array, skin: Skin, camera: Camera) -> None:
-    """Rims, folds and silhouette of a surface as pale lines."""
+    """Draw rims, folds and silhouette of a surface as pale lines."""
     plane, _ = camera.project(nodes)
     towards = camera.axes[2]
     edges = np.concatenate(
@@ -208,7 +211,7 @@ def draw_outline(axes: Axes, nodes: Array, skin: Skin, camera: Camera) -> None:
 
 
 def draw_cross(axes: Axes, camera: Camera) -> None:
-    """The directions of x, y and z as a small cross in the lower left corner."""
+    """Draw the directions of x, y and z as a small cross in the lower left corner."""
     cross = axes.inset_axes((0.0, 0.0, 1.0, 1.0), transform=_corner(axes, 44.0), zorder=3.0)
     cross.set_aspect("equal")
     cross.set_xlim(-1.6, 1.6)
@@ -223,7 +226,7 @@ def draw_cross(axes: Axes, camera: Camera) -> None:
 
 
 def draw_length_bar(axes: Axes, page: PixelWindow, units: UnitSystem) -> None:
-    """A bar of round length, about a sixth of the width, in the lower right corner."""
+    """Draw a bar of round length, at most a sixth of the width of the page, in the lower right corner."""
     width, height = page.high - page.low
     length = _round_length(width / 6.0)
     right, bottom = page.high[0] - 0.02 * width, page.low[1] + 0.03 * height
@@ -241,7 +244,7 @@ def draw_length_bar(axes: Axes, page: PixelWindow, units: UnitSystem) -> None:
 
 
 def _corner(axes: Axes, size: float) -> Transform:
-    """A square of the given side in points, in the lower left corner of the axes."""
+    """Transform of the unit square to a square in the lower left corner of the axes; size: side in points."""
     figure = axes.get_figure(root=True)
     assert figure is not None
     lower_left = ScaledTranslation(0.0, 0.0, cast(Affine2DBase, axes.transAxes))

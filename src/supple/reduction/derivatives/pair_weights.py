@@ -100,7 +100,7 @@ class ModalVirtualWork:
 
         W_jk = |(w_jk theta_jk)^T w_jk f''(X_j, X_k)| = w_jk^2 theta_jk^T K theta_jk
 
-    w_jk is the weight of `AmplitudeProduct`. The multipliers do no work because D theta = 0. Therefore W_jk is
+    w_jk is the weight of `AmplitudeProduct`. The multipliers do no work because D theta = 0. Hence W_jk is
     twice the linear strain energy of w_jk theta_jk.
     Source: after the modal virtual work of [Jain2017], here at static amplitudes instead of simulated ones.
     """
