@@ -119,7 +119,7 @@ def test_the_motion_is_that_seen_from_the_base():
     [
         ([[0, 1]], r"must be node indices \(e, 3\) or \(e, 4\), got shape \(1, 2\)"),
         ([[0, 1, 1]], "a face has one node twice"),
-        ([[0.0, 1.0, 2.0]], "must hold integers"),
+        ([[0.0, 1.0, 2.0]], "node indices of faces must be integers"),
         (np.zeros((0, 3), int), r"got shape \(0, 3\)"),
     ],
 )

@@ -79,7 +79,7 @@ class Measurement:
         names = [each.name for each in found[self.observable].channels(system)]
         if self.channel not in names:
             raise ModelError(
-                f"measurement of '{self.observable}': it has no channel '{self.channel}'; give one of "
+                f"measurement of '{self.observable}': it has no channel '{self.channel}', only "
                 f"{', '.join(names)}"
             )
         return names.index(self.channel)

@@ -151,8 +151,8 @@ class Start:
         if not isinstance(motion, FloatingMotion) or not body.has_frame or body.kind == "intrinsic":
             raise ModelError(
                 f"body '{name}' is {body.kind}, and its motion is {motion.kind}: keep the form "
-                "of the motion. Explicit elements can be continued only by --resume, because their plastic "
-                "strain is not stored"
+                "of the motion; explicit elements continue only by --resume, because their plastic strain "
+                "is not stored"
             )
         state, q, dq = self._state(motion)
         loss = None
@@ -275,7 +275,7 @@ def _warn(losses: Mapping[str, ProjectionLoss]) -> None:
     for name, loss in losses.items():
         if max(loss.relative, loss.rate) >= LARGEST_ERROR:
             warnings.warn(
-                f"body '{name}': its basis does not contain {100 * loss.relative:.2g} % of the initial "
+                f"body '{name}': its basis lacks {100 * loss.relative:.2g} % of the initial "
                 f"deformation ({loss.rms:.2g} RMS) and {100 * loss.rate:.2g} % of its rates, in the mass "
                 "norm: keep more modes, or the basis of the motion",
                 BasisWarning,

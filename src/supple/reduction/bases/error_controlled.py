@@ -72,7 +72,7 @@ class ErrorControlled:
             )
         if self.tolerance < SMALLEST_TOLERANCE:
             raise ModelError(
-                f"the tolerance {self.tolerance:g} is below the rounding errors in the eigenvalues of a "
+                f"the tolerance {self.tolerance:g} is below the round-off in the eigenvalues of a "
                 f"large body; give {SMALLEST_TOLERANCE:g} or more"
             )
         if self.n_modes < 1 or self.start < 0 or (self.most is not None and self.most < self.start):
