@@ -41,7 +41,7 @@ class RayleighDamping:
 
     alpha : 1/s, zero or positive
     beta : s, zero or positive
-    held : name of an interface of the body; None: without
+    held : name of an interface of the body; None: no interface
     """
 
     alpha: float
@@ -150,7 +150,7 @@ class ModalDamping:
 
     ratios : damping ratios of the modes, lowest mode first; modes beyond the last ratio have the last ratio
     n_modes : number of damped modes, lowest first; None: all modes, possible only for a reduced body
-    held : name of an interface of the body; None: without
+    held : name of an interface of the body; None: no interface
     """
 
     ratios: NDArray[np.float64] | float

@@ -97,7 +97,7 @@ def state_errors(
     of_basis: Mapping[str, ErrorPart] = {}
     if study.basis and bases and solution.stopped is None:
         of_basis = basis_parts(system, run, solution, known, bases, quantities, progress=progress)
-    of_basis = {**of_basis, **line_parts(system, solution)}  # whatever study.basis: it costs almost nothing
+    of_basis = {**of_basis, **line_parts(system, solution)}  # also without study.basis, as it costs little
     solution = solution.with_errors(
         statements(system, run, solution, study, known, bases, of_basis, progress=progress)
     )

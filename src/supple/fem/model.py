@@ -59,7 +59,7 @@ class FiniteElementModel:
     mesh : Mesh
     dofs_per_node : int                     3 (ux uy uz), or 6 (and rx ry rz) if any element has nodal
         rotations
-    sections : tuple of Section             cells of one type with one property: material or section
+    sections : tuple of Section             each: cells of one type with one material or section
     mass : csc_array (n, n)                 mass of the cells and concentrated masses, kg and kg m^2
     stiffness : csc_array (n, n)            tangent stiffness of the undeformed body
     rotation_limit : float                  largest rotation, rad, relative to the frame for which the

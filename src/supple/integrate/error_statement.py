@@ -39,7 +39,7 @@ class ErrorStatement(Summarized):
     """The error of a run in one quantity, with its parts.
 
     of : str            name of the quantity and of its norm
-    size : float        largest value of the quantity, in its unit; a relative error is divided by it
+    size : float        largest value of the quantity, in its unit; relative errors are relative to it
     basis : ErrorPart   due to motion outside the bases of reduced bodies
     step : ErrorPart    due to the size of the time steps
     newton : ErrorPart  due to the Newton tolerance; at least ten times this tolerance times `size`
@@ -116,8 +116,8 @@ class ErrorStatement(Summarized):
         """Text with the largest part, its ratio to the second largest part, and its remedy.
 
         If the model part exceeds 5 % of `size`, the text begins with `model_warning`. If the sum of all parts
-        is less than a tenth of the allowed error, the text is the ratio of the two alone. Empty without a
-        part that is estimated and not zero.
+        is less than a tenth of the allowed error, the text is only the ratio of both. If no part is
+        estimated, or all are zero, the text is empty.
         """
         name = self.largest
         if name is None:

@@ -51,8 +51,8 @@ class Run(Summarized):
     step : FixedStep | AdaptiveStep     default: a fixed step equal to the output step; in a machine with
         intrinsic bodies a step from the periods of their modes; with explicit parts the stable step
     method : GeneralizedAlpha (rho_inf = 0.8) | Newmark | HilberHughesTaylor. A machine of only intrinsic
-        bodies also allows RungeKutta4 | ResidualRungeKutta4. A machine of explicit parts allows
-        supple.methods.explicit.Explicit, its default. A machine without degrees of freedom needs Kinematic
+        bodies also allows RungeKutta4 | ResidualRungeKutta4. For explicit parts, the method is
+        supple.methods.explicit.Explicit, also by default. Kinematic is for zero degrees of freedom
     tolerances : Tolerances     of Newton's iteration
     validity : Validity     limits of validity; if one is exceeded, the run warns, or fails if `strict`
     start : float           time of the initial state
@@ -137,7 +137,7 @@ class Run(Summarized):
             )
         if isinstance(self.method, Kinematic):
             raise ValueError(
-                "a kinematic run has no time integration, but the method needed here has: give the run "
+                "a kinematic run has no time integration, which is necessary here: give the run "
                 "GeneralizedAlpha(rho_inf), Newmark() or HilberHughesTaylor(alpha)"
             )
         return self.method

@@ -24,7 +24,7 @@ class Universal(Joint):
     first_axis: tuple[float, float, float]
     """Axis fixed to the first end: direction in the initial configuration, in global components."""
     second_axis: tuple[float, float, float]
-    """Axis fixed to the second end, given likewise; a component along the first axis is removed."""
+    """Axis fixed to the second end, given like `first_axis`; a component along the first axis is removed."""
 
     n_constraints: ClassVar[int] = 4
     rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "position z", "angle between the axes")
