@@ -235,6 +235,15 @@ def test_vectors_may_be_arrays():
     np.testing.assert_allclose(gear.assembled(np.zeros(3), np.ones(3)).initial_axes[:, 0], [0, 1, 0])
 
 
+def test_slopes_at_rows_are_those_of_the_intervals():
+    curve = m.Curve([-3, 0, 3], [6, 0, -6])  # a straight line: the slope is -2 everywhere
+    surface = m.Surface([-3, 0, 3], [-1, 0, 1], np.add.outer([6, 0, -6], [-5, 0, 5]))
+    for x in (-3.0, 0.0, 1.0, 3.0):
+        assert float(jax.grad(curve)(x)) == pytest.approx(-2)
+        np.testing.assert_allclose(jax.grad(surface, (0, 1))(x, x / 3), (-2, 5), rtol=1e-15)
+    assert float(jax.grad(curve)(3.1)) == 0.0
+
+
 def test_tables_in_one_variable_and_in_two():
     curve = m.Curve([0, 1, 3], [2, 4, 0])
     np.testing.assert_allclose([curve(x) for x in (-1, 0, 0.5, 2, 3, 9)], [2, 2, 3, 2, 0, 0])

@@ -1,4 +1,7 @@
-"""Tables over one or two variables: linear interpolation, constant beyond the ends of a table."""
+"""Tables over one or two variables: linear interpolation, constant beyond the ends of a table.
+
+The derivative at a row is that of the interval after it, and at the last row that of the interval before it.
+"""
 
 from __future__ import annotations
 
@@ -95,7 +98,9 @@ def surface_at(x: ArrayLike, y: ArrayLike, parameters: Sequence[ArrayLike]) -> j
 def _interval(x: ArrayLike, places: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Number of the row before x, and the fraction, 0 to 1, of the interval from this row to the next."""
     row = jnp.clip(jnp.searchsorted(places, x, side="right") - 1, 0, len(places) - 2)
-    return row, jnp.clip((x - places[row]) / (places[row + 1] - places[row]), 0.0, 1.0)
+    share = (x - places[row]) / (places[row + 1] - places[row])
+    # Not jnp.clip: its derivative at a row is half of that of the interval.
+    return row, jnp.where(share < 0, 0.0, jnp.where(share > 1, 1.0, share))
 
 
 def _freeze(table: Any, *names: str) -> None:
