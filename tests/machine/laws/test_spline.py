@@ -1,4 +1,4 @@
-"""The natural cubic spline through rows."""
+"""The cubic spline through rows."""
 
 from __future__ import annotations
 
@@ -18,12 +18,27 @@ BETWEEN = np.linspace(0.0, 2.0, 41)
 
 
 def test_spline_is_that_of_scipy():
-    expected = CubicSpline(TIMES, VALUES, bc_type="natural")
+    expected = CubicSpline(TIMES, VALUES, bc_type="not-a-knot")
     law = Spline(TIMES, VALUES)
     np.testing.assert_allclose(jax.jit(jax.vmap(law))(BETWEEN), expected(BETWEEN), atol=1e-14)
     np.testing.assert_allclose(
         jax.jit(jax.vmap(jax.grad(law)))(BETWEEN[1:-1]), expected(BETWEEN[1:-1], 1), atol=1e-12
     )
+
+
+def test_speed_and_acceleration_at_the_ends_are_those_of_the_motion():
+    rows = np.linspace(0.0, 2.0, 6)
+    law = Spline(rows, rows**3 - 2.0 * rows**2 + 1.5 * rows)  # a cubic has one spline: itself
+    for time, speed, acceleration in ((0.0, 1.5, -4.0), (2.0, 5.5, 8.0)):
+        assert float(jax.grad(law)(time)) == pytest.approx(speed, abs=1e-12)
+        assert float(jax.grad(jax.grad(law))(time)) == pytest.approx(acceleration, abs=1e-11)
+
+
+def test_a_jump_overshoots_and_a_turn_in_the_last_piece_does_not():
+    rows = np.linspace(0.0, 5.0, 11)
+    assert Spline(rows, np.sin(rows)).excursions().max() < 0.01  # largest displacement between the last rows
+    for jump in (0, 4, 9):
+        assert Spline(rows, 1.0 * (np.arange(11) > jump)).excursions().max() > 0.04
 
 
 def test_spline_of_vectors_is_one_of_each_component():

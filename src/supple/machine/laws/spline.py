@@ -17,14 +17,18 @@ from supple.machine.laws.law_numbers import OfRows, increasing_rows
 
 __all__ = ["Spline"]
 
+_FEW = 4
+"""Rows of a table that has at most one inner piece."""
+
 
 @dataclass(frozen=True, eq=False)
 class Spline(OfRows):
-    """Natural cubic spline through rows, each a time and a value.
+    """Cubic spline through rows, each a time and a value.
 
-    Value, first and second derivative are continuous from the first to the last row; the second derivative is
-    zero at these two rows. Outside the rows, `law(time)` is the value of the nearest row. The rows must cover
-    the whole run, for a load and for a prescribed motion: otherwise the run raises ModelError.
+    Value, first and second derivative are continuous between the first and the last row, and the third also
+    at the rows next to these two: nothing is assumed of speed and acceleration at the ends. Outside the rows,
+    `law(time)` is the value of the nearest row. The rows must cover the whole run, for a load and for a
+    prescribed motion: otherwise the run raises ModelError.
 
     times : (k,)        s, increasing, k >= 2
     values : (k, ...)   one row for each time
@@ -40,14 +44,17 @@ class Spline(OfRows):
         times, values = increasing_rows(self.times, self.values)
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "values", values)
-        object.__setattr__(
-            self, "coefficients", read_only(scipy.interpolate.CubicSpline(times, values, bc_type="natural").c)
-        )
+        # Not the natural spline: its zero acceleration at the ends is an error of first order in the spacing
+        # of the rows in the speed at the start, and of the whole acceleration in the driving forces there.
+        spline = scipy.interpolate.CubicSpline(times, values, bc_type="not-a-knot")
+        object.__setattr__(self, "coefficients", read_only(spline.c))
 
     def __call__(self, time: ArrayLike) -> jax.Array:
         """The value at a time, or values (*times, *row) at times of any shape."""
         starts = jnp.asarray(self.times)[:-1]
-        t = jnp.clip(time, self.times[0], self.times[-1])
+        first, last = self.times[0], self.times[-1]
+        # Not jnp.clip: its derivative at the first and the last row is half of that between the rows.
+        t = jnp.where(time < first, first, jnp.where(time > last, last, time))
         piece = jnp.clip(jnp.searchsorted(starts, t, side="right") - 1, 0, len(starts) - 1)
         cubics, within = jnp.asarray(self.coefficients)[:, piece], t - starts[piece]
         return jnp.polyval(cubics, jnp.expand_dims(within, tuple(range(within.ndim, cubics.ndim - 1))))
@@ -65,7 +72,9 @@ class Spline(OfRows):
         """Overshoot (k - 1,) of each piece beyond the four rows around it, relative to the range of all rows.
 
         The four rows are those at the ends of the piece, and one more on either side. The overshoot is below
-        one per cent for smooth data. At a jump of the data the spline oscillates.
+        one per cent for smooth data. At a jump of the data the spline oscillates. With five rows or more, the
+        overshoot of the first and the last piece is not counted: they have rows on one side only, and a jump
+        there overshoots in the next piece too.
         """
         times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
         values = values.reshape(len(times), -1)
@@ -74,6 +83,8 @@ class Spline(OfRows):
         padded = np.concatenate([values[:1], values, values[-1:]])
         around = np.array([padded[i : i + len(times) - 1] for i in range(4)])
         beyond = np.maximum(piece.max(axis=0) - around.max(axis=0), around.min(axis=0) - piece.min(axis=0))
+        if len(times) > _FEW:
+            beyond[[0, -1]] = 0.0
         size = np.ptp(values, axis=0)
         return np.max(beyond / np.where(size > 0, size, 1.0), axis=1, initial=0.0)
 
