@@ -123,6 +123,10 @@ def test_what_an_integrator_would_need_is_a_mistake(written):
         written(CASE.replace("kinematic = true", "kinematic = true\nrho_inf = 0.5"))
 
 
+def test_a_kinematic_run_needs_no_time_step(written):
+    assert float(written(CASE.replace("\nstep = 0.05", "")).run.step_control.first) == 0.05
+
+
 @pytest.mark.filterwarnings("ignore::supple.errors.RedundantConstraintWarning")
 def test_an_error_that_is_not_estimated_is_stated(written, tmp_path):
     short = (
