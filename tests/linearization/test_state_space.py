@@ -35,6 +35,7 @@ from supple.machine import (
     Scaled,
     SpringDamper,
     System,
+    TorsionSpringDamper,
 )
 from supple.mesh import strip
 from supple.quantities import tracked_motion
@@ -138,6 +139,26 @@ def test_a_small_push_moves_the_machine_as_its_linear_equations_say():
     moved = [tip(push, step) - tip(0.0, step) for step in (1e-4, 5e-5)]
     extrapolated = moved[1] + (moved[1] - moved[0]) / 3
     assert extrapolated == pytest.approx(linear, rel=1e-7)
+
+
+def test_a_motor_between_two_bodies_acts_on_both():
+    """Two wheels on one axle, with a spring between them: the motor turns the reduced inertia."""
+    wheels = {name: RigidBody(name, 1.0, np.zeros(3), each * np.eye(3), {"hub": np.zeros(3)})
+              for name, each in (("one", 0.02), ("two", 0.5))}  # fmt: skip
+    hinges = [Revolute(first=GROUND, second=f"{name}.hub", axis=(0, 0, 1), name=name) for name in wheels]
+    spring = TorsionSpringDamper(
+        first="one.hub", second="two.hub", axis=(0, 0, 1), stiffness=200.0, damping=0.4
+    )
+    machine = linearize(System(list(wheels.values()), hinges, [spring]))
+    motor = RotationPort("two.hub", (0, 0, 1), against="one.hub")
+    space = state_space(machine, inputs=[motor], outputs=[motor, RotationPort("one.hub", (0, 0, 1))])
+    s, reduced = 30j, 0.02 * 0.5 / 0.52
+    expected = [
+        [1 / (reduced * s**2 + 0.4 * s + 200.0)],
+        [-reduced / 0.02 / (reduced * s**2 + 0.4 * s + 200.0)],
+    ]
+    np.testing.assert_allclose(frequency_response(space, [30.0]).transfer[0], expected, rtol=1e-12)
+    assert space.inputs == ("two.hub about z against one.hub",)
 
 
 @pytest.mark.slow

@@ -34,10 +34,12 @@ class TranslationPort:
 
     at : At | "BODY.INTERFACE"
     direction : (3,)    global in the equilibrium; it rotates with a rotating body. Normalised.
+    against : the end relative to which the motion is measured; the opposite force acts on it
     """
 
     at: At | Any
     direction: tuple[float, float, float]
+    against: At | Any = GROUND
 
     def __post_init__(self) -> None:
         _check(self, "direction")
@@ -45,23 +47,27 @@ class TranslationPort:
     @property
     def label(self) -> str:
         """Label of the interface and the direction."""
-        return f"{self.at} along {direction_text(self.direction)}"
+        return f"{self.at} along {direction_text(self.direction)}{_against(self)}"
 
     def row(self, machine: LinearMachine) -> Array:
         """`b` (k,), `b y` in units of length."""
-        return np.asarray(self.direction) @ _rates(machine, self.at).velocity.T
+        return _row(machine, self, self.direction, "velocity")
 
 
 @dataclass(frozen=True)
 class RotationPort:
     """Rotation of an interface about an axis; as input, a moment about it.
 
+    The motor of a joint is a port on the joint's second end against its first end, about the joint's axis.
+
     at : At | "BODY.INTERFACE"
     axis : (3,)     global in the equilibrium; it rotates with a rotating body. Normalised.
+    against : the end relative to which the motion is measured; the opposite moment acts on it
     """
 
     at: At | Any
     axis: tuple[float, float, float]
+    against: At | Any = GROUND
 
     def __post_init__(self) -> None:
         _check(self, "axis")
@@ -69,11 +75,11 @@ class RotationPort:
     @property
     def label(self) -> str:
         """Label of the interface and the axis."""
-        return f"{self.at} about {direction_text(self.axis)}"
+        return f"{self.at} about {direction_text(self.axis)}{_against(self)}"
 
     def row(self, machine: LinearMachine) -> Array:
         """`b` (k,), `b y` in rad."""
-        return np.asarray(self.axis) @ _rates(machine, self.at).angular_velocity.T
+        return _row(machine, self, self.axis, "angular_velocity")
 
 
 def _check(port: Any, name: str) -> None:
@@ -84,6 +90,7 @@ def _check(port: Any, name: str) -> None:
             "take BaseAccelerationPort(direction) as input"
         )
     object.__setattr__(port, "at", at)
+    object.__setattr__(port, "against", as_end(port.against))
     object.__setattr__(port, name, checked_direction(f"{name} of the port at '{at}'", given))
 
 
@@ -103,6 +110,17 @@ def direction_text(vector: tuple[float, float, float]) -> str:
             if np.allclose(vector, -axis if sign else axis):
                 return sign + name
     return "(" + ", ".join(f"{part:.4g}" for part in vector) + ")"
+
+
+def _against(port: Any) -> str:
+    return "" if port.against == GROUND else f" against {port.against}"
+
+
+def _row(machine: LinearMachine, port: Any, along: tuple[float, float, float], of: str) -> Array:
+    motion = getattr(_rates(machine, port.at), of)
+    if port.against != GROUND:
+        motion = motion - getattr(_rates(machine, port.against), of)
+    return np.asarray(along) @ motion.T
 
 
 def _rates(machine: LinearMachine, at: At) -> InterfaceMotion:
