@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from fixtures.bar_of_every_form import bar_as
 from fixtures.beam_lines import beam_line, straight
-from fixtures.exported_machines import STEP, blade, driven_pair, link, linked, run
+from fixtures.exported_machines import STEP, blade, driven_pair, link, linked, run, servo_arm
 
 import supple as sp
 from supple.equations.compiler_options import STARTING
@@ -19,7 +19,13 @@ from supple.integrate import GeneralizedAlpha, Kinematic
 from supple.machine import Fixed, Placed, PrescribedRotation, SampledController, System, TorqueBetween
 from supple.machine.system import AssembledPose
 from supple.methods.intrinsic import CLAMPED, intrinsic_body, released
-from supple.quantities import DeflectionSensor, JointMotionSensor, PositionSensor
+from supple.quantities import (
+    DeflectionSensor,
+    ElementEnergySensor,
+    JointMotionSensor,
+    PositionSensor,
+    SpringForceSensor,
+)
 from supple.stepping.external_inputs import external_inputs
 
 BEFORE = 5
@@ -81,6 +87,20 @@ def test_an_input_that_no_equation_reads_is_refused():
     external = external_inputs(system, inputs, {}, its_run.start)
     with pytest.raises(ModelError, match="'motor' cannot be an input"):
         external.check_read(np.zeros(3))
+
+
+def test_the_moment_of_a_servo_follows_its_input():
+    system, its_run, sensors, inputs = servo_arm()
+    servo = inputs["target"]
+    sensors = [*sensors, SpringForceSensor("moment", servo), ElementEnergySensor("work", servo)]
+    program = sp.step_program(system, its_run, sensors, inputs)
+    after = program.compiled(program.start._replace(input=np.array([0.01])), STEP)
+    named = {
+        each.name: float(value) for each, value in zip(program.outputs.variables, after.output, strict=True)
+    }
+    moment = 400.0 * (0.01 - named["shoulder.angle"]) - 20.0 * named["shoulder.rate"]
+    assert named["moment.Mz"] == pytest.approx(moment, rel=1e-10)
+    assert named["work.power"] == pytest.approx(moment * named["shoulder.rate"], rel=1e-10)
 
 
 def held_line():

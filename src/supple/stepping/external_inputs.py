@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import jax
 import numpy as np
 
-from supple.equations.machine_model import Model
 from supple.errors import ModelError, SuppleError
 from supple.machine import Joint, System
 from supple.machine.laws.constant import Constant
 from supple.machine.laws.time_law import as_time_law
 from supple.machine.laws.unbounded_law import UnboundedLaw
+from supple.quantities import ElementEnergySensor, Quantity, SpringForceSensor
 from supple.stepping.variables import Variable
 
 __all__ = ["ExternalInputs", "external_inputs"]
@@ -44,18 +44,30 @@ class ExternalInputs:
 
     system : the machine; a placeholder with the initial value replaces the law of each input
     variables : the inputs in the order of the input vector
+    changed : elements of the given machine whose laws are inputs, each with the one that replaces it
     """
 
     system: System
     variables: tuple[Variable, ...]
+    changed: tuple[tuple[Any, Any], ...]
 
     @property
     def start(self) -> np.ndarray:
         """Initial values (k,) of the inputs."""
         return np.array([variable.start for variable in self.variables])
 
-    def given(self, model: Model, inputs: Any) -> Model:
-        """The model of the machine with constant inputs (k,)."""
+    def sensors(self, sensors: Sequence[Quantity]) -> list[Quantity]:
+        """The sensors of the given machine as sensors of this one: those of its changed elements."""
+        result = []
+        for sensor in sensors:
+            if isinstance(sensor, SpringForceSensor | ElementEnergySensor):
+                own = (new for old, new in self.changed if old is sensor.element)
+                sensor = replace(sensor, element=next(own, sensor.element))  # noqa: PLW2901
+            result.append(sensor)
+        return result
+
+    def given(self, model: Any, inputs: Any) -> Any:
+        """The model of the machine, or functions that read its outputs, with constant inputs (k,)."""
 
         def constant(law: Any) -> Any:
             return Constant(inputs[np.asarray(law.places)]) if _is_external(law) else law
@@ -73,8 +85,8 @@ class ExternalInputs:
                     "body are built; drive another element, or reduce the body"
                 )
 
-    def unset(self, model: Model) -> Model:
-        """The model with zeros in place of the initial values of the inputs."""
+    def unset(self, model: Any) -> Any:
+        """The model, or functions that read its outputs, with zeros as initial values of the inputs."""
 
         def without(law: Any) -> Any:
             return replace(law, start=np.zeros_like(law.start)) if _is_external(law) else law
@@ -94,7 +106,7 @@ def external_inputs(
     Raises ModelError for an element without a law of time, or with a law that cannot be replaced.
     """
     variables: list[Variable] = []
-    joints, loads = list(system.joints), list(system.loads)
+    joints, loads, pairs = list(system.joints), list(system.loads), []
     for name, element in elements.items():
         law, changed = _with_input(name, element, len(variables), time)
         letters = "xyz" if law.start.shape == (3,) else [str(number) for number in range(law.start.size)]
@@ -104,9 +116,11 @@ def external_inputs(
             Variable(own, units.get(name, ""), what, float(value))
             for own, value in zip(names, law.start.reshape(-1), strict=True)
         ]
+        pairs.append((element, changed))
         joints = [changed if each is element else each for each in joints]
         loads = [changed if each is element else each for each in loads]
-    return ExternalInputs(replace(system, joints=tuple(joints), loads=tuple(loads)), tuple(variables))
+    changed_system = replace(system, joints=tuple(joints), loads=tuple(loads))
+    return ExternalInputs(changed_system, tuple(variables), tuple(pairs))
 
 
 def _with_input(name: str, element: Any, first: int, time: float) -> tuple[_External, Any]:

@@ -262,7 +262,7 @@ class _Unnamed:
 def _element(seen: SensedMachine, sensor: SpringForceSensor | ElementEnergySensor) -> Reads | None:
     system, element = seen.system, seen.element(sensor.element)
     if element.law is not None and not any(each is element for each in system.loads):
-        return None  # its law is replaced by an input
+        return None  # a controller adds to its law
     group = force_group_of(system, element)
     carried = _joint_wrench(system, element.joint.name) if isinstance(element, JointFriction) else None
     kind, energy = type(element), isinstance(sensor, ElementEnergySensor)

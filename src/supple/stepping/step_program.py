@@ -127,7 +127,8 @@ class StepProgram:
         )
         motion = self.march.motion(model, state)
         before = jnp.zeros(len(self.outputs.variables))
-        output = replace(self.outputs, reads=parts.reads).at(model, motion, before, 0.0)
+        outputs = replace(self.outputs, reads=self.inputs.given(parts.reads, given))
+        output = outputs.at(model, motion, before, 0.0)
         return StepState(parameter, given, output, parts.contacts.at(motion), state)
 
     def advanced(self, now: StepState, end: Any) -> StepState:
@@ -140,7 +141,7 @@ class StepProgram:
         arrays = self.inputs.given(parts.arrays, now.input)
         state = self.march.reached(arrays, now.state, end)
         motion = self.march.motion(arrays, state)
-        outputs = replace(self.outputs, reads=parts.reads)
+        outputs = replace(self.outputs, reads=self.inputs.given(parts.reads, now.input))
         elapsed = state.time - now.state.time
         return now._replace(
             output=outputs.at(self.march.model(arrays), motion, now.output, elapsed),
@@ -184,6 +185,7 @@ def step_program(
     own = () if parameters is None else parameters.variables
     _check(system, run, inputs, own)
     external = external_inputs(system, inputs, input_units, run.start)
+    sensors = external.sensors(sensors)
     march, arrays, state, seen = _made_ready(external.system, run, sensors)
     external.check_read(arrays)
     sensed = sensed_outputs(seen, sensors, units)
@@ -226,7 +228,9 @@ def _by_parameters(parameters: MachineParameters, time: float, sensed: SensedOut
         system, sensors, inputs = parameters.machine(values)
         external = external_inputs(system, inputs, {}, time)
         start = compiled_start(external.system, time)
-        outputs = sensed_outputs(SensedMachine(external.system, external.system), sensors, UNNAMED)
+        seen = SensedMachine(external.system, external.system)
+        outputs = sensed_outputs(seen, external.sensors(sensors), UNNAMED)
+        outputs = replace(outputs, reads=external.unset(outputs.reads))
         model = external.unset(_without_unread_scales(start.model))
         at = start.configuration, start.velocity, start.control
         parts = _Parts(model, outputs.reads, contacts_of(external.system), *at)

@@ -28,6 +28,7 @@ from supple.export.fmu.write_fmu import linear_sources, write_linear_fmu
 from supple.export.linear.linear_form import linear_form
 from supple.integrate import FixedStep, Run
 from supple.machine import (
+    AngleServo,
     Bushing,
     Controller,
     ForceBetween,
@@ -46,6 +47,7 @@ from supple.quantities import (
     JointForceSensor,
     JointMotionSensor,
     PositionSensor,
+    SpringForceSensor,
     VelocitySensor,
 )
 from supple.reduction import CraigBampton, NoLoads, reduce
@@ -78,6 +80,18 @@ def oscillator():
     ]
     placed = Placed(mass, position=np.array([AWAY, 0, 0]))
     return System([placed], [guide], loads=[spring, force]), run(), sensors, {"force": force}
+
+
+def test_the_moment_of_a_servo_follows_its_set_point():
+    inertia, k, c, s = 0.5, 40.0, 3.0, 9.0j
+    wheel = RigidBody("wheel", 3.0, np.zeros(3), inertia * np.eye(3), {"hub": np.zeros(3)})
+    hinge = Revolute(first="ground", second="wheel.hub", axis=(0, 0, 1), name="hinge")
+    servo = AngleServo(first="ground", second="wheel.hub", axis=(0, 0, 1), angle=0.0, stiffness=k, damping=c)
+    sensors = [SpringForceSensor("moment", servo)]
+    form = linear_form(System([wheel], [hinge], loads=[servo]), run(), sensors, {"target": servo})
+    transfer = form.c @ np.linalg.solve(s * np.eye(2) - form.a, form.b) + form.d
+    expected = k * inertia * s**2 / (inertia * s**2 + c * s + k)
+    np.testing.assert_allclose(transfer[:, 0], [0, 0, 0, 0, 0, expected], atol=1e-12 * k)
 
 
 def beam():

@@ -105,7 +105,8 @@ def linear_form(
             "are constant: make their laws inputs (--input NAME), or constant; for a prescribed motion "
             "export the nonlinear machine"
         )
-    sensed = sensed_outputs(SensedMachine(machine.system, machine.system), sensors, units)
+    seen = SensedMachine(machine.system, machine.system)
+    sensed = sensed_outputs(seen, given.sensors(sensors), units)
     check_names(given.variables, sensed.variables)
     small = small_motions(rest, run.start, given, sensed)
     a, b, changes = _equations(machine, small)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import jax
@@ -95,7 +96,9 @@ def small_motions(
         )
 
     def outputs(at: MotionChanges, before: Any) -> Any:
-        return sensed.at(given.given(model, given.start + at.inputs), motion(at), before, 0.0)
+        inputs = given.start + at.inputs
+        read = replace(sensed, reads=given.given(sensed.reads, inputs))
+        return read.at(given.given(model, inputs), motion(at), before, 0.0)
 
     def residual(at: MotionChanges) -> Any:
         return axes.T @ balance(given.given(model, given.start + at.inputs), motion(at)).residual
