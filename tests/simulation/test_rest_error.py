@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fixtures.beam_bodies import beam_body
 
 from supple.body import (
     FullBody,
@@ -21,7 +22,18 @@ from supple.body import (
 from supple.errors import BasisWarning, ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.linearization import linearize, machine_modes
-from supple.machine import GROUND, At, DeadForce, Fixed, Placed, PrescribedRotation, Revolute, Spin, System
+from supple.machine import (
+    GROUND,
+    AngleServo,
+    At,
+    DeadForce,
+    Fixed,
+    Placed,
+    PrescribedRotation,
+    Revolute,
+    Spin,
+    System,
+)
 from supple.mesh import CellType, block, strip
 from supple.quantities import Place, tracked_places
 from supple.reduction import (
@@ -97,6 +109,15 @@ def test_a_load_on_a_clamped_interface_leaves_no_error_of_the_basis(bar):
     error = found.errors["bar"]
     assert error.size < 1e-12
     assert error.relative == error.strain == error.worst == 0.0
+
+
+def test_rounding_errors_in_a_machine_without_forces_are_no_error_of_the_basis():
+    """An arm in a servo, without gravity: both displacement and error are below 1e-28."""
+    body = reduce(beam_body("root", n=4), ROOT, CraigBampton(3), derivatives=NoDerivatives())
+    hinge = Revolute(first=GROUND, second="beams.root", axis=(0, 1, 0))
+    servo = AngleServo(first=GROUND, second="beams.root", axis=(0, 1, 0), angle=0.1, stiffness=3e3)
+    error = equilibrium(System([body], [hinge], [servo])).errors["beams"]
+    assert error.relative == error.strain == 0.0
 
 
 @pytest.mark.slow
