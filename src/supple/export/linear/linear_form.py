@@ -38,6 +38,9 @@ _INSTANTS = 100
 _CHANGED, _ROUNDING = 0.01, 1e-9
 """Relative change above which matrices are not constant, and relative change that counts as rounding."""
 
+_ROUNDED = 1e-12
+"""Rotation, rad, that counts as rounding of a position."""
+
 
 @dataclass(frozen=True, eq=False)
 class LinearForm:
@@ -191,7 +194,7 @@ def _start(
 
     The norm is that of the kinetic energy. The reference is the norm of the nonlinear accelerations. Against
     rounding errors, the reference is at least 1e-6 of the norm of the accelerations that joint forces and
-    states cause alone.
+    states cause alone, and at least the largest accelerations that small rotations of rounding cause.
     """
     axes = in_turning_axes(rest.model, rest.configuration)
     apart = _apart(rest, begun)
@@ -217,7 +220,10 @@ def _start(
     # Accelerations by the reactions alone, as the scale below which a difference is rounding.
     carried = np.linalg.solve(machine.full_mass, small.residual.reactions @ rest.multipliers)
     most = size(carried) + size(np.abs(changes.acceleration[:, : len(state)]) @ np.abs(state))
-    return state, size(own - linear) / max(size(own), 1e-6 * most, 1e-300)
+    turns = [part.start + 3 + k for part in rest.model.slices for k in range(3)]
+    rounding = _ROUNDED * np.sqrt(machine.full_mass[turns, turns].max())
+    stiffest = max(map(size, changes.acceleration[:, : machine.size].T), default=0.0)
+    return state, size(own - linear) / max(size(own), 1e-6 * most, rounding * stiffest, 1e-300)
 
 
 def _turned(
