@@ -67,6 +67,28 @@ def test_an_unknown_example_is_named(tmp_path):
         cases.write_example("pendulun", tmp_path)
 
 
+ROBOT = """<mujoco model="robot"><worldbody><body name="link"><joint name="hip" axis="0 1 0" armature="0.1"/>
+<geom type="box" size="0.1 0.1 0.5" pos="0 0 -0.5"/></body></worldbody>
+<actuator><motor joint="hip"/></actuator></mujoco>"""
+
+
+def test_a_new_case_of_a_robot_has_its_machine_and_a_drive_to_uncomment(tmp_path, monkeypatch):
+    pytest.importorskip("mujoco")
+    monkeypatch.chdir(tmp_path)
+    Path("robot.xml").write_text(ROBOT, encoding="utf-8")
+    result = CliRunner().invoke(app, ["info", "robot.xml"])
+    assert "supple new robot.xml" in " ".join(result.output.split())
+    assert CliRunner().invoke(app, ["new", "robot.xml"]).exit_code == 0
+    text = Path("robot.toml").read_text(encoding="utf-8")
+    assert 'leave_out = ["actuators", "armature"]' in text
+    first, last = text.index("# [[element]]"), text.index("# A flexible body")
+    driven = text[:first] + text[first:last].replace("# ", "") + text[last:]
+    Path("robot.toml").write_text(driven, encoding="utf-8")
+    system = read_case("robot.toml").system
+    assert [type(each).__name__ for each in (*system.joints, *system.loads)] == ["Revolute", "AngleServo"]
+    assert system.bodies[0].body.mass == pytest.approx(1000 * 0.2 * 0.2 * 1.0)
+
+
 @pytest.mark.parametrize(("mesh", "kind"), [("wing.inp", "shell"), ("rod.inp", "solid")])
 def test_a_new_case_is_read_and_built(mesh, kind, tmp_path):
     path = tmp_path / "made.toml"

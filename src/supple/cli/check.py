@@ -115,6 +115,6 @@ def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, U
     else:
         complete = ", ".join((".toml", *DECK_SUFFIXES, *HDF5_SUFFIXES))
         raise ImportFormatError(
-            f"{path}: not a complete model: check reads {complete}; for a mesh write a case: "
+            f"{path}: not a complete model: check reads {complete}; for a mesh or a machine write a case: "
             f"supple new {path}"
         )

@@ -11,6 +11,7 @@ from supple.errors import ArgumentError, ImportFormatError
 from supple.importers import DECK_SUFFIXES, MESH_SUFFIXES, read_deck, read_mesh
 from supple.importers.deck import Deck
 from supple.importers.nastran.deck_file import has_no_sections
+from supple.machine import MUJOCO_SUFFIXES
 from supple.results.descriptions import describe_result
 from supple.storage import holds_reduced_body, read_reduced_body
 from supple.summary import Row
@@ -59,7 +60,8 @@ def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: 
         print_rows(f"Mesh {path}", read_mesh(path).summary().rows)
     else:
         known = ", ".join((".toml", ".h5", *MESH_SUFFIXES))
-        raise ImportFormatError(f"{path}: unknown kind of file; give one that ends in {known}")
+        machine = f"; write a case with this machine: supple new {path}" if suffix in MUJOCO_SUFFIXES else ""
+        raise ImportFormatError(f"{path}: unknown kind of file; give one that ends in {known}{machine}")
 
 
 def is_only_a_mesh(deck: Deck) -> bool:

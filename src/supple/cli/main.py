@@ -429,14 +429,14 @@ def example(
 @app.command()
 def new(
     mesh: Annotated[
-        Path, typer.Argument(help="Mesh or deck (.msh, .inp, .bdf ..); default: typed at a prompt.")
+        Path, typer.Argument(help="Mesh, deck or machine (.msh, .bdf, .urdf ..); default: typed at a prompt.")
     ] = Path(),
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Case file to write; default: MESH.toml.")
     ] = None,
     debug: Debug = False,
 ) -> None:
-    """Write a commented case file for a mesh, ready to run; comments mark the values that are guesses."""
+    """Write a commented case file for a mesh or machine, ready to run; comments mark the values that are guesses."""
     from supple.cli.new_case import new_case
 
     with reported_errors(debug=debug), reported_warnings():

@@ -9,7 +9,7 @@ from supple.terminal import say
 
 
 def new_case(mesh: Path, path: Path | None) -> None:
-    """Write a commented case for the mesh, and print the next step."""
+    """Write a commented case for the mesh or the machine file, and print the next step."""
     written = path or Path(f"{mesh.stem}.toml")
     cases.write_new_case(mesh, written)
     say(f"wrote {written}: edit the lines marked GUESS, then run: supple run {written}")

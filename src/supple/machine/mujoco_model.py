@@ -34,7 +34,9 @@ from supple.machine.joints.revolute import Revolute
 from supple.machine.joints.universal import Universal
 from supple.machine.system import Load, Placed, System
 
-__all__ = ["read_mujoco"]
+__all__ = ["MUJOCO_SUFFIXES", "features_not_read", "read_mujoco"]
+
+MUJOCO_SUFFIXES = (".urdf", ".xml")
 
 Array = NDArray[np.float64]
 
@@ -147,18 +149,29 @@ def _compiled(source: str | Path) -> tuple[Any, Any]:
     return made, data
 
 
-def _check_left_out(reader: _Reader, allowed: set[str]) -> None:
-    model = reader.model
+def features_not_read(source: str | Path) -> tuple[str, ...]:
+    """The features of a file that `leave_out` of `read_mujoco` must name."""
+    return tuple(name for name, (n, _) in _features(_compiled(source)[0]).items() if n)
+
+
+def _features(model: Any) -> dict[str, tuple[int, str]]:
+    """Number of occurrences in the file and remedy, by name of the feature."""
     others = int(np.sum((model.eq_type != _CONNECT) & (model.eq_type != _WELD)))
-    there = {
+    return {
         "actuators": (int(model.nu), "give the machine motors or controllers"),
         "tendons": (int(model.ntendon), "write them as springs"),
-        "friction": (int(np.sum(model.dof_frictionloss > 0)), "add HingeFriction or SlideFriction"),
+        "friction": (
+            int(np.sum(model.dof_frictionloss > 0)),
+            "add RevoluteFriction or PrismaticFriction (hinge-friction, slide-friction in a case file)",
+        ),
         "nonlinear": (
             sum(int(np.count_nonzero(getattr(model, name, 0))) for name in _NONLINEAR),
             "write these stiffnesses and dampings of joints as TabledTorque or TabledForce",
         ),
-        "armature": (int(np.sum(model.dof_armature > 0)), "add it to the inertia of the bodies"),
+        "armature": (
+            int(np.sum(model.dof_armature > 0)),
+            "of a joint to the ground, add it to the inertia of the body; of others, add a rotor and a Gear",
+        ),
         "equality": (others, "write it as gears or joints"),
         "gravcomp": (int(np.sum(model.body_gravcomp != 0)), "write it as a load on the body"),
         "fluid": (int(model.opt.density > 0 or model.opt.viscosity > 0), "write its drag as loads"),
@@ -168,6 +181,10 @@ def _check_left_out(reader: _Reader, allowed: set[str]) -> None:
             "remove them, and the forces that they disable, from the file",
         ),
     }
+
+
+def _check_left_out(reader: _Reader, allowed: set[str]) -> None:
+    there = _features(reader.model)
     known = [*there, "limits"]
     if unknown := sorted(allowed - {*known}):
         raise ModelError(
