@@ -13,10 +13,19 @@ from fixtures.beam_lines import beam_line, straight
 from fixtures.exported_machines import STEP, blade, driven_pair, link, linked, run, servo_arm
 
 import supple as sp
+from supple.body import RigidBody
 from supple.equations.compiler_options import STARTING
 from supple.errors import ModelError
-from supple.integrate import GeneralizedAlpha, Kinematic
-from supple.machine import Fixed, Placed, PrescribedRotation, SampledController, System, TorqueBetween
+from supple.integrate import FixedStep, GeneralizedAlpha, Kinematic, Run
+from supple.machine import (
+    Fixed,
+    Placed,
+    PrescribedRotation,
+    Revolute,
+    SampledController,
+    System,
+    TorqueBetween,
+)
 from supple.machine.system import AssembledPose
 from supple.methods.intrinsic import CLAMPED, intrinsic_body, released
 from supple.quantities import (
@@ -101,6 +110,40 @@ def test_the_moment_of_a_servo_follows_its_input():
     moment = 400.0 * (0.01 - named["shoulder.angle"]) - 20.0 * named["shoulder.rate"]
     assert named["moment.Mz"] == pytest.approx(moment, rel=1e-10)
     assert named["work.power"] == pytest.approx(moment * named["shoulder.rate"], rel=1e-10)
+
+
+def wheel_with_motor(step):
+    inertia = 0.5
+    wheel = RigidBody("wheel", 1.0, np.zeros(3), inertia * np.eye(3), {"hub": np.zeros(3)})
+    hinge = Revolute(first="ground", second="wheel.hub", axis=(0, 0, 1), name="hinge")
+    motor = TorqueBetween(first="ground", second="wheel.hub", axis=(0, 0, 1))
+    system = System([wheel], [hinge], loads=[motor])
+    its_run = Run(1.0, 0.01, step=FixedStep(step))
+    return sp.step_program(system, its_run, [JointMotionSensor("hinge", "hinge")], {"motor": motor}), inertia
+
+
+@pytest.mark.parametrize("step", [0.01, 0.005])
+def test_a_digital_controller_outside_acts_without_delay(step):
+    """The torque is constant between two samples, and the motion of the wheel a parabola."""
+    program, inertia = wheel_with_motor(step)
+    now, angle, rate, h = program.start, 0.0, 0.0, 0.01
+    for sample in range(1, 21):
+        given = 80.0 * (0.5 - np.asarray(now.output)[0]) - 6.0 * np.asarray(now.output)[1]
+        now = program.compiled(now._replace(input=np.array([given])), h * sample)
+        torque = 80.0 * (0.5 - angle) - 6.0 * rate
+        angle, rate = angle + h * rate + h**2 * torque / inertia / 2, rate + h * torque / inertia
+        np.testing.assert_allclose(np.asarray(now.output)[:2], [angle, rate], rtol=1e-12)
+
+
+@pytest.mark.parametrize("given", [0.0, 1.3])
+def test_the_derivative_for_an_input_is_that_of_its_jump(given):
+    program, inertia = wheel_with_motor(0.01)  # 0 is the input of the start, which does not jump
+
+    def ahead(x):
+        return program.advanced(program.start._replace(input=x[None]), 0.01).output[:2]
+
+    found = jax.jit(jax.jacfwd(ahead)).lower(np.float64(given)).compile(STARTING)(np.float64(given))
+    np.testing.assert_allclose(found, [0.01**2 / inertia / 2, 0.01 / inertia], rtol=1e-12)
 
 
 def held_line():

@@ -52,6 +52,11 @@ class ExternalInputs:
     changed: tuple[tuple[Any, Any], ...]
 
     @property
+    def jump(self) -> bool:
+        """Whether accelerations follow from the inputs; not from prescribed motions, of unknown rate."""
+        return bool(self.changed) and not any(isinstance(old, Joint) for old, _ in self.changed)
+
+    @property
     def start(self) -> np.ndarray:
         """Initial values (k,) of the inputs."""
         return np.array([variable.start for variable in self.variables])

@@ -25,7 +25,8 @@ from supple.quantities import Quantity
 from supple.stepping.consistent_accelerations import consistent_accelerations
 from supple.stepping.contacts import Contacts, contacts_of
 from supple.stepping.external_inputs import ExternalInputs, external_inputs
-from supple.stepping.floating_steps import floating_steps
+from supple.stepping.floating_steps import FloatingSteps, floating_steps
+from supple.stepping.input_jump import after_jump
 from supple.stepping.joined_steps import joined_steps
 from supple.stepping.marching import Marching, MarchingState
 from supple.stepping.parameters import AffineArrays, MachineParameters, affine_arrays
@@ -49,6 +50,8 @@ class StepState(NamedTuple):
     touching: Any
     """Mask (c,): True for stops and contacts that are closed"""
     state: MarchingState
+    held: Any
+    """Inputs (i,) for which the accelerations of the state hold"""
 
 
 class _Parts(NamedTuple):
@@ -129,7 +132,7 @@ class StepProgram:
         before = jnp.zeros(len(self.outputs.variables))
         outputs = replace(self.outputs, reads=self.inputs.given(parts.reads, given))
         output = outputs.at(model, motion, before, 0.0)
-        return StepState(parameter, given, output, parts.contacts.at(motion), state)
+        return StepState(parameter, given, output, parts.contacts.at(motion), state, given)
 
     def advanced(self, now: StepState, end: Any) -> StepState:
         """The state at `end`, by equal steps of at most `size`; if a step fails, the state before that step.
@@ -139,7 +142,10 @@ class StepProgram:
         """
         parts = self.parts.at(now.parameter)
         arrays = self.inputs.given(parts.arrays, now.input)
-        state = self.march.reached(arrays, now.state, end)
+        begun: Any = now.state
+        if self.inputs.jump and isinstance(self.march, FloatingSteps):
+            begun = after_jump(self.inputs, parts.arrays, begun, now.held, now.input)
+        state = self.march.reached(arrays, begun, end)
         motion = self.march.motion(arrays, state)
         outputs = replace(self.outputs, reads=self.inputs.given(parts.reads, now.input))
         elapsed = state.time - now.state.time
@@ -147,6 +153,7 @@ class StepProgram:
             output=outputs.at(self.march.model(arrays), motion, now.output, elapsed),
             touching=parts.contacts.at(motion),
             state=state,
+            held=now.input,
         )
 
     @cached_property
@@ -205,7 +212,12 @@ def step_program(
         inputs=external,
         outputs=replace(sensed, variables=named),
         start=StepState(
-            parts.start, external.start, first, np.asarray(parts.base.contacts.at(motion)), state
+            parts.start,
+            external.start,
+            first,
+            np.asarray(parts.base.contacts.at(motion)),
+            state,
+            external.start,
         ),
         duration=float(run.duration),
     )

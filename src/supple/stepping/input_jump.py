@@ -1,0 +1,48 @@
+"""The jump of the accelerations when the inputs of a machine change between two steps.
+
+The time integration takes the accelerations at both ends of a step. Without their jump, an input that changes
+at the start of a step would act as one that changes linearly within the step: half a step too late.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from supple.equations.machine_model import Model
+from supple.methods.floating.compiled.state import State
+from supple.stepping.consistent_accelerations import consistent_accelerations
+from supple.stepping.external_inputs import ExternalInputs
+
+__all__ = ["after_jump"]
+
+
+def after_jump(inputs: ExternalInputs, arrays: Model, state: State, held: Any, given: Any) -> State:
+    """The state with the accelerations and joint forces of new inputs; unchanged for equal inputs.
+
+    held, given : (i,) inputs before and after
+    """
+
+    def change(now: Model, before: Model, at: Any) -> tuple[Any, Any]:
+        first, second = consistent_accelerations(before, *at), consistent_accelerations(now, *at)
+        return second[0] - first[0], second[1] - first[1]
+
+    @jax.custom_jvp
+    def jump(differs: Any, now: Model, before: Model, at: Any) -> tuple[Any, Any]:
+        none = jnp.zeros_like(state.acceleration), jnp.zeros_like(state.multipliers)
+        return jax.lax.cond(differs, lambda: change(now, before, at), lambda: none)
+
+    @jump.defjvp
+    def _(primals: Any, tangents: Any) -> Any:  # also of equal inputs, at which a jump has a derivative
+        return jump(*primals), jax.jvp(change, primals[1:], tangents[1:])[1]
+
+    at = (state.time, state.configuration, state.velocity, state.control)
+    models = inputs.given(arrays, given), inputs.given(arrays, held)
+    by_acceleration, by_force = jump(jnp.any(given != held), *models, at)
+    return state._replace(
+        acceleration=state.acceleration + by_acceleration,
+        auxiliary=state.auxiliary + by_acceleration,
+        multipliers=state.multipliers + by_force,
+    )
