@@ -149,6 +149,7 @@ def test_a_conical_pendulum_nutates_at_the_frequency_of_its_formula():
     cosine = 9.81 / rate**2
     # The others: turning about the axis, free, and the bob about its own rod, which the spin carries along.
     assert np.min(abs(modes.frequencies - rate * np.sqrt(1 + 3 * cosine**2))) < 1e-4 * rate
+    assert not modes.damping_ratios[modes.frequencies > 0.1 * rate].any()  # not the rounding errors of s
 
 
 def exact_flap(rate, n_terms=14):
