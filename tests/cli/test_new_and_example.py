@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from supple import cases
 from supple.cases.read_case import read_case
 from supple.cli.main import app
-from supple.errors import ArgumentError, MeshError, ModelError
+from supple.errors import ArgumentError, CaseError, MeshError, ModelError
 from supple.importers import read_mesh
 from supple.mesh import CellType, block
 
@@ -78,6 +78,8 @@ def test_a_new_case_of_a_robot_has_its_machine_and_a_drive_to_uncomment(tmp_path
     Path("robot.xml").write_text(ROBOT, encoding="utf-8")
     result = CliRunner().invoke(app, ["info", "robot.xml"])
     assert "supple new robot.xml" in " ".join(result.output.split())
+    with pytest.raises(CaseError, match=r"is not a case file.*write one: supple new robot.xml"):
+        read_case("robot.xml")
     assert CliRunner().invoke(app, ["new", "robot.xml"]).exit_code == 0
     text = Path("robot.toml").read_text(encoding="utf-8")
     assert 'leave_out = ["actuators", "armature"]' in text

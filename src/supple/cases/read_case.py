@@ -125,6 +125,11 @@ def _raw(path: Path, text: str) -> dict[str, Any]:
     try:
         raw = tomllib.loads(text)
     except ValueError as error:  # not TOML, or a number of thousands of digits
+        if path.suffix.lower() != ".toml":
+            raise CaseError(
+                f"{path} is not a case file, which ends in .toml; for a mesh, a deck or a robot write one: "
+                f"supple new {path}"
+            ) from error
         raise CaseError(
             f"{path} is not valid TOML: {error}; strings need quotes, keys need a value"
         ) from error
