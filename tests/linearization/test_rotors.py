@@ -9,8 +9,9 @@ from supple.body import MeanAxisFrame, NodalFixedFrame
 from supple.equations import balances
 from supple.errors import ModelError
 from supple.integrate import FixedStep, Newmark, Run, Tolerances
-from supple.machine import Placed, System
-from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
+from supple.linearization import campbell_diagram
+from supple.machine import JournalBearing, Placed, Spin, System
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, NormalModes, reduce
 from supple.simulation import simulate
 from supple_benchmarks.validation.rotors import (
     LALANNE,
@@ -19,6 +20,7 @@ from supple_benchmarks.validation.rotors import (
     Rotor,
     RoundShaft,
     disc_on_massless_shaft,
+    friswell_rotor,
     in_fixed_axes,
     lalanne_frequencies,
     rotor_body,
@@ -80,6 +82,26 @@ def test_a_free_rotor_has_its_stiffness_at_rest_and_a_skew_gyroscopic_matrix(fra
         y, z = 6 * node + 4, 6 * node + 5
         expected[y, z], expected[z, y] = rate * inertia, -rate * inertia
     np.testing.assert_allclose(gyroscopic, expected, atol=1e-9 * rate * polar.max())
+
+
+def test_a_forward_whirl_is_followed_through_its_critical_speed():
+    """K u = W^2 (M - G) u of Nelson's elements, 24 of them: 86.905 and 288.618 rad/s."""
+    body = rotor_body(friswell_rotor(), 0.1, {"left": 0.0, "right": 1.5}).linearized()
+    reduced = reduce(body, MeanAxisFrame(), CraigBampton(10), derivatives=NoDerivatives(), loads=NoLoads)
+    bearings = [
+        JournalBearing(
+            first="ground",
+            second=f"rotor.{end}",
+            axis=(1, 0, 0),
+            stiffness=1e6 * np.eye(2),
+            damping=500 * np.eye(2),
+        )
+        for end in ("left", "right")
+    ]
+    spins = [Spin(rate, (1, 0, 0)) for rate in np.linspace(0.0, 400.0, 5)]
+    diagram = campbell_diagram(System([reduced], loads=bearings), spins, n_modes=6, fulls=())
+    assert [each.rate for each in diagram.critical_speeds] == pytest.approx([86.905, 288.618], rel=5e-3)
+    assert diagram.likeness[1:].min() > 0.99
 
 
 @pytest.mark.slow

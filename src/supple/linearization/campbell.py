@@ -190,11 +190,9 @@ def campbell_diagram(
             rows = chosen = np.arange(min(n_modes, len(modes.eigenvalues)))
             wanted = len(chosen)
         else:
-            table = modal_assurance(before, modes)
+            table, apart = _likeness(before, modes)
             # Among similar shapes, the one with the nearest frequency is chosen.
-            apart = abs(before.eigenvalues[:, None] - modes.eigenvalues)
-            size = abs(before.eigenvalues[:, None]) + abs(modes.eigenvalues) + 1e-300
-            rows, chosen = scipy.optimize.linear_sum_assignment(apart / size - table)
+            rows, chosen = scipy.optimize.linear_sum_assignment(apart - table)
             likeness.append(_placed(len(table), rows, table[rows, chosen]))
         eigenvalues = _placed(wanted, rows, modes.eigenvalues[chosen])
         with _held(BasisWarning) as words:
@@ -229,6 +227,24 @@ def campbell_diagram(
         np.array(in_space),
         tuple(names),
     )
+
+
+def _likeness(before: MachineModes, modes: MachineModes) -> tuple[Array, Array]:
+    """MAC of the modes at two speeds, and the relative distance of their eigenvalues, (n1, n2) each.
+
+    In axes that turn, the frequency w - W of a forward whirl passes zero at its critical speed. Beyond, the
+    mode above the real axis is the conjugate of the one that is followed: of both pairs the nearer one counts.
+    """
+    old, new = before.eigenvalues[:, None], modes.eigenvalues
+    table, size = modal_assurance(before, modes), abs(old) + abs(new) + 1e-300
+    apart = abs(old - new) / size
+    spin = modes.machine.spin
+    if spin is None or modes.machine.axes == STANDING:
+        return table, apart
+    passed = modal_assurance(before, replace(modes, independent=modes.independent.conj()))
+    through = abs(old - np.conj(new)) / (size + 2 * abs(spin.rate))
+    nearer = through - passed < apart - table
+    return np.where(nearer, passed, table), np.where(nearer, through, apart)
 
 
 def _some(modes: MachineModes, chosen: np.ndarray) -> MachineModes:
