@@ -9,10 +9,12 @@ from supple.body import MeanAxisFrame, NodalFixedFrame
 from supple.equations import balances
 from supple.errors import ModelError
 from supple.integrate import FixedStep, Newmark, Run, Tolerances
-from supple.linearization import campbell_diagram
+from supple.linearization import CampbellDiagram, campbell_diagram
 from supple.machine import JournalBearing, Placed, Spin, System
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, NormalModes, reduce
+from supple.results.mode_tables import speed_tables
 from supple.simulation import simulate
+from supple.units import UNNAMED
 from supple_benchmarks.validation.rotors import (
     LALANNE,
     OVERHUNG,
@@ -102,6 +104,33 @@ def test_a_forward_whirl_is_followed_through_its_critical_speed():
     diagram = campbell_diagram(System([reduced], loads=bearings), spins, n_modes=6, fulls=())
     assert [each.rate for each in diagram.critical_speeds] == pytest.approx([86.905, 288.618], rel=5e-3)
     assert diagram.likeness[1:].min() > 0.99
+    forward = np.array([name.startswith("forward") for name in diagram.names])
+    # -Re(s) / |s| of the same elements at 400 rad/s, in space.
+    assert diagram.observed_damping_ratios[-1, forward] == pytest.approx([0.009046, 0.042598], rel=0.01)
+    assert not diagram.onsets
+
+
+def test_internal_damping_makes_the_whirl_of_jeffcotts_rotor_unstable():
+    """m w'' + (c_e + c_i) w' + (k - i c_i W) w = 0, little damping: from (1 + c_e / c_i) sqrt(k / m) on."""
+    external, internal, rates = 0.01, 0.02, np.linspace(0.0, 4.0, 9)
+    in_space = np.array([np.roots([1.0, external + internal, 1.0 - 1j * internal * W]) for W in rates])
+    forward = in_space[in_space.imag > 0]
+    turning = forward.real + 1j * abs(forward.imag - rates)
+    diagram = CampbellDiagram(
+        rates,
+        turning[:, None],
+        np.ones((8, 1)),
+        axes="turning with the machine",
+        sense=np.ones((9, 1), dtype=int),
+        in_space=forward.imag[:, None],
+        names=("forward whirl 1",),
+    )
+    (onset,) = diagram.onsets
+    assert onset.rate == pytest.approx(1 + external / internal, rel=1e-3)
+    assert diagram.observed_damping_ratios[0, 0] == pytest.approx(0.015, rel=1e-6)
+    tables = {table.title: table for table in speed_tables(diagram, UNNAMED)}
+    assert tables["Damping over speed, of whirls in space"].rows[0][1] == "1.5"
+    assert tables["Onset of instability"].rows == [["1.5", "forward whirl 1"]]
 
 
 @pytest.mark.slow

@@ -151,6 +151,8 @@ def test_a_campbell_diagram_is_in_rpm_and_names_its_lines(figure, tmp_path):
         rates=rates,
         frequencies=2 * np.pi * np.array([[0.7, 1.4, np.nan], [0.8, np.nan, np.nan]]),
         axes="turning with the machine",
+        sense=np.zeros((2, 3), dtype=int),
+        in_space=np.full((2, 3), np.nan),
         names=["flap 1", "edge 1", "lost"],
         critical_speeds=[SimpleNamespace(rate=2.0)],
     )
@@ -163,12 +165,32 @@ def test_a_campbell_diagram_is_in_rpm_and_names_its_lines(figure, tmp_path):
     assert axes.get_lines()[0].get_xdata() == pytest.approx([0.0, 30.0])
 
 
+def test_whirls_are_drawn_as_they_are_seen_in_space_too(figure, tmp_path):
+    followed = SimpleNamespace(
+        rates=np.array([0.0, 8.0]),
+        frequencies=np.array([[5.0, 9.0], [3.0, 9.0]]),
+        in_space=np.array([[5.0, 9.0], [5.0, np.nan]]),
+        sense=np.array([[0, 0], [1, 0]]),
+        axes="turning with the machine",
+        names=["forward whirl 1", "stretch"],
+        critical_speeds=[SimpleNamespace(rate=5.0)],
+    )
+    plot_campbell(tmp_path / "a.png", followed, units=SI)
+    in_space, turning = figure.axes
+    assert in_space.get_ylabel() == "whirl frequency in space (Hz)"
+    assert in_space.get_lines()[4].get_ydata() == pytest.approx(np.array([5.0, 5.0]) / (2 * np.pi))
+    assert "stretch" not in [text.get_text() for text in in_space.texts]
+    assert turning.get_lines()[4].get_ydata() == pytest.approx(np.array([5.0, 3.0]) / (2 * np.pi))
+
+
 @pytest.mark.parametrize("rates", [(-2.0, 0.0, 2.0), (2.0, 1.0, 0.0), (-1.5, 0.5)])
 def test_names_of_multiples_are_on_their_lines(figure, tmp_path, rates):
     followed = SimpleNamespace(
         rates=np.array(rates),
         frequencies=np.full((len(rates), 1), 10.0),
         axes="turning",
+        sense=np.zeros((len(rates), 1), dtype=int),
+        in_space=np.full((len(rates), 1), np.nan),
         names=["flap"],
         critical_speeds=[],
     )

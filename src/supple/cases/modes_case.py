@@ -26,6 +26,7 @@ from supple.linearization import (
     LinearMachine,
     MachineModes,
     campbell_diagram,
+    damping_in_space,
     effective_masses,
     linearize,
     machine_modes,
@@ -165,6 +166,7 @@ def campbell_case(
         "rates": diagram.rates.tolist(),
         "frequencies": _shown(case, diagram.frequencies).tolist(),
         "damping_ratios": diagram.damping_ratios.tolist(),
+        "damping in space": _known(damping_in_space(diagram.eigenvalues, diagram.in_space)),
         "likeness": diagram.likeness.tolist(),
         "errors": _known(diagram.errors),
         "names": list(diagram.names),
@@ -173,6 +175,7 @@ def campbell_case(
         "critical speeds": [
             {"rate": each.rate, "whirl": SENSES[each.sense]} for each in diagram.critical_speeds
         ],
+        "unstable from": [{"rate": each.rate, "mode": diagram.names[each.mode]} for each in diagram.onsets],
     }
     write_json(folder / f"{case.path.stem}-campbell.json", numbers)
     if case.tables.output.report:
@@ -276,6 +279,7 @@ def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
                 "whirl": SENSES[sense],
                 "frequency in space": space if np.isfinite(space) else None,
                 "damping_ratio": ratio,
+                "damping in space": fixed if np.isfinite(fixed) else None,
                 "eigenvalue": [value.real, value.imag],
                 "error": off if np.isfinite(off) else None,
                 "with all coordinates": full if np.isfinite(full) else None,
@@ -284,12 +288,13 @@ def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
                 "kinetic_share": dict(zip(names, share, strict=True)),
                 "effective_mass": masses,
             }
-            for name, sense, space, frequency, ratio, value, off, full, unstable, share, masses in zip(
+            for name, sense, space, frequency, ratio, fixed, value, off, full, unstable, share, masses in zip(
                 mode_names(modes),
                 senses.tolist(),
                 _shown(case, in_space).tolist(),
                 _shown(case, modes.frequencies).tolist(),
                 modes.damping_ratios.tolist(),
+                damping_in_space(modes.eigenvalues, in_space).tolist(),
                 modes.eigenvalues,
                 relative.tolist(),
                 exact.tolist(),

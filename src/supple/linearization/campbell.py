@@ -20,13 +20,16 @@ from supple.linearization.linearize import linearize
 from supple.linearization.machine_modes import MachineModes, machine_modes
 from supple.linearization.mode_names import mode_names
 from supple.linearization.sparse_machine import SparseMachine
-from supple.linearization.whirl import whirl
+from supple.linearization.whirl import damping_in_space, whirl
 from supple.machine import Spin, System
 from supple.progress import by_fraction, with_progress_bar
 from supple.simulation.full_rest import known_fulls
 from supple.summary import Summarized, Summary
 
-__all__ = ["CampbellDiagram", "CriticalSpeed", "campbell_diagram", "modal_assurance"]
+__all__ = ["CampbellDiagram", "CriticalSpeed", "Onset", "campbell_diagram", "modal_assurance"]
+
+GROWS = 1e-7
+"""Ratio of a growth rate to the largest eigenvalue of the diagram, above which a mode is unstable."""
 
 
 class CriticalSpeed(NamedTuple):
@@ -38,6 +41,13 @@ class CriticalSpeed(NamedTuple):
 
     rate: float
     sense: int
+
+
+class Onset(NamedTuple):
+    """A speed, rad per unit of time, from which a mode is unstable, and the number of the mode, from 0."""
+
+    rate: float
+    mode: int
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -71,7 +81,7 @@ class CampbellDiagram(Summarized):
     names: tuple[str, ...] = ()
 
     def summary(self) -> Summary:
-        """Critical speeds, and for each mode the frequencies at the first and the last speed."""
+        """Critical speeds, onsets of instability, and frequencies of each mode at the first and last speed."""
         hertz = self.frequencies / (2 * np.pi)
         names = self.names or [""] * hertz.shape[1]
         rows = [
@@ -80,6 +90,9 @@ class CampbellDiagram(Summarized):
         ]
         speeds = ", ".join(f"{each.rate:.5g}" for each in self.critical_speeds)
         rows.insert(0, ("critical speeds", speeds or "none"))
+        if self.onsets:
+            onsets = ", ".join(f"{each.rate:.5g} (mode {each.mode + 1})" for each in self.onsets)
+            rows.insert(1, ("unstable from", onsets))
         first, last = self.rates[[0, -1]]
         return Summary(f"Campbell diagram from {first:g} to {last:g} rad per unit of time, {self.axes}", rows)
 
@@ -107,15 +120,37 @@ class CampbellDiagram(Summarized):
         return tuple(found)
 
     @property
+    def onsets(self) -> tuple[Onset, ...]:
+        """Speeds from which modes are unstable: the first one, or by linear interpolation between speeds."""
+        growth = self.eigenvalues.real
+        least = GROWS * float(np.nanmax(abs(self.eigenvalues), initial=0.0))
+        unstable = np.nan_to_num(growth) > least
+        found = [Onset(float(self.rates[0]), int(mode)) for mode in np.flatnonzero(unstable[0])]
+        for row, mode in np.argwhere(unstable[1:] & ~unstable[:-1]):
+            before, after = growth[row : row + 2, mode]
+            share = np.clip(before / (before - after), 0.0, 1.0) if np.isfinite(before) else 1.0
+            rate = self.rates[row] + share * (self.rates[row + 1] - self.rates[row])
+            found.append(Onset(float(rate), int(mode)))
+        return tuple(found)
+
+    @property
     def frequencies(self) -> Array:
         """Damped angular frequencies, rad per unit of time, (ns, nm)."""
         return self.eigenvalues.imag
 
     @property
     def damping_ratios(self) -> Array:
-        """Damping ratios `-Re(s) / |s|` of the eigenvalues s, (ns, nm)."""
+        """Damping ratios `-Re(s) / |s|` of the eigenvalues s in `axes`, (ns, nm)."""
         size = abs(self.eigenvalues)
         return np.where(size > 0, -self.eigenvalues.real / np.where(size > 0, size, 1.0), 0.0)
+
+    @property
+    def observed_damping_ratios(self) -> Array:
+        """Damping ratios (ns, nm) of whirls in space, and of all other motions in `axes`."""
+        if not self.in_space.size:
+            return self.damping_ratios
+        in_space = damping_in_space(self.eigenvalues, self.in_space)
+        return np.where(np.isnan(in_space), self.damping_ratios, in_space)
 
 
 def modal_assurance(first: MachineModes, second: MachineModes) -> Array:
@@ -233,7 +268,7 @@ def _likeness(before: MachineModes, modes: MachineModes) -> tuple[Array, Array]:
     """MAC of the modes at two speeds, and the relative distance of their eigenvalues, (n1, n2) each.
 
     In axes that turn, the frequency w - W of a forward whirl passes zero at its critical speed. Beyond, the
-    mode above the real axis is the conjugate of the one that is followed: of both pairs the nearer one counts.
+    mode above the real axis is the conjugate of the followed one: of both pairs the nearer one counts.
     """
     old, new = before.eigenvalues[:, None], modes.eigenvalues
     table, size = modal_assurance(before, modes), abs(old) + abs(new) + 1e-300

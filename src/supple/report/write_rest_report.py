@@ -15,6 +15,7 @@ from supple.equations.build_model import system_length
 from supple.fem import FiniteElementModel
 from supple.integrate.solution import concatenate
 from supple.linearization import CampbellDiagram, MachineModes, mode_motion
+from supple.linearization.linear_machine import STANDING
 from supple.linearization.mode_names import mode_names
 from supple.machine import At
 from supple.report.charts import Chart
@@ -135,12 +136,19 @@ def write_campbell_report(
     orders = {f"{order}P": order * factor / (2 * np.pi) * abs(diagram.rates) for order in _ORDERS}
     top = np.nanmax(shown, initial=0.0)
     reached = {name: np.where(own <= 1.1 * top, own, np.nan) for name, own in orders.items()}
-    damping = dict(zip(diagram.names, _PERCENT * diagram.damping_ratios.T, strict=True))
+    damping = dict(zip(diagram.names, _PERCENT * diagram.observed_damping_ratios.T, strict=True))
     frequencies = dict(zip(diagram.names, shown.T, strict=True)) | reached
     charts = [
         Chart("frequencies", labelled("frequency", unit), speed, frequencies, note, over),
         Chart("damping", "damping (%)", speed, damping, note, over),
     ]
+    whirling = np.flatnonzero(np.any(diagram.sense, axis=0))
+    if diagram.axes != STANDING and len(whirling):
+        charts[1] = replace(charts[1], note=f"{note}; of whirls in space")
+        seen = factor / (2 * np.pi) * diagram.in_space.T
+        whirls = {diagram.names[mode]: seen[mode] for mode in whirling} | {"1P": orders["1P"]}
+        label = labelled("whirl frequency in space", unit)
+        charts.insert(0, Chart("whirls", label, speed, whirls, "seen in space", over))
     sections = [PageSection("Modes over speed", [], tables), inputs_section(inputs)]
     return write_page(path, Page(title or "Campbell diagram", sections, charts=charts, units=units))
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from supple.linearization import CampbellDiagram
 from supple.linearization.linear_machine import STANDING
-from supple.results.round_off import without_noise
 from supple.results.run_tables import TextTable
 from supple.units import UnitSystem, headed, plain_number
 
@@ -21,29 +20,45 @@ _HELD = 1e-3
 SENSES = {1: "forward", -1: "backward", 0: ""}
 """Names of the senses of whirl."""
 
+_NO_DAMPING = 1e-9
+"""Damping ratio up to which a table shows zero."""
+
 
 def speed_tables(diagram: CampbellDiagram, units: UnitSystem) -> Iterator[TextTable]:
-    """Tables of frequencies over speed and, if there are any, of whirl frequencies and critical speeds."""
+    """Tables of frequencies over speed and, if there are any, of whirls, damping, critical speeds, onsets."""
     unit, factor = units.frequency_shown
     shown, by_rate = units.rotation_shown
     speeds = [plain_number(by_rate * rate, 5) for rate in diagram.rates]
 
-    def table(title: str, values: np.ndarray) -> TextTable:
+    def table(title: str, values: np.ndarray, unit: str) -> TextTable:
         heads = [headed("speed", shown), *(headed(name, unit) for name in diagram.names)]
-        cells = factor * values / (2 * np.pi)
-        rows = [[speed, *map(_frequency, row)] for speed, row in zip(speeds, cells, strict=True)]
+        rows = [[speed, *map(_frequency, row)] for speed, row in zip(speeds, values, strict=True)]
         return TextTable(title, heads, rows)
 
-    title, heads, rows = table(f"Frequencies over speed, in axes {diagram.axes}", diagram.frequencies)
+    hertz = factor / (2 * np.pi)
+    frequencies = hertz * diagram.frequencies
+    title, heads, rows = table(f"Frequencies over speed, in axes {diagram.axes}", frequencies, unit)
     if diagram.errors is not None:
         heads = [*heads, "largest error, %"]
         rows = [[*row, _largest_error(off)] for row, off in zip(rows, diagram.errors, strict=True)]
     yield TextTable(title, heads, rows)
-    if np.any(diagram.sense) and diagram.axes != STANDING:
-        yield table("Whirl in space", diagram.in_space)
+    whirls = bool(np.any(diagram.sense)) and diagram.axes != STANDING
+    if whirls:
+        yield table("Whirl in space", hertz * diagram.in_space, unit)
+    damping = diagram.observed_damping_ratios
+    if np.any(abs(np.nan_to_num(damping)) > _NO_DAMPING):
+        yield table(f"Damping over speed{', of whirls in space' * whirls}", _percents(damping), "%")
     if critical := diagram.critical_speeds:
         found = [[plain_number(by_rate * each.rate, 5), SENSES[each.sense]] for each in critical]
         yield TextTable("Critical speeds", [headed("speed", shown), "whirl"], found)
+    if onsets := diagram.onsets:
+        found = [[plain_number(by_rate * each.rate, 5), diagram.names[each.mode]] for each in onsets]
+        yield TextTable("Onset of instability", [headed("speed", shown), "mode"], found)
+
+
+def _percents(ratios: np.ndarray) -> np.ndarray:
+    """Damping ratios in percent, without rounding errors of motions that are not damped."""
+    return 100 * np.where(abs(ratios) > _NO_DAMPING, ratios, 0.0)
 
 
 def _frequency(value: float) -> str:
@@ -66,7 +81,8 @@ def _mode_table(numbers: Mapping[str, Any]) -> TextTable:
         body, share = max(mode["kinetic_share"].items(), key=lambda item: item[1])
         space = mode["frequency in space"]
         whirl = [mode["whirl"]] if whirls else []
-        whirl += ["" if space is None else _frequency(space)] if whirls and turns else []
+        if whirls and turns:
+            whirl += ["", ""] if space is None else [_frequency(space), _damping(mode["damping in space"])]
         rows.append(
             [
                 str(number),
@@ -74,12 +90,13 @@ def _mode_table(numbers: Mapping[str, Any]) -> TextTable:
                 _frequency(mode["frequency"]),
                 *whirl,
                 *([_error(mode)] if numbers["bodies with a basis"] else []),
-                f"{100 * without_noise(mode['damping_ratio'], like=1.0):.3g}",
+                _damping(mode["damping_ratio"]),
                 f"{body} ({100 * share:.0f} %)",
                 "unstable" if mode["unstable"] else "",
             ]
         )
-    whirl = ["whirl", headed("in space", unit)][: 1 + turns] if whirls else []
+    whirl = ["whirl"] if whirls else []
+    whirl += [headed("in space", unit), "damping in space, %"] if whirls and turns else []
     error = ["error, %"] if numbers["bodies with a basis"] else []
     heads = ["mode", "motion", headed("frequency", unit), *whirl, *error, "damping, %"]
     floquet = " (Floquet modes of periodic equations)" if numbers["periodic"] else ""
@@ -107,6 +124,10 @@ def _effective_mass_table(numbers: Mapping[str, Any]) -> TextTable | None:
     heads = ["mode", headed("frequency", numbers["units"].get("frequency", ""))]
     along = [headed(axis, unit) for axis in "xyz"]
     return TextTable(f"Effective masses, of {mass:.6g}", [*heads, *along], rows)
+
+
+def _damping(ratio: float) -> str:
+    return f"{float(_percents(np.array(ratio))):.3g}"
 
 
 def _error(mode: dict[str, Any]) -> str:

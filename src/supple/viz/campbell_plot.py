@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
+from supple.linearization.linear_machine import STANDING
 from supple.units import UNNAMED, UnitSystem, labelled, plain_number
 from supple.viz.style import COLOURS, TEXT_WIDTH, new_figure, save_figure, textbook_style
 
@@ -52,6 +53,16 @@ class FollowedModes(Protocol):
         ...
 
     @property
+    def in_space(self) -> Array:
+        """(ns, nm) frequencies in space, rad per unit of time; NaN where unknown."""
+        ...
+
+    @property
+    def sense(self) -> NDArray[np.int_]:
+        """(ns, nm) sense of whirl: 1 forward, -1 backward, 0 for other modes."""
+        ...
+
+    @property
     def names(self) -> Sequence[str]:
         """Names of the modes."""
         ...
@@ -66,27 +77,35 @@ class FollowedModes(Protocol):
 def plot_campbell(path: Path | str, diagram: FollowedModes, *, units: UnitSystem = UNNAMED) -> Path:
     """Draw named frequencies over speed, the multiples of the speed that excite them, and critical speeds.
 
+    In turning axes a second diagram, above, has the whirls as they are seen in space.
+
     Raises ResultFileError where the file cannot be written.
     """
     unit, factor = units.frequency_shown
     factor /= 2 * np.pi
     shown, by_rate = units.rotation_shown
     rates = np.asarray(diagram.rates)
-    frequencies = factor * np.asarray(diagram.frequencies)
-    top = 1.1 * float(np.nanmax(frequencies, initial=0.0)) or 1.0
+    panels = [(np.asarray(diagram.frequencies), f"frequency in axes {diagram.axes}")]
+    if diagram.axes != STANDING and np.any(diagram.sense):
+        whirls = np.where(np.any(diagram.sense, axis=0), diagram.in_space, np.nan)
+        panels.insert(0, (whirls, "whirl frequency in space"))
     with textbook_style():
-        figure = new_figure(0.7 * TEXT_WIDTH)
-        axes = figure.subplots()
-        axes.set_ylim(0, top)
-        _draw_orders(axes, by_rate * rates, factor * abs(rates), top)
-        _draw_modes(axes, by_rate * rates, frequencies, diagram.names, top)
-        for critical in diagram.critical_speeds:
-            speed = by_rate * critical.rate
-            axes.axvline(speed, color="0.5", linewidth=0.7, linestyle=":")
-            words = f"critical, {plain_number(speed, 4)} {shown}"
-            axes.annotate(words, (speed, 0.98 * top), rotation=90, va="top", ha="right", fontsize=6)
-        axes.set_xlabel(labelled("speed", shown))
-        axes.set_ylabel(labelled(f"frequency in axes {diagram.axes}", unit))
+        figure = new_figure(0.7 * len(panels) * TEXT_WIDTH)
+        for axes, (frequencies, label) in zip(
+            figure.subplots(len(panels), squeeze=False).flat, panels, strict=True
+        ):
+            shown_frequencies = factor * frequencies
+            top = 1.1 * float(np.nanmax(shown_frequencies, initial=0.0)) or 1.0
+            axes.set_ylim(0, top)
+            _draw_orders(axes, by_rate * rates, factor * abs(rates), top)
+            _draw_modes(axes, by_rate * rates, shown_frequencies, diagram.names, top)
+            for critical in diagram.critical_speeds:
+                speed = by_rate * critical.rate
+                axes.axvline(speed, color="0.5", linewidth=0.7, linestyle=":")
+                words = f"critical, {plain_number(speed, 4)} {shown}"
+                axes.annotate(words, (speed, 0.98 * top), rotation=90, va="top", ha="right", fontsize=6)
+            axes.set_xlabel(labelled("speed", shown))
+            axes.set_ylabel(labelled(label, unit))
         return save_figure(figure, path)
 
 
