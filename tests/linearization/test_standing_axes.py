@@ -94,6 +94,15 @@ class TestRigidRotor:
         assert by_frequency[round(tilt[1], 6)] == 1
         assert [by_frequency[round(each, 6)] for each in centre] == [0, 0]  # along one line each
 
+    def test_an_unbalance_as_small_as_that_of_a_free_mesh_does_not_prevent_modes(self):
+        """Its centre is 1e-6 of its length off the axis: frequencies of the closed form."""
+        machine, rate = self.machine(), 150.0
+        rotor = replace(machine.bodies[0].body, centre=np.array([0.0, 1e-6 * self.arm, 0.0]))
+        linear = linearize(replace(machine, bodies=(Placed(rotor),)), spin=Spin(rate, X))
+        tilt, centre = self.exact(rate)
+        found = machine_modes(linear).frequencies[2:]
+        assert found == pytest.approx(np.sort([*tilt, *centre]), rel=1e-6)
+
     def test_on_like_bearings_the_whirl_in_space_is_that_of_the_closed_form(self):
         """In turning axes the same motions are seen W lower and higher."""
         rate = 150.0

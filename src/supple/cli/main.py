@@ -436,7 +436,7 @@ def new(
     ] = None,
     debug: Debug = False,
 ) -> None:
-    """Write a commented case file for a mesh or machine, ready to run; comments mark the values that are guesses."""
+    """Write a commented case file for a mesh or machine, ready to run; comments mark guesses."""
     from supple.cli.new_case import new_case
 
     with reported_errors(debug=debug), reported_warnings():

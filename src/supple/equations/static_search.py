@@ -363,14 +363,17 @@ def moved_state(machine: Equations, state: StaticState, change: StaticStep) -> S
     )
 
 
-def carried_state(machine: Equations, time: float) -> tuple[StaticState, float]:
-    """The state with bodies as placed and balancing joint forces, and the largest relative unbalance."""
+def carried_state(machine: Equations, time: float, least_size: float = 0.0) -> tuple[StaticState, float]:
+    """The state with bodies as placed and balancing joint forces, and the largest relative unbalance.
+
+    least_size : least size of the forces, as work in a large motion, to which the unbalance is relative
+    """
     state, weights = machine.start(), machine.position_scale
     found = machine.unbalance(state, time)
     unbalanced = weights * machine.residual(state, time)
     carried = weights[:, None] * machine.constraint_rows(state, time).T
     forces = np.linalg.lstsq(carried, -unbalanced, rcond=None)[0]
-    left = float(np.linalg.norm(unbalanced + carried @ forces)) / (found.size or 1.0)
+    left = float(np.linalg.norm(unbalanced + carried @ forces)) / (max(found.size, least_size) or 1.0)
     joints, frames = np.split(forces, [len(state.multipliers)])
     state = state._replace(multipliers=joints, frame_multipliers=tuple(frames.reshape(-1, 6)))
     return state, max(left, *found.unrest.values(), 0.0)

@@ -81,7 +81,7 @@ class CampbellDiagram(Summarized):
     names: tuple[str, ...] = ()
 
     def summary(self) -> Summary:
-        """Critical speeds, onsets of instability, and frequencies of each mode at the first and last speed."""
+        """Critical speeds, onsets of instability, frequencies of each mode at the first and last speed."""
         hertz = self.frequencies / (2 * np.pi)
         names = self.names or [""] * hertz.shape[1]
         rows = [

@@ -20,9 +20,10 @@ from supple.equations.steady_motion import (
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, FullMachine, LinearMachine
 from supple.linearization.sparse_machine import SparseMachine
-from supple.linearization.standing_axes import CONSTANT, in_standing_axes
+from supple.linearization.standing_axes import in_standing_axes
 from supple.linearization.standing_error import StandingTurn
 from supple.linearization.turned_machine import (
+    CONSTANT,
     equations_turned_on,
     refuse_other_speeds,
     refuse_turning_bushings,
@@ -225,8 +226,8 @@ def _refusal(what: str, change: float) -> str:
     return (
         f"the linear equations change as the machine rotates by {_TURNED_ON:g} rad (the {what} by "
         f"{change:.2g} of its size), and neither standing axes nor Floquet theory apply. Remove what "
-        "causes the change: gravity or loads normal to the axis, controllers, full bodies, or joints whose "
-        "free motions depend on the angle; or list the rotating bodies, Spin(bodies=..)"
+        "causes the change: gravity or loads normal to the axis, unbalance of rotors, controllers, full bodies, "
+        "or joints whose free motions depend on the angle; or list the rotating bodies, Spin(bodies=..)"
     )
 
 

@@ -29,6 +29,7 @@ from supple.simulation.equations_of import equations_of
 from supple.simulation.resting_state import RestingState, at_rest, placed_at_rest
 
 __all__ = [
+    "CONSTANT",
     "TurnedEquations",
     "equations_turned_on",
     "refuse_other_speeds",
@@ -37,12 +38,20 @@ __all__ = [
 ]
 
 
+CONSTANT = 1e-6
+"""Relative variation of the equations over the rotation above which they are not constant."""
+LITTLE_UNBALANCE = 1e-5
+"""Eccentricity of the mass, relative to the size of the machine, up to which a rotor is linearised as if it
+were balanced: a mesh that is not symmetric about the axis is slightly unbalanced."""
 SAME_RATE = 1e-9
 """Ratio of a drive's rate to the spin rate up to which the drive counts as fixed."""
 
 
 class TurnedEquations(NamedTuple):
-    """Linear equations at an angle, and the largest relative unbalance of forces there."""
+    """Linear equations at an angle, and the largest relative unbalance of forces there.
+
+    An unbalance above `CONSTANT` is that of a machine without equilibrium at this angle.
+    """
 
     equations: LinearEquations | SparseEquations
     unbalanced: float
@@ -105,7 +114,9 @@ def equations_turned_on(found: RestingState, time: float, spin: Spin, angle: flo
     system = _turned_on(found, time, spin, angle)
     system = replace(system, bodies=tuple(map(at_rest, system.bodies)))
     later = equations_of(system, found.turning, time, found.equations.model.active)
-    state, unbalanced = carried_state(later, time)
+    mass = sum(placed.body.mass for placed in system.bodies)
+    turning = mass * (spin.rate * float(found.equations.model.length)) ** 2
+    state, unbalanced = carried_state(later, time, LITTLE_UNBALANCE * turning / CONSTANT)
     return TurnedEquations(later.linear_equations(state, time), unbalanced)
 
 
