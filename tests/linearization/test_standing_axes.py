@@ -38,7 +38,13 @@ from supple.machine import (
 )
 from supple.mesh import CellType, cylinder, strip
 from supple.reduction import CompleteBasis, CraigBampton, NoDerivatives, NoLoads, reduce
-from supple_benchmarks.validation.rotors import LALANNE, lalanne_frequencies, lalanne_rotor, rotor_body
+from supple_benchmarks.validation.rotors import (
+    LALANNE,
+    friswell_rotor,
+    lalanne_frequencies,
+    lalanne_rotor,
+    rotor_body,
+)
 
 X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 PITCH = Rotation.from_rotvec([0.3, 0, 0]).as_matrix()
@@ -153,6 +159,19 @@ def test_lalannes_rotor_by_the_machine_itself():
         nearest = found[np.argmin(abs(found - each))]
         assert nearest == pytest.approx(each, rel=5e-5)
         assert nearest == pytest.approx(published, rel=2e-3)
+
+
+def test_a_basis_that_cuts_a_pair_of_modes_still_names_the_frequencies_in_space():
+    """Whirls 5 and 6 on damped bearings, of 24 elements by Nelson: 679.4 and 883.4 rad/s, not W apart."""
+    body = rotor_body(friswell_rotor(), 0.1, {"left": 0.0, "right": 1.5}).linearized()
+    reduced = reduce(body, MeanAxisFrame(), CraigBampton(9), derivatives=NoDerivatives(), loads=NoLoads)
+    machine = System([reduced], loads=bearings("rotor", (1e6, 2e6), (2e3, 2e3)))
+    with pytest.warns(BasisWarning, match="'rotor'.* a pair of equal modes is cut"):
+        linear = linearize(machine, spin=Spin(418.879, X), fulls=())
+    modes = machine_modes(linear, 10)
+    assert modes.machine.periodic is not None
+    for whirl_in_space in (86.66, 96.89, 273.17, 340.78, 679.37, 883.42):
+        assert np.min(abs(modes.frequencies - whirl_in_space)) < 0.01 * whirl_in_space
 
 
 @pytest.mark.slow

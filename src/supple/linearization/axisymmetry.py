@@ -9,7 +9,7 @@ import scipy.linalg
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
-__all__ = ["turn_generator", "waves_around"]
+__all__ = ["shapes_without_copy", "turn_generator", "waves_around"]
 
 Array = np.ndarray
 
@@ -20,15 +20,22 @@ SAME_SHAPE = 1e-6
 MOST_SECTORS, MOST_WAVES = 360, 6
 """Largest number of sectors in the search for cyclic symmetry; largest number of waves of a shape."""
 ON_AXIS = 8
-"""Number of sectors assumed where every node is on the axis."""
+"""Number of sectors assumed where every node is on the axis, or no rotation maps the mesh onto itself."""
+NEARLY_ROUND = 0.35
+"""Allowed distance of a rotated node from the nearest node, relative to the radius, as means of squares: a
+quarter of the arc of one of `ON_AXIS` sectors is 0.2."""
+LEAST_IMAGE, LARGEST_CONDITION = 0.8, 1e4
+"""Least part of a rotated shape in the basis, and largest condition number of the shapes, for a generator."""
 
 
 def turn_generator(body: Any, axis: Array, point: Array) -> Array | None:
     """Generator J (r, r): coordinates `exp(psi J) q` represent the shape of q rotated by psi about the axis.
 
     A mesh of n equal sectors is mapped onto itself by a rotation of 2 pi / n; J follows from the logarithm of
-    that map and is exact for shapes of fewer than n / 2 waves around the axis. Zeros (0, 0) for a rigid body;
-    None for a body without `nodal_basis` or cyclic symmetry, or with a shape without its rotated copy.
+    that map and is exact for shapes of fewer than n / 2 waves around the axis. For a body that is nearly
+    round, or whose basis lacks the rotated copy of a shape, J turns the shapes approximately, but
+    `exp(2 pi J)` is still the identity. Zeros (0, 0) for a rigid body; None for a body without
+    `nodal_basis`, or one that is not round, as a blade.
 
     body : ReducedBody, or any other with a `nodal_basis`
     axis, point : (3,) in the body's frame
@@ -40,16 +47,47 @@ def turn_generator(body: Any, axis: Array, point: Array) -> Array | None:
         return None
     turned = _turned_by_a_sector(body.nodes, axis, point)
     if turned is None:
-        return None
+        sources = _nearest_sources(body.nodes, axis, point)
+        return (
+            None if sources is None else _whole_waves(basis, _image(basis, sources, ON_AXIS, axis), ON_AXIS)
+        )
     order, sectors = turned
-    flat = _image(basis, order, sectors, axis)
+    flat = _image(basis, np.argsort(order), sectors, axis)
     matrix = np.linalg.lstsq(basis, flat, rcond=None)[0]
     if np.abs(basis @ matrix - flat).max() > SAME_SHAPE * np.abs(basis).max():
-        return None
+        return _whole_waves(basis, flat, sectors)
     logarithm: Any = scipy.linalg.logm(matrix)
     if np.abs(logarithm.imag).max() > SAME_SHAPE:  # a shape of n / 2 waves has no rotated copy
-        return None
+        return _whole_waves(basis, flat, sectors)
     return logarithm.real * sectors / (2 * np.pi)
+
+
+def shapes_without_copy(body: Any, axis: Array, point: Array) -> int:
+    """Number of shapes of a body with cyclic symmetry of which its basis lacks the rotated copy.
+
+    Zero for a body without cyclic symmetry, or without a `nodal_basis`. Parameters as for `turn_generator`.
+    """
+    basis = getattr(body, "nodal_basis", None)
+    turned = None if basis is None or not body.n_coordinates else _turned_by_a_sector(body.nodes, axis, point)
+    if basis is None or turned is None:
+        return 0
+    flat = _image(basis, np.argsort(turned[0]), turned[1], axis)
+    values = np.linalg.eigvals(np.linalg.lstsq(basis, flat, rcond=None)[0])
+    return int(np.count_nonzero(abs(values) < 1.0 - np.sqrt(SAME_SHAPE)))
+
+
+def _whole_waves(basis: Array, flat: Array, sectors: int) -> Array | None:
+    """Generator that turns the shapes of a basis as far as it contains their images `flat`.
+
+    Its eigenvalues are whole numbers of waves, so that coordinates return after a revolution. Shapes without
+    a rotated copy keep the axes of the body. None if the images do not determine it.
+    """
+    values, vectors = np.linalg.eig(np.linalg.lstsq(basis, flat, rcond=None)[0])
+    if np.linalg.cond(vectors) > LARGEST_CONDITION:
+        return None
+    waves = np.round(np.angle(values) * sectors / (2 * np.pi))
+    waves[(abs(values) < LEAST_IMAGE) | (abs(waves) >= sectors / 2)] = 0.0
+    return (vectors * (1j * waves) @ np.linalg.inv(vectors)).real
 
 
 def waves_around(nodes: Array, fields: Array, axis: Array, point: Array) -> Array:
@@ -65,24 +103,35 @@ def waves_around(nodes: Array, fields: Array, axis: Array, point: Array) -> Arra
     turned = _turned_by_a_sector(nodes, axis, point)
     if turned is None:
         return fields
-    order, sectors = turned
+    sources, sectors = np.argsort(turned[0]), turned[1]
     waves = np.arange(min((sectors - 1) // 2, MOST_WAVES) + 1)
     sums, image = np.zeros((len(waves), *fields.shape), dtype=complex), fields
     for k in range(sectors):
         sums += np.exp(-2j * np.pi * waves * k / sectors)[:, None, None] * image / sectors
-        image = _image(image, order, sectors, axis)
+        image = _image(image, sources, sectors, axis)
     sizes = np.linalg.norm(sums, axis=(1, 2))
     kept = sums[sizes > SAME_SHAPE * sizes.max(initial=0.0)]
     return np.hstack([*kept.real, *kept.imag])
 
 
-def _image(fields: Array, order: Array, sectors: int, axis: Array) -> Array:
-    """Fields (N p, k) rotated by one sector."""
+def _image(fields: Array, sources: Array, sectors: int, axis: Array) -> Array:
+    """Fields (N p, k) rotated by one sector; `sources` (N,) are the nodes whose images have these places."""
     rotation = Rotation.from_rotvec(2 * np.pi / sectors * axis).as_matrix()
-    by_node = fields.reshape(len(order), -1, 3, fields.shape[1])
-    image = np.empty_like(by_node)
-    image[order] = np.einsum("ij,npjr->npir", rotation, by_node)
-    return image.reshape(fields.shape)
+    by_node = fields.reshape(len(sources), -1, 3, fields.shape[1])[sources]
+    return np.einsum("ij,npjr->npir", rotation, by_node).reshape(fields.shape)
+
+
+def _nearest_sources(nodes: Array, axis: Array, point: Array) -> Array | None:
+    """For each node, the node whose place, rotated by one of `ON_AXIS` sectors, is nearest.
+
+    None for a body that is not round: the mean square of the distances exceeds that of the radii by
+    `NEARLY_ROUND`.
+    """
+    places = nodes - point
+    back = Rotation.from_rotvec(-2 * np.pi / ON_AXIS * axis).apply(places)
+    apart, sources = KDTree(places).query(back)
+    radii = np.linalg.norm(places - np.outer(places @ axis, axis), axis=1)
+    return sources if np.sum(apart**2) <= NEARLY_ROUND**2 * np.sum(radii**2) else None
 
 
 def _turned_by_a_sector(nodes: Array, axis: Array, point: Array) -> tuple[Array, int] | None:

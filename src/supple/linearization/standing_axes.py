@@ -22,6 +22,7 @@ Source: [ColemanFeingold1958]; [Johnson1980] chapter 8 for any number of blades.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -31,18 +32,16 @@ from scipy.spatial.transform import Rotation
 
 from supple.algebra.cross import cross_matrix
 from supple.equations.control_linearization import LinearControl
-from supple.errors import ModelError
-from supple.linearization.axisymmetry import turn_generator
+from supple.errors import BasisWarning, ModelError
+from supple.linearization.axisymmetry import shapes_without_copy, turn_generator
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.linearization.periodic import Periodic
-from supple.linearization.turned_machine import equations_turned_on, turning_bodies
+from supple.linearization.turned_machine import CONSTANT, equations_turned_on, turning_bodies
 from supple.machine import GROUND, Joint, Spin
 from supple.simulation.resting_state import RestingState, placed_at_rest
 
-__all__ = ["CONSTANT", "FEW", "BodyColumns", "Sampled", "constant_in_standing_axes", "in_standing_axes"]
+__all__ = ["FEW", "BodyColumns", "Sampled", "constant_in_standing_axes", "in_standing_axes"]
 
-CONSTANT = 1e-6
-"""Relative variation of the equations over the rotation above which they are not constant."""
 FEW, SAMPLES = 7, 16
 """Numbers of angles of a revolution: `FEW` for comparing the equations, `SAMPLES` for their harmonics."""
 FINE = 64
@@ -53,6 +52,8 @@ BETWEEN = 0.7
 """Additional angle of comparison, rad: it detects variations that vanish at all evenly spaced angles."""
 ROUNDING = 64 * np.finfo(float).eps
 """Rounding error of a sum, relative to its terms."""
+CUT = 2
+"""Largest number of shapes without a rotated copy that is taken for cut pairs of modes."""
 SAME_PLACE = 1e-6
 """Allowed deviation of equal bodies from even spacing, relative to the size of the machine and in rad."""
 
@@ -96,7 +97,22 @@ def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str)
         constant = _constant(kept)
         if constant is not None:
             return _machine(found, time, spin, constant, None)
+    _warn_of_cut_pairs(found, spin, columns)
     return _machine(found, time, spin, kept[0], Periodic.of_samples(spin.rate, *kept[0].matrices))
+
+
+def _warn_of_cut_pairs(found: RestingState, spin: Spin, columns: BodyColumns) -> None:
+    """Warn of bodies whose basis has one of two equal modes; any other asymmetry lacks more copies."""
+    for number in map(int, np.flatnonzero(turning_bodies(found, spin))):
+        body, (axis, point) = columns.bodies[number], _axis_in_body(found, spin, number)
+        if 0 < shapes_without_copy(body, axis, point) <= CUT:
+            warnings.warn(
+                f"body '{body.name}': its mesh is symmetric about the axis of the spin, but its basis is "
+                "not: a pair of equal modes is cut. The equations are therefore periodic, without an estimated "
+                "error and a state space: keep one mode more, or one fewer",
+                BasisWarning,
+                stacklevel=4,
+            )
 
 
 def constant_in_standing_axes(
@@ -305,15 +321,14 @@ def _round_bodies(
     found: RestingState, spin: Spin, columns: BodyColumns, blades: list[int], angles: Array
 ) -> Array:
     """Map (s, n, n) to the motions of bodies with cyclic symmetry, in own axes, from standing axes."""
-    turning, configuration = turning_bodies(found, spin), found.configuration
+    turning = turning_bodies(found, spin)
     hub, slices = _hub(found, turning), columns.slices
     T = np.tile(np.eye(slices[-1].stop), (len(angles), 1, 1))
     for number in map(int, np.flatnonzero(turning)):
         if number in blades:
             continue
-        body, rotation = columns.bodies[number], configuration.rotations[number]
-        axis = rotation.T @ spin.axis
-        generator = turn_generator(body, axis, rotation.T @ (spin.point - configuration.origins[number]))
+        axis, point = _axis_in_body(found, spin, number)
+        generator = turn_generator(columns.bodies[number], axis, point)
         if generator is None:
             continue
         start = slices[number].start
@@ -325,6 +340,12 @@ def _round_bodies(
         own = slice(start + 6, slices[number].stop)
         T[:, own, own] = scipy.linalg.expm(-angles[:, None, None] * generator)
     return T
+
+
+def _axis_in_body(found: RestingState, spin: Spin, number: int) -> tuple[Array, Array]:
+    """Direction of the axis of rotation, and a point on it, in the axes of a body."""
+    rotation = found.configuration.rotations[number]
+    return rotation.T @ spin.axis, rotation.T @ (spin.point - found.configuration.origins[number])
 
 
 def _length(part: slice) -> int:
