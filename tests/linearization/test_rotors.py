@@ -9,8 +9,8 @@ from supple.body import MeanAxisFrame, NodalFixedFrame
 from supple.equations import balances
 from supple.errors import ModelError
 from supple.integrate import FixedStep, Newmark, Run, Tolerances
-from supple.linearization import CampbellDiagram, campbell_diagram
-from supple.machine import JournalBearing, Placed, Spin, System
+from supple.linearization import CampbellDiagram, campbell_diagram, linearize, machine_modes, mode_names
+from supple.machine import JournalBearing, Placed, Spin, System, Unbalance
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, NormalModes, reduce
 from supple.results.mode_tables import speed_tables
 from supple.simulation import simulate
@@ -108,6 +108,22 @@ def test_a_forward_whirl_is_followed_through_its_critical_speed():
     # -Re(s) / |s| of the same elements at 400 rad/s, in space.
     assert diagram.observed_damping_ratios[-1, forward] == pytest.approx([0.009046, 0.042598], rel=0.01)
     assert not diagram.onsets
+
+
+def test_modes_of_an_unbalanced_shaft_of_beams_are_whirls_not_those_of_a_blade():
+    body = rotor_body(friswell_rotor(), 0.5, {"left": 0.0, "disc": 1.0, "right": 1.5}).linearized()
+    reduced = reduce(body, MeanAxisFrame(), CraigBampton(2), derivatives=NoDerivatives(), loads=NoLoads)
+    loads = [
+        JournalBearing(first="ground", second=f"rotor.{end}", axis=(1, 0, 0), stiffness=1e6 * np.eye(2))
+        for end in ("left", "right")
+    ]
+    loads.append(Unbalance(first="rotor.disc", moment=(0.0, 1e-3, 0.0)))
+    modes = machine_modes(linearize(System([reduced], loads=loads), spin=Spin(60.0, (1, 0, 0)), fulls=()), 6)
+    assert {name.rpartition(" ")[0] for name in mode_names(modes)} == {
+        "rotor",
+        "forward whirl",
+        "backward whirl",
+    }
 
 
 def test_internal_damping_makes_the_whirl_of_jeffcotts_rotor_unstable():

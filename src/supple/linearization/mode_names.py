@@ -18,6 +18,9 @@ Array = np.ndarray
 AWAY = 0.25
 """Ratio of the distance of the nodes' mean position from the axis to their largest radius, above which a body
 is a blade, not a rotor."""
+ON_AXIS = 1e-3
+"""Ratio of the largest radius to the size of a body up to which it is a shaft of beams, not a blade:
+unbalance moves it off the axis."""
 SECTIONS = 12
 """Number of sections of a blade; motion relative to the mean of its section is torsion."""
 
@@ -45,7 +48,9 @@ def _kind(modes: MachineModes, number: int, body: int, sense: int) -> str:
     if spin is None or (spin.bodies is not None and name not in spin.bodies):
         return name
     radii = _radii(placed, spin)
-    if np.linalg.norm(radii.mean(axis=0)) > AWAY * np.linalg.norm(radii, axis=1).max(initial=0.0) > 0:
+    largest = float(np.linalg.norm(radii, axis=1).max(initial=0.0))
+    on_axis = largest <= ON_AXIS * np.ptp(placed.positions(), axis=0).max(initial=0.0)
+    if not on_axis and np.linalg.norm(radii.mean(axis=0)) > AWAY * largest > 0:
         return _of_blade(modes, number, placed, spin, radii)
     return {1: "forward whirl", -1: "backward whirl"}.get(sense, name)
 

@@ -108,8 +108,8 @@ def _warn_of_cut_pairs(found: RestingState, spin: Spin, columns: BodyColumns) ->
         if 0 < shapes_without_copy(body, axis, point) <= CUT:
             warnings.warn(
                 f"body '{body.name}': its mesh is symmetric about the axis of the spin, but its basis is "
-                "not: a pair of equal modes is cut. The equations are therefore periodic, without an estimated "
-                "error and a state space: keep one mode more, or one fewer",
+                "not: a pair of equal modes is cut. The equations are therefore periodic, without estimated "
+                "error and state space: keep one mode more, or one fewer",
                 BasisWarning,
                 stacklevel=4,
             )
