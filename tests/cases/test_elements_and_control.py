@@ -114,7 +114,10 @@ MADE = {
     f'kind = "gear", {AXIS}, teeth = [20, -60], stiffness = 3.0, anchor = [1, 1, 0]': m.Gear,
     f'kind = "screw", {AXIS}, pitch = 0.1, {KEEP}': m.Screw,
     f'kind = "rack-and-pinion", {AXIS}, direction = [1, 0, 0], radius = 0.1, {KEEP}': m.RackAndPinion,
-    f'kind = "bearing", {AXIS}, stiffness = [[[1, 2], [-2, 1]], [[1, 3], [-3, 1]]]': m.JournalBearing,
+    f'kind = "bearing", {AXIS}, stiffness = [[1, 2], [-2, 1]]': m.JournalBearing,
+    f'kind = "bearing", {AXIS}, speeds = [1, 9], stiffness = [[[1, 2], [-2, 1]], [[1, 3], [-3, 1]]]': (
+        m.JournalBearing
+    ),
     'kind = "unbalance", first = "wheel.rim", moment = [1, 0, 0]': m.Unbalance,
     f'kind = "sphere-on-plane", first = "wheel.rim", axis = [0, 0, 1], anchor = [0, 0, 0], {PUSH}, '
     "friction = 0.3, width = 0.01": m.SphereOnPlane,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from supple import machine
 from supple.cases.laws import ONE, LoadLaw
@@ -17,7 +17,18 @@ Numbers = Annotated[tuple[float, ...], Field(strict=False)]
 Rows = Annotated[tuple[Numbers, ...], Field(strict=False)]
 Six = Annotated[tuple[float, float, float, float, float, float], Field(strict=False)]
 Square = Annotated[tuple[Pair, Pair], Field(strict=False)]
-Squares = Annotated[tuple[Square, ...], Field(strict=False)]
+
+
+def _as_table(value: Any) -> Any:
+    """A single matrix as a table of one."""
+    rows = value if isinstance(value, list) else []
+    alone = bool(rows) and all(
+        isinstance(row, list) and not any(isinstance(each, list) for each in row) for row in rows
+    )
+    return [value] if alone else value
+
+
+Squares = Annotated[tuple[Square, ...], Field(strict=False), BeforeValidator(_as_table)]
 
 
 class Element(Made):
@@ -131,7 +142,9 @@ ElementTable = Annotated[
             machine.JournalBearing,
             "bearing",
             stiffness=Key(
-                Squares, "[[[xx, xy], [yx, yy]], ..]: one for each of the speeds, force per length"
+                Squares,
+                "[[xx, xy], [yx, yy]], or [[[xx, xy], [yx, yy]], ..]: one for each of the speeds, "
+                "force per length",
             ),
             damping=Key(Squares, "as stiffness, force per velocity; default: none", default=None),
         ),

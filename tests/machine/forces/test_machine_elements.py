@@ -330,6 +330,10 @@ def test_a_stop_near_half_a_revolution_pushes_back_beyond_it(angle, depth):
         (lambda: m.Surface([0, 1], [0, 1], [[1, 2]]), "2 rows and 2 columns"),
         (lambda: m.Curve([0, 1], [1, np.nan]), "every number must be finite"),
         (lambda: m.JournalBearing(**AXIS, stiffness=np.eye(3)), r"must be \(2, 2\) or \(2, 2, 2\)"),
+        (
+            lambda: m.JournalBearing(**AXIS, stiffness=[np.eye(2), 2 * np.eye(2)]),
+            "needs the speeds of its mat",
+        ),
         (lambda: m.JournalBearing(**AXIS, stiffness=np.eye(2), speeds=(1, 0)), "speeds must be two or more"),
         (lambda: m.Unbalance(first="a.eye", moment=(1, 2)), "three finite numbers"),
         (

@@ -18,6 +18,9 @@ from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["JournalBearing"]
 
+ANY_SPEED = (0.0, 1.0)
+"""Speeds of a table of equal matrices."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class JournalBearing(AxialElement):
@@ -28,21 +31,30 @@ class JournalBearing(AxialElement):
     and K_yx of opposite sign feed energy into whirl. K and C are interpolated linearly between the speeds of
     the table, and constant beyond the first and last speed.
 
-    x_axis : direction at the start, global axes; the bearing's x axis is as near it as possible
+    x_axis : direction at the start, global axes; the bearing's x axis is as near it as possible. Default: the
+        global axis that is farthest from the axis, of equal ones the first
     stiffness, damping : (2, 2) for all speeds, or (n, 2, 2), one matrix for each speed
-    speeds : (n,) rad per time, ascending, two or more
-    Raises ModelError for other shapes, matrices that are not finite, and speeds that do not ascend.
+    speeds : (n,) rad per time, ascending, two or more; None for matrices that are the same at all speeds
+    Raises ModelError for other shapes, a table without speeds, matrices that are not finite, and speeds that
+    do not ascend.
     """
 
     x_axis: tuple[float, float, float] | None = None
     stiffness: Any
     damping: Any = ((0.0, 0.0), (0.0, 0.0))
-    speeds: tuple[float, ...] = (0.0, 1.0)
+    speeds: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         _ = self.initial_axes
-        speeds = np.asarray(self.speeds, dtype=float)
+        if self.speeds is None:
+            for name in ("stiffness", "damping"):
+                if np.ndim(getattr(self, name)) == 3 and len(getattr(self, name)) > 1:
+                    raise ModelError(
+                        f"{self.label}: a table of {name} needs the speeds of its matrices: give speeds, "
+                        "one for each matrix"
+                    )
+        speeds = np.asarray(ANY_SPEED if self.speeds is None else self.speeds, dtype=float)
         if (
             speeds.ndim != 1
             or len(speeds) < 2
@@ -52,7 +64,8 @@ class JournalBearing(AxialElement):
         object.__setattr__(self, "speeds", tuple(speeds.tolist()))
         for name in ("stiffness", "damping"):
             given = np.asarray(getattr(self, name), dtype=float)
-            table = np.broadcast_to(given, (len(speeds), 2, 2)) if given.shape == (2, 2) else given
+            alike = given.shape in ((2, 2), (1, 2, 2))
+            table = np.broadcast_to(given, (len(speeds), 2, 2)) if alike else given
             if table.shape != (len(speeds), 2, 2) or not np.isfinite(table).all():
                 raise ModelError(
                     f"{self.label}: {name} must be (2, 2) or ({len(speeds)}, 2, 2) finite numbers, one "
