@@ -15,7 +15,9 @@ from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.linearization import (
     TranslationPort,
     campbell_diagram,
+    frequency_response,
     linearize,
+    linearize_in_space,
     machine_modes,
     mode_names,
     standing_axes,
@@ -108,6 +110,23 @@ class TestRigidRotor:
         tilt, centre = self.exact(rate)
         found = machine_modes(linear).frequencies[2:]
         assert found == pytest.approx(np.sort([*tilt, *centre]), rel=1e-6)
+
+    def test_the_response_between_ports_that_are_fixed_in_space_is_that_of_the_closed_form(self):
+        """On like bearings too: `(2 k - m w^2) u = F` and `(2 k l^2 - I w^2) t + i w I_p W J t = l F J`."""
+        rate, w, k = 150.0, 130.0, 2 * self.stiff
+        ports = [TranslationPort("rotor.right", axis) for axis in np.eye(3)[1:]]
+        linear = linearize_in_space(self.machine(self.stiff), spin=Spin(rate, X))
+        found = frequency_response(state_space(linear, inputs=ports[:1], outputs=ports), [w]).transfer[
+            0, :, 0
+        ]
+        # y + i z of the whirls: forward for exp(i w t), backward for exp(-i w t); half of F drives each.
+        both = [
+            0.5 / (k - self.mass * w**2)
+            + 0.5 * self.arm**2 / (k * self.arm**2 - self.transverse * w**2 + sense * self.polar * rate * w)
+            for sense in (1, -1)
+        ]
+        assert linear.axes == "standing in space"
+        assert found == pytest.approx([sum(both), 1j * (both[1] - both[0])], rel=1e-8)
 
     def test_on_like_bearings_the_whirl_in_space_is_that_of_the_closed_form(self):
         """In turning axes the same motions are seen W lower and higher."""

@@ -35,8 +35,13 @@ from supple.simulation.full_rest import full_rest, known_fulls, rest_errors
 from supple.simulation.rest_limits import warn_of_rest_limits
 from supple.simulation.resting_state import RestingState, placed_at_rest, resting_state
 
-__all__ = ["linearize"]
+__all__ = ["linearize", "linearize_in_space"]
 
+_NOT_IN_SPACE = (
+    "the machine is not linearised in axes fixed in space: full bodies and controllers are not supported "
+    "there (reduce the bodies, leave out the controllers), and joints must leave the same motions free at "
+    "all angles; linearize describes it in co-rotating axes"
+)
 _TURNED_ON = 0.7
 """Rotation, rad, after which the equations are compared; it is no likely angle of symmetry."""
 
@@ -85,6 +90,39 @@ def linearize(
     ConvergenceError    no equilibrium
     Warns ValidityWarning if a body exceeds a limit of its kinematics at the equilibrium.
     """
+    return _linearized(system, time, spin, search, fulls, progress, is_asked_in_space=False)
+
+
+@checked_arguments
+def linearize_in_space(
+    system: System,
+    *,
+    spin: Spin,
+    time: float = 0.0,
+    search: StaticSearch | None = None,
+    fulls: Mapping[str, FullBody] | Sequence[FullBody] | None = None,
+    progress: Callable[[int, float], None] = lambda *_: None,
+) -> LinearMachine:
+    """Small motions of a rotating machine in standing axes, also where they are constant in co-rotating axes.
+
+    For frequency responses of a rotor between ports whose directions are fixed in space, as at the tip of a
+    tool. Parameters and errors as for `linearize`; ModelError for full bodies and controllers.
+    """
+    found = _linearized(system, time, spin, search, fulls, progress, is_asked_in_space=True)
+    assert isinstance(found, LinearMachine)  # machines with full bodies are refused
+    return found
+
+
+def _linearized(
+    system: System,
+    time: float,
+    spin: Spin | None,
+    search: StaticSearch | None,
+    fulls: Mapping[str, FullBody] | Sequence[FullBody] | None,
+    progress: Callable[[int, float], None],
+    *,
+    is_asked_in_space: bool,
+) -> LinearMachine | SparseMachine:
     frictions = [load for load in system.loads if isinstance(load, JointFriction)]
     if frictions and spin is not None and spin.rate:
         raise ModelError(
@@ -115,8 +153,8 @@ def linearize(
     projected = _Projected.of(equations, basis)
     if spin is not None and spin.rate:
         what, change = _change(found, projected, basis, time, spin)
-        if change > CONSTANT:
-            refusal = _refusal(what, change)
+        if change > CONSTANT or is_asked_in_space:
+            refusal = _refusal(what, change) if change > CONSTANT else _NOT_IN_SPACE
             if sparse is not None:
                 raise ModelError(refusal)
             standing = in_standing_axes(found, time, spin, refusal)

@@ -111,7 +111,7 @@ def _warn_of_cut_pairs(found: RestingState, spin: Spin, columns: BodyColumns) ->
                 "not: a pair of equal modes is cut. The equations are therefore periodic, without estimated "
                 "error and state space: keep one mode more, or one fewer",
                 BasisWarning,
-                stacklevel=4,
+                stacklevel=6,
             )
 
 
