@@ -7,7 +7,7 @@ import pytest
 
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
 from supple.equations import StaticSearch
-from supple.errors import ConvergenceError, ModelError, SuppleWarning
+from supple.errors import ConvergenceError, ModelError, SuppleWarning, ValidityWarning
 from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.integrate import FixedStep, Run, Tolerances
 from supple.linearization import linearize
@@ -21,6 +21,7 @@ from supple.machine import (
     Cylindrical,
     DeadForce,
     Fixed,
+    JournalBearing,
     Placed,
     PrescribedRotation,
     Prismatic,
@@ -34,6 +35,7 @@ from supple.machine import (
     System,
     Table,
     TorsionSpringDamper,
+    Unbalance,
 )
 from supple.mesh import CellType, block, strip
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
@@ -273,6 +275,22 @@ def test_a_servo_rests_at_its_set_point_however_fast_that_moves(is_driven):
         np.testing.assert_allclose(ratios, [10 / 0.7, 5 / 0.7])
     assert linear.system.loads == machine.loads
     assert [own.drives for own in linear.system.controllers] == [own.drives for own in machine.controllers]
+
+
+def test_weight_across_the_axis_of_a_spin_is_that_of_one_angle_and_unbalance_is_not():
+    """As a load that rotates, weight deflects a rotor by g / (w^2 - W^2): a sag at rest is g / w^2."""
+    rotor = RigidBody("rotor", 2.0, np.zeros(3), np.diag([0.2, 0.1, 0.1]), {"c": np.zeros(3)})
+    ends = {"first": "ground", "second": "rotor.c", "axis": X}
+    bearing = JournalBearing(**ends, stiffness=2e4 * np.eye(2))
+    heavy = System([rotor], loads=[bearing], gravity=(0.0, 0.0, -9.81))
+    assert equilibrium(heavy).system.bodies[0].position == pytest.approx([0, 0, -9.81 / 1e4], abs=1e-12)
+    with pytest.warns(ValidityWarning, match="is that of one angle.* set the rate to zero"):
+        found = equilibrium(heavy, spin=Spin(60.0, X))
+    assert found.system.bodies[0].position == pytest.approx([0, 0, -9.81 / (1e4 - 60.0**2)], abs=1e-9)
+    unbalanced = System([rotor], loads=[bearing, Unbalance(first="rotor.c", moment=(0.0, 1e-4, 0.0))])
+    found = equilibrium(unbalanced, spin=Spin(60.0, X))
+    expected = 1e-4 * 60.0**2 / (2.0 * (1e4 - 60.0**2))
+    assert found.system.bodies[0].position == pytest.approx([0, expected, 0], abs=1e-12)
 
 
 def test_a_servo_drives_a_rotor_at_the_rate_of_its_law():

@@ -24,6 +24,7 @@ from supple.quantities import TrackedMotion, read_sensors, tracked_places
 from supple.results import summarize
 from supple.simulation import AssembledMachine, Equilibrium, assemble, equilibrium, place_errors
 from supple.simulation.resting_state import placed_at_rest, resting_state
+from supple.simulation.turned_machine import warn_of_varying_loads
 from supple.storage import write_json
 from supple.storage.file_errors import file_errors
 
@@ -98,7 +99,9 @@ def starting_system(case: Case, simulated: System | None = None, *, allow_code: 
     traced = tuple(each for each in system.controllers if isinstance(each, Controller))
     acting = replace(system, controllers=traced)
     # A run needs only the equilibrium, neither its stability nor its forces.
-    found = placed_at_rest(resting_state(acting, time=case.run.start, spin=spin_of(case)))
+    state = resting_state(acting, time=case.run.start, spin=spin_of(case))
+    warn_of_varying_loads(state, case.run.start, spin_of(case))
+    found = placed_at_rest(state)
     resting = iter(found.controllers)
     controllers = tuple(next(resting) if isinstance(own, Controller) else own for own in system.controllers)
     return replace(found, controllers=controllers)

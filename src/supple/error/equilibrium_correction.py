@@ -28,6 +28,8 @@ from supple.quantities.quantity_of_interest import quantity_distance
 from supple.reduction import ReducedBody, ReductionBasis, enrich, project, reduction_basis
 from supple.simulation import Equilibrium, equilibrium
 from supple.simulation.rest_limits import warn_of_rest_limits
+from supple.simulation.resting_state import resting_state
+from supple.simulation.turned_machine import warn_of_varying_loads
 
 __all__ = [
     "MotionOutsideBasis",
@@ -104,6 +106,10 @@ def correct_at_rest(
 
     corrected = correct_statically(system, starts, look)
     warn_of_rest_limits(found[-1].system, found[-1].solution, starts)
+    if spin is not None:
+        warn_of_varying_loads(
+            resting_state(found[-1].system, time=time, spin=spin, search=search), time, spin
+        )
     return found[-1], corrected
 
 

@@ -22,18 +22,18 @@ from supple.linearization.linear_machine import Array, FullMachine, LinearMachin
 from supple.linearization.sparse_machine import SparseMachine
 from supple.linearization.standing_axes import in_standing_axes
 from supple.linearization.standing_error import StandingTurn
-from supple.linearization.turned_machine import (
-    CONSTANT,
-    equations_turned_on,
-    refuse_other_speeds,
-    refuse_turning_bushings,
-)
 from supple.machine import JointFriction, Spin, System
 from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.equilibrium import warn_of_rest
 from supple.simulation.full_rest import full_rest, known_fulls, rest_errors
 from supple.simulation.rest_limits import warn_of_rest_limits
 from supple.simulation.resting_state import RestingState, placed_at_rest, resting_state
+from supple.simulation.turned_machine import (
+    CONSTANT,
+    equations_turned_on,
+    refuse_other_speeds,
+    refuse_turning_bushings,
+)
 
 __all__ = ["linearize", "linearize_in_space"]
 

@@ -36,9 +36,9 @@ from supple.errors import BasisWarning, ModelError
 from supple.linearization.axisymmetry import shapes_without_copy, turn_generator
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.linearization.periodic import Periodic
-from supple.linearization.turned_machine import CONSTANT, equations_turned_on, turning_bodies
 from supple.machine import GROUND, Joint, Spin
 from supple.simulation.resting_state import RestingState, placed_at_rest
+from supple.simulation.turned_machine import CONSTANT, equations_turned_on, turning_bodies
 
 __all__ = ["FEW", "BodyColumns", "Sampled", "constant_in_standing_axes", "in_standing_axes"]
 

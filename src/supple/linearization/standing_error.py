@@ -29,10 +29,10 @@ from supple.linearization.axisymmetry import waves_around
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.linearization.sparse_machine import SparseMachine
 from supple.linearization.standing_axes import FEW, BodyColumns, Sampled, constant_in_standing_axes
-from supple.linearization.turned_machine import equations_turned_on
 from supple.machine import Spin
 from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.resting_state import RestingState
+from supple.simulation.turned_machine import equations_turned_on
 
 __all__ = ["StandingTurn", "slowest_in_standing_axes"]
 

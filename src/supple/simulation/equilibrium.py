@@ -29,6 +29,7 @@ from supple.simulation.resting_state import (
     placed_at_rest,
     resting_state,
 )
+from supple.simulation.turned_machine import warn_of_varying_loads
 from supple.summary import Summarized, Summary
 
 __all__ = ["Equilibrium", "equilibrium"]
@@ -126,7 +127,8 @@ def equilibrium(
     Warns
     -----
     BasisWarning        the basis error of a body is unknown, or 1 % of its largest displacement or more
-    ValidityWarning     a body exceeds a limit of its kinematics; the basis error does not contain this error
+    ValidityWarning     a body exceeds a limit of its kinematics; the basis error does not contain this error.
+                        A spin, with loads for which the equilibrium is not the same at all angles
     Source: [KelleyKeyes1998] for the search.
     """
     search = search or StaticSearch()
@@ -138,6 +140,7 @@ def equilibrium(
     balanced = None if full is None or full.found is None else full.found
     placed, still = placed_at_rest(found), _one_instant(found, time)
     warn_of_rest_limits(placed, still, known)
+    warn_of_varying_loads(found, time, spin)
     return Equilibrium(
         placed,
         still,

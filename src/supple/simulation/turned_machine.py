@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from supple.equations.static_search import carried_state
+from supple.equations.static_search import Equations, StaticState, carried_state
 from supple.equations.steady_motion import LinearEquations
-from supple.errors import ModelError
+from supple.errors import ModelError, ValidityWarning
 from supple.machine import (
     GROUND,
     AngleServo,
@@ -35,6 +36,7 @@ __all__ = [
     "refuse_other_speeds",
     "refuse_turning_bushings",
     "turning_bodies",
+    "warn_of_varying_loads",
 ]
 
 
@@ -43,6 +45,10 @@ CONSTANT = 1e-6
 LITTLE_UNBALANCE = 1e-5
 """Eccentricity of the mass, relative to the size of the machine, up to which a rotor is linearised as if it
 were balanced: a mesh that is not symmetric about the axis is slightly unbalanced."""
+LATER, LEAST_VARYING, ROUND_OFF_UNBALANCE = 0.7, 1e-3, 1e-7
+"""Angle, rad, at which an equilibrium is compared with that found, unlikely as an angle of symmetry; relative
+unbalance there above which the equilibrium is that of one angle; eccentricity of the mass, relative to the
+size of the machine, that has this unbalance or less."""
 SAME_RATE = 1e-9
 """Ratio of a drive's rate to the spin rate up to which the drive counts as fixed."""
 
@@ -111,13 +117,40 @@ def _turns(end: At | Any, found: RestingState, turning: np.ndarray) -> bool:
 
 def equations_turned_on(found: RestingState, time: float, spin: Spin, angle: float) -> TurnedEquations:
     """The equations of the machine rotated by an angle (rad) about the axis, with its loads unchanged."""
+    later, state, unbalanced = _carried_on(found, time, spin, angle, LITTLE_UNBALANCE / CONSTANT)
+    return TurnedEquations(later.linear_equations(state, time), unbalanced)
+
+
+def warn_of_varying_loads(found: RestingState, time: float, spin: Spin | None) -> None:
+    """ValidityWarning of a machine in steady rotation that is not in equilibrium at a later angle."""
+    if spin is None or not spin.rate:
+        return
+    *_, unbalanced = _carried_on(found, time, spin, LATER, ROUND_OFF_UNBALANCE / LEAST_VARYING)
+    if unbalanced > LEAST_VARYING:
+        warnings.warn(
+            f"the equilibrium in steady rotation is that of one angle: rotated by {LATER:g} rad, "
+            f"{unbalanced:.2g} of the forces are not in balance (gravity or loads normal to the axis, or an "
+            "unbalanced rotor on supports that differ between directions). Loads that are fixed in space act "
+            "here as if they rotated with the machine, and deflect a rotor otherwise. For the deflection by "
+            "weight of a rotor set the rate to zero; otherwise simulate the rotation",
+            ValidityWarning,
+            stacklevel=4,
+        )
+
+
+def _carried_on(
+    found: RestingState, time: float, spin: Spin, angle: float, least_size: float
+) -> tuple[Equations, StaticState, float]:
+    """The machine rotated by an angle, its state, and the largest relative unbalance of forces.
+
+    least_size : least size of the forces, relative to the inertia forces of all mass at a radius of the size
+    """
     system = _turned_on(found, time, spin, angle)
     system = replace(system, bodies=tuple(map(at_rest, system.bodies)))
     later = equations_of(system, found.turning, time, found.equations.model.active)
     mass = sum(placed.body.mass for placed in system.bodies)
     turning = mass * (spin.rate * float(found.equations.model.length)) ** 2
-    state, unbalanced = carried_state(later, time, LITTLE_UNBALANCE * turning / CONSTANT)
-    return TurnedEquations(later.linear_equations(state, time), unbalanced)
+    return later, *carried_state(later, time, least_size * turning)
 
 
 def _turned_on(found: RestingState, time: float, spin: Spin, angle: float) -> System:
