@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from supple.body import MeanAxisFrame, NodalFixedFrame
+from supple.body import MeanAxisFrame, NodalFixedFrame, RigidInterface, superelement
 from supple.equations import balances
 from supple.errors import ModelError
 from supple.integrate import FixedStep, Newmark, Run, Tolerances
 from supple.linearization import CampbellDiagram, campbell_diagram, linearize, machine_modes, mode_names
-from supple.machine import JournalBearing, Placed, Spin, System, Unbalance
-from supple.reduction import CraigBampton, NoDerivatives, NoLoads, NormalModes, reduce
+from supple.machine import JournalBearing, Placed, Revolute, Spin, System, Unbalance
+from supple.reduction import CompleteBasis, CraigBampton, NoDerivatives, NoLoads, NormalModes, reduce
 from supple.results.mode_tables import speed_tables
 from supple.simulation import simulate
 from supple.units import UNNAMED
@@ -124,6 +124,31 @@ def test_modes_of_an_unbalanced_shaft_of_beams_are_whirls_not_those_of_a_blade()
         "forward whirl",
         "backward whirl",
     }
+
+
+def test_a_shaft_of_unequal_stiffness_is_unstable_between_its_critical_speeds():
+    """A disc of 10 kg that is held in axes that turn by 100 and 144 kN/m: sqrt(k / m) = 100 and 120 rad/s."""
+    springs = np.diag([1e8, 1e5, 1.44e5, 1e8, 1e6, 1e6])
+    body = superelement(
+        "rotor",
+        np.zeros((2, 3)),
+        np.kron([[1.0, -1.0], [-1.0, 1.0]], springs),
+        np.diag([10.0, 10.0, 10.0, 3.0, 2.0, 2.0, 10.0, 10.0, 10.0, 0.2, 0.1, 0.1]),
+        dofs_per_node=6,
+        interfaces=[RigidInterface("hub", [0])],
+    )
+    reduced = reduce(body, NodalFixedFrame("hub"), CompleteBasis(), derivatives=NoDerivatives())
+    hinge = Revolute(first="ground", second="rotor.hub", axis=(1, 0, 0))
+    spins = [Spin(rate, (1, 0, 0)) for rate in np.linspace(0.0, 165.0, 12)]
+    diagram = campbell_diagram(System([reduced], [hinge]), spins, n_modes=3, fulls=())
+    assert [each.rate for each in diagram.critical_speeds] == pytest.approx([100.0, 120.0], rel=2e-3)
+    (onset,) = diagram.onsets
+    assert onset.rate == pytest.approx(100.0, rel=2e-3)
+    # s^4 + (w1^2 + w2^2 + 2 W^2) s^2 + (w1^2 - W^2)(w2^2 - W^2) = 0 at 105 rad/s
+    growth = np.sqrt(
+        np.roots([1.0, 1e4 + 1.44e4 + 2 * 105.0**2, (1e4 - 105.0**2) * (1.44e4 - 105.0**2)]).max()
+    )
+    assert diagram.eigenvalues[7].real.max() == pytest.approx(growth, rel=1e-6)
 
 
 def test_internal_damping_makes_the_whirl_of_jeffcotts_rotor_unstable():

@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -98,7 +99,7 @@ class CampbellDiagram(Summarized):
 
     @property
     def critical_speeds(self) -> tuple[CriticalSpeed, ...]:
-        """Speeds at which the frequency `in_space` of a whirl equals the spin rate, by linear interpolation.
+        """Speeds at which the frequency of a whirl equals the spin rate, by linear interpolation, ascending.
 
         Backward whirl is included only for eigenvalues in standing axes, because unequal bearings couple both
         senses.
@@ -117,7 +118,8 @@ class CampbellDiagram(Summarized):
                 if ahead[0] * ahead[1] < 0 and (own >= 0 or self.axes == STANDING):
                     share = ahead[0] / (ahead[0] - ahead[1])
                     found.append(CriticalSpeed(float(rate + share * (after - rate)), own))
-        return tuple(found)
+        found += [CriticalSpeed(rate, 1) for rate in self._divergences.values()]
+        return tuple(sorted(found))
 
     @property
     def onsets(self) -> tuple[Onset, ...]:
@@ -126,12 +128,46 @@ class CampbellDiagram(Summarized):
         least = GROWS * float(np.nanmax(abs(self.eigenvalues), initial=0.0))
         unstable = np.nan_to_num(growth) > least
         found = [Onset(float(self.rates[0]), int(mode)) for mode in np.flatnonzero(unstable[0])]
-        for row, mode in np.argwhere(unstable[1:] & ~unstable[:-1]):
+        for row, mode in np.argwhere(unstable[1:] & ~unstable[:-1]).tolist():
+            if (row, mode) in self._divergences:
+                found.append(Onset(self._divergences[row, mode], mode))
+                continue
             before, after = growth[row : row + 2, mode]
             share = np.clip(before / (before - after), 0.0, 1.0) if np.isfinite(before) else 1.0
             rate = self.rates[row] + share * (self.rates[row + 1] - self.rates[row])
-            found.append(Onset(float(rate), int(mode)))
+            found.append(Onset(float(rate), mode))
         return tuple(found)
+
+    @cached_property
+    def _divergences(self) -> dict[tuple[int, int], float]:
+        """Limits of the speeds at which modes grow without oscillation in turning axes, by row and mode.
+
+        A rotor of unequal stiffness diverges between its critical speeds. With the damping c, (s + c)^2 is
+        smooth over the speed, and c^2 where s is zero.
+        """
+        limits: dict[tuple[int, int], float] = {}
+        if self.axes == STANDING:
+            return limits
+        least = GROWS * float(np.nanmax(abs(self.eigenvalues), initial=0.0))
+        diverges = (self.eigenvalues.imag == 0) & (self.eigenvalues.real > least)
+        for row, mode in np.argwhere(diverges[1:] != diverges[:-1]).tolist():
+            s, grows_first = self.eigenvalues[:, mode], bool(diverges[row, mode])
+            # Both speeds, and a third one at which the mode oscillates.
+            third = row + 2 if grows_first else row - 1
+            rows = [row, row + 1, *[third] * (0 <= third < len(s))]
+            damping = -s[row + 1 if grows_first else row].real
+            squares = ((s[rows] + damping) ** 2).real - damping**2
+            if np.isfinite(squares).all():
+                start = self.rates[row]
+                roots = np.roots(np.polyfit(self.rates[rows] - start, squares, len(rows) - 1))
+                inside = [
+                    float(each.real)
+                    for each in roots
+                    if each.imag == 0 and 0 <= each.real / (self.rates[row + 1] - start) <= 1
+                ]
+                if inside:
+                    limits[row, mode] = float(start + inside[0])
+        return limits
 
     @property
     def frequencies(self) -> Array:
@@ -227,7 +263,7 @@ def campbell_diagram(
         else:
             table, apart = _likeness(before, modes)
             # Among similar shapes, the one with the nearest frequency is chosen.
-            rows, chosen = scipy.optimize.linear_sum_assignment(apart - table)
+            rows, chosen = scipy.optimize.linear_sum_assignment(apart - table + _unlikely(before, modes))
             likeness.append(_placed(len(table), rows, table[rows, chosen]))
         eigenvalues = _placed(wanted, rows, modes.eigenvalues[chosen])
         with _held(BasisWarning) as words:
@@ -280,6 +316,17 @@ def _likeness(before: MachineModes, modes: MachineModes) -> tuple[Array, Array]:
     through = abs(old - np.conj(new)) / (size + 2 * abs(spin.rate))
     nearer = through - passed < apart - table
     return np.where(nearer, passed, table), np.where(nearer, through, apart)
+
+
+def _unlikely(before: MachineModes, modes: MachineModes) -> Array:
+    """1 for real decaying eigenvalues (n1, n2) that oscillated before, if a real one grows; 0 for all others.
+
+    Where a pair becomes two real eigenvalues, the growing one is followed.
+    """
+    real = modes.eigenvalues.imag == 0
+    grows = real & modes.unstable
+    decays = real & (modes.eigenvalues.real < 0) & bool(grows.any())
+    return (before.eigenvalues.imag[:, None] > 0) & decays
 
 
 def _some(modes: MachineModes, chosen: np.ndarray) -> MachineModes:

@@ -68,6 +68,9 @@ def whirl(modes: MachineModes) -> Whirl:
     apart = abs(w[:, None] - w) + np.diag(np.full(len(w), np.inf))
     known = moves & (abs(part) > TURNING_ROUND) & (apart.min(axis=1, initial=np.inf) > ALIKE * w)
     signed = np.where(part > 0, rate + w, rate - w)
+    # What grows or decays in turning axes without oscillation goes round with the rotor.
+    carried = (both > LEAST) & (w == 0) & (modes.eigenvalues != 0)
+    known, signed = known | carried, np.where(carried, rate, signed)
     return Whirl(np.where(known, np.sign(signed), 0.0).astype(int), np.where(known, abs(signed), np.nan))
 
 
