@@ -34,6 +34,7 @@ from supple.linearization import (
     mode_names,
     whirl,
 )
+from supple.linearization.linear_machine import STANDING
 from supple.machine import Spin, System
 from supple.results.mode_tables import SENSES, mode_tables, speed_tables
 from supple.results.run_summary import unit_names
@@ -41,6 +42,7 @@ from supple.results.view import View
 from supple.simulation.equilibrium import LARGEST_ERROR
 from supple.storage import write_json
 from supple.storage.file_errors import file_errors
+from supple.units import plain_number, with_unit
 
 __all__ = ["campbell_case", "mode_case", "modes_case"]
 
@@ -317,6 +319,15 @@ def _draw(case: Case, modes: MachineModes, folder: Path, progress: StepProgress)
     from supple.viz import animate_mode, draw_mode, mode_titles
 
     titles = mode_titles(modes.frequencies / (2 * np.pi), case.units)
+    if modes.machine.axes != STANDING:
+        in_space = _shown(case, whirl(modes).frequencies)
+        unit = case.units.frequency_shown.unit
+        titles = [
+            f"{title} (in space {with_unit(plain_number(w, 4), unit)})"
+            if np.isfinite(w)
+            else f"{title} (turning)"
+            for title, w in zip(titles, in_space, strict=True)
+        ]
     output, system = case.tables.output, replace(modes.machine.system, loads=())
     nothing = np.zeros((1, modes.shapes.shape[0]))
     rest = modes.machine.motion_near(nothing, nothing)
