@@ -8,6 +8,7 @@ from supple.aero import (
     NodalForces,
     Operation,
     PowerLawShear,
+    Rotor,
     Wind,
     air_loads,
     lumped_forces,
@@ -25,6 +26,12 @@ TIMES = np.linspace(0, 6, 13)
 @pytest.fixture(scope="module")
 def forces(rotor):
     return prescribed_forces(rotor, RUN, WIND, span=SPAN, hub_radius=1.5, times=TIMES)
+
+
+@pytest.fixture
+def short_rotor(thin_airfoil):
+    polars = (thin_airfoil,) * 2
+    return Rotor(radius=[1.1, 21.2], chord=[2.0, 1.0], twist=[0.2, 0.0], polars=polars, n_blades=3)
 
 
 def test_lumping_keeps_the_resultant():
@@ -45,6 +52,16 @@ def test_forces_are_those_of_the_air(rotor, forces):
     )
     assert (forces.forces[..., 0].sum(axis=1) > 0).all()
     assert not forces.forces[..., 2].any()
+
+
+def test_a_tip_beyond_the_table_by_rounding_is_the_tip(short_rotor):
+    """20.1 + 1.1 exceeds 21.2 in floating point; at the tip the loss factor, and so the load, is zero."""
+    span = np.array([0.0, 10.0, 20.1])
+    assert span[-1] + 1.1 > short_rotor.tip_radius == 21.2
+    forces = prescribed_forces(short_rotor, RUN, WIND, span=span, hub_radius=1.1, times=TIMES).forces
+    assert abs(forces[:, -1]).max() < 1e-3 * forces[:, 1, 0].min()
+    with pytest.raises(ModelError, match=r"off the blade, which runs from 1\.1 to 21\.2"):
+        prescribed_forces(short_rotor, RUN, WIND, span=span, hub_radius=1.11, times=TIMES)
 
 
 def test_ramp_starts_from_rest(rotor, forces):

@@ -92,7 +92,7 @@ def air_loads(rotor: Rotor, operation: Operation, *, radius: ArrayLike, wind: Ar
     ConvergenceError   no inflow angle in (0, pi/2] balances the momentum (the rotor drives the air)
     Source: [Hansen2015], chapter 6; residual without singular points after [Ning2014].
     """
-    radius, wind = np.asarray(radius, dtype=np.float64), np.asarray(wind, dtype=np.float64)
+    radius, wind = rotor.on_blade(radius), np.asarray(wind, dtype=np.float64)
     polars = rotor.polars_at(radius)
     bad = np.argwhere(~((wind > 0) & np.isfinite(wind)))
     if bad.size:

@@ -15,6 +15,9 @@ __all__ = ["Rotor"]
 
 FloatArray = NDArray[np.float64]
 
+ROUNDING = 1e-6
+"""Distance from the blade, relative to the tip radius, up to which a radius is off by rounding only."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Rotor:
@@ -73,15 +76,24 @@ class Rotor:
         """Radius of the tip, m."""
         return float(self.radius[-1])
 
-    def polars_at(self, radius: ArrayLike) -> BlendedPolars:
-        """Polars at radii (k,), blended linearly between neighbouring stations; ModelError off the blade."""
+    def on_blade(self, radius: ArrayLike) -> FloatArray:
+        """Radii (k,), with those that rounding puts beyond an end of the blade moved to this end.
+
+        Raises ModelError for radii off the blade.
+        """
         radius = np.asarray(radius, dtype=np.float64)
-        outside = np.flatnonzero(~((radius >= self.radius[0]) & (radius <= self.radius[-1])))
+        inside = np.clip(radius, self.radius[0], self.radius[-1])
+        outside = np.flatnonzero(~(abs(radius - inside) <= ROUNDING * self.tip_radius))
         if outside.size:
             raise ModelError(
                 f"radius {radius[outside[0]]:g} lies off the blade, which runs from {self.radius[0]:g} to "
                 f"{self.radius[-1]:g}; radius is span plus hub radius"
             )
+        return inside
+
+    def polars_at(self, radius: ArrayLike) -> BlendedPolars:
+        """Polars at radii (k,), blended linearly between neighbouring stations; ModelError off the blade."""
+        radius = self.on_blade(radius)
         inner = np.clip(np.searchsorted(self.radius, radius, side="right") - 1, 0, self.radius.size - 2)
         part = (radius - self.radius[inner]) / (self.radius[inner + 1] - self.radius[inner])
         return blend_polars(self.polars, inner, part)
