@@ -135,6 +135,35 @@ def test_a_rest_out_of_reach_of_the_reduced_one_is_found_from_the_start(bar, mon
     assert far.displacement == pytest.approx(near.displacement, abs=1e-6 * near.worst)
 
 
+def test_a_body_that_rounding_alone_deforms_has_no_error():
+    """A balanced rotor on a mast exerts forces of 1e-13 on it: no load, and no error in per cent."""
+    ends = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
+    mesh = block(LENGTH, 0.02, 0.01, 2, 1, 1, CellType.HEXA20)
+    mast = flexible_body("mast", solid_model(mesh, Isotropic(E, 0.0, DENSITY)), ends).linearized()
+    reduced = reduce(mast, ROOT, Rubin(1), derivatives=NoDerivatives(), loads=NoLoads)
+    centre = np.array([LENGTH, 0, 0])
+    arms = [0.3 * np.array([np.cos(angle), np.sin(angle), 0]) for angle in 2 * np.pi / 3 * np.arange(3)]
+    places = {f"arm {k}": arm for k, arm in enumerate(arms)}
+    rotor = [Placed(RigidBody("hub", 1.0, np.zeros(3), np.eye(3), {"axle": [0, 0, 0], **places}), centre)]
+    joints = [
+        Fixed(name="clamp", first=GROUND, second=At("mast", "root")),
+        PrescribedRotation(
+            name="axle", first=At("mast", "tip"), second=At("hub", "axle"), axis=(0, 0, 1), angle=0.0
+        ),
+    ]
+    for k, arm in enumerate(arms):
+        mass = RigidBody(f"mass {k}", 1.0, np.zeros(3), np.eye(3), {"at": [0, 0, 0]})
+        rotor.append(Placed(mass, centre + arm))
+        joints.append(Fixed(name=f"weld {k}", first=At("hub", f"arm {k}"), second=At(mass.name, "at")))
+    spin = Spin(RATE, (0, 0, 1), point=centre, bodies=[placed.body.name for placed in rotor])
+    found = equilibrium(
+        System((Placed(reduced), *rotor), tuple(joints)), spin=spin, fulls=[FullBody(mast, ROOT)]
+    )
+    error = found.errors["mast"]
+    assert error.worst < 1e-15
+    assert (error.size, error.relative, error.strain) == (0, 0, 0)
+
+
 @pytest.fixture(scope="module")
 def spun():
     """A bar with a mass at its end, that spins: by bending modes alone, and with all coordinates."""

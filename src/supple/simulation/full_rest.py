@@ -59,6 +59,8 @@ NOTHING = 1e-8
 ROUND_OFF = 1e-12
 """Largest displacement of an undeformed body, relative to its size."""
 MOST_SWEEPS = 12
+ROUNDING = 1e-12
+"""Displacement, relative to the length of a body, up to which the body counts as undeformed."""
 NEAR_BY = 20
 """Largest number of iterations of the search from the reduced equilibrium if the sweeps do not contract."""
 
@@ -71,7 +73,8 @@ class EquilibriumError:
                 reduced body; without rigid motion where the joints leave it free
     deformation : (n,)      all coordinates of the body in its frame, minus those of its columns without the
                 condensed motion: the column that its basis lacks
-    size : float            largest displacement of a node, relative to the first interface
+    size : float            largest displacement of a node, relative to the first interface; zero if it is
+                rounding only
     strain : float          square root of the ratio of two strain energies: missing to whole deformation
     second : float          ratio of the second sweep to the first: above a third, first order is insufficient
     known : bool            False if no equilibrium with all coordinates was found: `rms`, `worst`, `relative`
