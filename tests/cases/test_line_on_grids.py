@@ -118,8 +118,10 @@ def test_a_root_that_was_clamped_gets_its_mass_back(wing, line):
     assert placed.body.mass == pytest.approx(line.total_mass)
 
 
-def test_the_check_of_a_case_tells_of_its_lines(wing, line):
-    told = CliRunner().invoke(app, ["check", str(wing())])
+@pytest.mark.parametrize("condensed", ["paths", "released = true, paths"])
+def test_the_check_of_a_case_tells_of_its_lines(wing, line, condensed):
+    """A released line has the modes of the free one; the check gives those on its support all the same."""
+    told = CliRunner().invoke(app, ["check", str(wing(("paths", condensed)))])
     assert told.exit_code == 0
     lowest = intrinsic_modes(line, CLAMPED).omega[0] / (2 * np.pi)
     output = " ".join(told.output.split())

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from rich.table import Table
 
 from supple.body import MatrixFiles, ModelCheck, Verdict, deck_source, labelled_matrices_source
@@ -71,11 +70,11 @@ def _print_lines(case: Case) -> None:
         if not table.is_line:
             continue
         body: Any = table.build(None, case.folder, silent).body
-        lowest = body.modes.frequencies[:6] / (2 * np.pi)
+        held, lowest = body.stated_frequencies()
         listed = ", ".join(f"{factor * frequency:.4g}" for frequency in lowest)
         line = (
             f"body '{body.name}': condensed on {body.line.n} stations, mass {body.mass:.5g}; rigid-body "
-            f"residual {body.line.rigid_force:.0e}; lowest frequencies on its support "
+            f"residual {body.line.rigid_force:.0e}; lowest frequencies {held} "
             f"{with_unit(listed, hertz)}"
         )
         say(line)

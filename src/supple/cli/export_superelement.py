@@ -148,10 +148,8 @@ def _write_blade(target: Path, case: Case, body: IntrinsicBody) -> None:
             f"{case.path}: body '{body.name}' has no section table for BeamDyn; reduce it in a floating "
             "frame for ExtPtfm"
         )
-    own = body.supported or body  # the modes of a released body are those of the free one
-    values = _listed(own.modes.frequencies[:6] / (2 * np.pi))
-    held = "free" if own.support.free.shape[1] == 6 else "on its support"
-    title = f"{body.name}: frequencies for comparison, {held}, cycles per unit of time: {values}"
+    held, values = body.stated_frequencies()
+    title = f"{body.name}: frequencies for comparison, {held}, cycles per unit of time: {_listed(values)}"
     primary, blade = write_beamdyn(
         target, read_section_table(case.folder / table.section_table), title=[title]
     )

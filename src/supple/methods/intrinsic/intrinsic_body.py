@@ -352,6 +352,15 @@ class IntrinsicBody(FormDefaults, Summarized):
         """Infinite: rotations are not limited."""
         return np.inf
 
+    def stated_frequencies(self) -> tuple[str, Array]:
+        """Words for the support of the body before release, and its lowest six frequencies on it.
+
+        Cycles per unit of time. A released body has the modes of the free body as its own.
+        """
+        own = self.supported or self
+        held = "free" if own.support.free.shape[1] == 6 else "on its support"
+        return held, own.modes.frequencies[:6] / (2 * np.pi)
+
     def lowest_frequency(self) -> float:
         """Lowest frequency of the elastic modes on its support, rad/s; infinite for a rigid body."""
         return float(self.modes.frequencies.min(initial=np.inf))
