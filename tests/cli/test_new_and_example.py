@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from fixtures.abaqus_text import abaqus_text
+from fixtures.section_tables import prismatic
 from typer.testing import CliRunner
 
 from supple import cases
 from supple.cases.read_case import read_case
 from supple.cli.main import app
 from supple.errors import ArgumentError, CaseError, MeshError, ModelError
-from supple.importers import read_mesh
+from supple.export import write_beamdyn
+from supple.importers import read_mesh, write_section_csv
 from supple.mesh import CellType, block
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -106,6 +109,24 @@ def test_a_new_case_is_read_and_built(mesh, kind, tmp_path):
     assert body.condense is not None  # both are slender
     assert (body.interface[0].nodes, body.interface[1].nodes) == ("ROOT", "TIP")
     assert case.tables.output.track == ("wing.tip" if kind == "shell" else "rod.tip",)
+
+
+@pytest.mark.parametrize("name", ["blade.csv", "blade.dat"])
+def test_a_new_case_of_a_section_table(name, tmp_path):
+    """A uniform curve of 4 m and 3 kg/m; as CSV, and in BeamDyn's files, whose suffix is also Nastran's."""
+    write = write_section_csv if name == "blade.csv" else lambda table, path: write_beamdyn(path, table)
+    write(prismatic(n=9), tmp_path / name)
+    case = tmp_path / "case.toml"
+    told = [CliRunner().invoke(app, [what, str(tmp_path / name)]) for what in ("info", "check")]
+    assert re.search(r"mass\s+│ 12 ", told[0].output)
+    assert "a section table is not a complete model; write a case: supple new" in " ".join(
+        told[1].output.split()
+    )
+    cases.write_new_case(tmp_path / name, case)
+    read = read_case(case)
+    (placed,) = read.system.bodies
+    assert (placed.body.mass, placed.body.line.n) == (pytest.approx(12.0), 31)
+    assert read.tables.output.track == ("blade.tip",)
 
 
 @pytest.mark.parametrize(("cells", "stations"), [(6, 7), (10, 11), (40, 21)])

@@ -12,7 +12,7 @@ import numpy as np
 
 from supple.cases.result_machine import path_from
 from supple.errors import ArgumentError
-from supple.importers import DECK_SUFFIXES, read_deck, read_mesh
+from supple.importers import DECK_SUFFIXES, is_section_file, read_deck, read_mesh, read_section_table
 from supple.importers.deck import Deck, IsotropicMaterial
 from supple.machine import MUJOCO_SUFFIXES, Cylindrical, Prismatic, Revolute, features_not_read, read_mujoco
 from supple.mesh import CellType, Mesh
@@ -27,6 +27,8 @@ AT_END = 0.01
 """Largest distance of the nodes of a set from the end of a slender body, relative to its length."""
 STATIONS = (21, 17, 13, 11, 9, 7, 6, 5)
 """Numbers of stations of a slender body; the first that its mesh supports is chosen."""
+OF_A_TABLE = 31
+"""Number of stations of a section table."""
 OF_A_SLICE = 3
 """Smallest number of nodes of a slice between two cuts halfway between stations."""
 OF_FIRST_ORDER = 5_000
@@ -35,6 +37,8 @@ OF_FIRST_ORDER = 5_000
 
 def write_new_case(mesh_file: Path, path: Path) -> None:
     """Write a case of one body to `path`: clamped at a node set of its mesh, loaded by gravity.
+
+    The file may also be a section table, whose body is clamped at its root.
 
     The node set is the first with three nodes or more, but fewer than half of the nodes; without any set of
     fewer than half, interface and joint are written as comments. A slender mesh with node sets at both ends
@@ -87,7 +91,7 @@ class _Model:
     tracked : the last of them that has no node of `root`; None if there is none
     ends : names of one set at each end of a slender body; None if its mesh is too coarse for stations
     stations : their number, for a body with `ends`
-    kind : `solid` or `shell`; `nastran` or `abaqus` where the file has properties
+    kind : `solid` or `shell`; `nastran` or `abaqus` where the file has properties; `section_table`
     second_order : whether the mesh has cells of first order that are too stiff in bending
     units : in which the materials of the file are plausible; None without materials, or if no units fit
     """
@@ -104,6 +108,9 @@ class _Model:
 
 
 def _read(file: Path) -> _Model:
+    if is_section_file(file):
+        length = float(read_section_table(file).lengths[-1])
+        return _Model((length, 0.0, 0.0), (), None, None, ("root", "tip"), OF_A_TABLE, "section_table")
     if file.suffix.lower() in DECK_SUFFIXES:
         deck = read_deck(file)
         if deck.properties:
@@ -242,15 +249,14 @@ def _case(name: str, named: str, model: _Model) -> str:
 # {name} under its weight. Check the lines marked GUESS; `supple info {named}` lists sets and sizes.
 
 title = "{name} under its weight"
-# GUESS: {why}the mesh is {model.spans[0]:.4g} long;
-# nothing is converted, so mesh and numbers need the same units.
+# GUESS: {why}the body is {model.spans[0]:.4g} long;
+# nothing is converted, so file and case need the same units.
 units = {{ length = "{units.length}", mass = "{units.mass}", time = "s", {units.derived} }}
 gravity = [0.0, 0.0, -{units.gravity}]   # GUESS
 
 [[body]]
 name = "{name}"
-mesh = "{named}"
-{_material(model)}
+{_source(named, model)}
 {_reduction(model)}
 
 {_support(name, model)}
@@ -263,7 +269,7 @@ start = "equilibrium"
 # A load besides the weight, at a node set or an interface:
 # [[load]]
 # kind = "force"
-# at = "{name}.SET"
+# at = "{name}.{"SET" if model.ends is None else "tip"}"
 # vector = [0.0, 0.0, 1000.0]
 # law = {{ kind = "ramp", value = 1.0, duration = 0.5 }}
 {_output(name, model)}"""
@@ -279,6 +285,12 @@ condense = {{ root = "root", tip = "tip", stations = {model.stations}, modes = 1
 frame = {{ kind = "mean-axis" }}
 # Tolerance, step and basis are refined until the estimated error is at most 1e-3 of the largest displacement.
 reduction = {{ basis = "{basis}", accuracy = {{ relative = 1e-3 }} }}"""
+
+
+def _source(named: str, model: _Model) -> str:
+    if model.kind == "section_table":
+        return f'section_table = "{named}"   # stiffness and inertia of the sections'
+    return f'mesh = "{named}"\n{_material(model)}'
 
 
 def _material(model: _Model) -> str:
@@ -301,6 +313,16 @@ def _support(name: str, model: _Model) -> str:
         ", ".join(model.sets[:20]) or "none: name the nodes in the mesher, or give node_indices = [..] here"
     )
     root, tip = model.ends or (model.root or "SET", None)
+    if model.kind == "section_table":
+        return f"""\
+# The first and the last station; a further interface has node_indices = [NUMBER OF ITS STATION].
+[[body.interface]]
+name = "root"
+
+[[body.interface]]
+name = "tip"
+
+{_joint(name)}"""
     held = f"""\
 # Node sets with fewer than half of the nodes (at most 20): {known}
 [[body.interface]]
@@ -314,19 +336,23 @@ name = "tip"
 nodes = "{tip}"
 kind = "averaging"   # its section may deform
 """
-    held += f"""
-[[joint]]
-name = "support"
-kind = "fixed"
-first = "ground"
-second = "{name}.root"
-"""
+    held += "\n" + _joint(name)
     if model.sets:
         return held
     return (
         "\n".join(f"# {line}".rstrip() if not line.startswith("#") else line for line in held.splitlines())
         + "\n"
     )
+
+
+def _joint(name: str) -> str:
+    return f"""\
+[[joint]]
+name = "support"
+kind = "fixed"
+first = "ground"
+second = "{name}.root"
+"""
 
 
 def _output(name: str, model: _Model) -> str:

@@ -15,7 +15,7 @@ from supple.cases.bodies import Body
 from supple.cases.notify import silent
 from supple.cli.info import is_only_a_mesh
 from supple.errors import ImportFormatError, ModelError
-from supple.importers import DECK_SUFFIXES, HDF5_SUFFIXES, read_deck
+from supple.importers import DECK_SUFFIXES, HDF5_SUFFIXES, is_section_file, read_deck
 from supple.terminal import LOGGER, PrintedMessage, say, words
 from supple.units import UNNAMED, UnitSystem, with_unit
 
@@ -86,6 +86,10 @@ def _has_no_model(body: Body, case: Case) -> bool:
 
 def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, UnitSystem]]:
     suffix = path.suffix.lower()
+    if is_section_file(path):
+        raise ImportFormatError(
+            f"{path}: a section table is not a complete model; write a case: supple new {path}"
+        )
     if suffix in DECK_SUFFIXES:
         try:
             source = deck_source(path)

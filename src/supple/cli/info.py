@@ -8,7 +8,15 @@ from pathlib import Path
 from supple.cases import read_case
 from supple.cli.deck_report import deck_report, deck_rows, write_deck_report
 from supple.errors import ArgumentError, ImportFormatError
-from supple.importers import DECK_SUFFIXES, MESH_SUFFIXES, read_deck, read_mesh
+from supple.importers import (
+    DECK_SUFFIXES,
+    MESH_SUFFIXES,
+    SECTION_SUFFIXES,
+    is_section_file,
+    read_deck,
+    read_mesh,
+    read_section_table,
+)
 from supple.importers.deck import Deck
 from supple.importers.nastran.deck_file import has_no_sections
 from supple.machine import MUJOCO_SUFFIXES
@@ -20,7 +28,7 @@ from supple.units import with_unit
 
 
 def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: bool = False) -> None:
-    """Print a summary of the file at `path`: a case, mesh, deck or result.
+    """Print a summary of the file at `path`: a case, mesh, deck, section table or result.
 
     json : output file for the numbers of a deck
     n_modes : number of lowest frequencies of a deck to compute
@@ -32,7 +40,8 @@ def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: 
     CaseError, ImportFormatError, MeshError, ResultFileError    a file that cannot be read, or of another kind
     """
     suffix = path.suffix.lower()
-    if suffix in DECK_SUFFIXES:
+    of_sections = is_section_file(path)
+    if suffix in DECK_SUFFIXES and not of_sections:
         if held and not n_modes:
             raise ArgumentError("--held is for frequencies: give their number as well, such as --modes 6")
         if json is not None and json.resolve() == path.resolve():
@@ -56,10 +65,12 @@ def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: 
         print_rows(f"Reduced body {path}", read_reduced_body(path).summary().rows)
     elif suffix == ".h5":
         print_rows(f"Result {path}", describe_result(path))
+    elif of_sections:
+        print_rows(f"Section table {path}", _describe_sections(path))
     elif suffix in MESH_SUFFIXES:
         print_rows(f"Mesh {path}", read_mesh(path).summary().rows)
     else:
-        known = ", ".join((".toml", ".h5", *MESH_SUFFIXES))
+        known = ", ".join(dict.fromkeys((".toml", ".h5", *MESH_SUFFIXES, *SECTION_SUFFIXES)))
         machine = f"; write a case with this machine: supple new {path}" if suffix in MUJOCO_SUFFIXES else ""
         raise ImportFormatError(f"{path}: unknown kind of file; give one that ends in {known}{machine}")
 
@@ -76,6 +87,18 @@ def is_only_a_mesh(deck: Deck) -> bool:
         each.meaning.startswith(("elements without a section", "elements left out: their property"))
         for each in deck.left_out
     )
+
+
+def _describe_sections(path: Path) -> Iterator[Row]:
+    table = read_section_table(path)
+    yield "sections", str(table.n)
+    yield "length along the curve", f"{table.lengths[-1]:.6g}"
+    yield "mass", f"{table.mass:.6g}"
+    for end, k in (("root", 0), ("tip", -1)):
+        stiffness = table.stiffness[k].diagonal()[2:]
+        yield f"{end}, position", ", ".join(f"{value:.6g}" for value in table.positions[k])
+        yield f"{end}, mass per length", f"{table.inertia[k, 0, 0]:.6g}"
+        yield f"{end}, EA, EI about x, EI about y, GJ", ", ".join(f"{value:.4g}" for value in stiffness)
 
 
 def _describe_case(path: Path) -> Iterator[Row]:

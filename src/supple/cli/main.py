@@ -368,7 +368,10 @@ def export(
 @app.command()
 def info(
     path: Annotated[
-        Path, typer.Argument(help="Case (.toml), deck (.inp, .bdf ..), mesh (.msh) or result (.h5).")
+        Path,
+        typer.Argument(
+            help="Case (.toml), deck (.inp, .bdf ..), mesh (.msh), section table (.csv ..) or result (.h5)."
+        ),
     ],
     json: Annotated[
         Path | None, typer.Option("--json", help="JSON file to write, with the numbers of a deck.")
@@ -382,7 +385,7 @@ def info(
     ] = False,
     debug: Debug = False,
 ) -> None:
-    """Print a summary of a case, deck, mesh or result file."""
+    """Print a summary of a case, deck, mesh, section table or result file."""
     from supple.cli.info import print_info
 
     with reported_errors(debug=debug), reported_warnings():
@@ -429,15 +432,18 @@ def example(
 @app.command()
 def new(
     mesh: Annotated[
-        Path, typer.Argument(help="Mesh, deck or machine (.msh, .bdf, .urdf ..); default: typed at a prompt.")
+        Path,
+        typer.Argument(
+            help="Mesh, deck, section table or machine (.msh, .bdf, .csv, .urdf ..); default: a prompt."
+        ),
     ] = Path(),
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Case file to write; default: MESH.toml.")
     ] = None,
     debug: Debug = False,
 ) -> None:
-    """Write a commented case file for a mesh or machine, ready to run; comments mark guesses."""
+    """Write a commented case file for a mesh, section table or machine; comments mark the guesses."""
     from supple.cli.new_case import new_case
 
     with reported_errors(debug=debug), reported_warnings():
-        new_case(mesh if mesh != Path() else Path(typer.prompt("Mesh or deck")), output)
+        new_case(mesh if mesh != Path() else Path(typer.prompt("Mesh, deck or section table")), output)

@@ -7,10 +7,11 @@ from pathlib import Path
 from supple.errors import ImportFormatError
 from supple.importers.section_csv import read_section_csv
 from supple.importers.section_table import SectionTable
+from supple.importers.text_file import is_file
 from supple.importers.turbine.beamdyn import read_beamdyn_sections
 from supple.importers.turbine.windio_sections import read_windio_sections
 
-__all__ = ["SECTION_SUFFIXES", "read_section_table"]
+__all__ = ["SECTION_SUFFIXES", "is_section_file", "read_section_table"]
 
 _READERS = {
     ".csv": read_section_csv,
@@ -20,6 +21,19 @@ _READERS = {
     ".inp": read_beamdyn_sections,
 }
 SECTION_SUFFIXES = tuple(_READERS)
+_KEY_POINTS, _HEAD = b"kp_total", 1 << 14
+"""Key of BeamDyn's primary file, whose suffix is also that of decks; bytes in which it is searched."""
+
+
+def is_section_file(path: Path) -> bool:
+    """Whether a file is to be read as a section table: by its suffix, or as the primary file of BeamDyn."""
+    reader = _READERS.get(path.suffix.lower())
+    if reader is not read_beamdyn_sections:
+        return reader is not None
+    if not is_file(path):
+        return False
+    with path.open("rb") as file:
+        return _KEY_POINTS in file.read(_HEAD).lower()
 
 
 def read_section_table(path: str | Path) -> SectionTable:

@@ -91,6 +91,11 @@ class SectionTable:
         """Lengths (n,) from the first section to each section, along the chords between sections."""
         return read_only(np.append(0.0, np.linalg.norm(np.diff(self.positions, axis=0), axis=1).cumsum()))
 
+    @property
+    def mass(self) -> float:
+        """Mass of the sections, whose mass per length is linear in between."""
+        return float(np.trapezoid(self.inertia[:, 0, 0], self.lengths))
+
     def at(self, lengths: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Positions, axes, stiffness and inertia at some lengths (k,) along the chords, in this order."""
         s = np.asarray(lengths, dtype=float)
