@@ -131,6 +131,24 @@ def test_of_a_case_the_interface_that_no_joint_holds_is_where_a_tower_begins(cas
     assert "'strap' is none of the reduced bodies; did you mean 'strip'" in " ".join(unknown.output.split())
 
 
+def test_bushings_to_the_ground_are_in_the_superelement_of_a_pile(case_folder, tmp_path):
+    """A push along the axis of the body, which lies along y: the bushing's 2 kN/m, and the bar's 210 MN/m."""
+    case = case_folder / "strip.toml"
+    top = '[[body.interface]]\nname = "top"\nnodes = "TIP"\n\n[[element]]'
+    soil = 'kind = "bushing"\nstiffness = [1e3, 2e3, 4e3, 1e2, 1e2, 1e2]\ndamping = [0, 0, 0, 0, 0, 0]'
+    text = case.read_text().replace("[[joint]]", top).replace('kind = "fixed"', soil)
+    text = text.replace('"rubin", modes = 4', '"craig-bampton", modes = 4')
+    turned = 'name = "strip"\nrotation = [0, 0, 1.5707963267948966]\n'
+    case.write_text(text.replace('name = "strip"\n', turned, 1))
+    result = exported(case, "-o", tmp_path / "x.dat")
+    assert result.exit_code == 0, result.output
+    assert "root on springs" in " ".join(result.output.split())
+    lines = (tmp_path / "x.dat").read_text().splitlines()
+    first = lines.index("!Stiffness Matrix") + 2
+    stiffness = np.array([row.split()[:6] for row in lines[first : first + 6]], dtype=float)
+    assert np.linalg.inv(stiffness)[0, 0] == pytest.approx(1 / 2e3 + 1 / 2.1e8, rel=1e-6)
+
+
 BLADE = """\
 title = "blade"
 

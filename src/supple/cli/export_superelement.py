@@ -9,6 +9,7 @@ from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from supple.body import BodyForm
 from supple.cases import Case, read_case
@@ -20,6 +21,7 @@ from supple.export import (
     InterfaceForm,
     StatedFrequencies,
     blade_file_of,
+    extptfm_frequencies,
     floating_frequencies,
     interface_form,
     write_abaqus_superelement,
@@ -33,10 +35,13 @@ from supple.export import (
     write_sid,
 )
 from supple.importers import read_section_table
+from supple.machine import GROUND, Bushing
 from supple.methods.intrinsic import IntrinsicBody
 from supple.reduction import ReducedBody
 from supple.storage import read_reduced_body
 from supple.terminal import print_table, say, shown_step
+
+Matrix = NDArray[np.float64]
 
 _OF_INTERFACES: dict[str, Callable[[Path, InterfaceForm], object]] = {
     ".op4": write_output4_superelement,
@@ -110,15 +115,19 @@ def _write(target: Path, suffix: str, body: ReducedBody, case: Case | None, *, a
         _report(target, body, floating_frequencies(body), linear=suffix not in (".sid", ".sid_fem"))
         return
     form = interface_form(body)
+    stated = form.stated_frequencies()
     if suffix in _OF_INTERFACES:
         _OF_INTERFACES[suffix](target, form)
     elif suffix == _OPENFAST:
         if case is None:
             raise ArgumentError("give the case file for .dat: its joints to the ground fix the superelement")
-        write_extptfm(target, form, _free_interface(case, form), gravity=_downwards(case, body.name))
+        (free, springs), gravity = _supports(case, form), _downwards(case, body.name)
+        write_extptfm(target, form, free, gravity=gravity, springs=springs)
+        if springs:
+            stated.append(extptfm_frequencies(form, free, springs))
     else:
         (write_abaqus_superelement if abaqus else write_calculix_superelement)(target, form)
-    _report(target, body, form.stated_frequencies(), linear=True)
+    _report(target, body, stated, linear=True)
 
 
 def _report(target: Path, body: ReducedBody, stated: StatedFrequencies, *, linear: bool) -> None:
@@ -174,22 +183,55 @@ def _downwards(case: Case, name: str) -> NDArray[np.float64]:
         raise CaseError(
             f"{case.path}: gravity is along ({_listed(gravity)}) in the mesh axes of body '{name}', and "
             "ExtPtfm needs z upwards: rotate the mesh so that its z axis points upwards, and remove the "
-            "rotation of the body"
+            f"rotation of the body{_for_beamdyn(case, name)}"
         )
     return gravity
 
 
-def _free_interface(case: Case, form: InterfaceForm) -> str:
-    """The one interface of the body that is not joined to the ground."""
+def _supports(case: Case, form: InterfaceForm) -> tuple[str, dict[str, tuple[Matrix, Matrix]]]:
+    """The interface for the tower, and stiffness and damping of bushings to the ground at others, mesh axes.
+
+    It is the one interface without a joint or a bushing to the ground.
+    """
     ends = {(joint.first, joint.second) for joint in case.tables.joint}
     held = {other for pair in ends for end, other in (pair, pair[::-1]) if end == "ground"}
-    free = [name for name in form.interfaces if f"{form.name}.{name}" not in held]
+    loose = [name for name in form.interfaces if f"{form.name}.{name}" not in held]
+    springs: dict[str, tuple[Matrix, Matrix]] = {}
+    rotation = assembled_system(case).placed(form.name).rotation
+    for bushing in case.system.loads:
+        if not isinstance(bushing, Bushing) or GROUND not in (bushing.first, bushing.second):
+            continue
+        end = bushing.first if bushing.second == GROUND else bushing.second
+        if end.body != form.name or end.interface not in loose:
+            continue
+        if bushing.offset is not None:
+            raise CaseError(
+                f"{case.path}: the bushing at '{end}' has an offset, and ExtPtfm takes no preload of "
+                "springs: remove the offset"
+            )
+        turn = block_diag(*[rotation.T @ bushing.initial_axes] * 2)
+        k, c = (turn @ np.asarray(matrix) @ turn.T for matrix in (bushing.stiffness, bushing.damping))
+        stiffness, damping = springs.get(end.interface, (0.0, 0.0))
+        springs[end.interface] = (stiffness + k, damping + c)
+    # A bushing at the only loose interface takes the place of the tower.
+    free = [name for name in loose if name not in springs] or loose
     if len(free) != 1:
         raise CaseError(
             f"{case.path}: {len(free)} interfaces of '{form.name}' are not joined to the ground "
-            f"({', '.join(free) or 'none'}); ExtPtfm needs exactly one such interface, and fixes the others"
+            f"({', '.join(free) or 'none'}); ExtPtfm needs exactly one such interface. It fixes those with a "
+            "joint to the ground; springs of the soil are elements of kind 'bushing' to the ground"
+            f"{_for_beamdyn(case, form.name)}"
         )
-    return free[0]
+    springs.pop(free[0], None)
+    return free[0], springs
+
+
+def _for_beamdyn(case: Case, name: str) -> str:
+    """The remedy for a blade that was not meant for ExtPtfm."""
+    table = next(one for one in case.tables.body if one.name == name)
+    return (
+        "" if table.section_table is None else "; for BeamDyn give the body condense, not frame and reduction"
+    )
 
 
 def _chosen(case: Case, names: Sequence[str] | None, kinds: tuple[str, ...]) -> BodyForm:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import eigvalsh
 
 from supple.errors import ModelError
 from supple.export import write_beamdyn, write_extptfm
@@ -37,6 +38,31 @@ def test_extptfm_reads_the_superelement_clamped_elsewhere(form, craig_bampton, t
     np.testing.assert_allclose(found["LOADING"][0, 1:], expected, atol=1e-9 * abs(expected).max())
     with pytest.raises(ModelError, match="no interface 'tap'"):
         write_extptfm(path, form, "tap")
+
+
+def test_extptfm_reads_a_superelement_on_springs(form, tmp_path):
+    """Compliances add: that of the clamped body, and that of the springs, seen from the tower."""
+    k = np.diag([3e4, 2e4, 5e4, 400.0, 300.0, 200.0])
+    k[0, 4] = k[4, 0] = 500.0
+    path = write_extptfm(tmp_path / "pile.dat", form, "far tip/µ", springs={"root": (k, 1e-3 * k)})
+    assert "root on springs, all other interfaces clamped" in path.read_text()
+    found = read_extptfm(path)
+    K, M, C = (found[f"{name} MATRIX"] for name in ("STIFFNESS", "MASS", "DAMPING"))
+    assert abs(K[:6, 6:]).max() < 1e-9 * abs(K).max()  # the modes are those with the tower's end clamped
+    to_root = np.eye(6)
+    x, y, z = form.positions[1] - form.positions[0]
+    to_root[:3, 3:] = [[0, z, -y], [-z, 0, x], [y, -x, 0]]
+    clamped = np.linalg.inv(form.stiffness[6:12, 6:12])
+    expected = clamped + to_root @ np.linalg.solve(k, to_root.T)
+    np.testing.assert_allclose(np.linalg.inv(K[:6, :6]), expected, atol=1e-8 * abs(expected).max())
+    whole = form.stiffness.copy()
+    whole[:6, :6] += k
+    np.testing.assert_allclose(eigvalsh(K, M), eigvalsh(whole, form.mass), rtol=1e-7)
+    damped = 1e-5 * form.stiffness
+    damped[:6, :6] += 1e-3 * k
+    np.testing.assert_allclose(eigvalsh(C, M), eigvalsh(damped, form.mass), rtol=1e-6, atol=1e-12)
+    with pytest.raises(ModelError, match="no interface 'rot'"):
+        write_extptfm(path, form, "far tip/µ", springs={"rot": (k, k)})
 
 
 def blade(n=15):

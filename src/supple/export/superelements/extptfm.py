@@ -1,77 +1,121 @@
 """Support structures for OpenFAST: the reduction file of ExtPtfm (FLEX's text format).
 
-ExtPtfm joins a superelement at one point, the platform's reference point; all other interfaces are clamped.
+ExtPtfm joins a superelement at one point, the platform's reference point. All other interfaces are clamped,
+or stand on springs to the ground, such as those of the soil.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy import linalg
 
 from supple.errors import ModelError, did_you_mean
 from supple.export.ascii_file import write_ascii
 from supple.export.superelements.interface_form import InterfaceForm
+from supple.export.superelements.stated_frequencies import N_RIGID, N_STATED, frequencies
 
-__all__ = ["write_extptfm"]
+__all__ = ["extptfm_frequencies", "write_extptfm"]
+
+Array = NDArray[np.float64]
+Springs = Mapping[str, tuple[Array, Array]]
 
 _LAST_TIME = 1e5
 """Last time of the constant loads, s."""
 
 
 def write_extptfm(
-    path: Path | str, form: InterfaceForm, interface: str, *, gravity: ArrayLike = (0.0, 0.0, 0.0)
+    path: Path | str,
+    form: InterfaceForm,
+    interface: str,
+    *,
+    gravity: ArrayLike = (0.0, 0.0, 0.0),
+    springs: Springs | None = None,
 ) -> Path:
     """Write mass, stiffness, damping and weight of a body for ExtPtfm; returns the path.
 
-    All interfaces but one are clamped. Set FileFormat = 1 in the ExtPtfm input (0 is for Guyan reduction).
-    OpenFAST needs SI units, and z upwards.
+    Interfaces other than `interface` and those on springs are clamped. Set FileFormat = 1 in the ExtPtfm
+    input (0 is for Guyan reduction). OpenFAST needs SI units, and z upwards.
 
     Parameters
     ----------
     interface : interface that is joined to the tower
     gravity : (3,) in mesh axes, m/s^2; the constant loads are the weight of the undeformed body
+    springs : stiffness and damping (6, 6) of springs to the ground, by interface; in mesh axes, translations
+        first
 
     Raises
     ------
     ModelError          an unknown interface
     ResultFileError     the file cannot be written
     """
-    if interface not in form.interfaces:
-        near = did_you_mean(interface, form.interfaces)
-        raise ModelError(
-            f"body '{form.name}' has no interface '{interface}'{near}; it has: {', '.join(form.interfaces)}"
-        )
-    first, n = 6 * form.interfaces.index(interface), form.n_boundary
-    kept = np.r_[first : first + 6, n : n + form.n_modal]
+    matrices, columns = _supported(form, interface, springs or {})
+    words, stated = extptfm_frequencies(form, interface, springs or {})
+    listed = ", ".join(f"{value:.6g}" for value in stated)
+    n = columns.shape[1]
     lines = [f"!{line}" for line in form.comment()]
-    lines.append(f"!Flex 5 format; at {interface}, all other interfaces clamped: {_stated(form, interface)}")
     lines += [
-        f"!Dimension: {len(kept)}",
+        f"!Flex 5 format; {words}: {listed} cycles per unit of time",
+        f"!Dimension: {n}",
         f"!Time increment in simulation: {_LAST_TIME:g}",
         f"!Total simulation time in file: {_LAST_TIME:g}",
     ]
-    for name in ("Mass", "Stiffness", "Damping"):
-        matrix = getattr(form, name.lower())[np.ix_(kept, kept)]
-        lines += ["", f"!{name} Matrix", f"!Dimension: {len(kept)}", *_rows(matrix)]
-    weight = (form.mass @ _translations(form) @ np.asarray(gravity, dtype=float))[kept]
-    lines += ["", "!Loading and Wave Elevation", f"!Dimension: 1 time column -  {len(kept)} force columns"]
+    for name, matrix in matrices.items():
+        lines += ["", f"!{name} Matrix", f"!Dimension: {n}", *_rows(matrix)]
+    weight = columns.T @ form.mass @ _translations(form) @ np.asarray(gravity, dtype=float)
+    lines += ["", "!Loading and Wave Elevation", f"!Dimension: 1 time column -  {n} force columns"]
     lines += _rows(np.column_stack([[0.0, _LAST_TIME], np.tile(weight, (2, 1))]))
     return write_ascii(path, lines)
 
 
-def _stated(form: InterfaceForm, interface: str) -> str:
-    others = [name for name in form.interfaces if name != interface]
-    return ", ".join(f"{value:.6g}" for value in form.frequencies(others)[:6]) + " cycles per unit of time"
+def extptfm_frequencies(form: InterfaceForm, interface: str, springs: Springs) -> tuple[str, Array]:
+    """Words for the support of the body in ExtPtfm, and its lowest frequencies, cycles per unit of time."""
+    matrices, _ = _supported(form, interface, springs)
+    # A body that only ExtPtfm supports has six zero frequencies.
+    rigid = 0 if springs or len(form.interfaces) > 1 else N_RIGID
+    found = frequencies(matrices["Stiffness"], matrices["Mass"])[rigid:][:N_STATED]
+    standing = f"{', '.join(springs)} on springs, " if springs else ""
+    return f"at {interface}, {standing}all other interfaces clamped", found
 
 
-def _translations(form: InterfaceForm) -> NDArray[np.float64]:
+def _supported(form: InterfaceForm, interface: str, springs: Springs) -> tuple[dict[str, Array], Array]:
+    """Matrices by name in Craig-Bampton form with `interface`, and their coordinates (6 n + m, k)."""
+    for name in (interface, *springs):
+        if name not in form.interfaces:
+            near = did_you_mean(name, form.interfaces)
+            raise ModelError(
+                f"body '{form.name}' has no interface '{name}'{near}; it has: {', '.join(form.interfaces)}"
+            )
+    stiffness, damping = form.stiffness.copy(), form.damping.copy()
+    kept = [_rows_of(form, name) for name in (interface, *springs)]
+    for own, (k, c) in zip(kept[1:], springs.values(), strict=True):
+        stiffness[np.ix_(own, own)] += k
+        damping[np.ix_(own, own)] += c
+    inner = np.concatenate([*kept[1:], np.arange(form.n_boundary, len(form.mass))])
+    columns = np.zeros((len(form.mass), 6 + len(inner)))
+    columns[kept[0], :6] = np.eye(6)
+    columns[inner, 6:] = np.eye(len(inner))
+    if springs:
+        own, to_interface = stiffness[np.ix_(inner, inner)], stiffness[np.ix_(inner, kept[0])]
+        columns[inner, :6] = -np.linalg.solve(own, to_interface)
+        columns[inner, 6:] = linalg.eigh(own, form.mass[np.ix_(inner, inner)])[1]
+    all_of = {"Mass": form.mass, "Stiffness": stiffness, "Damping": damping}
+    return {name: columns.T @ matrix @ columns for name, matrix in all_of.items()}, columns
+
+
+def _rows_of(form: InterfaceForm, interface: str) -> NDArray[np.int64]:
+    return 6 * form.interfaces.index(interface) + np.arange(6)
+
+
+def _translations(form: InterfaceForm) -> Array:
     """Motion (6 n + m, 3) of all degrees of freedom with unit rigid translations."""
     motion = np.zeros((len(form.mass), 3))
     motion[: form.n_boundary] = np.tile(np.eye(6)[:, :3], (len(form.interfaces), 1))
     return motion
 
 
-def _rows(matrix: NDArray[np.float64]) -> list[str]:
+def _rows(matrix: Array) -> list[str]:
     return [" ".join(f"{value:24.16e}" for value in row) for row in matrix]
