@@ -175,6 +175,34 @@ def test_mistakes_of_elements_have_a_line_and_a_remedy(tmp_path, element, messag
         read_case(written(tmp_path, [element]))
 
 
+def test_a_bushing_takes_its_diagonal_or_a_matrix(tmp_path):
+    """The soil at a pile head couples translation and rotation."""
+    soil = np.diag([5.0, 5.0, 9.0, 4.0, 4.0, 2.0])
+    soil[0, 4] = soil[4, 0] = -1.5
+    ends = 'kind = "bushing", first = "ground", second = "wheel.rim", '
+    rows = str(soil.tolist()).replace(", ", ",")
+    given = (f"{ends}stiffness = {rows}", f"{ends}stiffness = [5, 5, 9, 4, 4, 2], damping = {rows}")
+    coupled, damped = read_case(written(tmp_path, given)).system.loads
+    np.testing.assert_array_equal(coupled.stiffness, soil)
+    np.testing.assert_array_equal(damped.stiffness, np.diag(np.diag(soil)))
+    np.testing.assert_array_equal(damped.damping, soil)
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "message"),
+    [
+        ("[1, 2, 3]", r"stiffness: 6 items are needed, got \[1, 2, 3\]"),
+        ('[1, 2, 3, 4, 5, "6"]', r"stiffness\[6\]: should be a valid number"),
+        ("[[1, 2], [2, 1]]", r"stiffness\[1\]: 6 items are needed"),
+        ("[[0,1,0,0,0,0]" + ",[0,0,0,0,0,0]" * 5 + "]", "stiffness must be symmetric"),
+    ],
+)
+def test_mistakes_of_a_matrix_have_their_place(tmp_path, stiffness, message):
+    element = f'kind = "bushing", first = "ground", second = "wheel.rim", stiffness = {stiffness}'
+    with pytest.raises(CaseError, match=message):
+        read_case(written(tmp_path, [element]))
+
+
 def test_springs_are_those_of_python_and_may_end_on_the_ground(tmp_path):
     """Without a free length a straight one has the distance of its ends at the start."""
     ends = '[[spring]]\nfirst = "ground"\nsecond = "wheel.rim"\nstiffness = 3.0\n'

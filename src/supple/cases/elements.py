@@ -4,18 +4,32 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from supple import machine
 from supple.cases.laws import ONE, LoadLaw
 from supple.cases.shared_rules import End, axes_with_length, usable_names
 from supple.cases.table import Key, Made, OneOf, part, table_of
-from supple.importers.toml import Mistakes, NonNegative, Positive, Raw, Vector, on_each, tables
+from supple.importers.toml import (
+    NUMBERS_OR_ROWS,
+    Mistakes,
+    NonNegative,
+    Positive,
+    Raw,
+    Vector,
+    on_each,
+    tables,
+)
 
 Pair = Annotated[tuple[float, float], Field(strict=False)]
 Numbers = Annotated[tuple[float, ...], Field(strict=False)]
 Rows = Annotated[tuple[Numbers, ...], Field(strict=False)]
 Six = Annotated[tuple[float, float, float, float, float, float], Field(strict=False)]
+SixRows = Annotated[tuple[Six, Six, Six, Six, Six, Six], Field(strict=False)]
+DiagonalOrRows = Annotated[
+    Annotated[Six, Tag(NUMBERS_OR_ROWS[0])] | Annotated[SixRows, Tag(NUMBERS_OR_ROWS[1])],
+    Discriminator(lambda given: NUMBERS_OR_ROWS[_has_rows(given)]),
+]
 Square = Annotated[tuple[Pair, Pair], Field(strict=False)]
 
 
@@ -29,6 +43,10 @@ def _as_table(value: Any) -> Any:
 
 
 Squares = Annotated[tuple[Square, ...], Field(strict=False), BeforeValidator(_as_table)]
+
+
+def _has_rows(given: Any) -> bool:
+    return isinstance(given, list | tuple) and any(isinstance(each, list | tuple) for each in given)
 
 
 class Element(Made):
@@ -79,8 +97,11 @@ ElementTable = Annotated[
         _element(
             machine.Bushing,
             "bushing",
-            stiffness=Key(Six, "three of translation, three of rotation; force per length, moment per rad"),
-            damping=Key(Six, "as stiffness; force per velocity, moment per angular velocity"),
+            stiffness=Key(
+                DiagonalOrRows,
+                "three of translation, three of rotation, or six rows; force per length, moment per rad",
+            ),
+            damping=Key(DiagonalOrRows, "as stiffness; force per velocity, moment per angular velocity"),
             offset=Key(
                 Vector,
                 "offset of the ends at zero force, bushing axes, a length; default: that at the start",

@@ -16,13 +16,16 @@ from supple.importers.toml.checked_table import CheckedTable
 from supple.importers.toml.line_index import KeyPath, LineIndex
 from supple.importers.toml.raw_tables import nearest_hint
 
-__all__ = ["UNKNOWN_KEY", "WORD_OR_TABLE", "checked", "listed_mistakes"]
+__all__ = ["NUMBERS_OR_ROWS", "UNKNOWN_KEY", "WORD_OR_TABLE", "checked", "listed_mistakes"]
 
 UNKNOWN_KEY = "unknown key"
 """First words of the mistake of a key that its table does not have."""
 
 WORD_OR_TABLE = ("word", "table")
 """Tags of a key that accepts a word or a table."""
+
+NUMBERS_OR_ROWS = ("numbers", "rows")
+"""Tags of a key that accepts the diagonal of a matrix, or its rows."""
 
 _Schema = Mapping[str, Any]
 _Root = TypeVar("_Root", bound=CheckedTable)
@@ -150,6 +153,10 @@ def _follow(root: _Schema, location: tuple[int | str, ...]) -> tuple[KeyPath, _S
         if not alternatives and part in WORD_OR_TABLE and "oneOf" in schema:
             option = next(each for each in schema["oneOf"] if ("$ref" in each) == (part == "table"))
             schema = _resolve(root, option)
+            continue
+        if not alternatives and part in NUMBERS_OR_ROWS and "oneOf" in schema:
+            own = {key: value for key, value in schema.items() if key != "oneOf"}
+            schema = {**_resolve(root, schema["oneOf"][NUMBERS_OR_ROWS.index(part)]), **own}
             continue
         path = (*path, part)
         if isinstance(part, int):
